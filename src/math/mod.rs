@@ -1,0 +1,7 @@
+//! Rays and random numbers. Imports nothing of ours.
+
+pub mod hash;
+pub mod ray;
+pub mod sampling;
+
+pub use ray::Ray;

@@ -1,0 +1,60 @@
+//! Colour: the only place with a power function. Linear, scene-referred Rec. 709 <-> sRGB; exposure; tone map.
+
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+
+/// How scene-referred radiance becomes display-referred colour.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ToneMap {
+    /// Narkowicz's fit of the ACES curve: bright lamps keep their hue, shadows some contrast.
+    #[default]
+    Aces,
+    /// Clipped at 1: what the numbers say, for measuring.
+    Linear,
+}
+
+impl ToneMap {
+    /// The name used on the command line and in the metadata of pictures.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Aces => "aces",
+            Self::Linear => "linear",
+        }
+    }
+}
+
+/// Display-referred linear colour in 0..1 for a radiance seen at an exposure in stops (EV).
+///
+/// Negative or NaN radiance is our own bug elsewhere; it shows as black, never as a random colour.
+pub fn display_linear(radiance: Vec3, exposure_ev: f32, tone_map: ToneMap) -> Vec3 {
+    let x = (radiance * exposure_ev.exp2()).max(Vec3::ZERO).min(Vec3::splat(65504.0));
+    match tone_map {
+        ToneMap::Linear => x.min(Vec3::ONE),
+        ToneMap::Aces => {
+            (x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14)).clamp(Vec3::ZERO, Vec3::ONE)
+        }
+    }
+}
+
+/// The 8-bit sRGB colour of a radiance.
+pub fn srgb8(radiance: Vec3, exposure_ev: f32, tone_map: ToneMap) -> [u8; 3] {
+    display_linear(radiance, exposure_ev, tone_map)
+        .to_array()
+        .map(|c| (srgb_from_linear(c) * 255.0 + 0.5) as u8)
+}
+
+/// IEC 61966-2-1, one channel, both in 0..1.
+pub fn srgb_from_linear(linear: f32) -> f32 {
+    if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
+}
+
+/// The inverse of [`srgb_from_linear`].
+pub fn linear_from_srgb(srgb: f32) -> f32 {
+    if srgb <= 0.040_45 { srgb / 12.92 } else { ((srgb + 0.055) / 1.055).powf(2.4) }
+}
+
+/// Rec. 709 luminance of a linear colour.
+pub fn luminance(linear: Vec3) -> f32 {
+    linear.dot(Vec3::new(0.2126, 0.7152, 0.0722))
+}

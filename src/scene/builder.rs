@@ -1,0 +1,346 @@
+//! From a model in world metres to a [`Scene`]: everything doubtful is dropped and counted here, once.
+
+use super::{Light, Material, MaterialId, NamedView, Needs, Scene, SceneFrame, Sky, Texture, lights, solids};
+use crate::camera::Camera;
+use crate::camera_path::{CameraKey, CameraPath};
+use glam::{DVec3, Vec2, Vec3};
+use serde::Serialize;
+use sha2::{Digest, Sha256};
+use std::path::PathBuf;
+
+/// Why there is no scene. Every message names what, where and what to do.
+#[derive(Debug, thiserror::Error)]
+pub enum SceneError {
+    /// A file could not be read.
+    #[error("{file}: {cause}; {remedy}", file = file.display())]
+    Read {
+        /// Which file.
+        file: PathBuf,
+        /// What the system or the decoder said.
+        cause: String,
+        /// What the user can do.
+        remedy: String,
+    },
+    /// A line of a file makes the rest meaningless.
+    #[error("{file}, line {line}: {cause}; {remedy}", file = file.display())]
+    Line {
+        /// Which file.
+        file: PathBuf,
+        /// From 1.
+        line: u64,
+        /// What is wrong.
+        cause: String,
+        /// What the user can do.
+        remedy: String,
+    },
+    /// Nothing to look at.
+    #[error(
+        "{name}: no triangle is left to show ({dropped} dropped); check that the file holds faces with an area"
+    )]
+    Empty {
+        /// The scene.
+        name: String,
+        /// Triangles that were dropped.
+        dropped: usize,
+    },
+    /// More than the engine's indices can name.
+    #[error("{name}: {count} {what}, at most {limit} are supported; split the model")]
+    TooLarge {
+        /// The scene.
+        name: String,
+        /// Of these things.
+        what: &'static str,
+        /// So many.
+        count: usize,
+        /// And so many are possible.
+        limit: usize,
+    },
+    /// No such embedded scene.
+    #[error("there is no embedded scene '{name}'; there are {known}")]
+    UnknownBuiltin {
+        /// As asked for.
+        name: String,
+        /// What there is.
+        known: String,
+    },
+    /// The user stopped it.
+    #[error("loading was cancelled")]
+    Cancelled,
+}
+
+/// Something doubtful that did not stop the import.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Warning {
+    /// Where it was found, relative to the scene's folder where possible; empty where no file is meant.
+    pub file: String,
+    /// From 1; 0 where no line is meant.
+    pub line: u64,
+    /// What, and what was done about it.
+    pub message: String,
+}
+
+/// A scene in the making: world metres, +Y up.
+#[derive(Clone, Debug, Default)]
+pub struct SceneBuilder {
+    /// File stem or `builtin:NAME`.
+    pub name: String,
+    /// Vertex positions, world metres.
+    pub positions: Vec<DVec3>,
+    /// Unit normals, zero where the face normal is meant; empty or one per position.
+    pub normals: Vec<Vec3>,
+    /// Texture coordinates; empty or one per position.
+    pub uvs: Vec<Vec2>,
+    /// Vertex indices, counter-clockwise seen from the front.
+    pub triangles: Vec<[u32; 3]>,
+    /// One per triangle.
+    pub triangle_materials: Vec<MaterialId>,
+    /// All materials.
+    pub materials: Vec<Material>,
+    /// All textures.
+    pub textures: Vec<Texture>,
+    /// Point lights: world position, intensity in radiance * square metres.
+    pub point_lights: Vec<(DVec3, Vec3)>,
+    /// A sun: unit direction towards it, angular radius in radians, irradiance facing it.
+    pub sun: Option<(Vec3, f32, Vec3)>,
+    /// A sky.
+    pub sky: Option<Sky>,
+    /// Saved views.
+    pub views: Vec<NamedView>,
+    /// The scene's walk.
+    pub walk: Option<CameraPath>,
+    /// What was doubtful so far.
+    pub warnings: Vec<Warning>,
+}
+
+impl SceneBuilder {
+    /// An empty scene.
+    pub fn new(name: &str) -> Self {
+        Self { name: name.to_owned(), ..Self::default() }
+    }
+
+    /// Adds a material.
+    pub fn add_material(&mut self, material: Material) -> MaterialId {
+        self.materials.push(material);
+        MaterialId(self.materials.len() as u32 - 1)
+    }
+
+    /// Adds a texture.
+    pub fn add_texture(&mut self, texture: Texture) -> super::TextureId {
+        self.textures.push(texture);
+        super::TextureId(self.textures.len() as u32 - 1)
+    }
+
+    /// Adds a vertex. `normal` may be zero: then the face's own normal is meant.
+    pub fn add_vertex(&mut self, position_m: DVec3, normal: Vec3, uv: Vec2) -> u32 {
+        self.positions.push(position_m);
+        self.normals.push(normal);
+        self.uvs.push(uv);
+        self.positions.len() as u32 - 1
+    }
+
+    /// Adds a triangle.
+    pub fn add_triangle(&mut self, vertices: [u32; 3], material: MaterialId) {
+        self.triangles.push(vertices);
+        self.triangle_materials.push(material);
+    }
+
+    /// Adds a flat quad, corners counter-clockwise seen from the front, with texture coordinates 0..`uv_size`.
+    pub fn add_quad(&mut self, corners_m: [DVec3; 4], uv_size: Vec2, material: MaterialId) {
+        let uvs = [Vec2::ZERO, Vec2::new(uv_size.x, 0.0), uv_size, Vec2::new(0.0, uv_size.y)];
+        let v: [u32; 4] = std::array::from_fn(|i| self.add_vertex(corners_m[i], Vec3::ZERO, uvs[i]));
+        self.add_triangle([v[0], v[1], v[2]], material);
+        self.add_triangle([v[0], v[2], v[3]], material);
+    }
+
+    /// Notes something doubtful.
+    pub fn warn(&mut self, file: &str, line: u64, message: impl Into<String>) {
+        self.warnings.push(Warning { file: file.to_owned(), line, message: message.into() });
+    }
+
+    /// Normalises, drops what cannot be traced, finds lights and solids.
+    ///
+    /// # Errors
+    /// [`SceneError::Empty`] where no triangle is left, [`SceneError::TooLarge`] beyond 2^32 - 2 vertices or 2^31
+    /// triangles.
+    pub fn finish(mut self) -> Result<Scene, SceneError> {
+        self.check_sizes()?;
+        if self.materials.is_empty() {
+            self.add_material(Material::diffuse("default", Vec3::splat(0.6)));
+        }
+        self.drop_untraceable(
+            |b, t| t.iter().all(|&v| b.positions.get(v as usize).is_some_and(|p| p.is_finite())),
+            "with a vertex that is missing or not finite",
+        );
+        let bounds_m = self.bounds_m()?;
+        let frame = frame_for(bounds_m);
+        let positions: Vec<Vec3> =
+            self.positions.iter().map(|&p| frame.scene_from_world_f64(p).as_vec3()).collect();
+        self.drop_untraceable(|_, t| has_area(t.map(|v| positions[v as usize])), "without area");
+        if self.triangles.is_empty() {
+            return Err(self.empty_error());
+        }
+        let lights = self.lights(&positions, &frame);
+        let needs = Needs::of(&self.materials, &lights, self.sky.as_ref());
+        let solids = solids::classify(&positions, &self.triangles, &self.triangle_materials, &self.materials);
+        if self.views.is_empty() {
+            self.views.push(NamedView { name: "start".to_owned(), camera: overview(bounds_m) });
+        }
+        let walk = self.walk.take().unwrap_or_else(|| turn_in_place(&self.views[0].camera));
+        let mut scene = Scene {
+            name: self.name,
+            hash: String::new(),
+            frame,
+            normals: if self.normals.iter().any(|n| *n != Vec3::ZERO) { self.normals } else { Vec::new() },
+            uvs: if needs.textures || needs.alpha { self.uvs } else { Vec::new() },
+            positions,
+            triangles: self.triangles,
+            triangle_materials: self.triangle_materials,
+            solids,
+            materials: self.materials,
+            textures: self.textures,
+            lights,
+            sky: self.sky,
+            views: self.views,
+            walk,
+            needs,
+            warnings: self.warnings,
+            bounds_m,
+        };
+        scene.hash = hash_of(&scene);
+        Ok(scene)
+    }
+
+    fn check_sizes(&self) -> Result<(), SceneError> {
+        let too_large = |what, count, limit| {
+            if count <= limit {
+                return Ok(());
+            }
+            Err(SceneError::TooLarge { name: self.name.clone(), what, count, limit })
+        };
+        too_large("vertices", self.positions.len(), u32::MAX as usize - 1)?;
+        too_large("triangles", self.triangles.len(), i32::MAX as usize)
+    }
+
+    fn drop_untraceable(&mut self, keep: impl Fn(&Self, [u32; 3]) -> bool, what: &str) {
+        let kept: Vec<bool> = self.triangles.iter().map(|&t| keep(self, t)).collect();
+        let dropped = kept.iter().filter(|k| !**k).count();
+        if dropped == 0 {
+            return;
+        }
+        let mut i = 0;
+        self.triangles.retain(|_| {
+            i += 1;
+            kept[i - 1]
+        });
+        i = 0;
+        self.triangle_materials.retain(|_| {
+            i += 1;
+            kept[i - 1]
+        });
+        let name = self.name.clone();
+        self.warn(&name, 0, format!("{dropped} triangles {what} were left out"));
+    }
+
+    fn bounds_m(&self) -> Result<[DVec3; 2], SceneError> {
+        let mut used = self.triangles.iter().flatten().map(|&v| self.positions[v as usize]);
+        let first = used.next().ok_or_else(|| self.empty_error())?;
+        Ok(used.fold([first, first], |[lo, hi], p| [lo.min(p), hi.max(p)]))
+    }
+
+    fn empty_error(&self) -> SceneError {
+        SceneError::Empty { name: self.name.clone(), dropped: self.warnings.len() }
+    }
+
+    fn lights(&mut self, positions: &[Vec3], frame: &SceneFrame) -> Vec<Light> {
+        let mut found = lights::from_emissive_triangles(
+            positions,
+            &self.triangles,
+            &self.triangle_materials,
+            &self.materials,
+        );
+        let square = (frame.units_per_metre * frame.units_per_metre) as f32;
+        for &(position, intensity) in &self.point_lights {
+            let position = frame.scene_from_world_f64(position).as_vec3();
+            found.push(Light::Point { position, intensity: intensity * square });
+        }
+        if found.is_empty() && self.sun.is_none() && self.sky.is_none() {
+            self.sun = Some(daylight_sun());
+            self.sky = Some(DAYLIGHT_SKY);
+            let name = self.name.clone();
+            self.warn(&name, 0, "the scene has no light; a sun and a sky were added");
+        }
+        if let Some((direction, radius, irradiance)) = self.sun {
+            found.push(Light::Sun { direction, cos_angular_radius: radius.cos(), irradiance });
+        }
+        if self.sky.is_some() {
+            found.push(Light::Sky);
+        }
+        found
+    }
+}
+
+/// A clear day's sky: the sun's light scattered, roughly a tenth of it.
+pub const DAYLIGHT_SKY: Sky = Sky {
+    zenith: Vec3::new(0.35, 0.55, 1.0),
+    horizon: Vec3::new(0.9, 0.95, 1.0),
+    ground: Vec3::new(0.25, 0.23, 0.2),
+};
+
+/// The sun at 55 degrees, south-south-east where -Z is north; 0.27 degrees in radius as seen from the earth.
+pub fn daylight_sun() -> (Vec3, f32, Vec3) {
+    let direction = DVec3::new(0.35, 1.0, 0.6).normalize_or(DVec3::Y).as_vec3();
+    (direction, 0.27f32.to_radians(), Vec3::new(10.0, 9.4, 8.4))
+}
+
+/// The frame that brings the box's diagonal to 512..1024 scene units and its centre near the origin.
+fn frame_for([low, high]: [DVec3; 2]) -> SceneFrame {
+    let diagonal = (high - low).length();
+    // A single point has no diagonal; any scale serves.
+    let exponent = if diagonal > 0.0 { 9 - diagonal.log2().floor() as i32 } else { 0 };
+    let units_per_metre = exponent_of_two(exponent.clamp(-1000, 1000));
+    let centre = low + (high - low) / 2.0;
+    // Whole scene units: the origin is then exact in f64, and a model moved by whole units keeps its bits.
+    SceneFrame { origin_in_world_m: (centre * units_per_metre).round() / units_per_metre, units_per_metre }
+}
+
+fn exponent_of_two(exponent: i32) -> f64 {
+    f64::from_bits(((1023 + exponent) as u64) << 52)
+}
+
+/// True where the cross product of two edges, computed in f64 from the very f32 corners, is not zero.
+fn has_area([a, b, c]: [Vec3; 3]) -> bool {
+    let (a, b, c) = (a.as_dvec3(), b.as_dvec3(), c.as_dvec3());
+    (b - a).cross(c - a).length_squared() > 0.0
+}
+
+/// A view of the whole model from outside, for a model that brings no view of its own.
+fn overview([low, high]: [DVec3; 2]) -> Camera {
+    let centre = low + (high - low) / 2.0;
+    let distance = (high - low).length();
+    Camera::look_at(centre + DVec3::new(0.5, 0.35, 0.8) * distance, centre, 60.0)
+}
+
+/// Once around from where the camera stands, for a model that brings no walk of its own.
+fn turn_in_place(camera: &Camera) -> CameraPath {
+    let key = |quarter: i32| {
+        let turned = Camera { yaw: camera.yaw + f64::from(quarter) * std::f64::consts::FRAC_PI_2, ..*camera };
+        CameraKey { eye: camera.eye, at: camera.eye + turned.forward() }
+    };
+    CameraPath { fov_y_deg: camera.fov_y.to_degrees(), frames: 120, keyframes: (0..=4).map(key).collect() }
+}
+
+/// SHA-256 of what decides a picture. Views, walk and warnings do not.
+fn hash_of(scene: &Scene) -> String {
+    let mut sha = Sha256::new();
+    sha.update(bytemuck::cast_slice(&scene.positions));
+    sha.update(bytemuck::cast_slice(&scene.normals));
+    sha.update(bytemuck::cast_slice(&scene.uvs));
+    sha.update(bytemuck::cast_slice(&scene.triangles));
+    scene.triangle_materials.iter().for_each(|m| sha.update(m.0.to_le_bytes()));
+    sha.update(format!("{:?}{:?}{:?}{:?}", scene.frame, scene.materials, scene.lights, scene.sky));
+    for t in &scene.textures {
+        sha.update(format!("{}x{} {:?}", t.width, t.height, t.encoding));
+        sha.update(bytemuck::cast_slice(&t.texels));
+    }
+    sha.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+}

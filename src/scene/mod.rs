@@ -1,0 +1,158 @@
+//! What is rendered, as plain data, and what it asks of the renderer.
+//!
+//! Everything enters through [`SceneBuilder`]: the importer and the embedded scenes alike.
+
+pub mod builder;
+pub mod builtin;
+pub mod import;
+mod lights;
+pub mod material;
+pub mod needs;
+mod solids;
+pub mod texture;
+
+pub use builder::{SceneBuilder, SceneError, Warning};
+pub use lights::Light;
+pub use material::{Material, MaterialKind, TextureRef};
+pub use needs::Needs;
+pub use texture::{Encoding, Texture};
+
+use crate::camera::Camera;
+use crate::camera_path::CameraPath;
+use glam::{DVec3, Vec2, Vec3};
+
+/// World metres <-> scene units.
+///
+/// The world keeps the model's own coordinates (in metres). Scene space has its origin near the model's centre and a
+/// diagonal in 512..1024, by a power of two: the same model at another place or another power-of-two size has the
+/// very same bits in scene space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SceneFrame {
+    /// World position of the scene-space origin, metres.
+    pub origin_in_world_m: DVec3,
+    /// Scene units per metre, a power of two.
+    pub units_per_metre: f64,
+}
+
+impl SceneFrame {
+    /// Scene space of a world position, before rounding to f32.
+    pub fn scene_from_world_f64(&self, world_m: DVec3) -> DVec3 {
+        (world_m - self.origin_in_world_m) * self.units_per_metre
+    }
+
+    /// World position, in metres, of a scene-space position.
+    pub fn world_from_scene(&self, scene: Vec3) -> DVec3 {
+        scene.as_dvec3() / self.units_per_metre + self.origin_in_world_m
+    }
+}
+
+/// Index into [`Scene::materials`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct MaterialId(pub u32);
+
+/// Index into [`Scene::textures`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct TextureId(pub u32);
+
+/// What a ray that leaves the scene sees, and what lights the scene from there: a clear sky by height.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sky {
+    /// Radiance straight up.
+    pub zenith: Vec3,
+    /// Radiance at the horizon.
+    pub horizon: Vec3,
+    /// Radiance from below.
+    pub ground: Vec3,
+}
+
+impl Sky {
+    /// Radiance arriving from a unit direction.
+    pub fn radiance(&self, direction: Vec3) -> Vec3 {
+        // The ground meets the horizon over a few degrees so that there is no edge to alias.
+        const BLEND_SINE: f32 = 0.08;
+        let up = direction.y.clamp(-1.0, 1.0);
+        if up >= 0.0 {
+            self.horizon.lerp(self.zenith, up.sqrt())
+        } else {
+            self.horizon.lerp(self.ground, (-up / BLEND_SINE).min(1.0))
+        }
+    }
+}
+
+/// A saved view.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedView {
+    /// What the user calls it.
+    pub name: String,
+    /// Where it looks from.
+    pub camera: Camera,
+}
+
+/// A scene, ready to be traced. Positions are in scene space.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// File stem or `builtin:NAME`.
+    pub name: String,
+    /// SHA-256 of everything that decides a picture, as lower-case hex.
+    pub hash: String,
+    /// World <-> scene.
+    pub frame: SceneFrame,
+    /// Vertex positions.
+    pub positions: Vec<Vec3>,
+    /// Unit vertex normals, or a zero vector where the face normal is meant; empty where no vertex has one.
+    pub normals: Vec<Vec3>,
+    /// Texture coordinates, v up; empty where nothing is textured.
+    pub uvs: Vec<Vec2>,
+    /// Vertex indices of each triangle.
+    pub triangles: Vec<[u32; 3]>,
+    /// Material of each triangle.
+    pub triangle_materials: Vec<MaterialId>,
+    /// For dielectrics: which triangles bound a solid, and which way it lies; empty without glass.
+    pub solids: Vec<SolidSide>,
+    /// All materials; at least one.
+    pub materials: Vec<Material>,
+    /// All textures.
+    pub textures: Vec<Texture>,
+    /// All lights, emissive surfaces included.
+    pub lights: Vec<Light>,
+    /// The sky, where there is one.
+    pub sky: Option<Sky>,
+    /// Where a visit starts. The first is the start view; never empty.
+    pub views: Vec<NamedView>,
+    /// The scene's own walk.
+    pub walk: CameraPath,
+    /// What the renderer must do for this scene.
+    pub needs: Needs,
+    /// Everything doubtful found on the way in.
+    pub warnings: Vec<Warning>,
+    /// Lower and upper corner, world metres.
+    pub bounds_m: [DVec3; 2],
+}
+
+/// How a triangle of a dielectric bounds it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SolidSide {
+    /// Part of an open sheet: light passes straight through.
+    Thin,
+    /// Part of a closed body whose inside lies behind the triangle (against its geometric normal).
+    InsideBehind,
+    /// Part of a closed body whose inside lies in front of the triangle.
+    InsideInFront,
+}
+
+impl Scene {
+    /// The three corners of a triangle.
+    pub fn corners(&self, triangle: u32) -> [Vec3; 3] {
+        self.triangles[triangle as usize].map(|v| self.positions[v as usize])
+    }
+
+    /// The material of a triangle.
+    pub fn material_of(&self, triangle: u32) -> &Material {
+        &self.materials[self.triangle_materials[triangle as usize].0 as usize]
+    }
+
+    /// The start view.
+    pub fn start(&self) -> &Camera {
+        &self.views[0].camera
+    }
+}

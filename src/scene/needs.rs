@@ -1,0 +1,50 @@
+//! What a scene asks of the renderer, and so what can be left out.
+
+use super::{Light, Material, MaterialKind, Sky};
+use serde::Serialize;
+
+/// The features a scene uses. Decided once, when the scene is complete.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Needs {
+    /// Some surface mirrors.
+    pub mirror: bool,
+    /// Some surface lets light through.
+    pub glass: bool,
+    /// Some surface has a colour texture.
+    pub textures: bool,
+    /// Some surface is cut out by a texture.
+    pub alpha: bool,
+    /// Some light has an area.
+    pub area_lights: bool,
+    /// Rays may leave the scene into a sky.
+    pub sky: bool,
+}
+
+impl Needs {
+    pub(super) fn of(materials: &[Material], lights: &[Light], sky: Option<&Sky>) -> Self {
+        let any = |test: fn(&Material) -> bool| materials.iter().any(test);
+        Self {
+            mirror: any(|m| matches!(m.kind, MaterialKind::Mirror { .. })),
+            glass: any(|m| matches!(m.kind, MaterialKind::Glass { .. })),
+            textures: any(|m| m.diffuse_texture.is_some()),
+            alpha: any(|m| m.alpha_texture.is_some()),
+            area_lights: lights.iter().any(|l| matches!(l, Light::Quad { .. } | Light::Triangles { .. })),
+            sky: sky.is_some(),
+        }
+    }
+
+    /// In words, what the renderer does not do because the scene does not need it.
+    pub fn left_out(&self) -> Vec<&'static str> {
+        [
+            (self.mirror || self.glass, "secondary rays"),
+            (self.glass, "refraction and solid bodies"),
+            (self.textures || self.alpha, "texture coordinates"),
+            (self.alpha, "alpha test"),
+            (self.area_lights, "area lights"),
+            (self.sky, "sky"),
+        ]
+        .into_iter()
+        .filter_map(|(needed, what)| (!needed).then_some(what))
+        .collect()
+    }
+}
