@@ -74,6 +74,8 @@ pub struct View {
     pub scene_from_camera: Mat3,
     /// Scene-space direction of the picture point (x, y, 1), in pixels.
     pub scene_from_pixel: Mat3,
+    /// The same before rounding, for the product with another view's inverse.
+    pub scene_from_pixel_f64: DMat3,
     /// Half the picture's height on the plane at depth one.
     pub tan_half_fov_y: f32,
 }
@@ -98,6 +100,7 @@ impl View {
             eye_f64,
             scene_from_camera: axes.as_mat3(),
             scene_from_pixel: (axes * camera_from_pixel).as_mat3(),
+            scene_from_pixel_f64: axes * camera_from_pixel,
             tan_half_fov_y: tan as f32,
         }
     }

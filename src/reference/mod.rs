@@ -1,0 +1,11 @@
+//! Reference images: what they store, how they are traced, kept, chosen and placed.
+
+pub mod cache;
+pub mod frame;
+mod pixel_warp;
+pub mod placement;
+
+pub use cache::{ReferenceCache, ReferenceId};
+pub use frame::ReferenceFrame;
+pub use pixel_warp::PixelWarp;
+pub use placement::{Observation, PlacementPolicy};

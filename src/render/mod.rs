@@ -1,0 +1,42 @@
+//! The stages in order, timed: from a pose and the references at hand to a finished frame.
+
+pub mod frame;
+pub mod renderer;
+pub mod walkthrough;
+
+pub use frame::{Frame, FrameStats, StageSecs};
+pub use renderer::Renderer;
+pub use walkthrough::{Walkthrough, WalkthroughSettings};
+
+use crate::trace::TraceSettings;
+use serde::{Deserialize, Serialize};
+
+/// How a frame is made.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Mode {
+    /// The ordinary ray tracer: the baseline, and the truth at many samples.
+    Full,
+    /// The paper to the letter, for comparison; never improved.
+    #[default]
+    Paper,
+}
+
+impl Mode {
+    /// The name used on the command line and in records.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Full => "full",
+            Self::Paper => "paper",
+        }
+    }
+}
+
+/// What a frame is made with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RenderSettings {
+    /// Which stages.
+    pub mode: Mode,
+    /// Samples, bounces, seed.
+    pub trace: TraceSettings,
+}

@@ -1,0 +1,197 @@
+//! One frame: warp, classify, finish each list.
+
+use super::frame::{Frame, NO_SUPPLIER};
+use super::{Mode, RenderSettings};
+use crate::camera::{Camera, View};
+use crate::math::hash::Key;
+use crate::reference::ReferenceFrame;
+use crate::reference::frame::NO_TRIANGLE;
+use crate::reproject::classify::classify;
+use crate::reproject::{PixelType, TypeCounts, WarpBuffer};
+use crate::trace::parallel::{Stop, tile_order, trace_pixels};
+use crate::trace::{PixelTrace, SurfacePoint, Tracer};
+use glam::Vec3;
+use rayon::prelude::*;
+use std::time::Instant;
+
+/// Renders frames; keeps its buffers from one to the next.
+#[derive(Debug)]
+pub struct Renderer {
+    frame: Frame,
+    warped: WarpBuffer,
+    order: Vec<u32>,
+    order_size: [u32; 2],
+    secondary: Vec<u32>,
+    unseen: Vec<u32>,
+    traced: Vec<Option<PixelTrace>>,
+    specular: Vec<Option<Vec3>>,
+}
+
+impl Default for Renderer {
+    fn default() -> Self {
+        Self {
+            frame: Frame::empty(),
+            warped: WarpBuffer::default(),
+            order: Vec::new(),
+            order_size: [0, 0],
+            secondary: Vec::new(),
+            unseen: Vec::new(),
+            traced: Vec::new(),
+            specular: Vec::new(),
+        }
+    }
+}
+
+impl Renderer {
+    /// The last frame.
+    pub fn frame(&self) -> &Frame {
+        &self.frame
+    }
+
+    /// Adds the time that choosing the references took to the last frame's.
+    pub(super) fn add_select_secs(&mut self, secs: f64) {
+        self.frame.stats.secs.select = secs;
+        self.frame.stats.secs.frame += secs;
+    }
+
+    /// Renders a view from references (of the tracer's epoch; others are a bug of the caller). Pixels that a stop
+    /// left undone show what was known of them, and the frame says that it is not complete.
+    ///
+    /// # Panics
+    /// Where a reference is of another epoch.
+    pub fn render(
+        &mut self,
+        tracer: &Tracer,
+        camera: &Camera,
+        size: [u32; 2],
+        settings: &RenderSettings,
+        references: &[&ReferenceFrame],
+        stop: Stop<'_>,
+    ) -> &Frame {
+        assert!(references.iter().all(|r| r.epoch == tracer.epoch()), "a reference of another epoch");
+        let start = Instant::now();
+        let view = View::new(camera, &tracer.scene().frame, size);
+        self.frame.reset(camera, &view);
+        self.frame.stats.is_complete = true;
+        if self.order_size != size {
+            self.order = tile_order(size);
+            self.order_size = size;
+        }
+        let references = if settings.mode == Mode::Full { &[] } else { references };
+        self.reproject(references);
+        if settings.mode == Mode::Paper {
+            self.finish_secondary(tracer, settings, references, stop);
+        }
+        self.finish_unseen(tracer, settings, stop);
+        self.frame.stats.types = TypeCounts::of(&self.frame.types);
+        self.frame.stats.secs.frame = start.elapsed().as_secs_f64();
+        &self.frame
+    }
+
+    /// Steps 1 to 3 of the paper, with the copying of Type 1, and the lists of what is left to do.
+    fn reproject(&mut self, references: &[&ReferenceFrame]) {
+        let start = Instant::now();
+        self.frame.stats.references_used = references.len();
+        self.frame.stats.warped_pixels = references.iter().map(|r| r.view.pixel_count()).sum();
+        self.secondary.clear();
+        self.unseen.clear();
+        if references.is_empty() {
+            self.frame.types.fill(PixelType::Unseen);
+            self.frame.supplier.fill(NO_SUPPLIER);
+            self.unseen.extend_from_slice(&self.order);
+            return;
+        }
+        self.warped.warp(references, &self.frame.view);
+        self.copy_samples(references);
+        for &pixel in &self.order {
+            match self.frame.types[pixel as usize] {
+                PixelType::Secondary => self.secondary.push(pixel),
+                PixelType::Unseen => self.unseen.push(pixel),
+                _ => {}
+            }
+        }
+        self.frame.stats.secs.warp = start.elapsed().as_secs_f64();
+    }
+
+    /// Takes over what the winning samples know. What is not known keeps the neighbour's colour on the left, so that a
+    /// frame that is shown before it is complete has no holes.
+    fn copy_samples(&mut self, references: &[&ReferenceFrame]) {
+        let width = self.frame.view.size[0].max(1) as usize;
+        let warped = &self.warped;
+        let frame = &mut self.frame;
+        (
+            frame.radiance.par_chunks_mut(width),
+            frame.disparity.par_chunks_mut(width),
+            frame.triangle.par_chunks_mut(width),
+            frame.types.par_chunks_mut(width),
+            frame.supplier.par_chunks_mut(width),
+        )
+            .into_par_iter()
+            .enumerate()
+            .with_min_len(8)
+            .for_each(|(y, (radiance, disparity, triangle, types, supplier))| {
+                let mut left = Vec3::ZERO;
+                for x in 0..width {
+                    let pixel = y * width + x;
+                    types[x] = classify(warped, references, pixel);
+                    supplier[x] = NO_SUPPLIER;
+                    if let Some((sample, sample_disparity)) = warped.sample(pixel) {
+                        let (reference, at) = (references[sample.slot()], sample.pixel() as usize);
+                        left = reference.diffuse()[at];
+                        disparity[x] = sample_disparity;
+                        triangle[x] = reference.triangle()[at];
+                        supplier[x] = sample.slot() as u8;
+                    }
+                    radiance[x] = left;
+                }
+            });
+    }
+
+    /// Type 2: secondary rays from the stored intersection point, as seen from the new eye.
+    fn finish_secondary(
+        &mut self,
+        tracer: &Tracer,
+        settings: &RenderSettings,
+        references: &[&ReferenceFrame],
+        stop: Stop<'_>,
+    ) {
+        let start = Instant::now();
+        let (view, warped) = (&self.frame.view, &self.warped);
+        let (rays, complete) = trace_pixels(&self.secondary, &mut self.specular, stop, |pixel, rays| {
+            let Some((sample, _)) = warped.sample(pixel as usize) else { return Vec3::ZERO };
+            let reference = references[sample.slot()];
+            let offset = reference.offset_from_eye(sample.pixel());
+            let direction = offset + reference.view.eye_relative_to(view);
+            let triangle = reference.triangle()[sample.pixel() as usize];
+            let position = reference.view.eye + offset;
+            let point = SurfacePoint::from_position(tracer.scene(), triangle, position, direction);
+            let key = Key::of_pixel(settings.trace.seed, pixel);
+            tracer.specular_radiance(&point, direction, &settings.trace, key, rays).0
+        });
+        for (&pixel, specular) in self.secondary.iter().zip(&self.specular) {
+            self.frame.radiance[pixel as usize] += specular.unwrap_or(Vec3::ZERO);
+        }
+        self.frame.stats.rays += rays;
+        self.frame.stats.is_complete &= complete;
+        self.frame.stats.secs.secondary = start.elapsed().as_secs_f64();
+    }
+
+    /// Type 3: traced in full.
+    fn finish_unseen(&mut self, tracer: &Tracer, settings: &RenderSettings, stop: Stop<'_>) {
+        let start = Instant::now();
+        let view = &self.frame.view;
+        let (rays, complete) = trace_pixels(&self.unseen, &mut self.traced, stop, |pixel, rays| {
+            tracer.pixel(view, pixel, &settings.trace, rays)
+        });
+        for (&pixel, traced) in self.unseen.iter().zip(&self.traced) {
+            let Some(traced) = traced else { continue };
+            let pixel = pixel as usize;
+            self.frame.radiance[pixel] = traced.radiance;
+            self.frame.disparity[pixel] = traced.hit.map_or(0.0, |hit| 1.0 / hit.t);
+            self.frame.triangle[pixel] = traced.hit.map_or(NO_TRIANGLE, |hit| hit.triangle);
+        }
+        self.frame.stats.rays += rays;
+        self.frame.stats.is_complete &= complete;
+        self.frame.stats.secs.trace = start.elapsed().as_secs_f64();
+    }
+}

@@ -1,0 +1,158 @@
+//! A walk: frame after frame from the cache, and the wish for a new reference where the policy has one.
+//!
+//! The window and the headless tour run the same walk; they differ only in when a wished reference is traced.
+
+use super::{Frame, Mode, RenderSettings, Renderer};
+use crate::camera::Camera;
+use crate::reference::{Observation, PlacementPolicy, ReferenceCache, ReferenceFrame, ReferenceId};
+use crate::trace::parallel::Stop;
+use crate::trace::{TraceSettings, Tracer};
+use std::sync::Arc;
+use std::time::Instant;
+
+/// What a walk is made with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WalkthroughSettings {
+    /// Mode, samples, bounces, seed.
+    pub render: RenderSettings,
+    /// Where references are added.
+    pub placement: PlacementPolicy,
+    /// References a frame uses at most.
+    pub most_references: usize,
+    /// Memory for references, bytes.
+    pub cache_bytes: usize,
+}
+
+impl Default for WalkthroughSettings {
+    fn default() -> Self {
+        Self {
+            render: RenderSettings::default(),
+            placement: PlacementPolicy::default(),
+            most_references: 8,
+            cache_bytes: 512 << 20,
+        }
+    }
+}
+
+/// The state of a walk.
+#[derive(Debug)]
+pub struct Walkthrough {
+    tracer: Arc<Tracer>,
+    cache: ReferenceCache,
+    renderer: Renderer,
+    settings: WalkthroughSettings,
+    previous: Option<Camera>,
+    wanted: Option<Camera>,
+    used: Vec<ReferenceId>,
+    references_made: u32,
+}
+
+impl Walkthrough {
+    /// A walk with an empty cache.
+    pub fn new(tracer: Arc<Tracer>, settings: WalkthroughSettings) -> Self {
+        Self {
+            tracer,
+            cache: ReferenceCache::new(settings.cache_bytes),
+            renderer: Renderer::default(),
+            settings,
+            previous: None,
+            wanted: None,
+            used: Vec::new(),
+            references_made: 0,
+        }
+    }
+
+    /// The scene being walked.
+    pub fn tracer(&self) -> &Arc<Tracer> {
+        &self.tracer
+    }
+
+    /// Another scene, or the same one edited: references of the old one are dropped.
+    pub fn set_tracer(&mut self, tracer: Arc<Tracer>) {
+        self.tracer = tracer;
+        self.cache.clear();
+        (self.previous, self.wanted) = (None, None);
+    }
+
+    /// The references.
+    pub fn cache(&self) -> &ReferenceCache {
+        &self.cache
+    }
+
+    /// The references, to be changed.
+    pub fn cache_mut(&mut self) -> &mut ReferenceCache {
+        &mut self.cache
+    }
+
+    /// What the walk is made with.
+    pub fn settings(&self) -> &WalkthroughSettings {
+        &self.settings
+    }
+
+    /// Changes what the walk is made with from the next frame on.
+    pub fn set_settings(&mut self, settings: WalkthroughSettings) {
+        self.cache.set_budget_bytes(settings.cache_bytes);
+        self.settings = settings;
+    }
+
+    /// The last frame.
+    pub fn frame(&self) -> &Frame {
+        self.renderer.frame()
+    }
+
+    /// The references the last frame used, in the order of [`Frame::supplier`].
+    pub fn used(&self) -> &[ReferenceId] {
+        &self.used
+    }
+
+    /// Renders the next frame; afterwards [`Self::wanted_reference`] tells whether the policy wants a new reference.
+    pub fn render(&mut self, camera: &Camera, size: [u32; 2], stop: Stop<'_>) -> &Frame {
+        let start = Instant::now();
+        let view = crate::camera::View::new(camera, &self.tracer.scene().frame, size);
+        let selected = match self.settings.render.mode {
+            Mode::Full => Vec::new(),
+            Mode::Paper => self.cache.select(&view, self.tracer.epoch(), self.settings.most_references),
+        };
+        let select_secs = start.elapsed().as_secs_f64();
+        let references: Vec<&ReferenceFrame> = selected.iter().map(|r| &*r.frame).collect();
+        self.renderer.render(&self.tracer, camera, size, &self.settings.render, &references, stop);
+        self.renderer.add_select_secs(select_secs);
+        self.used = selected.iter().map(|r| r.id).collect();
+        let shares: Vec<_> = self.used.iter().copied().zip(self.renderer.frame().supplier_shares()).collect();
+        self.cache.note_contributions(&shares);
+        self.wanted = self.decide(camera);
+        self.previous = Some(*camera);
+        self.renderer.frame()
+    }
+
+    fn decide(&self, camera: &Camera) -> Option<Camera> {
+        if self.settings.render.mode == Mode::Full {
+            return None;
+        }
+        let seen = Observation {
+            camera: *camera,
+            previous: self.previous.unwrap_or(*camera),
+            type3_percent: self.frame().stats.types.percentages().type3_percent,
+            held: self.cache.entries().len(),
+        };
+        self.settings.placement.decide(&seen, &self.tracer)
+    }
+
+    /// The pose at which the policy wants a reference after the last frame.
+    pub fn wanted_reference(&self) -> Option<Camera> {
+        self.wanted
+    }
+
+    /// What the next reference is to be traced with. Each has a seed of its own, so that the noise of several
+    /// references is independent.
+    pub fn reference_settings(&mut self) -> TraceSettings {
+        self.references_made += 1;
+        let trace = self.settings.render.trace;
+        TraceSettings { seed: trace.seed.wrapping_add(u64::from(self.references_made) << 32), ..trace }
+    }
+
+    /// Adds a finished reference. One of another epoch is refused and `None` returned.
+    pub fn insert(&mut self, reference: ReferenceFrame) -> Option<ReferenceId> {
+        (reference.epoch == self.tracer.epoch()).then(|| self.cache.insert(Arc::new(reference)))
+    }
+}

@@ -1,0 +1,65 @@
+//! The bounding volume hierarchy: nearest hit and any hit, watertight.
+//!
+//! `obvhs` builds a binary tree (PLOC with reinsertion); we fold it into nodes of four children and leaves of four
+//! triangles, each tested by one SIMD step. The library's own traversal was not used because it has neither boxes
+//! that are never missed by rounding (Ize) nor a watertight triangle test, and both must be one piece with the
+//! traversal: a box that is missed makes the best triangle test useless.
+
+mod build;
+mod packet;
+mod traverse;
+
+use packet::TrianglePacket;
+
+/// A triangle met by a ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Distance in units of the ray's direction.
+    pub t: f32,
+    /// Index into the scene's triangles.
+    pub triangle: u32,
+    /// Barycentric weight of the second corner.
+    pub b1: f32,
+    /// Barycentric weight of the third corner.
+    pub b2: f32,
+}
+
+/// Four children: their boxes side by side, so that one SIMD step tests them all.
+#[repr(C, align(64))]
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    /// Lower x, upper x, lower y, upper y, lower z, upper z of each child; an absent child's box is inverted.
+    bounds: [[f32; 4]; 6],
+    /// See [`Child`].
+    children: [Child; 4],
+}
+
+const _: () = assert!(size_of::<Node>() == 128, "a node is two cache lines");
+
+/// An inner node's index, or with the top bit set a leaf's packet index.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Child(u32);
+
+impl Child {
+    const LEAF: u32 = 1 << 31;
+    const NONE: Self = Self(u32::MAX);
+
+    fn packet(self) -> Option<usize> {
+        (self.0 & Self::LEAF != 0).then_some((self.0 & !Self::LEAF) as usize)
+    }
+}
+
+/// The hierarchy over the triangles of one scene.
+#[derive(Debug)]
+pub struct Bvh {
+    nodes: Vec<Node>,
+    packets: Vec<TrianglePacket>,
+    root: Child,
+}
+
+impl Bvh {
+    /// Memory held, bytes.
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.nodes.as_slice()) + size_of_val(self.packets.as_slice())
+    }
+}

@@ -1,0 +1,146 @@
+//! The light a surface scatters alike to every side: the part of radiance that a reference image can lend.
+//!
+//! Next-event estimation: every light that is not behind the surface gets its own stratified shadow rays. Diffuse
+//! interreflection is path traced when bounces are asked for.
+
+use super::light_sample::{is_behind, sample, sample_count};
+use super::pixel::{RayCounts, TraceSettings};
+use super::{SurfacePoint, Tracer};
+use crate::math::Ray;
+use crate::math::hash::Key;
+use crate::math::sampling::{cosine_hemisphere, frame_around, lattice};
+use glam::Vec3;
+use std::f32::consts::{FRAC_1_PI, PI};
+
+/// Dimensions of the random numbers of one surface point. Lights take their index.
+const INDIRECT: u32 = 1 << 24;
+
+impl Tracer {
+    /// Emitted plus diffusely reflected radiance of a surface point, on the side it is seen from.
+    ///
+    /// `share` (0..1) is how much of the pixel this point is: shadow rays are spent in proportion, at least one.
+    pub fn diffuse_radiance(
+        &self,
+        point: &SurfacePoint,
+        share: f32,
+        settings: &TraceSettings,
+        key: Key,
+        rays: &mut RayCounts,
+    ) -> Vec3 {
+        let scene = self.scene();
+        let emission = scene.materials[point.material.0 as usize].emission;
+        let albedo = point.albedo(scene);
+        if albedo == Vec3::ZERO {
+            return emission;
+        }
+        let samples = ((settings.samples as f32 * share).ceil() as u32).clamp(1, settings.samples.max(1));
+        let mut irradiance = self.irradiance(point, samples, key, rays);
+        if settings.bounces > 0 {
+            irradiance += self.indirect_irradiance(point, samples, settings.bounces, key, rays);
+        }
+        emission + albedo * FRAC_1_PI * irradiance
+    }
+
+    /// Irradiance that arrives straight from the lights, `samples` shadow rays each.
+    pub fn irradiance(&self, point: &SurfacePoint, samples: u32, key: Key, rays: &mut RayCounts) -> Vec3 {
+        let origin = point.origin_in_front();
+        let mut total = Vec3::ZERO;
+        for (index, light) in self.scene().lights.iter().enumerate() {
+            if is_behind(light, point) {
+                continue;
+            }
+            let count = sample_count(light, samples);
+            let key = key.with(index as u32);
+            let mut sum = Vec3::ZERO;
+            for i in 0..count {
+                let Some(s) = sample(self.scene(), light, point, origin, (i, count), key) else { continue };
+                rays.shadow += 1;
+                sum += s.irradiance * self.transmittance(&s.shadow_ray);
+            }
+            total += sum / count as f32;
+        }
+        total
+    }
+
+    /// Irradiance by way of other diffuse surfaces: `samples` paths of up to `bounces` vertices, one shadow ray per
+    /// light at each. Light met directly is left out: [`Self::irradiance`] has it already.
+    fn indirect_irradiance(
+        &self,
+        point: &SurfacePoint,
+        samples: u32,
+        bounces: u32,
+        key: Key,
+        rays: &mut RayCounts,
+    ) -> Vec3 {
+        let key = key.with(INDIRECT);
+        let mut sum = Vec3::ZERO;
+        for i in 0..samples {
+            let u = lattice(i, samples, key.pair());
+            sum += self.path_radiance(point, u, bounces, key.with(i), rays);
+        }
+        sum * (PI / samples as f32)
+    }
+
+    fn path_radiance(
+        &self,
+        start: &SurfacePoint,
+        mut u: [f32; 2],
+        bounces: u32,
+        key: Key,
+        rays: &mut RayCounts,
+    ) -> Vec3 {
+        let (mut point, mut throughput, mut radiance) = (*start, Vec3::ONE, Vec3::ZERO);
+        for bounce in 0..bounces {
+            let key = key.with(INDIRECT + bounce);
+            let direction = frame_around(point.shading_normal) * cosine_hemisphere(u);
+            if point.geometric_normal.dot(direction) <= 0.0 {
+                break;
+            }
+            let Some((next, through_specular)) = self.next_diffuse_point(
+                Ray::new(point.origin_in_front(), direction),
+                &mut throughput,
+                key,
+                rays,
+            ) else {
+                break;
+            };
+            if through_specular {
+                // No shadow ray finds a light by way of a mirror, so here its emission counts.
+                radiance += throughput * self.scene().materials[next.material.0 as usize].emission;
+            }
+            throughput *= next.albedo(self.scene());
+            if throughput.max_element() <= 0.0 {
+                break;
+            }
+            radiance += throughput * FRAC_1_PI * self.irradiance(&next, 1, key, rays);
+            point = next;
+            u = key.with(INDIRECT).pair();
+        }
+        radiance
+    }
+
+    /// Follows a ray to the next surface that scatters, through mirrors and glass on the way (one branch, chosen at
+    /// random by its weight).
+    fn next_diffuse_point(
+        &self,
+        mut ray: Ray,
+        throughput: &mut Vec3,
+        key: Key,
+        rays: &mut RayCounts,
+    ) -> Option<(SurfacePoint, bool)> {
+        const LONGEST_CHAIN: u32 = 64;
+        for link in 0..LONGEST_CHAIN {
+            rays.indirect += 1;
+            let hit = self.closest(&ray)?;
+            let point = self.surface(&ray, &hit);
+            let material = &self.scene().materials[point.material.0 as usize];
+            if !material.is_specular() {
+                return Some((point, link > 0));
+            }
+            let (next, weight) = self.choose_branch(&point, ray.direction, key.with(link).pair()[0])?;
+            ray = next;
+            *throughput *= weight;
+        }
+        None
+    }
+}

@@ -1,0 +1,117 @@
+//! One light as a surface point sees it: where its sample points are and what each would bring.
+
+use crate::math::Ray;
+use crate::math::hash::Key;
+use crate::math::sampling::{cosine_hemisphere, frame_around, lattice, uniform_cone, uniform_triangle};
+use crate::scene::{Light, Scene};
+use crate::trace::surface::SurfacePoint;
+use glam::Vec3;
+use std::f32::consts::PI;
+
+/// A shadow ray and the irradiance it brings where nothing is in the way.
+pub(super) struct LightSample {
+    pub(super) shadow_ray: Ray,
+    pub(super) irradiance: Vec3,
+}
+
+/// Samples a light needs: a point is seen or not, everything else has an extent.
+pub(super) fn sample_count(light: &Light, samples: u32) -> u32 {
+    if matches!(light, Light::Point { .. }) { 1 } else { samples }
+}
+
+/// True where the light lies wholly behind the surface, so that it need not be sampled.
+pub(super) fn is_behind(light: &Light, point: &SurfacePoint) -> bool {
+    let n = point.geometric_normal;
+    let above = |p: Vec3| n.dot(p - point.position) > 0.0;
+    match light {
+        Light::Quad { corner, edge_u, edge_v, .. } => {
+            let far = *corner + *edge_u + *edge_v;
+            ![*corner, *corner + *edge_u, *corner + *edge_v, far].into_iter().any(above)
+        }
+        Light::Triangles { corners, .. } => !corners.iter().flatten().any(|&p| above(p)),
+        Light::Point { position, .. } => !above(*position),
+        // The disk's rim may still be above a horizon its centre is below.
+        Light::Sun { direction, cos_angular_radius, .. } => {
+            let sin = (1.0 - cos_angular_radius * cos_angular_radius).max(0.0).sqrt();
+            n.dot(*direction) <= -sin
+        }
+        Light::Sky => false,
+    }
+}
+
+/// Sample `index` of `count` of a light from a point; `None` where it brings nothing.
+pub(super) fn sample(
+    scene: &Scene,
+    light: &Light,
+    point: &SurfacePoint,
+    origin: Vec3,
+    (index, count): (u32, u32),
+    key: Key,
+) -> Option<LightSample> {
+    let u = lattice(index, count, key.pair());
+    match light {
+        Light::Quad { corner, edge_u, edge_v, radiance } => {
+            let on_light = *corner + *edge_u * u[0] + *edge_v * u[1];
+            area_sample(point, origin, on_light, edge_u.cross(*edge_v), *radiance)
+        }
+        Light::Triangles { corners, cumulative_area, area, radiance } => {
+            let chosen = cumulative_area.partition_point(|&c| c <= u[0]).min(corners.len() - 1);
+            let below = if chosen == 0 { 0.0 } else { cumulative_area[chosen - 1] };
+            let within = ((u[0] - below) / (cumulative_area[chosen] - below)).clamp(0.0, 1.0);
+            let [a, b, c] = corners[chosen];
+            let [b1, b2] = uniform_triangle([within, u[1]]);
+            let normal = (b - a).cross(c - a).normalize_or(Vec3::Y);
+            area_sample(point, origin, a + (b - a) * b1 + (c - a) * b2, normal * *area, *radiance)
+        }
+        Light::Point { position, intensity } => {
+            let d = *position - point.position;
+            let cos = cosine(point, d)?;
+            let irradiance = *intensity * (cos / d.length_squared().max(f32::MIN_POSITIVE));
+            Some(LightSample {
+                shadow_ray: Ray { t_max: 1.0, ..Ray::new(origin, *position - origin) },
+                irradiance,
+            })
+        }
+        Light::Sun { direction, cos_angular_radius, irradiance } => {
+            let d = frame_around(*direction) * uniform_cone(u, *cos_angular_radius);
+            let cos = cosine(point, d)?;
+            Some(LightSample { shadow_ray: Ray::new(origin, d), irradiance: *irradiance * cos })
+        }
+        Light::Sky => {
+            let d = frame_around(point.shading_normal) * cosine_hemisphere(u);
+            cosine(point, d)?;
+            let radiance = scene.sky.as_ref().map_or(Vec3::ZERO, |s| s.radiance(d));
+            Some(LightSample { shadow_ray: Ray::new(origin, d), irradiance: radiance * PI })
+        }
+    }
+}
+
+/// A sample of an area light that stands for the area `|area_normal|`.
+fn area_sample(
+    point: &SurfacePoint,
+    origin: Vec3,
+    on_light: Vec3,
+    area_normal: Vec3,
+    radiance: Vec3,
+) -> Option<LightSample> {
+    let d = on_light - point.position;
+    let cos = cosine(point, d)?;
+    let area = area_normal.length();
+    // A point nearer than a thousandth of the light's size would make the estimate unbounded.
+    const NEAREST: f32 = 1.0 / 1024.0 / 1024.0;
+    let distance2 = d.length_squared().max(area * NEAREST);
+    let projected_area = area_normal.dot(d).abs() / distance2.sqrt();
+    Some(LightSample {
+        shadow_ray: Ray::segment(origin, on_light),
+        irradiance: radiance * (cos * projected_area / distance2),
+    })
+}
+
+/// Cosine at the surface, by the shading normal; `None` where either normal faces away.
+fn cosine(point: &SurfacePoint, direction: Vec3) -> Option<f32> {
+    if point.geometric_normal.dot(direction) <= 0.0 {
+        return None;
+    }
+    let cos = point.shading_normal.dot(direction) / direction.length();
+    (cos > 0.0).then_some(cos)
+}

@@ -1,0 +1,18 @@
+//! The ordinary ray tracer, kept simple because it is the truth that reuse is measured against.
+//!
+//! [`Tracer::pixel`] is the whole of it: a primary ray ([`primary`]), the light a surface scatters to every side
+//! ([`diffuse`]), the light it mirrors or lets through ([`specular`]).
+
+pub mod bvh;
+pub mod diffuse;
+mod light_sample;
+pub mod parallel;
+pub mod pixel;
+pub mod primary;
+pub mod specular;
+mod surface;
+
+pub use bvh::{Bvh, Hit};
+pub use pixel::{PixelTrace, RayCounts, TraceSettings};
+pub use primary::{SceneEpoch, Tracer};
+pub use surface::SurfacePoint;

@@ -1,0 +1,144 @@
+//! One pixel of the ordinary ray tracer, and of a reference image.
+
+use super::{Hit, SurfacePoint, Tracer};
+use crate::camera::View;
+use crate::math::hash::Key;
+use glam::Vec3;
+use std::ops::AddAssign;
+
+/// What decides the noise of a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TraceSettings {
+    /// Shadow rays per light and pixel.
+    pub samples: u32,
+    /// Diffuse bounces; 0 is direct light only.
+    pub bounces: u32,
+    /// Of all random numbers.
+    pub seed: u64,
+}
+
+impl Default for TraceSettings {
+    fn default() -> Self {
+        Self { samples: 16, bounces: 0, seed: 0 }
+    }
+}
+
+/// Rays traced, by purpose.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub struct RayCounts {
+    /// From the eye.
+    pub primary: u64,
+    /// Towards lights.
+    pub shadow: u64,
+    /// Mirrored and refracted.
+    pub secondary: u64,
+    /// Diffusely scattered.
+    pub indirect: u64,
+}
+
+impl AddAssign for RayCounts {
+    fn add_assign(&mut self, other: Self) {
+        self.primary += other.primary;
+        self.shadow += other.shadow;
+        self.secondary += other.secondary;
+        self.indirect += other.indirect;
+    }
+}
+
+/// A traced pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PixelTrace {
+    /// The part that does not depend on the viewer.
+    pub diffuse: Vec3,
+    /// All of it.
+    pub radiance: Vec3,
+    /// The first surface, `None` for the sky.
+    pub hit: Option<Hit>,
+    /// Specular bounces of the longest branch; 0 for a surface without a specular part.
+    pub reflections: u32,
+}
+
+impl Tracer {
+    /// Traces a pixel in full.
+    pub fn pixel(
+        &self,
+        view: &View,
+        pixel: u32,
+        settings: &TraceSettings,
+        rays: &mut RayCounts,
+    ) -> PixelTrace {
+        let key = Key::of_pixel(settings.seed, pixel);
+        let (mut traced, point) = self.first_hit(view, pixel, settings, key, rays);
+        if let Some(point) = point.filter(|p| self.is_specular(p)) {
+            let direction = view.direction_of_pixel(pixel);
+            let (specular, reflections) = self.specular_radiance(&point, direction, settings, key, rays);
+            traced.radiance += specular;
+            traced.reflections = reflections;
+        }
+        traced
+    }
+
+    /// Traces what a reference image stores: the diffuse part, the first hit, and how often light is mirrored or
+    /// refracted on its way to the eye. Surfaces met after the first bounce are not shaded.
+    pub fn reference_pixel(
+        &self,
+        view: &View,
+        pixel: u32,
+        settings: &TraceSettings,
+        rays: &mut RayCounts,
+    ) -> PixelTrace {
+        let key = Key::of_pixel(settings.seed, pixel);
+        let (mut traced, point) = self.first_hit(view, pixel, settings, key, rays);
+        if let Some(point) = point.filter(|p| self.is_specular(p)) {
+            let direction = view.direction_of_pixel(pixel);
+            let unshaded = |_: &SurfacePoint, _: f32, _: u32| Vec3::ZERO;
+            traced.reflections = self.follow_specular(&point, direction, &mut rays.secondary, unshaded).1;
+        }
+        traced
+    }
+
+    /// The specular radiance of a surface point seen along `direction`, and the bounces of its longest branch.
+    pub fn specular_radiance(
+        &self,
+        point: &SurfacePoint,
+        direction: Vec3,
+        settings: &TraceSettings,
+        key: Key,
+        rays: &mut RayCounts,
+    ) -> (Vec3, u32) {
+        let mut secondary = 0;
+        let (radiance, bounces) =
+            self.follow_specular(point, direction, &mut secondary, |next, share, number| {
+                self.diffuse_radiance(next, share, settings, key.with(SPECULAR + number), rays)
+            });
+        rays.secondary += secondary;
+        (radiance, bounces)
+    }
+
+    /// True where a surface mirrors or lets light through.
+    pub fn is_specular(&self, point: &SurfacePoint) -> bool {
+        self.scene().materials[point.material.0 as usize].is_specular()
+    }
+
+    fn first_hit(
+        &self,
+        view: &View,
+        pixel: u32,
+        settings: &TraceSettings,
+        key: Key,
+        rays: &mut RayCounts,
+    ) -> (PixelTrace, Option<SurfacePoint>) {
+        rays.primary += 1;
+        let ray = Self::primary_ray(view, pixel);
+        let Some(hit) = self.closest(&ray) else {
+            let sky = self.sky(ray.direction);
+            return (PixelTrace { diffuse: sky, radiance: sky, hit: None, reflections: 0 }, None);
+        };
+        let point = self.surface(&ray, &hit);
+        let diffuse = self.diffuse_radiance(&point, 1.0, settings, key, rays);
+        (PixelTrace { diffuse, radiance: diffuse, hit: Some(hit), reflections: 0 }, Some(point))
+    }
+}
+
+/// Dimensions of the random numbers of surfaces met after a specular bounce.
+pub(crate) const SPECULAR: u32 = 2 << 24;

@@ -1,0 +1,118 @@
+//! The tracer: a scene with its hierarchy, and the rays that ask it questions.
+
+use super::bvh::{Bvh, Hit};
+use super::surface::{SurfacePoint, interpolate_uv};
+use crate::camera::View;
+use crate::math::Ray;
+use crate::scene::{MaterialKind, Scene};
+use glam::Vec3;
+use rayon::prelude::*;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
+
+/// A scene made ready for rays.
+#[derive(Debug)]
+pub struct Tracer {
+    scene: Arc<Scene>,
+    bvh: Bvh,
+    epoch: SceneEpoch,
+    build_secs: f64,
+}
+
+/// Names one state of one scene. Whatever changes light or geometry makes a new tracer and so a new epoch; what was
+/// traced in another epoch is never used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct SceneEpoch(u64);
+
+static NEXT_EPOCH: AtomicU64 = AtomicU64::new(0);
+
+impl Tracer {
+    /// Builds the hierarchy.
+    pub fn new(scene: Arc<Scene>) -> Self {
+        let start = Instant::now();
+        let corners: Vec<[Vec3; 3]> =
+            (0..scene.triangles.len() as u32).into_par_iter().map(|t| scene.corners(t)).collect();
+        let bvh = Bvh::build(&corners);
+        let epoch = SceneEpoch(NEXT_EPOCH.fetch_add(1, Ordering::Relaxed));
+        Self { scene, bvh, epoch, build_secs: start.elapsed().as_secs_f64() }
+    }
+
+    /// The scene.
+    pub fn scene(&self) -> &Arc<Scene> {
+        &self.scene
+    }
+
+    /// The hierarchy.
+    pub fn bvh(&self) -> &Bvh {
+        &self.bvh
+    }
+
+    /// Which state of the scene this is.
+    pub fn epoch(&self) -> SceneEpoch {
+        self.epoch
+    }
+
+    /// Seconds that building the hierarchy took.
+    pub fn build_secs(&self) -> f64 {
+        self.build_secs
+    }
+
+    /// The ray through the centre of a pixel; its `t` is depth along the viewing axis.
+    pub fn primary_ray(view: &View, pixel: u32) -> Ray {
+        Ray::new(view.eye, view.direction_of_pixel(pixel))
+    }
+
+    /// The nearest surface along a ray. Cut-out texels are no surface.
+    pub fn closest(&self, ray: &Ray) -> Option<Hit> {
+        if self.scene.needs.alpha {
+            self.bvh.closest(ray, |hit| self.is_covered(hit))
+        } else {
+            self.bvh.closest(ray, |_| true)
+        }
+    }
+
+    /// The share of light that passes along a shadow ray, per channel.
+    ///
+    /// Glass does not block: it dims by what each of its surfaces lets through, without bending the ray. Caustics are
+    /// left out and windows light their room.
+    pub fn transmittance(&self, ray: &Ray) -> Vec3 {
+        if !self.scene.needs.alpha && !self.scene.needs.glass {
+            return if self.bvh.any(ray, |_| true) { Vec3::ZERO } else { Vec3::ONE };
+        }
+        let mut passed = Vec3::ONE;
+        let blocked = self.bvh.any(ray, |hit| match self.scene.material_of(hit.triangle).kind {
+            MaterialKind::Glass { eta, transmittance } => {
+                passed *= transmittance * self.straight_passage(ray, hit, eta);
+                false
+            }
+            _ => !self.scene.needs.alpha || self.is_covered(hit),
+        });
+        if blocked { Vec3::ZERO } else { passed }
+    }
+
+    /// The share of light that Fresnel's equations let through one surface of glass.
+    fn straight_passage(&self, ray: &Ray, hit: &Hit, eta: f32) -> f32 {
+        let [a, b, c] = self.scene.corners(hit.triangle);
+        let n = (b - a).cross(c - a);
+        let cos = (n.dot(ray.direction).abs() / (n.length() * ray.direction.length())).min(1.0);
+        1.0 - super::specular::fresnel_dielectric(cos, 1.0 / eta)
+    }
+
+    /// Alpha test: true where the surface is there.
+    fn is_covered(&self, hit: &Hit) -> bool {
+        let Some(map) = self.scene.material_of(hit.triangle).alpha_texture else { return true };
+        let uv = interpolate_uv(&self.scene, hit.triangle, [hit.b1, hit.b2]);
+        self.scene.textures[map.texture.0 as usize].alpha(uv * map.scale + map.offset) >= 0.5
+    }
+
+    /// The surface point of a hit.
+    pub fn surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
+        SurfacePoint::new(&self.scene, hit.triangle, [hit.b1, hit.b2], ray.direction)
+    }
+
+    /// What a ray that leaves the scene sees.
+    pub fn sky(&self, direction: Vec3) -> Vec3 {
+        self.scene.sky.as_ref().map_or(Vec3::ZERO, |s| s.radiance(direction.normalize_or(Vec3::Y)))
+    }
+}

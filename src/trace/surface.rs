@@ -1,0 +1,123 @@
+//! A point on a surface: everything that shading asks of it.
+
+use crate::math::ray::offset_from_surface;
+use crate::scene::{MaterialId, Scene, SolidSide};
+use glam::{Vec2, Vec3};
+
+/// A point on a triangle, seen from one of its sides.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfacePoint {
+    /// On the triangle, scene space. From barycentrics, never from `origin + t * direction`: that would be off the
+    /// surface by the rounding of `t`.
+    pub position: Vec3,
+    /// Unit normal of the triangle, on the viewer's side.
+    pub geometric_normal: Vec3,
+    /// Unit interpolated normal, never pointing away from the viewer's side of the triangle.
+    pub shading_normal: Vec3,
+    /// Texture coordinate; zero where the scene needs none.
+    pub uv: Vec2,
+    /// Of the triangle.
+    pub material: MaterialId,
+    /// Index into the scene's triangles.
+    pub triangle: u32,
+    /// True where the viewer sees the side from which the corners run counter-clockwise.
+    pub is_front: bool,
+    /// Largest coordinate of the triangle's corners: the scale of the position's rounding error.
+    magnitude: f32,
+}
+
+impl SurfacePoint {
+    /// The point with barycentrics (b1, b2), seen along `view_direction` (from the viewer, any length).
+    pub fn new(scene: &Scene, triangle: u32, [b1, b2]: [f32; 2], view_direction: Vec3) -> Self {
+        let [a, b, c] = scene.corners(triangle);
+        let (e1, e2) = (b - a, c - a);
+        let wound = unit_normal(e1, e2);
+        let is_front = wound.dot(view_direction) <= 0.0;
+        let geometric_normal = if is_front { wound } else { -wound };
+        let largest = |p: Vec3| p.abs().max_element();
+        Self {
+            position: a + e1 * b1 + e2 * b2,
+            geometric_normal,
+            shading_normal: shading_normal(scene, triangle, [b1, b2], geometric_normal),
+            uv: interpolate_uv(scene, triangle, [b1, b2]),
+            material: scene.triangle_materials[triangle as usize],
+            triangle,
+            is_front,
+            magnitude: largest(a).max(largest(b)).max(largest(c)),
+        }
+    }
+
+    /// The point of a triangle nearest to `position` in the triangle's plane: how a stored position, rounded, becomes
+    /// a point on the surface again.
+    pub fn from_position(scene: &Scene, triangle: u32, position: Vec3, view_direction: Vec3) -> Self {
+        let [a, b, c] = scene.corners(triangle).map(Vec3::as_dvec3);
+        let (e1, e2, p) = (b - a, c - a, position.as_dvec3() - a);
+        let (d11, d12, d22) = (e1.dot(e1), e1.dot(e2), e2.dot(e2));
+        let (p1, p2) = (p.dot(e1), p.dot(e2));
+        let det = d11 * d22 - d12 * d12;
+        let (b1, b2) = ((p1 * d22 - p2 * d12) / det, (p2 * d11 - p1 * d12) / det);
+        // The builder left no triangle without area, but f64 may still not resolve a needle: then its first corner.
+        let finite = b1.is_finite() && b2.is_finite();
+        let b1 = if finite { b1.clamp(0.0, 1.0) } else { 0.0 };
+        let b2 = if finite { b2.clamp(0.0, 1.0 - b1) } else { 0.0 };
+        Self::new(scene, triangle, [b1 as f32, b2 as f32], view_direction)
+    }
+
+    /// A start for rays that leave on the viewer's side.
+    pub fn origin_in_front(&self) -> Vec3 {
+        offset_from_surface(self.position, self.geometric_normal, self.magnitude)
+    }
+
+    /// A start for rays that pass through.
+    pub fn origin_behind(&self) -> Vec3 {
+        offset_from_surface(self.position, -self.geometric_normal, self.magnitude)
+    }
+
+    /// Diffuse reflectance here.
+    pub fn albedo(&self, scene: &Scene) -> Vec3 {
+        let material = &scene.materials[self.material.0 as usize];
+        match material.diffuse_texture {
+            None => material.diffuse,
+            Some(map) => {
+                let uv = self.uv * map.scale + map.offset;
+                material.diffuse * scene.textures[map.texture.0 as usize].color(uv)
+            }
+        }
+    }
+
+    /// How the viewer's side relates to a solid of glass: `None` for a thin sheet, else whether light that passes
+    /// from the viewer's side enters the body.
+    pub fn enters_solid(&self, scene: &Scene) -> Option<bool> {
+        match scene.solids[self.triangle as usize] {
+            SolidSide::Thin => None,
+            SolidSide::InsideBehind => Some(self.is_front),
+            SolidSide::InsideInFront => Some(!self.is_front),
+        }
+    }
+}
+
+fn unit_normal(e1: Vec3, e2: Vec3) -> Vec3 {
+    let n = e1.cross(e2);
+    n.try_normalize().unwrap_or_else(|| {
+        // The cross product of tiny edges underflows in f32; the builder left no triangle without area in f64.
+        e1.as_dvec3().cross(e2.as_dvec3()).try_normalize().map_or(Vec3::Y, |n| n.as_vec3())
+    })
+}
+
+fn shading_normal(scene: &Scene, triangle: u32, [b1, b2]: [f32; 2], geometric: Vec3) -> Vec3 {
+    if scene.normals.is_empty() {
+        return geometric;
+    }
+    let [a, b, c] = scene.triangles[triangle as usize].map(|v| scene.normals[v as usize]);
+    let n = (a * (1.0 - b1 - b2) + b * b1 + c * b2).normalize_or(geometric);
+    if n.dot(geometric) < 0.0 { -n } else { n }
+}
+
+/// Interpolated texture coordinate; zero where the scene has none.
+pub(super) fn interpolate_uv(scene: &Scene, triangle: u32, [b1, b2]: [f32; 2]) -> Vec2 {
+    if scene.uvs.is_empty() {
+        return Vec2::ZERO;
+    }
+    let [a, b, c] = scene.triangles[triangle as usize].map(|v| scene.uvs[v as usize]);
+    a * (1.0 - b1 - b2) + b * b1 + c * b2
+}
