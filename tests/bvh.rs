@@ -45,7 +45,8 @@ fn nearest_hit_equals_a_loop_over_all_triangles_in_f64() {
     for i in 0..20_000 {
         let key = Key::of_pixel(2, i);
         let ray = Ray::new(random(key, 0) * 1.5, random(key, 1));
-        let hits: Vec<_> = soup.iter().enumerate().filter_map(|(k, t)| Some((k, hit_f64(&ray, t)?))).collect();
+        let hits: Vec<_> =
+            soup.iter().enumerate().filter_map(|(k, t)| Some((k, hit_f64(&ray, t)?))).collect();
         // A ray that grazes an edge, or meets two triangles at nearly one distance, is decided by rounding.
         if hits.iter().any(|(_, (_, least))| least.abs() < 1e-5) {
             continue;
@@ -96,7 +97,9 @@ fn sphere(rings: u32, scale: f32, offset: Vec3) -> Vec<[Vec3; 3]> {
     for i in 0..rings {
         for j in 0..rings {
             let (a, b, c, d) = (at(i, j), at(i, j + 1), at(i + 1, j), at(i + 1, j + 1));
-            triangles.extend([[a, b, c], [c, b, d]].into_iter().filter(|t| t[0] != t[1] && t[1] != t[2] && t[0] != t[2]));
+            triangles.extend(
+                [[a, b, c], [c, b, d]].into_iter().filter(|t| t[0] != t[1] && t[1] != t[2] && t[0] != t[2]),
+            );
         }
     }
     triangles

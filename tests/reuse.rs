@@ -40,7 +40,8 @@ fn a_reference_warped_onto_its_own_camera_has_no_hole_and_the_same_bits() {
 fn paper_without_references_is_the_full_tracer_bit_for_bit() {
     let tracer = room_tracer(true, true);
     let mut renderer = Renderer::default();
-    let full = renderer.render(&tracer, &room_camera(), SIZE, &settings(Mode::Full), &[], NEVER).radiance.clone();
+    let full =
+        renderer.render(&tracer, &room_camera(), SIZE, &settings(Mode::Full), &[], NEVER).radiance.clone();
     let paper = renderer.render(&tracer, &room_camera(), SIZE, &settings(Mode::Paper), &[], NEVER);
     assert!(paper.radiance == full);
     assert_eq!(paper.stats.types.unseen, paper.stats.types.total());
@@ -53,7 +54,9 @@ fn warp_slowly(references: &[&ReferenceFrame], view: &View) -> Vec<Option<(usize
         let warp = PixelWarp::new(&reference.view, view);
         for pixel in 0..reference.view.pixel_count() as u32 {
             let (x, y) = (pixel % reference.view.size[0], pixel / reference.view.size[0]);
-            let Some((tx, ty, d)) = warp.target(x, y, reference.disparity()[pixel as usize]) else { continue };
+            let Some((tx, ty, d)) = warp.target(x, y, reference.disparity()[pixel as usize]) else {
+                continue;
+            };
             let cell = &mut nearest[(ty * view.size[0] + tx) as usize];
             if cell.is_none_or(|(_, _, best)| d > best) {
                 *cell = Some((slot, pixel, d));
@@ -90,7 +93,9 @@ fn a_warped_point_lands_where_the_camera_sees_it() {
     let mut compared = 0;
     for pixel in 0..reference.view.pixel_count() as u32 {
         let (x, y) = (pixel % SIZE[0], pixel / SIZE[0]);
-        let Some((tx, ty, disparity)) = warp.target(x, y, reference.disparity()[pixel as usize]) else { continue };
+        let Some((tx, ty, disparity)) = warp.target(x, y, reference.disparity()[pixel as usize]) else {
+            continue;
+        };
         let point = reference.view.eye_f64 + reference.offset_from_eye(pixel).as_dvec3();
         let p = view.scene_from_pixel_f64.inverse() * (point - view.eye_f64);
         let (sx, sy) = (p.x / p.z, p.y / p.z);
@@ -175,8 +180,9 @@ fn the_cache_keeps_its_budget_and_evicts_what_contributes_least() {
     let tracer = room_tracer(false, false);
     let one = SIZE[0] as usize * SIZE[1] as usize * ReferenceFrame::BYTES_PER_PIXEL;
     let mut cache = ReferenceCache::new(3 * one);
-    let ids: Vec<_> =
-        (0..3).map(|i| cache.insert(Arc::new(reference(&tracer, &moved(&room_camera(), 0.1 * f64::from(i), 0.0))))).collect();
+    let ids: Vec<_> = (0..3)
+        .map(|i| cache.insert(Arc::new(reference(&tracer, &moved(&room_camera(), 0.1 * f64::from(i), 0.0)))))
+        .collect();
     assert_eq!(cache.bytes(), 3 * one);
     for _ in 0..5 {
         cache.note_contributions(&[(ids[0], 0.5), (ids[2], 0.4)]);

@@ -15,11 +15,16 @@ pub(crate) fn quad(builder: &mut SceneBuilder, corner: DVec3, u: DVec3, v: DVec3
 }
 
 /// A closed box; `inside_out` turns its faces inwards.
-pub(crate) fn cuboid(builder: &mut SceneBuilder, low: DVec3, high: DVec3, material: MaterialId, inside_out: bool) {
+pub(crate) fn cuboid(
+    builder: &mut SceneBuilder,
+    low: DVec3,
+    high: DVec3,
+    material: MaterialId,
+    inside_out: bool,
+) {
     let d = high - low;
     let (x, y, z) = (DVec3::X * d.x, DVec3::Y * d.y, DVec3::Z * d.z);
-    let faces =
-        [(low, y, x), (low, z, y), (low, x, z), (high, -x, -y), (high, -y, -z), (high, -z, -x)];
+    let faces = [(low, y, x), (low, z, y), (low, x, z), (high, -x, -y), (high, -y, -z), (high, -z, -x)];
     for (corner, u, v) in faces {
         if inside_out {
             quad(builder, corner, v, u, material);

@@ -23,7 +23,8 @@ fn mean(radiance: &[Vec3]) -> Vec3 {
 fn furnace_has_its_closed_form_within_one_percent() {
     let rho = 0.5f32;
     let mut b = SceneBuilder::new("furnace");
-    let wall = b.add_material(Material { emission: Vec3::ONE, ..Material::diffuse("wall", Vec3::splat(rho)) });
+    let wall =
+        b.add_material(Material { emission: Vec3::ONE, ..Material::diffuse("wall", Vec3::splat(rho)) });
     cuboid(&mut b, dvec(-2.0, -2.0, -2.0), dvec(2.0, 2.0, 2.0), wall, true);
     let tracer = Tracer::new(Arc::new(b.finish().unwrap()));
     let camera = Camera::look_at(dvec(0.1, 0.2, 0.3), dvec(1.0, 0.4, -0.7), 70.0);
@@ -32,7 +33,10 @@ fn furnace_has_its_closed_form_within_one_percent() {
         let frame = renderer.render(&tracer, &camera, [24, 24], &full(64, bounces), &[], NEVER);
         let expected: f32 = (0..=bounces + 1).map(|n| rho.powi(n as i32)).sum();
         let measured = mean(&frame.radiance);
-        assert!((measured / expected - 1.0).abs().max_element() < 0.01, "{bounces}: {measured} for {expected}");
+        assert!(
+            (measured / expected - 1.0).abs().max_element() < 0.01,
+            "{bounces}: {measured} for {expected}"
+        );
     }
 }
 
@@ -42,18 +46,32 @@ fn furnace_has_its_closed_form_within_one_percent() {
 fn parallel_mirrors_stay_within_the_printed_bound() {
     for r in [0.5f32, 0.8, 0.98] {
         let mut b = SceneBuilder::new("mirrors");
-        let mirror =
-            b.add_material(Material { emission: Vec3::splat(0.1), ..Material::mirror("mirror", Vec3::splat(r)) });
+        let mirror = b.add_material(Material {
+            emission: Vec3::splat(0.1),
+            ..Material::mirror("mirror", Vec3::splat(r))
+        });
         quad(&mut b, dvec(-50.0, -50.0, -2.0), dvec(100.0, 0.0, 0.0), dvec(0.0, 100.0, 0.0), mirror);
         quad(&mut b, dvec(-50.0, -50.0, 2.0), dvec(100.0, 0.0, 0.0), dvec(0.0, 100.0, 0.0), mirror);
         let tracer = Tracer::new(Arc::new(b.finish().unwrap()));
-        let view = View::new(&Camera::look_at(dvec(0.0, 0.0, 0.0), dvec(0.0, 0.0, -1.0), 1.0), &tracer.scene().frame, [1, 1]);
-        let traced = tracer.pixel(&view, 0, &TraceSettings { samples: 1, ..Default::default() }, &mut RayCounts::default());
+        let view = View::new(
+            &Camera::look_at(dvec(0.0, 0.0, 0.0), dvec(0.0, 0.0, -1.0), 1.0),
+            &tracer.scene().frame,
+            [1, 1],
+        );
+        let traced = tracer.pixel(
+            &view,
+            0,
+            &TraceSettings { samples: 1, ..Default::default() },
+            &mut RayCounts::default(),
+        );
         let whole = 0.1 / (1.0 - r);
         let missing = whole - traced.radiance.x;
         let bound = truncation_bound(r, 0.1);
         // Rounding of a sum of some hundred terms comes on top.
-        assert!(missing > -1e-3 * whole && missing <= bound * 1.001, "r {r}: missing {missing}, bound {bound}");
+        assert!(
+            missing > -1e-3 * whole && missing <= bound * 1.001,
+            "r {r}: missing {missing}, bound {bound}"
+        );
         assert!(traced.reflections >= 8, "r {r}: {} bounces", traced.reflections);
     }
 }
@@ -68,14 +86,27 @@ fn an_area_light_gives_the_form_factor_of_parallel_squares() {
     quad(&mut b, dvec(-0.5, 1.0, -0.5), dvec(1.0, 0.0, 0.0), dvec(0.0, 0.0, 1.0), lamp);
     let tracer = Tracer::new(Arc::new(b.finish().unwrap()));
     assert!(matches!(tracer.scene().lights.as_slice(), [Light::Quad { .. }]));
-    let view = View::new(&Camera::look_at(dvec(0.0, 0.5, 0.0), dvec(0.0, 0.0, 0.0), 1.0), &tracer.scene().frame, [1, 1]);
-    let traced = tracer.pixel(&view, 0, &TraceSettings { samples: 4096, ..Default::default() }, &mut RayCounts::default());
+    let view = View::new(
+        &Camera::look_at(dvec(0.0, 0.5, 0.0), dvec(0.0, 0.0, 0.0), 1.0),
+        &tracer.scene().frame,
+        [1, 1],
+    );
+    let traced = tracer.pixel(
+        &view,
+        0,
+        &TraceSettings { samples: 4096, ..Default::default() },
+        &mut RayCounts::default(),
+    );
     // Point to parallel rectangle a x b at distance c with a corner above the point, four times (a = b = 1/2, c = 1).
     let (x, y) = (0.5f64, 0.5f64);
     let (rx, ry) = ((1.0 + x * x).sqrt(), (1.0 + y * y).sqrt());
     let corner = (x / rx * (y / rx).atan() + y / ry * (x / ry).atan()) / (2.0 * std::f64::consts::PI);
     let expected = 4.0 * corner;
-    assert!((f64::from(traced.radiance.x) - expected).abs() < 0.002 * expected, "{} {expected}", traced.radiance.x);
+    assert!(
+        (f64::from(traced.radiance.x) - expected).abs() < 0.002 * expected,
+        "{} {expected}",
+        traced.radiance.x
+    );
 }
 
 #[test]
@@ -129,7 +160,10 @@ fn closed_glass_is_solid_whatever_its_winding_and_a_sheet_is_thin() {
 fn glass_of_index_one_changes_nothing() {
     let pixel = |with_glass: bool| {
         let mut b = SceneBuilder::new("pane");
-        let wall = b.add_material(Material { emission: Vec3::new(0.3, 0.5, 0.7), ..Material::diffuse("w", Vec3::ZERO) });
+        let wall = b.add_material(Material {
+            emission: Vec3::new(0.3, 0.5, 0.7),
+            ..Material::diffuse("w", Vec3::ZERO)
+        });
         quad(&mut b, dvec(-2.0, -2.0, -3.0), dvec(4.0, 0.0, 0.0), dvec(0.0, 4.0, 0.0), wall);
         if with_glass {
             let glass = b.add_material(Material::glass("glass", 1.0, Vec3::ONE));

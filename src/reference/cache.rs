@@ -113,7 +113,10 @@ impl ReferenceCache {
             (0..self.entries.len()).filter(|&i| self.entries[i].frame.epoch == epoch).collect();
         self.coverage.resize_with(candidates.len(), Vec::new);
         let entries = &self.entries;
-        self.coverage.par_iter_mut().zip(&candidates).for_each(|(cells, &i)| cover(&entries[i].frame, view, cells));
+        self.coverage
+            .par_iter_mut()
+            .zip(&candidates)
+            .for_each(|(cells, &i)| cover(&entries[i].frame, view, cells));
         let chosen = greedy(&self.coverage, most);
         self.clock += 1;
         chosen
@@ -160,7 +163,8 @@ fn cover(reference: &ReferenceFrame, view: &View, cells: &mut Vec<f32>) {
     let last = |n: u32| (n as usize).saturating_sub(1);
     for y in (SOURCE_STEP / 2..last(reference.view.size[1])).step_by(SOURCE_STEP) {
         for x in (SOURCE_STEP / 2..last(reference.view.size[0])).step_by(SOURCE_STEP) {
-            let point = |x: usize, y: usize| warp.point(x as u32, y as u32, reference.disparity()[y * columns + x]);
+            let point =
+                |x: usize, y: usize| warp.point(x as u32, y as u32, reference.disparity()[y * columns + x]);
             let Some((px, py, _)) = point(x, y) else { continue };
             if !(px >= 0.0 && py >= 0.0 && px < view.size[0] as f32 && py < view.size[1] as f32) {
                 continue;
@@ -184,7 +188,8 @@ fn greedy(coverage: &[Vec<f32>], most: usize) -> Vec<usize> {
     let mut open = vec![1f32; count];
     let mut chosen: Vec<usize> = Vec::new();
     while chosen.len() < most.min(coverage.len()) {
-        let gain = |c: usize| -> f32 { coverage[c].iter().zip(&open).map(|(covers, open)| covers * open).sum() };
+        let gain =
+            |c: usize| -> f32 { coverage[c].iter().zip(&open).map(|(covers, open)| covers * open).sum() };
         let best = (0..coverage.len())
             .filter(|c| !chosen.contains(c))
             .map(|c| (c, gain(c)))
