@@ -175,9 +175,11 @@ pub(super) fn keyword(line: &str) -> (&str, &str) {
     (key, rest.trim_ascii())
 }
 
-/// A number, even one with a comment stuck to it (`1.5#left`). `None` also for NaN and infinities.
+/// A number, even one with a comment stuck to it (`1.5#left`). `None` also for NaN and infinities, which some C
+/// libraries print as `1.#QNAN`.
 pub(super) fn number(token: &str) -> Option<f64> {
-    let parsed = token.parse::<f64>().ok().or_else(|| token.split_once('#')?.0.parse().ok());
+    let before_comment = || token.split_once('#').map(|(n, _)| n).filter(|n| !n.ends_with('.'));
+    let parsed = token.parse::<f64>().ok().or_else(|| before_comment()?.parse().ok());
     parsed.filter(|n| n.is_finite())
 }
 
