@@ -145,7 +145,7 @@ impl Shelf {
     fn index(&mut self) {
         for (i, m) in self.materials.iter().enumerate() {
             if self.by_name.contains_key(&m.name) {
-                let twice = super::report::Trouble::MaterialTwice;
+                let twice = super::report::Trouble::MATERIAL_TWICE;
                 self.tallies[m.library].add(twice, m.line, || m.name.clone());
             }
             self.by_name.entry(m.name.clone()).or_insert(i);

@@ -62,11 +62,11 @@ pub(super) fn interpret(m: &MtlMaterial, distrusted: bool, tally: &mut Tally) ->
     let mut model = Model::of(m);
     let mut d = opacity(m);
     if distrusted && model != Model::Matte && is_bright(m) && d >= 1.0 {
-        tally.add(Trouble::Distrusted, m.line, || m.name.clone());
+        tally.add(Trouble::DISTRUSTED, m.line, || m.name.clone());
         model = Model::Matte;
     }
     if d <= 0.0 && model != Model::Glass {
-        tally.add(Trouble::InvertedTransparency, m.line, || m.name.clone());
+        tally.add(Trouble::INVERTED_TRANSPARENCY, m.line, || m.name.clone());
         d = 1.0;
     }
     let mut material = Material::diffuse(&m.name, diffuse_of(m, model));
@@ -81,7 +81,7 @@ pub(super) fn interpret(m: &MtlMaterial, distrusted: bool, tally: &mut Tally) ->
         Model::Matte => {}
     }
     if scale_to_conserve(&mut material) {
-        tally.add(Trouble::TooBright, m.line, || m.name.clone());
+        tally.add(Trouble::TOO_BRIGHT, m.line, || m.name.clone());
     }
     material
 }
@@ -111,7 +111,7 @@ fn glass(material: &mut Material, m: &MtlMaterial, d: f32, tally: &mut Tally) {
     material.diffuse *= if d > 0.0 && d < 1.0 { d } else { 0.0 };
     let eta = m.eta.unwrap_or(GLASS_ETA);
     if !(1.0..=10.0).contains(&eta) {
-        tally.add(Trouble::IndexOfRefraction, m.line, || format!("'{}', Ni {eta}", m.name));
+        tally.add(Trouble::INDEX_OF_REFRACTION, m.line, || format!("'{}', Ni {eta}", m.name));
     }
     // Exporters write Tf 0 0 0 for "not set".
     let filter = m.filter.filter(|tf| *tf != Vec3::ZERO).unwrap_or(Vec3::ONE).min(Vec3::ONE);

@@ -52,17 +52,17 @@ pub(super) fn parse(text: &str, library: usize, materials: &mut Vec<MtlMaterial>
         let known = is_known(&key);
         if key.is_empty() || !known {
             if !key.is_empty() {
-                tally.add(Trouble::UnknownLine, line.number, || key.clone());
+                tally.add(Trouble::UNKNOWN_LINE, line.number, || key.clone());
             }
             continue;
         }
         if materials.len() == start {
-            tally.add(Trouble::BeforeFirstMaterial, line.number, || key.clone());
+            tally.add(Trouble::BEFORE_FIRST_MATERIAL, line.number, || key.clone());
             continue;
         }
         let Some(material) = materials.last_mut() else { continue };
         if set(material, &key, rest, line.number, tally).is_none() {
-            tally.add(Trouble::ValueUnreadable, line.number, || format!("{key} {rest}"));
+            tally.add(Trouble::VALUE_UNREADABLE, line.number, || format!("{key} {rest}"));
         }
     }
 }
@@ -70,7 +70,7 @@ pub(super) fn parse(text: &str, library: usize, materials: &mut Vec<MtlMaterial>
 fn named(rest: &str, library: usize, line: u64, tally: &mut Tally) -> MtlMaterial {
     let mut name = text::name(rest).to_owned();
     if name.len() > Limits::NAME_BYTES {
-        tally.add(Trouble::NameTooLong, line, String::new);
+        tally.add(Trouble::NAME_TOO_LONG, line, String::new);
         name.clear(); // its lines must not fall to the material before it
     }
     MtlMaterial { name, library, line, ..MtlMaterial::default() }
@@ -146,7 +146,7 @@ fn color(rest: &str, line: u64, tally: &mut Tally) -> Option<Vec3> {
         _ => return None,
     };
     if color.min_element() < 0.0 {
-        tally.add(Trouble::ValueNegative, line, || rest.to_owned());
+        tally.add(Trouble::VALUE_NEGATIVE, line, || rest.to_owned());
     }
     Some(color.max(Vec3::ZERO))
 }
@@ -163,7 +163,7 @@ fn illum(rest: &str, line: u64, tally: &mut Tally) -> Option<u32> {
     let token = rest.split_ascii_whitespace().next()?;
     let model: u32 = token.split('#').next()?.parse().ok()?;
     if model > 10 {
-        tally.add(Trouble::UnknownIllum, line, || rest.to_owned());
+        tally.add(Trouble::UNKNOWN_ILLUM, line, || rest.to_owned());
         return Some(2);
     }
     Some(model)

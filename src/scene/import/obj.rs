@@ -188,19 +188,19 @@ impl Reader {
             "mtllib" => self.piece.libraries.push((number, rest.to_owned())),
             "" | "o" | "g" | "s" | "mg" | "usemap" | "maplib" | "lod" | "bevel" | "c_interp" | "d_interp"
             | "shadow_obj" | "trace_obj" => {}
-            "l" | "p" => self.piece.tally.add(Trouble::LineOrPoint, number, String::new),
+            "l" | "p" => self.piece.tally.add(Trouble::LINE_OR_POINT, number, String::new),
             "vp" | "cstype" | "deg" | "bmat" | "step" | "curv" | "curv2" | "surf" | "parm" | "trim"
             | "hole" | "scrv" | "sp" | "end" | "con" => {
-                self.piece.tally.add(Trouble::FreeForm, number, || key.to_owned());
+                self.piece.tally.add(Trouble::FREE_FORM, number, || key.to_owned());
             }
-            _ => self.piece.tally.add(Trouble::UnknownLine, number, || key.to_owned()),
+            _ => self.piece.tally.add(Trouble::UNKNOWN_LINE, number, || key.to_owned()),
         }
     }
 
     fn position(&mut self, number: u64, rest: &str) {
         let position = numbers::<3>(rest).map(DVec3::from_array);
         if position.is_none() {
-            self.piece.tally.add(Trouble::VertexUnreadable, number, || rest.to_owned());
+            self.piece.tally.add(Trouble::VERTEX_UNREADABLE, number, || rest.to_owned());
         }
         // A refused vertex keeps its place, so that the indices of all others stay right.
         self.piece.positions.push(position.unwrap_or(DVec3::NAN));
@@ -209,7 +209,7 @@ impl Reader {
     fn normal(&mut self, number: u64, rest: &str) {
         let normal = numbers::<3>(rest).map(DVec3::from_array);
         if normal.is_none() {
-            self.piece.tally.add(Trouble::NormalUnreadable, number, || rest.to_owned());
+            self.piece.tally.add(Trouble::NORMAL_UNREADABLE, number, || rest.to_owned());
         }
         let unit = normal.and_then(DVec3::try_normalize).unwrap_or(DVec3::ZERO);
         self.piece.normals.push(unit.as_vec3());
@@ -220,7 +220,7 @@ impl Reader {
         let uv = numbers::<2>(rest).or_else(|| numbers::<1>(rest).map(|[u]| [u, 0.0]));
         let uv = uv.map(|[u, v]| Vec2::new(u as f32, v as f32)).filter(|uv| uv.is_finite());
         if uv.is_none() {
-            self.piece.tally.add(Trouble::UvUnreadable, number, || rest.to_owned());
+            self.piece.tally.add(Trouble::UV_UNREADABLE, number, || rest.to_owned());
         }
         self.piece.uvs.push(uv.unwrap_or(Vec2::ZERO));
     }
@@ -228,7 +228,7 @@ impl Reader {
     fn material(&mut self, number: u64, rest: &str) {
         let name = text::name(rest);
         if name.len() > Limits::NAME_BYTES {
-            self.piece.tally.add(Trouble::NameTooLong, number, String::new);
+            self.piece.tally.add(Trouble::NAME_TOO_LONG, number, String::new);
             return;
         }
         self.piece.switches.push((self.piece.faces.len(), name.to_owned()));
@@ -259,15 +259,15 @@ impl Reader {
             self.piece.corners.pop();
         }
         match self.piece.corners.len() - start {
-            0..3 => Err((Trouble::FaceTooShort, format!("f {rest}"))),
+            0..3 => Err((Trouble::FACE_TOO_SHORT, format!("f {rest}"))),
             3..=FACE_CORNERS => Ok(()),
-            n => Err((Trouble::FaceTooLong, format!("{n} corners"))),
+            n => Err((Trouble::FACE_TOO_LONG, format!("{n} corners"))),
         }
     }
 
     fn corner(&mut self, number: u64, token: &str) -> Result<Corner, (Trouble, String)> {
         let mut parts = token.split('/');
-        let unreadable = || (Trouble::CornerUnreadable, format!("'{token}'"));
+        let unreadable = || (Trouble::CORNER_UNREADABLE, format!("'{token}'"));
         let mut next = || match parts.next() {
             None | Some("") => Ok(None),
             Some(digits) => index(digits).map(Some).ok_or_else(unreadable),
@@ -275,15 +275,15 @@ impl Reader {
         let (position, uv, normal) = (next()?.ok_or_else(unreadable)?, next()?, next()?);
         let (before, total, piece) = (&self.before, &self.total, &mut self.piece);
         let position = resolve(position, before.positions + piece.positions.len(), total.positions)
-            .ok_or_else(|| (Trouble::VertexMissing, format!("vertex {position} of {}", total.positions)))?;
+            .ok_or_else(|| (Trouble::VERTEX_MISSING, format!("vertex {position} of {}", total.positions)))?;
         let uv_index = uv.map(|i| (i, resolve(i, before.uvs + piece.uvs.len(), total.uvs)));
         let normal_index =
             normal.map(|i| (i, resolve(i, before.normals + piece.normals.len(), total.normals)));
         if let Some((i, None)) = uv_index {
-            piece.tally.add(Trouble::UvMissing, number, || format!("{i} of {}", total.uvs));
+            piece.tally.add(Trouble::UV_MISSING, number, || format!("{i} of {}", total.uvs));
         }
         if let Some((i, None)) = normal_index {
-            piece.tally.add(Trouble::NormalMissing, number, || format!("{i} of {}", total.normals));
+            piece.tally.add(Trouble::NORMAL_MISSING, number, || format!("{i} of {}", total.normals));
         }
         let or_none = |found: Option<(i64, Option<u32>)>| found.and_then(|(_, i)| i).unwrap_or(NONE);
         Ok(Corner { position, uv: or_none(uv_index), normal: or_none(normal_index) })

@@ -51,13 +51,13 @@ pub(super) fn attach(
     let mut file_of: HashMap<(&str, usize), Option<PathBuf>> = HashMap::new();
     for request in &requests {
         let key = (request.spec.file.as_str(), request.library);
-        if !file_of.contains_key(&key) {
+        file_of.entry(key).or_insert_with(|| {
             let found = find(finder, request.spec, &libraries[request.library].folder);
             if found.file.is_none() {
                 hanger.warn_missing(request, &found);
             }
-            file_of.insert(key, found.file);
-        }
+            found.file
+        });
     }
     let files: Vec<Option<&PathBuf>> =
         requests.iter().map(|r| file_of[&(r.spec.file.as_str(), r.library)].as_ref()).collect();

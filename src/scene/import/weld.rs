@@ -32,13 +32,13 @@ pub(super) fn build(
         corners_m.extend(face.corners.iter().map(|c| positions_m[c.position as usize]));
         if let Some(bad) = corners_m.iter().position(|p| !p.is_finite()) {
             let vertex = face.corners[bad].position + 1;
-            tally.add(Trouble::VertexRefused, face.line, || format!("vertex {vertex}"));
+            tally.add(Trouble::VERTEX_REFUSED, face.line, || format!("vertex {vertex}"));
             continue;
         }
         match filler.fill(&corners_m) {
             Filled::Whole => {}
-            Filled::NoArea => tally.add(Trouble::FaceWithoutArea, face.line, String::new),
-            Filled::Crossed => tally.add(Trouble::FaceCrossesItself, face.line, String::new),
+            Filled::NoArea => tally.add(Trouble::FACE_WITHOUT_AREA, face.line, String::new),
+            Filled::Crossed => tally.add(Trouble::FACE_CROSSES_ITSELF, face.line, String::new),
         }
         welder.add(&face, &filler.triangles, builder);
     }
