@@ -4,6 +4,7 @@
 
 mod bvh;
 mod import;
+mod lights;
 mod reuse;
 mod rooms;
 mod tracing;
