@@ -8,9 +8,10 @@ use std::f32::consts::TAU;
 /// The points are a rank-1 lattice: evenly stratified along x for any count, and by the golden ratio along y. One
 /// random shift serves all samples of a light, so the estimate stays unbiased while only one hash is needed.
 pub fn lattice(index: u32, count: u32, shift: [f32; 2]) -> [f32; 2] {
-    const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    // 2^32 / golden ratio: the fraction of a multiple by integer overflow, exact and without a call to `floor`.
+    const GOLDEN: u32 = 0x9e37_79b9;
     let along = (index as f32 + shift[0]) / count as f32;
-    let across = (f64::from(index) * GOLDEN).fract() as f32 + shift[1];
+    let across = (index.wrapping_mul(GOLDEN) >> 8) as f32 * (1.0 / 16_777_216.0) + shift[1];
     [below_one(along), below_one(if across >= 1.0 { across - 1.0 } else { across })]
 }
 

@@ -4,6 +4,7 @@
 //! the surface gets its own stratified shadow rays. Diffuse
 //! interreflection is path traced when bounces are asked for.
 
+use super::bvh::Occluder;
 use super::light_sample::{is_behind, sample, sample_count};
 use super::pixel::{RayCounts, TraceSettings};
 use super::{SurfacePoint, Tracer};
@@ -52,12 +53,13 @@ impl Tracer {
                 continue;
             }
             let count = sample_count(light, samples);
-            let key = key.with(index);
-            let mut sum = Vec3::ZERO;
+            let shift = key.with(index).pair();
+            let (mut sum, mut occluder) = (Vec3::ZERO, Occluder::default());
             for i in 0..count {
-                let Some(s) = sample(self.scene(), light, point, origin, (i, count), key) else { continue };
+                let u = lattice(i, count, shift);
+                let Some(s) = sample(self.scene(), light, point, origin, u) else { continue };
                 rays.shadow += 1;
-                sum += s.irradiance * self.transmittance(&s.shadow_ray);
+                sum += s.irradiance * self.transmittance(&s.shadow_ray, &mut occluder);
             }
             total += sum / count as f32;
         }

@@ -1,8 +1,7 @@
 //! One light as a surface point sees it: where its sample points are and what each would bring.
 
 use crate::math::Ray;
-use crate::math::hash::Key;
-use crate::math::sampling::{cosine_hemisphere, frame_around, lattice, uniform_cone, uniform_triangle};
+use crate::math::sampling::{cosine_hemisphere, frame_around, uniform_cone, uniform_triangle};
 use crate::scene::{Light, Scene};
 use crate::trace::surface::SurfacePoint;
 use glam::Vec3;
@@ -39,16 +38,14 @@ pub(super) fn is_behind(light: &Light, point: &SurfacePoint) -> bool {
     }
 }
 
-/// Sample `index` of `count` of a light from a point; `None` where it brings nothing.
+/// The sample of a light that belongs to the point `u` of the unit square; `None` where it brings nothing.
 pub(super) fn sample(
     scene: &Scene,
     light: &Light,
     point: &SurfacePoint,
     origin: Vec3,
-    (index, count): (u32, u32),
-    key: Key,
+    u: [f32; 2],
 ) -> Option<LightSample> {
-    let u = lattice(index, count, key.pair());
     match light {
         Light::Quad { corner, edge_u, edge_v, radiance } => {
             let on_light = *corner + *edge_u * u[0] + *edge_v * u[1];

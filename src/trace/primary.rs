@@ -1,6 +1,6 @@
 //! The tracer: a scene with its hierarchy, and the rays that ask it questions.
 
-use super::bvh::{Bvh, Hit};
+use super::bvh::{Bvh, Hit, Occluder};
 use super::light_grid::LightGrid;
 use super::surface::{SurfacePoint, interpolate_uv};
 use crate::camera::View;
@@ -88,10 +88,10 @@ impl Tracer {
     /// The share of light that passes along a shadow ray, per channel.
     ///
     /// Glass does not block: it dims by what each of its surfaces lets through, without bending the ray. Caustics are
-    /// left out and windows light their room.
-    pub fn transmittance(&self, ray: &Ray) -> Vec3 {
+    /// left out and windows light their room. `occluder` is shared by rays towards one light from one point.
+    pub fn transmittance(&self, ray: &Ray, occluder: &mut Occluder) -> Vec3 {
         if !self.scene.needs.alpha && !self.scene.needs.glass {
-            return if self.bvh.any(ray, |_| true) { Vec3::ZERO } else { Vec3::ONE };
+            return if self.bvh.any_near(ray, occluder, |_| true) { Vec3::ZERO } else { Vec3::ONE };
         }
         let mut passed = Vec3::ONE;
         let blocked = self.bvh.any(ray, |hit| match self.scene.material_of(hit.triangle).kind {

@@ -13,6 +13,17 @@ use rayon::prelude::*;
 /// Inner levels a traversal can hold: each leaves at most three siblings on the stack.
 pub(super) const MAX_DEPTH: usize = 80;
 
+/// Four triangles a leaf, because a packet tests four at the price of one. Reinsertion of a fifth of the nodes, all of
+/// it before leaves are collapsed: on the gallery rays cost 5 to 8 % less than with the preset's twentieth before and
+/// tenth after, and building takes 1.3 times as long.
+const BUILD: BvhBuildParams = BvhBuildParams {
+    max_prims_per_leaf: 4,
+    pre_split: false,
+    reinsertion_batch_ratio: 0.2,
+    post_collapse_reinsertion_batch_ratio_multiplier: 0.0,
+    ..BvhBuildParams::medium_build()
+};
+
 struct Bounded(Aabb);
 
 impl Boundable for Bounded {
@@ -29,10 +40,7 @@ impl Bvh {
             return bvh;
         }
         let groups = Groups::of_equal_boxes(corners);
-        // Four triangles a leaf, because a packet tests four at the price of one.
-        let params =
-            BvhBuildParams { max_prims_per_leaf: 4, pre_split: false, ..BvhBuildParams::medium_build() };
-        let binary = build_bvh2(&groups.boxes, params, &mut std::time::Duration::default());
+        let binary = build_bvh2(&groups.boxes, BUILD, &mut std::time::Duration::default());
         let tree = if depth_of(&binary) <= MAX_DEPTH { binary } else { balanced(&groups.boxes) };
         let counts = triangle_counts(&tree, &groups);
         let mut fold = Fold { tree: &tree, groups: &groups, counts, corners, bvh: &mut bvh };

@@ -10,6 +10,7 @@ mod packet;
 mod traverse;
 
 use packet::TrianglePacket;
+pub use traverse::Occluder;
 
 /// A triangle met by a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -41,10 +41,11 @@ impl ShearedRay {
             2
         };
         let (x, y) = ((z + 1) % 3, (z + 2) % 3);
+        let inverse = 1.0 / d[z];
         Self {
             origin: ray.origin.to_array().map(f32x4::splat),
             axes: [x, y, z],
-            shear: [d[x] / d[z], d[y] / d[z], 1.0 / d[z]].map(f32x4::splat),
+            shear: [d[x] * inverse, d[y] * inverse, inverse].map(f32x4::splat),
         }
     }
 }

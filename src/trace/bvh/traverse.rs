@@ -7,6 +7,7 @@ use super::build::MAX_DEPTH;
 use super::packet::{ShearedRay, TrianglePacket};
 use super::{Bvh, Child, Hit, Node};
 use crate::math::Ray;
+use arrayvec::ArrayVec;
 use wide::f32x4;
 
 /// Three siblings a level, and the root.
@@ -60,8 +61,7 @@ impl Bvh {
     pub fn closest(&self, ray: &Ray, accept: impl Fn(&Hit) -> bool) -> Option<Hit> {
         let (slab, sheared) = (SlabRay::new(ray), ShearedRay::new(ray));
         let mut best = Hit { t: ray.t_max, triangle: u32::MAX, b1: 0.0, b2: 0.0 };
-        let mut stack = [(Child::NONE, 0.0f32); STACK];
-        let mut height = 0;
+        let mut stack = ArrayVec::<(Child, f32), STACK>::new();
         let mut next = self.root;
         while next != Child::NONE {
             if let Some(packet) = next.packet() {
@@ -70,14 +70,12 @@ impl Bvh {
                 let node = &self.nodes[next.0 as usize];
                 let (mask, enter) = slab.children(node, best.t);
                 if mask != 0 {
-                    next = nearest_first(node, mask, enter.to_array(), &mut stack, &mut height);
+                    next = nearest_first(node, mask, enter.to_array(), &mut stack);
                     continue;
                 }
             }
             next = Child::NONE;
-            while height > 0 {
-                height -= 1;
-                let (child, enter) = stack[height];
+            while let Some((child, enter)) = stack.pop() {
                 if enter <= best.t {
                     next = child;
                     break;
@@ -88,41 +86,71 @@ impl Bvh {
     }
 
     /// True where some triangle for which `accept(hit)` holds lies before the ray's end.
+    pub fn any(&self, ray: &Ray, accept: impl FnMut(&Hit) -> bool) -> bool {
+        self.any_near(ray, &mut Occluder::default(), accept)
+    }
+
+    /// The same for one of a bundle of rays: what blocked the last one is tested first, and `occluder` is kept up to
+    /// date. The answer does not depend on it.
     #[inline]
-    pub fn any(&self, ray: &Ray, mut accept: impl FnMut(&Hit) -> bool) -> bool {
-        let (slab, sheared) = (SlabRay::new(ray), ShearedRay::new(ray));
-        let mut stack = [Child::NONE; STACK];
-        let mut height = 1;
-        stack[0] = self.root;
-        while height > 0 {
-            height -= 1;
-            let child = stack[height];
-            if child == Child::NONE {
-                continue;
-            }
+    pub fn any_near(&self, ray: &Ray, occluder: &mut Occluder, mut accept: impl FnMut(&Hit) -> bool) -> bool {
+        let sheared = ShearedRay::new(ray);
+        let last = occluder.0.take();
+        if let Some(packet) = last
+            && any_in_packet(&self.packets[packet as usize], &sheared, ray.t_max, &mut accept)
+        {
+            occluder.0 = last;
+            return true;
+        }
+        let slab = SlabRay::new(ray);
+        let mut stack = ArrayVec::<Child, STACK>::new();
+        if self.root != Child::NONE {
+            stack.push(self.root);
+        }
+        while let Some(child) = stack.pop() {
             if let Some(packet) = child.packet() {
-                let packet = &self.packets[packet];
-                let hits = packet.intersect(&sheared, ray.t_max);
-                let mut mask = hits.mask;
-                while mask != 0 {
-                    let hit = hits.hit(mask.trailing_zeros() as usize, packet);
-                    if hit.t < ray.t_max && accept(&hit) {
-                        return true;
-                    }
-                    mask &= mask - 1;
+                // What was tested before the walk must not be asked again: `accept` may count what it lets pass.
+                if last == Some(packet as u32) {
+                    continue;
+                }
+                if any_in_packet(&self.packets[packet], &sheared, ray.t_max, &mut accept) {
+                    occluder.0 = Some(packet as u32);
+                    return true;
                 }
                 continue;
             }
             let node = &self.nodes[child.0 as usize];
             let (mut mask, _) = slab.children(node, ray.t_max);
             while mask != 0 {
-                stack[height] = node.children[mask.trailing_zeros() as usize];
-                height += 1;
+                stack.push(node.children[mask.trailing_zeros() as usize]);
                 mask &= mask - 1;
             }
         }
         false
     }
+}
+
+/// The packet that blocked the last ray of a bundle.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Occluder(Option<u32>);
+
+#[inline(always)]
+fn any_in_packet(
+    packet: &TrianglePacket,
+    ray: &ShearedRay,
+    t_max: f32,
+    accept: &mut impl FnMut(&Hit) -> bool,
+) -> bool {
+    let hits = packet.intersect(ray, t_max);
+    let mut mask = hits.mask;
+    while mask != 0 {
+        let hit = hits.hit(mask.trailing_zeros() as usize, packet);
+        if hit.t < t_max && accept(&hit) {
+            return true;
+        }
+        mask &= mask - 1;
+    }
+    false
 }
 
 #[inline(always)]
@@ -152,13 +180,12 @@ fn nearest_first(
     node: &Node,
     mut mask: u32,
     enter: [f32; 4],
-    stack: &mut [(Child, f32); STACK],
-    height: &mut usize,
+    stack: &mut ArrayVec<(Child, f32), STACK>,
 ) -> Child {
     let first = mask.trailing_zeros() as usize;
     mask &= mask - 1;
     let mut nearest = (node.children[first], enter[first]);
-    let base = *height;
+    let base = stack.len();
     while mask != 0 {
         let lane = mask.trailing_zeros() as usize;
         mask &= mask - 1;
@@ -166,13 +193,12 @@ fn nearest_first(
         if other.1 < nearest.1 {
             std::mem::swap(&mut nearest, &mut other);
         }
-        let mut at = *height;
+        stack.push(other);
+        let mut at = stack.len() - 1;
         while at > base && stack[at - 1].1 < other.1 {
-            stack[at] = stack[at - 1];
+            stack.swap(at - 1, at);
             at -= 1;
         }
-        stack[at] = other;
-        *height += 1;
     }
     nearest.0
 }
