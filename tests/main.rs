@@ -1,1 +1,3 @@
-//! tests
+//! The engine's tests, one binary: one module per area.
+
+mod builtin;
