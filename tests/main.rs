@@ -1,7 +1,9 @@
-//! The engine's tests: theorems and slow twins first, small goldens second.
+//! The engine's tests: theorems and slow twins first, small goldens second. One binary: one link, and all modules share
+//! the cores.
 
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stderr, reason = "tests")]
 
+mod builtin;
 mod bvh;
 mod import;
 mod lights;

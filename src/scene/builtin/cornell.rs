@@ -42,7 +42,7 @@ pub(super) fn add_to(b: &mut SceneBuilder, contents: Contents) {
     }
     b.views = vec![
         view("start", [0.0, 2.73, 8.0], [0.0, 2.73, 0.0], 39.0),
-        view("inside", [1.6, 1.6, -0.8], [-0.6, 1.2, -4.5], 60.0),
+        view("inside", [0.9, 2.4, 0.3], [-0.5, 1.3, -4.5], 60.0),
     ];
     let keys = [
         ([-1.6, 2.6, 3.2], [0.2, 2.2, -3.0]),

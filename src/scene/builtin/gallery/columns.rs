@@ -13,12 +13,13 @@ pub(super) const ROWS_X: [f64; 2] = [13.5, 20.5];
 pub(super) const COLUMNS_Z: [f64; 4] = [10.7, 14.5, 18.3, 22.1];
 const HALL_AXIS_X: f64 = 17.0;
 const ARCHITRAVE_HALF_M: f64 = 0.48;
-const ARCHITRAVE_DROP_M: f64 = 0.35;
+/// Shallow: a deeper beam would keep the lamps' light from the aisles.
+const ARCHITRAVE_DROP_M: f64 = 0.15;
 const BEAM_HALF_M: f64 = 0.14;
-const BEAM_DROP_M: f64 = 0.2;
-const SHAFT_M: [f64; 2] = [0.42, 3.8];
+const BEAM_DROP_M: f64 = 0.12;
+const SHAFT_M: [f64; 2] = [0.42, 3.98];
 const FLUTES: [u32; 3] = [24, 5, 18];
-const SEGMENTS: u32 = 48;
+const SEGMENTS: u32 = 36;
 
 pub(super) fn add_to(b: &mut SceneBuilder, p: &Palette) {
     for x in ROWS_X {
@@ -34,17 +35,17 @@ fn column(b: &mut SceneBuilder, p: &Palette, frame: &Local) {
     block(b, frame, square(0.0, 0.12, 0.5), Faces::ALL.without(Faces::BOTTOM), p.stone);
     // An Attic base: torus, scotia between two fillets, torus.
     lathe(b, frame, &bulge(0.12, 0.24, 0.44, 0.06), SEGMENTS, p.stone);
-    lathe(b, frame, &[[0.45, 0.24], [0.45, 0.255], [0.42, 0.255]], SEGMENTS, p.stone);
-    lathe(b, frame, &hollow([0.42, 0.255], [0.405, 0.325]), SEGMENTS, p.stone);
+    lathe(b, frame, &[[0.42, 0.24], [0.45, 0.243], [0.45, 0.255], [0.40, 0.257]], SEGMENTS, p.stone);
+    lathe(b, frame, &hollow([0.40, 0.257], [0.385, 0.325]), SEGMENTS, p.stone);
     lathe(b, frame, &bulge(0.325, SHAFT_M[0], 0.395, 0.045), SEGMENTS, p.stone);
     let shaft = frame.moved(DVec3::Y * SHAFT_M[0]);
     fluted_shaft(b, &shaft, FLUTES, entasis, SHAFT_M[1] - SHAFT_M[0], p.plaster);
-    lathe(b, frame, &bulge(SHAFT_M[1], 3.86, 0.33, 0.03), SEGMENTS, p.stone);
-    lathe(b, frame, &[[0.325, 3.86], [0.325, 3.99]], SEGMENTS, p.stone);
+    lathe(b, frame, &bulge(SHAFT_M[1], 4.04, 0.33, 0.03), SEGMENTS, p.stone);
+    lathe(b, frame, &[[0.325, 4.04], [0.325, 4.17]], SEGMENTS, p.stone);
     lathe(b, frame, &echinus(), SEGMENTS, p.stone);
     let top = RoomName::Hall.room().ceiling - ARCHITRAVE_DROP_M;
     // Its lower edge, seen from below, has to close the gap around the echinus; its top lies on the architrave.
-    block(b, frame, square(4.14, top, 0.46), Faces::ALL.without(Faces::TOP), p.stone);
+    block(b, frame, square(4.32, top, 0.46), Faces::ALL.without(Faces::TOP), p.stone);
 }
 
 /// Radius of the shaft: a straight taper would look hollow.
@@ -67,7 +68,7 @@ fn hollow(from: [f64; 2], to: [f64; 2]) -> Vec<[f64; 2]> {
     (0..=8)
         .map(|i| {
             let t = f64::from(i) / 8.0;
-            let dip = 0.03 * (t * std::f64::consts::PI).sin();
+            let dip = 0.025 * (t * std::f64::consts::PI).sin();
             [from[0] + (to[0] - from[0]) * t - dip, from[1] + (to[1] - from[1]) * t]
         })
         .collect()
@@ -77,7 +78,7 @@ fn echinus() -> Vec<[f64; 2]> {
     (0..=8)
         .map(|i| {
             let (sin, cos) = (f64::from(i) / 8.0 * std::f64::consts::FRAC_PI_2).sin_cos();
-            [0.325 + 0.125 * sin, 3.99 + 0.15 * (1.0 - cos)]
+            [0.325 + 0.125 * sin, 4.17 + 0.15 * (1.0 - cos)]
         })
         .collect()
 }

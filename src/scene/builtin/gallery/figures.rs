@@ -45,25 +45,27 @@ impl Figure {
 
 /// Sections of the bust from the cut of the chest to the crown: share of the height, half width, depth to the front,
 /// depth to the back, and how far the neck carries the section forward; metres.
-const BUST_SECTIONS: [[f64; 5]; 16] = [
-    [0.00, 0.130, 0.075, 0.075, 0.000],
-    [0.07, 0.205, 0.120, 0.110, 0.000],
-    [0.15, 0.265, 0.140, 0.125, 0.000],
-    [0.23, 0.255, 0.120, 0.115, 0.000],
-    [0.29, 0.180, 0.085, 0.100, 0.000],
-    [0.34, 0.088, 0.062, 0.080, 0.005],
-    [0.40, 0.068, 0.060, 0.070, 0.012],
-    [0.46, 0.068, 0.070, 0.070, 0.020],
-    [0.51, 0.072, 0.098, 0.078, 0.028],
-    [0.57, 0.084, 0.104, 0.090, 0.030],
-    [0.65, 0.093, 0.104, 0.106, 0.030],
-    [0.74, 0.098, 0.103, 0.120, 0.030],
-    [0.82, 0.099, 0.103, 0.122, 0.028],
-    [0.90, 0.086, 0.088, 0.108, 0.024],
-    [0.96, 0.058, 0.060, 0.074, 0.020],
-    [1.00, 0.000, 0.000, 0.000, 0.018],
+const BUST_SECTIONS: [[f64; 5]; 18] = [
+    [0.000, 0.085, 0.065, 0.065, 0.000],
+    [0.050, 0.115, 0.085, 0.080, 0.000],
+    [0.120, 0.190, 0.125, 0.115, 0.000],
+    [0.190, 0.275, 0.150, 0.135, 0.000],
+    [0.250, 0.300, 0.145, 0.135, 0.000],
+    [0.295, 0.255, 0.110, 0.120, 0.000],
+    [0.335, 0.150, 0.080, 0.098, 0.004],
+    [0.375, 0.098, 0.074, 0.088, 0.010],
+    [0.430, 0.082, 0.076, 0.086, 0.018],
+    [0.475, 0.084, 0.088, 0.088, 0.026],
+    [0.510, 0.090, 0.118, 0.096, 0.032],
+    [0.570, 0.103, 0.126, 0.110, 0.034],
+    [0.650, 0.115, 0.127, 0.130, 0.034],
+    [0.740, 0.121, 0.126, 0.147, 0.034],
+    [0.820, 0.122, 0.126, 0.150, 0.032],
+    [0.900, 0.106, 0.108, 0.132, 0.028],
+    [0.960, 0.071, 0.074, 0.090, 0.024],
+    [1.000, 0.000, 0.000, 0.000, 0.022],
 ];
-const BUST_HEIGHT_M: f64 = 0.82;
+const BUST_HEIGHT_M: f64 = 0.78;
 
 /// Bumps of the face: bearing from the front and height with their widths, and how far they stand out; metres.
 const BUST_FEATURES: [[f64; 5]; 13] = [
@@ -85,7 +87,7 @@ const BUST_FEATURES: [[f64; 5]; 13] = [
 fn bust(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
     foot(b, frame, [0.085, 0.06], material);
     let stand = frame.moved(DVec3::Y * 0.05);
-    let grid = Grid { nu: 108, nv: 92, u: Closing::Around, v: Closing::Poles };
+    let grid = Grid { nu: 96, nv: 80, u: Closing::Around, v: Closing::Poles };
     grid.add_to(b, &stand, material, |u, v| {
         // The first rows close the cut of the chest.
         let h = ((v - 0.03) / 0.97).max(0.0);
@@ -151,14 +153,14 @@ fn rod(b: &mut SceneBuilder, frame: &Local, height: f64, material: MaterialId) {
 fn vase(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
     let radius =
         |v: f64| 0.10 + 0.17 * (v.powf(0.8) * PI).sin().powf(1.3) + 0.09 * (v - 0.86).max(0.0) / 0.14;
-    let grid = Grid { nu: 130, nv: 52, u: Closing::Around, v: Closing::Open };
+    let grid = Grid { nu: 110, nv: 44, u: Closing::Around, v: Closing::Open };
     let at = |u: f64, v: f64, inner: f64| {
         let ribs = 1.0 + 0.07 * (9.0 * u * TAU + 5.0 * v).cos() * (v * PI).sin().powf(0.5);
         on_circle(u, radius(v) * ribs - inner, v * 0.95)
     };
     grid.add_to(b, frame, material, |u, v| at(u, v, 0.0));
     // The inside is seen over the rim; it goes down and so is wound the other way.
-    let inside = Grid { nu: 130, nv: 12, u: Closing::Around, v: Closing::Open };
+    let inside = Grid { nu: 110, nv: 10, u: Closing::Around, v: Closing::Open };
     inside.add_to(b, frame, material, |u, v| at(u, 1.0 - 0.4 * v, 0.018 * (v * 6.0).min(1.0)));
 }
 
@@ -189,7 +191,7 @@ fn boulder(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
 }
 
 fn spire(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
-    let grid = Grid { nu: 96, nv: 72, u: Closing::Around, v: Closing::Open };
+    let grid = Grid { nu: 80, nv: 64, u: Closing::Around, v: Closing::Open };
     grid.add_to(b, frame, material, |u, v| {
         let angle = u * TAU;
         // A superellipse: a square with round edges.

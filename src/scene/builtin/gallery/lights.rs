@@ -7,8 +7,6 @@ use crate::scene::builtin::shapes::{Faces, Local, block};
 use crate::scene::{Material, SceneBuilder};
 use glam::{DVec3, Vec3};
 
-/// From the flat of a ceiling up to the lid of a coffer.
-pub(super) const COFFER_RISE_M: f64 = 0.4;
 /// From a coffer's lid down to the lamp.
 const DROP_M: f64 = 0.05;
 const HOUSING_GAP_M: f64 = 0.01;
@@ -36,18 +34,18 @@ const fn lamp(room: RoomName, middle: [f64; 2], size: [f64; 2], mouth: [f64; 2],
 
 /// All lamps of the gallery.
 pub(super) const LAMPS: [Lamp; 12] = [
-    lamp(RoomName::Mirrors, [5.1, 4.5], [1.6, 1.6], [1.9, 1.9], 24.0),
-    lamp(RoomName::Red, [13.6, 4.5], [1.6, 1.4], [1.9, 1.8], 24.0),
-    lamp(RoomName::Red, [20.4, 4.5], [1.6, 1.4], [1.9, 1.8], 24.0),
-    lamp(RoomName::Vitrine, [26.6, 4.5], [1.2, 1.2], [1.5, 1.7], 20.0),
-    lamp(RoomName::Vitrine, [31.2, 4.5], [1.2, 1.2], [1.5, 1.7], 20.0),
-    lamp(RoomName::Court, [5.1, 12.8], [1.4, 1.6], [1.9, 1.9], 22.0),
-    lamp(RoomName::Court, [5.1, 19.6], [1.4, 1.6], [1.9, 1.9], 22.0),
-    lamp(RoomName::Hall, [17.0, 12.6], [1.6, 1.6], [1.9, 1.6], 25.0),
-    lamp(RoomName::Hall, [17.0, 16.4], [1.6, 1.6], [1.9, 1.6], 25.0),
-    lamp(RoomName::Hall, [17.0, 20.2], [1.6, 1.6], [1.9, 1.6], 25.0),
-    lamp(RoomName::Terrace, [28.9, 12.8], [1.4, 1.6], [1.9, 1.9], 22.0),
-    lamp(RoomName::Terrace, [28.9, 19.6], [1.4, 1.6], [1.9, 1.9], 22.0),
+    lamp(RoomName::Mirrors, [5.075, 4.575], [1.6, 1.6], [3.4, 2.9], 36.0),
+    lamp(RoomName::Red, [13.7, 4.575], [1.6, 1.6], [2.4, 2.9], 30.0),
+    lamp(RoomName::Red, [20.3, 4.575], [1.6, 1.6], [2.4, 2.9], 30.0),
+    lamp(RoomName::Vitrine, [26.9, 4.575], [1.5, 1.5], [1.7, 2.9], 28.0),
+    lamp(RoomName::Vitrine, [30.95, 4.575], [1.5, 1.5], [1.7, 2.9], 28.0),
+    lamp(RoomName::Court, [5.075, 13.2], [1.6, 1.6], [3.4, 2.7], 28.0),
+    lamp(RoomName::Court, [5.075, 19.6], [1.6, 1.6], [3.4, 2.7], 28.0),
+    lamp(RoomName::Hall, [17.0, 12.6], [1.6, 1.6], [2.2, 1.65], 22.0),
+    lamp(RoomName::Hall, [17.0, 16.4], [1.6, 1.6], [2.2, 1.65], 22.0),
+    lamp(RoomName::Hall, [17.0, 20.2], [1.6, 1.6], [2.2, 1.65], 22.0),
+    lamp(RoomName::Terrace, [28.925, 13.2], [1.6, 1.6], [3.4, 2.7], 28.0),
+    lamp(RoomName::Terrace, [28.925, 19.6], [1.6, 1.6], [3.4, 2.7], 28.0),
 ];
 
 impl Lamp {
@@ -74,7 +72,7 @@ impl Lamp {
 pub(super) fn add_to(b: &mut SceneBuilder, p: &Palette) {
     for lamp in &LAMPS {
         let radiance = b.add_material(Material::emissive("lamp", TINT * lamp.radiance));
-        let lid = lamp.room.room().ceiling + COFFER_RISE_M;
+        let lid = lamp.room.room().lid();
         ceiling(b, lamp.around(lamp.half_size(0.0)), lid - DROP_M, radiance);
         let [x0, x1, z0, z1] = lamp.around(lamp.half_size(HOUSING_MARGIN_M));
         let low = DVec3::new(x0, lid - DROP_M + HOUSING_GAP_M, z0);

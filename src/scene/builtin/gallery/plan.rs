@@ -19,16 +19,19 @@ pub(super) struct Room {
     pub(super) area: [f64; 4],
     /// Height of the flat of the ceiling.
     pub(super) ceiling: f64,
+    /// From there up to the lids of its coffers.
+    pub(super) coffer_rise: f64,
 }
 
-/// The rooms, in the order of [`RoomName`].
+/// The rooms, in the order of [`RoomName`]. The hall's coffers are flat: from deeper ones the lamps would not see the
+/// aisles.
 pub(super) const ROOMS: [Room; 6] = [
-    Room { area: [0.3, 9.85, 0.3, 8.85], ceiling: 4.5 },
-    Room { area: [10.15, 23.85, 0.3, 8.85], ceiling: 4.5 },
-    Room { area: [24.15, 33.7, 0.3, 8.85], ceiling: 4.5 },
-    Room { area: [0.3, 9.85, 9.15, 23.7], ceiling: 4.5 },
-    Room { area: [10.15, 23.85, 9.15, 23.7], ceiling: 4.65 },
-    Room { area: [24.15, 33.7, 9.15, 23.7], ceiling: 4.5 },
+    Room { area: [0.3, 9.85, 0.3, 8.85], ceiling: 4.5, coffer_rise: 0.5 },
+    Room { area: [10.15, 23.85, 0.3, 8.85], ceiling: 4.5, coffer_rise: 0.5 },
+    Room { area: [24.15, 33.7, 0.3, 8.85], ceiling: 4.5, coffer_rise: 0.5 },
+    Room { area: [0.3, 9.85, 9.15, 23.7], ceiling: 4.5, coffer_rise: 0.5 },
+    Room { area: [10.15, 23.85, 9.15, 23.7], ceiling: 4.65, coffer_rise: 0.25 },
+    Room { area: [24.15, 33.7, 9.15, 23.7], ceiling: 4.5, coffer_rise: 0.5 },
 ];
 
 /// Index into [`ROOMS`].
@@ -100,6 +103,11 @@ impl Facing {
 }
 
 impl Room {
+    /// Height of the lids of the coffers.
+    pub(super) fn lid(&self) -> f64 {
+        self.ceiling + self.coffer_rise
+    }
+
     pub(super) fn side(&self, facing: Facing) -> Side {
         let [x0, x1, z0, z1] = self.area;
         let (corner, x, length) = match facing {

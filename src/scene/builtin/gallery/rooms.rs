@@ -1,6 +1,6 @@
 //! The shell: walls, floors, ceilings with splayed coffers, roof.
 
-use super::lights::{COFFER_RISE_M, LAMPS, Lamp};
+use super::lights::{LAMPS, Lamp};
 use super::palette::Palette;
 use super::plan::{BASE_M, RoomName, WALL_M, WALL_TOP_M, openings};
 use crate::scene::builtin::shapes::blocks::{ceiling, floor};
@@ -96,7 +96,7 @@ fn ceiling_of(b: &mut SceneBuilder, p: &Palette, name: RoomName) {
         ceiling(b, cell, room.ceiling, p.ceiling);
     }
     for lamp in lamps {
-        coffer(b, p, lamp, room.ceiling);
+        coffer(b, p, lamp, [room.ceiling, room.lid()]);
     }
 }
 
@@ -124,13 +124,13 @@ fn cells_outside(area: [f64; 4], holes: &[[f64; 4]]) -> Vec<[f64; 4]> {
 }
 
 /// Four splayed sides that catch the lamp's light, and a lid.
-fn coffer(b: &mut SceneBuilder, p: &Palette, lamp: &Lamp, y: f64) {
-    let (low, high) = (corners(lamp.coffer(), y), corners(lamp.lid(), y + COFFER_RISE_M));
+fn coffer(b: &mut SceneBuilder, p: &Palette, lamp: &Lamp, [low_y, high_y]: [f64; 2]) {
+    let (low, high) = (corners(lamp.coffer(), low_y), corners(lamp.lid(), high_y));
     for i in 0..4 {
         let j = (i + 1) % 4;
         b.add_quad([low[j], low[i], high[i], high[j]], Vec2::ONE, p.coffer);
     }
-    ceiling(b, lamp.lid(), y + COFFER_RISE_M, p.ceiling);
+    ceiling(b, lamp.lid(), high_y, p.ceiling);
 }
 
 /// Counter-clockwise seen from above.

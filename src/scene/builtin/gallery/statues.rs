@@ -28,26 +28,23 @@ fn collection(p: &Palette) -> Vec<Statue> {
     let statue =
         |figure, material, place, bearing, plinth| Statue { figure, material, place, bearing, plinth };
     vec![
-        // The hall: between the columns and the walls, and on the axis beyond the door.
-        statue(Figure::Vase, p.ultramarine, [11.5, 0.0, 16.4], 90.0, 0.9),
-        statue(Figure::Bust, p.plaster, [11.5, 0.0, 20.2], 75.0, 1.05),
+        // The hall: a pair beside the axis, and in the aisles.
+        statue(Figure::Vase, p.ultramarine, [15.3, 0.0, 14.5], 0.0, 0.9),
+        statue(Figure::Knot(2, 3), p.terracotta, [18.7, 0.0, 14.5], -20.0, 0.9),
+        statue(Figure::Bust, p.plaster, [11.6, 0.0, 20.2], 75.0, 1.05),
         statue(Figure::Ripples, p.plaster, [22.5, 0.0, 16.4], -90.0, 0.9),
-        statue(Figure::Knot(2, 3), p.terracotta, [22.5, 0.0, 20.2], -70.0, 0.9),
         // The red room.
         statue(Figure::Bust, p.marble, [17.0, 0.0, 1.7], 0.0, 1.05),
         // The mirror room.
         statue(Figure::Spire, p.plaster, [3.0, 0.0, 6.6], 30.0, 0.7),
-        // The vitrine room.
-        statue(Figure::Boulder, p.ochre, [31.9, 0.0, 7.2], -45.0, 0.8),
         // The court.
         statue(Figure::Knot(3, 4), p.bronze, [5.0, 0.0, 18.0], 20.0, 0.8),
         statue(Figure::Rings, p.jade, [2.2, 0.0, 15.4], 40.0, 0.9),
-        statue(Figure::Spire, p.terracotta, [7.9, 0.0, 15.6], 10.0, 0.7),
         statue(Figure::Boulder, p.plaster, [2.2, 0.0, 20.8], 60.0, 0.8),
-        statue(Figure::Band, p.ochre, [7.9, 0.0, 20.8], -30.0, 0.9),
+        statue(Figure::Band, p.ochre, [7.9, 0.0, 17.4], -30.0, 0.9),
         // The platform of the terrace.
         statue(Figure::Vase, p.terracotta, [31.8, PLATFORM_M, 21.0], 0.0, 0.8),
-        statue(Figure::Ripples, p.jade, [26.1, PLATFORM_M, 21.0], 0.0, 0.8),
+        statue(Figure::Knot(2, 5), p.jade, [26.1, PLATFORM_M, 21.0], 0.0, 0.8),
     ]
 }
 

@@ -9,8 +9,10 @@ use std::f64::consts::FRAC_PI_2;
 
 const SKIRTING_M: [f64; 2] = [0.14, 0.02];
 const ARCHITRAVE_M: [f64; 2] = [0.14, 0.035];
-const COVE_RADIUS_M: f64 = 0.45;
-const COVE_CELLS: u32 = 10;
+/// How far a cove comes out of the wall, and how much it rises: the part of a ceiling that sees the lamps.
+const COVE_M: [f64; 2] = [1.2, 0.9];
+const HALL_COVE_M: [f64; 2] = [1.7, 1.0];
+const COVE_CELLS: u32 = 16;
 
 pub(super) fn add_to(b: &mut SceneBuilder, p: &Palette) {
     for name in RoomName::ALL {
@@ -19,10 +21,8 @@ pub(super) fn add_to(b: &mut SceneBuilder, p: &Palette) {
             let side = room.side(facing);
             skirting(b, p, &side, facing);
             side.doors.iter().for_each(|&door| architrave(b, p, &side, door));
-            // The hall has beams where the others have a cove.
-            if name != RoomName::Hall {
-                cove(b, p, &side, room.ceiling);
-            }
+            let size = if name == RoomName::Hall { HALL_COVE_M } else { COVE_M };
+            cove(b, p, &side, size, room.ceiling);
         }
     }
 }
@@ -65,13 +65,13 @@ fn architrave(b: &mut SceneBuilder, p: &Palette, side: &Side, [x0, x1]: [f64; 2]
     bar([x1, head], [x1 + width, head + width], ends.without(Faces::LEFT));
 }
 
-/// A hollow quarter round from the wall to the ceiling, mitred in the corners.
-fn cove(b: &mut SceneBuilder, p: &Palette, side: &Side, ceiling: f64) {
+/// A hollow quarter of an ellipse from the wall to the ceiling, mitred in the corners.
+fn cove(b: &mut SceneBuilder, p: &Palette, side: &Side, [run, rise]: [f64; 2], ceiling: f64) {
     let grid = Grid { nu: 1, nv: COVE_CELLS, u: Closing::Open, v: Closing::Open };
     grid.add_to(b, &side.frame, p.coffer, |u, v| {
         let (sin, cos) = (v * FRAC_PI_2).sin_cos();
-        let out = COVE_RADIUS_M * (1.0 - cos);
+        let out = run * (1.0 - cos);
         let x = out + u * (side.length - 2.0 * out);
-        DVec3::new(x, ceiling - COVE_RADIUS_M * (1.0 - sin), out)
+        DVec3::new(x, ceiling - rise * (1.0 - sin), out)
     });
 }

@@ -9,7 +9,7 @@ const FRAMES: u32 = 300;
 
 pub(super) fn views() -> Vec<NamedView> {
     vec![
-        view("start", [18.6, 1.6, 22.6], [16.0, 1.65, 13.0], FOV_Y_DEG),
+        view("start", [17.9, 1.6, 22.2], [16.3, 1.55, 13.0], FOV_Y_DEG),
         view("hall", [15.2, 1.6, 10.4], [19.0, 1.5, 20.0], FOV_Y_DEG),
         view("mirrors", [7.6, 1.6, 3.0], [0.3, 1.5, 5.4], FOV_Y_DEG),
         view("vitrine", [28.2, 1.6, 5.4], [29.7, 1.15, 3.2], FOV_Y_DEG),

@@ -153,7 +153,7 @@ pub(in crate::scene::builtin) fn closed_tube(
     });
 }
 
-/// A straight round bar between two points of the world, open at its ends.
+/// A straight round bar between two points of the world, closed by flat ends.
 pub(in crate::scene::builtin) fn bar(
     b: &mut SceneBuilder,
     [from, to]: [DVec3; 2],
@@ -164,9 +164,21 @@ pub(in crate::scene::builtin) fn bar(
     let axis = (to - from).normalize_or(DVec3::Y);
     let side = axis.any_orthonormal_vector();
     let up = axis.cross(side);
-    let grid = Grid { nu: segments, nv: 1, u: Closing::Around, v: Closing::Open };
-    grid.add_to(b, &Local::WORLD, material, |u, v| {
+    let ring = |u: f64| {
         let (sin, cos) = (u * std::f64::consts::TAU).sin_cos();
-        from.lerp(to, v) + radius * (side * cos + up * sin)
-    });
+        radius * (side * cos + up * sin)
+    };
+    let tube = Grid { nu: segments, nv: 1, u: Closing::Around, v: Closing::Open };
+    tube.add_to(b, &Local::WORLD, material, |u, v| from.lerp(to, v) + ring(u));
+    for (end, axis) in [(from, -axis), (to, axis)] {
+        let middle = b.add_vertex(end, axis.as_vec3(), Vec2::ZERO);
+        let rim: Vec<u32> = (0..segments)
+            .map(|i| b.add_vertex(end + ring(f64::from(i) / f64::from(segments)), axis.as_vec3(), Vec2::ZERO))
+            .collect();
+        for i in 0..rim.len() {
+            let (p, q) = (rim[i], rim[(i + 1) % rim.len()]);
+            // The rim runs counter-clockwise seen against the axis.
+            b.add_triangle(if end == to { [middle, p, q] } else { [middle, q, p] }, material);
+        }
+    }
 }

@@ -1,0 +1,77 @@
+//! The gallery's own promises.
+
+use super::scene;
+use afterimage::scene::{Light, MaterialKind, Scene, SolidSide};
+
+fn triangles_where(scene: &Scene, test: impl Fn(&MaterialKind) -> bool) -> Vec<u32> {
+    (0..scene.triangles.len() as u32).filter(|&t| test(&scene.material_of(t).kind)).collect()
+}
+
+#[test]
+fn gallery_has_the_size_it_promises() {
+    let scene = scene("gallery");
+    let count = scene.triangles.len();
+    assert!((225_000..=300_000).contains(&count), "{count} triangles");
+    let size = scene.bounds_m[1] - scene.bounds_m[0];
+    assert!((size.x - 34.0).abs() < 0.01 && (size.z - 24.0).abs() < 0.01, "{size}");
+}
+
+#[test]
+fn gallery_has_twelve_quads_for_lamps() {
+    let scene = scene("gallery");
+    assert_eq!(scene.lights.len(), 12);
+    for light in &scene.lights {
+        let Light::Quad { edge_u, edge_v, .. } = light else { panic!("not a quad: {light:?}") };
+        // Both edges lie flat: the lamps look straight down.
+        assert_eq!((edge_u.y, edge_v.y), (0.0, 0.0));
+        for edge in [edge_u, edge_v] {
+            let metres = f64::from(edge.length()) / scene.frame.units_per_metre;
+            assert!((0.8..=1.6001).contains(&metres), "{metres} m");
+        }
+    }
+}
+
+#[test]
+fn gallery_needs_mirrors_glass_textures_and_area_lights() {
+    let needs = scene("gallery").needs;
+    assert!(needs.mirror && needs.glass && needs.textures && needs.area_lights);
+    assert!(!needs.alpha && !needs.sky);
+}
+
+#[test]
+fn gallery_glass_is_solid() {
+    let scene = scene("gallery");
+    let glass = triangles_where(&scene, |k| matches!(k, MaterialKind::Glass { .. }));
+    // Five panes, each a box.
+    assert_eq!(glass.len(), 5 * 12);
+    assert!(glass.iter().all(|&t| scene.solids[t as usize] == SolidSide::InsideBehind));
+}
+
+#[test]
+fn gallery_mirrors_do_not_face_each_other() {
+    let scene = scene("gallery");
+    let mirrors = triangles_where(&scene, |k| matches!(k, MaterialKind::Mirror { .. }));
+    assert!(!mirrors.is_empty());
+    let plane = scene.corners(mirrors[0])[0].x;
+    for t in mirrors {
+        assert!(scene.corners(t).iter().all(|p| p.x == plane), "all mirrors lie in one plane");
+    }
+}
+
+#[test]
+fn gallery_views_are_named() {
+    let scene = scene("gallery");
+    for name in ["start", "hall", "mirrors", "vitrine", "railing"] {
+        assert!(scene.views.iter().any(|v| v.name == name), "{name}");
+    }
+}
+
+#[test]
+fn gallery_walk_is_long_and_even() {
+    let walk = scene("gallery").walk;
+    assert_eq!(walk.frames, 300);
+    assert!((60.0..=80.0).contains(&walk.length_m()), "{} m", walk.length_m());
+    let eyes: Vec<_> = (0..walk.frames).map(|i| walk.camera(i, walk.frames).unwrap().eye).collect();
+    let longest = eyes.windows(2).map(|e| e[0].distance(e[1])).fold(0.0, f64::max);
+    assert!(longest < 0.3, "{longest} m in one frame");
+}

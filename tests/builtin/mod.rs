@@ -1,0 +1,37 @@
+//! The embedded scenes: counts, closed bodies, free walks, the same bits every time.
+
+mod analytic;
+mod clearance;
+mod gallery;
+
+use afterimage::scene::{Scene, builtin};
+
+fn scene(name: &str) -> Scene {
+    builtin::build(name).unwrap()
+}
+
+#[test]
+fn every_embedded_scene_is_complete() {
+    for name in builtin::NAMES {
+        let scene = scene(name);
+        assert_eq!(scene.name, format!("builtin:{name}"));
+        assert!(scene.warnings.is_empty(), "{name}: {:?}", scene.warnings);
+        assert!(!scene.lights.is_empty(), "{name}");
+        assert_eq!(scene.views[0].name, "start");
+        assert!(scene.views.iter().all(|v| v.camera.is_valid()), "{name}");
+        assert!(scene.walk.keyframes.len() > 1 && scene.walk.length_m() > 1.0, "{name}");
+    }
+}
+
+#[test]
+fn embedded_scenes_have_the_same_hash_every_time() {
+    for name in builtin::NAMES {
+        assert_eq!(scene(name).hash, scene(name).hash, "{name}");
+    }
+}
+
+#[test]
+fn an_unknown_name_lists_the_known_ones() {
+    let message = builtin::build("galery").unwrap_err().to_string();
+    assert!(message.contains("'galery'") && message.contains("cornell-glass"), "{message}");
+}
