@@ -43,6 +43,29 @@ impl Tracer {
 
     /// Irradiance that arrives straight from the lights, `samples` shadow rays each.
     pub fn irradiance(&self, point: &SurfacePoint, samples: u32, key: Key, rays: &mut RayCounts) -> Vec3 {
+        self.irradiance_through(point, samples, key, |shadow_ray| {
+            rays.shadow += 1;
+            self.transmittance(shadow_ray)
+        })
+    }
+
+    /// The shadow rays that [`Self::irradiance`] traces, in its order, appended to `rays`.
+    pub fn shadow_rays(&self, point: &SurfacePoint, samples: u32, key: Key, rays: &mut Vec<Ray>) {
+        self.irradiance_through(point, samples, key, |shadow_ray| {
+            rays.push(*shadow_ray);
+            Vec3::ZERO
+        });
+    }
+
+    /// `passed` tells how much light passes along a shadow ray.
+    #[inline(always)]
+    fn irradiance_through(
+        &self,
+        point: &SurfacePoint,
+        samples: u32,
+        key: Key,
+        mut passed: impl FnMut(&Ray) -> Vec3,
+    ) -> Vec3 {
         let origin = point.origin_in_front();
         let mut total = Vec3::ZERO;
         for (index, light) in self.scene().lights.iter().enumerate() {
@@ -54,8 +77,7 @@ impl Tracer {
             let mut sum = Vec3::ZERO;
             for i in 0..count {
                 let Some(s) = sample(self.scene(), light, point, origin, (i, count), key) else { continue };
-                rays.shadow += 1;
-                sum += s.irradiance * self.transmittance(&s.shadow_ray);
+                sum += s.irradiance * passed(&s.shadow_ray);
             }
             total += sum / count as f32;
         }
