@@ -11,6 +11,7 @@ pub mod needs;
 mod solids;
 pub mod texture;
 
+pub use crate::camera::SceneFrame;
 pub use builder::{SceneBuilder, SceneError, Warning};
 pub use lights::Light;
 pub use material::{Material, MaterialKind, TextureRef};
@@ -18,7 +19,6 @@ pub use needs::Needs;
 pub use texture::{Encoding, Texture};
 
 use crate::camera::Camera;
-pub use crate::camera::SceneFrame;
 use crate::camera_path::CameraPath;
 use glam::{DVec3, Vec2, Vec3};
 
