@@ -50,8 +50,7 @@ pub(crate) fn run(args: &CompareArgs, flags: &Flags) -> Result<(), Failure> {
         ])
     });
     match args.fail_under_db {
-        // Written so that a PSNR that is not a number fails too.
-        Some(least) if !(psnr >= least) => {
+        Some(least) if psnr.is_nan() || psnr < least => {
             Err(Failure::Failed(format!("the PSNR of {psnr:.3} dB is below {least} dB")))
         }
         _ => Ok(()),

@@ -20,7 +20,7 @@ pub(crate) fn start(scene: Option<&str>, flags: &Flags) -> Result<(), Failure> {
 fn has_display() -> bool {
     let is_set = |name: &&str| std::env::var_os(name).is_some_and(|v| !v.is_empty());
     cfg!(any(windows, target_os = "macos"))
-        || ["WAYLAND_DISPLAY", "WAYLAND_SOCKET", "DISPLAY"].iter().any(|n| is_set(&n))
+        || ["WAYLAND_DISPLAY", "WAYLAND_SOCKET", "DISPLAY"].iter().any(is_set)
 }
 
 fn open_window(_scene: Option<&str>, _flags: &Flags) -> Result<(), Failure> {
