@@ -148,7 +148,8 @@ impl TourRecord {
         is_complete: bool,
         [samples, truth_samples]: [u32; 2],
     ) -> Self {
-        let reference_secs_total = references.iter().map(|r| r.secs).sum();
+        // Not `sum`, which makes -0 of nothing.
+        let reference_secs_total = references.iter().fold(0.0, |sum, r| sum + r.secs);
         let mut summary = Summary::of(&frames);
         summary.measured = MeasuredSummary::of(&frames, reference_secs_total, samples, truth_samples);
         Self {
@@ -207,8 +208,8 @@ impl MeasuredSummary {
             truth_samples,
             truth_noise_psnr_db,
             noise: format!(
-                "the truth has {truth_samples} shadow samples per light and a seed of its own; errors above about \
-                 {truth_noise_psnr_db:.0} dB cannot be told from its noise"
+                "the truth has {truth_samples} shadow samples per light and a seed of its own; a PSNR above \
+                 about {truth_noise_psnr_db:.0} dB cannot be told from its noise"
             ),
         })
     }

@@ -1,9 +1,10 @@
 //! The flags that every command knows, and how their values are read.
 
 use afterimage::raster::color::ToneMap;
+use afterimage::scene::import::{Unit, Up};
 use afterimage::trace::TraceSettings;
 use afterimage::{Mode, RenderSettings};
-use clap::{Args, ValueEnum};
+use clap::Args;
 use glam::DVec3;
 
 /// What every command knows. A command takes from it what it needs.
@@ -30,11 +31,11 @@ pub(crate) struct Flags {
     #[arg(long, global = true, value_name = "N", value_parser = threads)]
     pub(crate) threads: Option<usize>,
     /// What the number 1 stands for in the model; else what the model says.
-    #[arg(long, global = true, value_name = "UNIT")]
-    pub(crate) unit: Option<UnitName>,
+    #[arg(long, global = true, value_name = "mm|cm|m|in|ft", value_parser = str::parse::<Unit>)]
+    pub(crate) unit: Option<Unit>,
     /// Which axis of the model points up.
-    #[arg(long, global = true, value_name = "+Y|+Z", value_parser = up)]
-    pub(crate) up: Option<UpAxis>,
+    #[arg(long, global = true, value_name = "+Y|+Z", value_parser = str::parse::<Up>)]
+    pub(crate) up: Option<Up>,
     /// Lets a model open textures and libraries outside its own folder.
     #[arg(long, global = true)]
     pub(crate) allow_outside: bool,
@@ -65,25 +66,6 @@ pub(crate) struct Flags {
     /// Tone map of display-referred pictures.
     #[arg(long, global = true, value_name = "aces|linear", default_value = "aces", value_parser = tone_map)]
     pub(crate) tone_map: ToneMap,
-}
-
-/// A length unit, by its abbreviation.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-#[allow(missing_docs, reason = "the names say it")]
-pub(crate) enum UnitName {
-    Mm,
-    Cm,
-    M,
-    In,
-    Ft,
-}
-
-/// The axis that points up.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(missing_docs, reason = "the names say it")]
-pub(crate) enum UpAxis {
-    PlusY,
-    PlusZ,
 }
 
 impl Flags {
@@ -125,14 +107,6 @@ fn mode(text: &str) -> Result<Mode, String> {
 fn threads(text: &str) -> Result<usize, String> {
     let number = text.parse().ok().filter(|n| (1..=1024).contains(n));
     number.ok_or_else(|| "a number of threads is from 1 to 1024".to_owned())
-}
-
-fn up(text: &str) -> Result<UpAxis, String> {
-    match text.trim_start_matches('+') {
-        "Y" | "y" => Ok(UpAxis::PlusY),
-        "Z" | "z" => Ok(UpAxis::PlusZ),
-        _ => Err("there are '+Y' and '+Z'".to_owned()),
-    }
 }
 
 fn tone_map(text: &str) -> Result<ToneMap, String> {

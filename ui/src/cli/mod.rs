@@ -65,7 +65,8 @@ pub fn run() -> ExitCode {
         }
     };
     interrupt::install();
-    let outcome = start_threads(&cli.flags).and_then(|()| dispatch(&cli));
+    let outcome =
+        pose::check(&cli.flags).and_then(|()| start_threads(&cli.flags)).and_then(|()| dispatch(&cli));
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {

@@ -8,26 +8,28 @@ use glam::DVec3;
 /// Degrees, where neither the flags nor the scene say otherwise.
 const DEFAULT_FOV_Y: f64 = 60.0;
 
-/// The camera that the flags ask for; the scene's first view when they do not.
+/// Refuses half a pose, before a scene is loaded for nothing.
+pub(crate) fn check(flags: &Flags) -> Result<(), Failure> {
+    match (flags.eye, flags.look_at) {
+        (Some(_), None) => Err(Failure::Usage("--eye needs --look-at beside it".to_owned())),
+        (None, Some(_)) => Err(Failure::Usage("--look-at needs --eye beside it".to_owned())),
+        (Some(eye), Some(at)) if eye == at => {
+            let text = "--eye and --look-at are the same point; they give no direction";
+            Err(Failure::Usage(text.to_owned()))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The camera that the flags ask for, which [`check`] let pass; the scene's first view when they do not.
 pub(crate) fn camera(flags: &Flags, scene: &Scene) -> Result<Camera, Failure> {
     let degrees = |found: &Camera| flags.fov_y.unwrap_or(found.fov_y.to_degrees());
     let seen = |found: &Camera| Camera { fov_y: degrees(found).to_radians(), ..*found };
     match (flags.eye, flags.look_at, &flags.view) {
-        (Some(eye), Some(at), _) => look(eye, at, flags.fov_y.unwrap_or(DEFAULT_FOV_Y)),
-        (Some(_), None, _) => Err(Failure::Usage("--eye needs --look-at beside it".to_owned())),
-        (None, Some(_), _) => Err(Failure::Usage("--look-at needs --eye beside it".to_owned())),
-        (None, None, Some(name)) => named(scene, name).map(seen),
-        (None, None, None) => Ok(seen(scene.start())),
+        (Some(eye), Some(at), _) => Ok(Camera::look_at(eye, at, flags.fov_y.unwrap_or(DEFAULT_FOV_Y))),
+        (_, _, Some(name)) => named(scene, name).map(seen),
+        _ => Ok(seen(scene.start())),
     }
-}
-
-fn look(eye: DVec3, at: DVec3, fov_y: f64) -> Result<Camera, Failure> {
-    if eye == at {
-        return Err(Failure::Usage(
-            "--eye and --look-at are the same point; they give no direction".to_owned(),
-        ));
-    }
-    Ok(Camera::look_at(eye, at, fov_y))
 }
 
 fn named<'a>(scene: &'a Scene, name: &str) -> Result<&'a Camera, Failure> {

@@ -190,7 +190,7 @@ fn object(flags: &Flags, loaded: &Loaded, frame: &Frame, references: &[Reference
         "secs": {
             "load": loaded.load_secs,
             "build": loaded.tracer.build_secs(),
-            "references": references.iter().map(|r| r.secs).sum::<f64>(),
+            "references": total_secs(references),
             "warp": secs.warp,
             "secondary": secs.secondary,
             "trace": secs.trace,
@@ -203,10 +203,15 @@ fn object(flags: &Flags, loaded: &Loaded, frame: &Frame, references: &[Reference
     })
 }
 
+/// Not `sum`, which makes -0 of nothing.
+fn total_secs(references: &[ReferenceFrame]) -> f64 {
+    references.iter().fold(0.0, |sum, r| sum + r.secs)
+}
+
 fn table(args: &RenderArgs, frame: &Frame, references: &[ReferenceFrame]) -> String {
     let (types, secs) = (frame.stats.types.percentages(), &frame.stats.secs);
     let [w, h] = frame.view.size;
-    let reference_secs: f64 = references.iter().map(|r| r.secs).sum();
+    let reference_secs = total_secs(references);
     output::table(&[
         ("picture", format!("{}, {w}x{h}", args.output.display())),
         ("Type 1", format!("{:.2} % reused", types.type1_percent)),

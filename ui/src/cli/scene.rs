@@ -3,6 +3,7 @@
 use super::failure::Failure;
 use super::flags::Flags;
 use super::{interrupt, output};
+use afterimage::scene::import::{self, ImportOptions};
 use afterimage::scene::{SceneError, builtin};
 use afterimage::{Scene, Tracer};
 use std::path::Path;
@@ -72,10 +73,12 @@ fn report(scene: &Scene) {
 }
 
 /// The one place that calls the importer.
-fn import(path: &Path, _flags: &Flags) -> Result<Scene, SceneError> {
-    Err(SceneError::Read {
-        file: path.to_owned(),
-        cause: "this build reads no model files".to_owned(),
-        remedy: "use one of the embedded scenes".to_owned(),
-    })
+fn import(path: &Path, flags: &Flags) -> Result<Scene, SceneError> {
+    let options = ImportOptions {
+        unit: flags.unit,
+        up: flags.up,
+        allow_outside: flags.allow_outside,
+        ..ImportOptions::default()
+    };
+    import::load(path, &options, &|_, _| !interrupt::is_cancelled())
 }
