@@ -81,7 +81,7 @@ fn flip_grows_with_the_difference_and_stays_below_one() {
 #[test]
 fn radiance_is_clipped_for_display_and_never_a_random_colour() {
     let shown = display_of(&[Vec3::new(7.0, -1.0, f32::NAN), Vec3::splat(0.5)]);
-    assert_eq!(shown[0], Vec3::X);
+    assert!((shown[0] - Vec3::X).abs().max_element() < 1e-6, "{}", shown[0]);
     assert!((shown[1].x - 0.735_357).abs() < 1e-5);
     let back = Picture { size: [1, 1], kind: PictureKind::Display, values: vec![shown[1]] };
     assert!((back.linear()[0].x - 0.5).abs() < 1e-6);

@@ -1,1 +1,3 @@
-//! tests
+//! All tests of the program in one binary.
+
+mod cli;

@@ -73,13 +73,11 @@ pub(crate) fn run(args: &RenderArgs, flags: &Flags) -> Result<(), Failure> {
     let mut renderer = Renderer::default();
     let stop = interrupt::is_cancelled;
     let frame = renderer.render(&loaded.tracer, &camera, flags.size, &flags.render(), &borrowed, &stop);
-    if !frame.stats.is_complete {
-        return Err(Failure::Interrupted);
-    }
+    // A picture that was stopped is kept too; its notes and the result say so.
     write_files(args, flags, &loaded, frame)?;
     let object = object(flags, &loaded, frame, &references);
     output::result(flags.json, &object, || table(args, frame, &references));
-    loaded.verdict(flags)
+    if frame.stats.is_complete { loaded.verdict(flags) } else { Err(Failure::Interrupted) }
 }
 
 /// What can be refused before the scene is loaded.
@@ -170,6 +168,7 @@ pub(super) fn notes(flags: &Flags, loaded: &Loaded, frame: &Frame) -> Vec<(&'sta
                 flags.seed
             ),
         ),
+        ("Complete", if frame.stats.is_complete { "yes" } else { "no" }.to_owned()),
         ("Tone map", format!("{} at {} EV", flags.tone_map.name(), flags.exposure)),
     ]
 }
@@ -186,6 +185,7 @@ fn object(flags: &Flags, loaded: &Loaded, frame: &Frame, references: &[Reference
         "bounces": flags.bounces,
         "seed": flags.seed,
         "threads": rayon::current_num_threads(),
+        "is_complete": stats.is_complete,
         "types": stats.types.percentages(),
         "secs": {
             "load": loaded.load_secs,
