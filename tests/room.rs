@@ -7,7 +7,7 @@ use glam::{DVec3, Vec2, Vec3};
 use std::sync::Arc;
 
 /// 4 m wide, 3 m high, 8 m long; the walk goes 2 m along it.
-pub fn scene() -> Scene {
+pub(crate) fn scene() -> Scene {
     let mut b = SceneBuilder::new("room");
     let wall = b.add_material(Material::diffuse("wall", Vec3::new(0.7, 0.6, 0.5)));
     let mirror = b.add_material(Material::mirror("mirror", Vec3::splat(0.8)));
@@ -30,6 +30,6 @@ pub fn scene() -> Scene {
 }
 
 /// The room, ready for rays.
-pub fn tracer() -> Arc<Tracer> {
+pub(crate) fn tracer() -> Arc<Tracer> {
     Arc::new(Tracer::new(Arc::new(scene())))
 }

@@ -105,7 +105,7 @@ impl ReferenceCache {
     /// The up to `most` references that together cover most of a view, best first. References of another epoch are
     /// never among them.
     ///
-    /// Greedy on a coarse warp: every reference is projected into the view at one sample in [`STEP`]^2, and the one
+    /// Greedy on a coarse warp: every reference is projected into the view at one sample in `STEP`^2, and the one
     /// that covers most cells not yet covered is taken next. Greedy coverage is within 63 % of the best choice
     /// (Nemhauser et al. 1978).
     pub fn select(&mut self, view: &View, epoch: SceneEpoch, most: usize) -> Vec<CachedReference> {
