@@ -1,6 +1,5 @@
 //! The pinhole camera: a pose in the world, and the same pose as the renderer sees it, in scene space.
 
-use crate::scene::SceneFrame;
 use glam::{DMat3, DVec3, Mat3, Vec3};
 use serde::{Deserialize, Serialize};
 
@@ -54,6 +53,31 @@ impl Camera {
         let finite = self.eye.is_finite() && self.yaw.is_finite() && self.pitch.is_finite();
         // A hair of slack: degrees and radians round.
         finite && (0.99..170.01).contains(&self.fov_y.to_degrees())
+    }
+}
+
+/// World metres <-> scene units.
+///
+/// The world keeps the model's own coordinates (in metres). Scene space has its origin near the model's centre and a
+/// diagonal in 512..1024, by a power of two: the same model at another place or another power-of-two size has the
+/// very same bits in scene space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SceneFrame {
+    /// World position of the scene-space origin, metres.
+    pub origin_in_world_m: DVec3,
+    /// Scene units per metre, a power of two.
+    pub units_per_metre: f64,
+}
+
+impl SceneFrame {
+    /// Scene space of a world position, before rounding to f32.
+    pub fn scene_from_world_f64(&self, world_m: DVec3) -> DVec3 {
+        (world_m - self.origin_in_world_m) * self.units_per_metre
+    }
+
+    /// World position, in metres, of a scene-space position.
+    pub fn world_from_scene(&self, scene: Vec3) -> DVec3 {
+        scene.as_dvec3() / self.units_per_metre + self.origin_in_world_m
     }
 }
 

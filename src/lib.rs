@@ -2,6 +2,7 @@
 
 pub mod camera;
 pub mod camera_path;
+pub mod experiment;
 pub mod math;
 pub mod raster;
 pub mod reference;

@@ -6,7 +6,12 @@
 mod builtin;
 mod bvh;
 mod import;
+mod layers;
 mod lights;
+mod metrics;
 mod reuse;
+mod room;
 mod rooms;
+mod save;
+mod tour;
 mod tracing;

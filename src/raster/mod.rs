@@ -2,5 +2,9 @@
 
 pub mod buffer;
 pub mod color;
+pub mod load;
+pub mod metrics;
+pub mod save;
+pub mod types_picture;
 
 pub use buffer::Buffer2d;

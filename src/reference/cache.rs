@@ -106,7 +106,7 @@ impl ReferenceCache {
     /// The up to `most` references that together cover most of a view, best first. References of another epoch are
     /// never among them.
     ///
-    /// Greedy on a coarse warp (see [`cover`]): the reference that closes most of what is still open is taken next.
+    /// Greedy on a coarse warp (see `cover`): the reference that closes most of what is still open is taken next.
     /// Greedy coverage is within 63 % of the best choice (Nemhauser et al. 1978).
     pub fn select(&mut self, view: &View, epoch: SceneEpoch, most: usize) -> Vec<CachedReference> {
         let candidates: Vec<usize> =

@@ -44,6 +44,9 @@ impl ReferenceFrame {
     pub const BYTES_PER_PIXEL: usize =
         size_of::<Vec3>() + size_of::<f32>() + size_of::<u32>() + size_of::<u8>();
 
+    /// Memory that tracing one takes per pixel, beside what it keeps.
+    pub const TRACING_BYTES_PER_PIXEL: usize = size_of::<Option<PixelTrace>>() + size_of::<u32>();
+
     /// Traces a reference on the current thread pool. `None` after a stop.
     pub fn trace(
         tracer: &Tracer,

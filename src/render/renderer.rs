@@ -43,6 +43,14 @@ impl Default for Renderer {
 }
 
 impl Renderer {
+    /// Memory a frame takes while it is made, lists of work included: an upper bound, so that a size can be refused
+    /// before anything is reserved.
+    pub const BYTES_PER_PIXEL: usize = size_of::<Option<PixelTrace>>() // traced
+        + size_of::<Option<Vec3>>() // specular
+        + size_of::<u64>() // warped
+        + 3 * size_of::<u32>() // order, secondary, unseen
+        + size_of::<Vec3>() + size_of::<f32>() + size_of::<u32>() + 2; // the frame
+
     /// The last frame.
     pub fn frame(&self) -> &Frame {
         &self.frame

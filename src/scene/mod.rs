@@ -11,6 +11,7 @@ pub mod needs;
 mod solids;
 pub mod texture;
 
+pub use crate::camera::SceneFrame;
 pub use builder::{SceneBuilder, SceneError, Warning};
 pub use lights::Light;
 pub use material::{Material, MaterialKind, TextureRef};
@@ -20,31 +21,6 @@ pub use texture::{Encoding, Texture};
 use crate::camera::Camera;
 use crate::camera_path::CameraPath;
 use glam::{DVec3, Vec2, Vec3};
-
-/// World metres <-> scene units.
-///
-/// The world keeps the model's own coordinates (in metres). Scene space has its origin near the model's centre and a
-/// diagonal in 512..1024, by a power of two: the same model at another place or another power-of-two size has the
-/// very same bits in scene space.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SceneFrame {
-    /// World position of the scene-space origin, metres.
-    pub origin_in_world_m: DVec3,
-    /// Scene units per metre, a power of two.
-    pub units_per_metre: f64,
-}
-
-impl SceneFrame {
-    /// Scene space of a world position, before rounding to f32.
-    pub fn scene_from_world_f64(&self, world_m: DVec3) -> DVec3 {
-        (world_m - self.origin_in_world_m) * self.units_per_metre
-    }
-
-    /// World position, in metres, of a scene-space position.
-    pub fn world_from_scene(&self, scene: Vec3) -> DVec3 {
-        scene.as_dvec3() / self.units_per_metre + self.origin_in_world_m
-    }
-}
 
 /// Index into [`Scene::materials`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

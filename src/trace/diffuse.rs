@@ -45,6 +45,29 @@ impl Tracer {
 
     /// Irradiance that arrives straight from the lights, `samples` shadow rays each.
     pub fn irradiance(&self, point: &SurfacePoint, samples: u32, key: Key, rays: &mut RayCounts) -> Vec3 {
+        self.irradiance_through(point, samples, key, |shadow_ray, occluder| {
+            rays.shadow += 1;
+            self.transmittance(shadow_ray, occluder)
+        })
+    }
+
+    /// The shadow rays that [`Self::irradiance`] traces, in its order, appended to `rays`.
+    pub fn shadow_rays(&self, point: &SurfacePoint, samples: u32, key: Key, rays: &mut Vec<Ray>) {
+        self.irradiance_through(point, samples, key, |shadow_ray, _| {
+            rays.push(*shadow_ray);
+            Vec3::ZERO
+        });
+    }
+
+    /// `passed` tells how much light passes along a shadow ray.
+    #[inline(always)]
+    fn irradiance_through(
+        &self,
+        point: &SurfacePoint,
+        samples: u32,
+        key: Key,
+        mut passed: impl FnMut(&Ray, &mut Occluder) -> Vec3,
+    ) -> Vec3 {
         let origin = point.origin_in_front();
         let mut total = Vec3::ZERO;
         for &index in self.lights_at(point.position) {
@@ -58,8 +81,7 @@ impl Tracer {
             for i in 0..count {
                 let u = lattice(i, count, shift);
                 let Some(s) = sample(self.scene(), light, point, origin, u) else { continue };
-                rays.shadow += 1;
-                sum += s.irradiance * self.transmittance(&s.shadow_ray, &mut occluder);
+                sum += s.irradiance * passed(&s.shadow_ray, &mut occluder);
             }
             total += sum / count as f32;
         }

@@ -36,6 +36,13 @@ pub struct RayCounts {
     pub indirect: u64,
 }
 
+impl RayCounts {
+    /// All of them.
+    pub fn total(&self) -> u64 {
+        self.primary + self.shadow + self.secondary + self.indirect
+    }
+}
+
 impl AddAssign for RayCounts {
     fn add_assign(&mut self, other: Self) {
         self.primary += other.primary;

@@ -1,1 +1,3 @@
-//! ui
+//! Everything a person touches: the command line and the window. No ray and no triangle is handled here.
+
+pub mod cli;

@@ -1,1 +1,9 @@
-//! tests
+//! All tests of the program in one binary.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stderr,
+    reason = "a test may fail where it stands, and says what it skips"
+)]
+
+mod cli;

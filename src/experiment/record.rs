@@ -1,0 +1,264 @@
+//! What a walk leaves behind: one record a frame, one a reference, and the sum of it.
+//!
+//! Seconds, metres, degrees, percent. The names are those of the command line's contract.
+
+use super::measure::Measurement;
+use super::statistics::{median, percentile};
+use crate::camera::Camera;
+use crate::reproject::classify::TypePercentages;
+use crate::trace::RayCounts;
+use serde::Serialize;
+use serde_json::Value;
+
+/// Where a frame or a reference was taken, in words that `--eye`, `--look-at` and `--fov-y` take.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Pose {
+    /// World metres.
+    pub eye: [f64; 3],
+    /// A point one metre ahead, world metres.
+    pub look_at: [f64; 3],
+    /// Vertical, degrees.
+    pub fov_y_deg: f64,
+}
+
+impl From<&Camera> for Pose {
+    fn from(camera: &Camera) -> Self {
+        Self {
+            eye: camera.eye.to_array(),
+            look_at: (camera.eye + camera.forward()).to_array(),
+            fov_y_deg: camera.fov_y.to_degrees(),
+        }
+    }
+}
+
+/// One frame of a walk.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FrameRecord {
+    /// From 0.
+    pub frame: u32,
+    /// Where.
+    pub pose: Pose,
+    /// How its pixels came to their colours.
+    pub types: TypePercentages,
+    /// References warped.
+    pub references_used: usize,
+    /// References in the cache.
+    pub references_held: usize,
+    /// Reference pixels warped.
+    pub warped_pixels: usize,
+    /// All stages; references and measuring left out.
+    pub frame_secs: f64,
+    /// Choosing references.
+    pub select_secs: f64,
+    /// Warping, classifying, copying.
+    pub warp_secs: f64,
+    /// Type 2.
+    pub secondary_secs: f64,
+    /// Type 3.
+    pub trace_secs: f64,
+    /// Rays by purpose.
+    pub rays: RayCounts,
+    /// A reference was traced after this frame.
+    pub reference_added: bool,
+    /// What it took.
+    pub reference_secs: f64,
+    /// How good the picture is, where that was asked.
+    pub measurement: Option<Measurement>,
+}
+
+/// One reference of a walk.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ReferenceRecord {
+    /// Running number.
+    pub reference: u32,
+    /// The frame after which it was traced.
+    pub after_frame: u32,
+    /// Where.
+    pub pose: Pose,
+    /// What it took.
+    pub secs: f64,
+    /// Rays by purpose.
+    pub rays: RayCounts,
+    /// Memory it holds.
+    pub bytes: usize,
+}
+
+/// A whole walk.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TourRecord {
+    /// Frame by frame.
+    pub frames: Vec<FrameRecord>,
+    /// How many references were traced.
+    pub references_added: usize,
+    /// Seconds they took together.
+    pub reference_secs_total: f64,
+    /// Seconds of the frame rendered before the walk to warm the machine up; it counts nowhere.
+    pub warm_up_secs: f64,
+    /// False where the walk was stopped early.
+    pub is_complete: bool,
+    /// The sum of it.
+    pub summary: Summary,
+    /// One by one.
+    #[serde(skip)]
+    pub references: Vec<ReferenceRecord>,
+}
+
+/// A walk in a few numbers. Without frames all are absent.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[allow(missing_docs, reason = "the names say it; units are in them")]
+pub struct Summary {
+    pub frame_secs_median: Option<f64>,
+    pub frame_secs_p99: Option<f64>,
+    pub type3_percent_median: Option<f64>,
+    pub type3_percent_max: Option<f64>,
+    pub warp_ns_per_reference_pixel: Option<f64>,
+    pub rays_per_sec: Option<f64>,
+    #[serde(flatten)]
+    pub measured: Option<MeasuredSummary>,
+}
+
+/// The part of a summary that only a measured walk has.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[allow(missing_docs, reason = "the names say it; units are in them")]
+pub struct MeasuredSummary {
+    pub measured_frames: usize,
+    pub full_frame_secs_median: f64,
+    /// Of the medians; what references cost is left out.
+    pub speedup: f64,
+    /// Of the whole walk, every second spent on references counted, against tracing every frame in full.
+    pub speedup_with_references: f64,
+    pub psnr_db_median: f64,
+    pub psnr_db_min: f64,
+    pub full_psnr_db_median: f64,
+    pub flip_mean_median: f64,
+    pub full_flip_mean_median: f64,
+    pub see_through_percent_median: f64,
+    pub truth_samples: u32,
+    /// A picture without any noise would be measured at about this PSNR, because the truth has noise of its own.
+    pub truth_noise_psnr_db: f64,
+    pub noise: String,
+}
+
+impl TourRecord {
+    /// Sums up what was recorded. `samples` and `truth_samples` are shadow samples of the frames and of the truth.
+    pub fn new(
+        frames: Vec<FrameRecord>,
+        references: Vec<ReferenceRecord>,
+        warm_up_secs: f64,
+        is_complete: bool,
+        [samples, truth_samples]: [u32; 2],
+    ) -> Self {
+        // Not `sum`, which makes -0 of nothing.
+        let reference_secs_total = references.iter().fold(0.0, |sum, r| sum + r.secs);
+        let mut summary = Summary::of(&frames);
+        summary.measured = MeasuredSummary::of(&frames, reference_secs_total, samples, truth_samples);
+        Self {
+            frames,
+            references_added: references.len(),
+            reference_secs_total,
+            warm_up_secs,
+            is_complete,
+            summary,
+            references,
+        }
+    }
+}
+
+impl Summary {
+    fn of(frames: &[FrameRecord]) -> Self {
+        let type3 = || frames.iter().map(|f| f.types.type3_percent);
+        let frame_secs = || frames.iter().map(|f| f.frame_secs);
+        let warps = frames.iter().filter(|f| f.warped_pixels > 0);
+        let all_rays: u64 = frames.iter().map(|f| f.rays.total()).sum();
+        let ray_secs: f64 = frames.iter().map(|f| f.secondary_secs + f.trace_secs).sum();
+        Self {
+            frame_secs_median: median(frame_secs()),
+            frame_secs_p99: percentile(frame_secs(), 99.0),
+            type3_percent_median: median(type3()),
+            type3_percent_max: type3().max_by(f64::total_cmp),
+            warp_ns_per_reference_pixel: median(warps.map(|f| f.warp_secs * 1e9 / f.warped_pixels as f64)),
+            rays_per_sec: (ray_secs > 0.0).then(|| all_rays as f64 / ray_secs),
+            measured: None,
+        }
+    }
+}
+
+impl MeasuredSummary {
+    fn of(frames: &[FrameRecord], reference_secs: f64, samples: u32, truth_samples: u32) -> Option<Self> {
+        let measured: Vec<&Measurement> = frames.iter().filter_map(|f| f.measurement.as_ref()).collect();
+        let of = |value: fn(&Measurement) -> f64| measured.iter().map(move |m| value(m));
+        let full_frame_secs_median = median(of(|m| m.full_frame_secs))?;
+        let frame_secs_median = median(frames.iter().map(|f| f.frame_secs))?;
+        let walk_secs = frames.iter().map(|f| f.frame_secs).sum::<f64>() + reference_secs;
+        let full_psnr_db_median = median(of(|m| m.full_psnr_db))?;
+        // The variance of both falls with the samples: full's error is its own noise plus the truth's.
+        let ratio = f64::from(samples + truth_samples) / f64::from(samples.max(1));
+        let truth_noise_psnr_db = full_psnr_db_median + 10.0 * ratio.log10();
+        Some(Self {
+            measured_frames: measured.len(),
+            full_frame_secs_median,
+            speedup: full_frame_secs_median / frame_secs_median,
+            speedup_with_references: full_frame_secs_median * frames.len() as f64 / walk_secs,
+            psnr_db_median: median(of(|m| m.psnr_db))?,
+            psnr_db_min: of(|m| m.psnr_db).min_by(f64::total_cmp)?,
+            full_psnr_db_median,
+            flip_mean_median: median(of(|m| m.flip_mean))?,
+            full_flip_mean_median: median(of(|m| m.full_flip_mean))?,
+            see_through_percent_median: median(of(|m| m.see_through_percent))?,
+            truth_samples,
+            truth_noise_psnr_db,
+            noise: format!(
+                "the truth has {truth_samples} shadow samples per light and a seed of its own; a PSNR above \
+                 about {truth_noise_psnr_db:.0} dB cannot be told from its noise"
+            ),
+        })
+    }
+}
+
+/// A table with a column per number, named by its place in the record (`types.type1_percent`), a line per record.
+/// A record lacks a column where its value is absent.
+pub fn csv<T: Serialize>(records: &[T]) -> String {
+    let rows: Vec<Vec<(String, String)>> = records
+        .iter()
+        .map(|record| {
+            let mut cells = Vec::new();
+            flatten(String::new(), &serde_json::to_value(record).unwrap_or(Value::Null), &mut cells);
+            cells
+        })
+        .collect();
+    let mut columns: Vec<&str> = Vec::new();
+    for (name, _) in rows.iter().flatten() {
+        if !columns.contains(&name.as_str()) {
+            columns.push(name);
+        }
+    }
+    // Absent in a record, a group would otherwise leave a column of its own name.
+    columns.retain(|c| !columns_start_with(&rows, c));
+    let cell = |row: &[(String, String)], column: &str| {
+        row.iter().find(|(name, _)| name == column).map_or(String::new(), |(_, value)| value.clone())
+    };
+    let line =
+        |row: &Vec<(String, String)>| columns.iter().map(|c| cell(row, c)).collect::<Vec<_>>().join(",");
+    std::iter::once(columns.join(",")).chain(rows.iter().map(line)).map(|l| l + "\n").collect()
+}
+
+fn columns_start_with(rows: &[Vec<(String, String)>], group: &str) -> bool {
+    let is_member = |name: &str| name.strip_prefix(group).is_some_and(|rest| rest.starts_with('.'));
+    rows.iter().flatten().any(|(name, _)| is_member(name))
+}
+
+fn flatten(name: String, value: &Value, cells: &mut Vec<(String, String)>) {
+    let below = |key: &str| if name.is_empty() { key.to_owned() } else { format!("{name}.{key}") };
+    match value {
+        Value::Object(map) => map.iter().for_each(|(key, value)| flatten(below(key), value, cells)),
+        Value::Array(list) => {
+            for (axis, value) in ["x", "y", "z"].iter().zip(list) {
+                flatten(below(axis), value, cells);
+            }
+        }
+        Value::Null => cells.push((name, String::new())),
+        // Text may hold a comma or a quote.
+        Value::String(text) => cells.push((name, format!("\"{}\"", text.replace('"', "\"\"")))),
+        other => cells.push((name, other.to_string())),
+    }
+}

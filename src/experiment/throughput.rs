@@ -1,0 +1,246 @@
+//! The speed of the parts: rays by kind, the warp against what memory allows, shading.
+//!
+//! Rays are gathered first and timed alone, so that the figures are those of the hierarchy and can be set beside
+//! another library's on the very same rays ([`RayDump`]). Every figure is the median of [`ROUNDS`] after one round
+//! that is not counted.
+
+use super::statistics::median;
+use crate::camera::{Camera, View};
+use crate::math::Ray;
+use crate::math::hash::Key;
+use crate::math::sampling::{cosine_hemisphere, frame_around};
+use crate::reference::ReferenceFrame;
+use crate::reproject::WarpBuffer;
+use crate::trace::parallel::{NEVER, Stop, tile_order, trace_pixels};
+use crate::trace::{Bvh, RayCounts, SurfacePoint, TraceSettings, Tracer};
+use rayon::prelude::*;
+use serde::Serialize;
+use std::hint::black_box;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Rounds timed of each figure.
+pub const ROUNDS: usize = 5;
+
+/// Rays of a kind at most; more would time the same at the price of memory.
+const MOST_RAYS: usize = 8_000_000;
+
+/// Rays a thread takes at a time.
+const CHUNK: usize = 4096;
+
+/// What is timed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ThroughputSettings {
+    /// The view.
+    pub camera: Camera,
+    /// Of the view.
+    pub size: [u32; 2],
+    /// Samples, bounces, seed of shading and of the shadow rays.
+    pub trace: TraceSettings,
+}
+
+/// The speed of the parts. Rates count all threads together.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[allow(missing_docs, reason = "the names say it; units are in them")]
+pub struct Throughput {
+    pub triangles: usize,
+    pub threads: usize,
+    pub primary_mrays_per_sec: f64,
+    pub shadow_mrays_per_sec: f64,
+    pub diffuse_mrays_per_sec: f64,
+    /// Steps 1 and 2 of the paper.
+    pub warp_ns_per_reference_pixel: f64,
+    /// Its time over that of moving its bytes at the speed of a plain read.
+    pub warp_over_memory_floor: f64,
+    pub memory_gb_per_sec: f64,
+    /// All of a first hit's diffuse light, shadow rays included; divide by the threads for one thread's.
+    pub shade_us_per_pixel: f64,
+    pub build_secs: f64,
+    pub bvh_bytes: usize,
+    pub primary_rays: usize,
+    pub shadow_rays: usize,
+    pub diffuse_rays: usize,
+}
+
+/// The rays that were timed, in scene space.
+#[derive(Clone, Debug, Default)]
+pub struct RayDump {
+    /// Nearest hit asked: primary, then diffuse.
+    pub closest: Vec<Ray>,
+    /// Any hit asked: shadow.
+    pub any: Vec<Ray>,
+}
+
+/// Times the parts on a view; `on_part` is told what is timed next. `None` after a stop.
+pub fn measure_throughput(
+    tracer: &Tracer,
+    settings: &ThroughputSettings,
+    stop: Stop<'_>,
+    mut on_part: impl FnMut(&'static str),
+) -> Option<(Throughput, RayDump)> {
+    let view = View::new(&settings.camera, &tracer.scene().frame, settings.size);
+    let order = tile_order(settings.size);
+    on_part("gathering rays");
+    let primary: Vec<Ray> = order.iter().map(|&p| Tracer::primary_ray(&view, p)).collect();
+    let points = first_points(tracer, &order, &primary);
+    let diffuse = diffuse_rays(&points, settings.trace.seed);
+    let shadow = shadow_rays(tracer, &points, &settings.trace);
+    let bvh = tracer.bvh();
+    let mut go_on = |part| {
+        on_part(part);
+        !stop()
+    };
+    let mut result = Throughput {
+        triangles: tracer.scene().triangles.len(),
+        threads: rayon::current_num_threads(),
+        bvh_bytes: bvh.bytes(),
+        primary_rays: primary.len(),
+        shadow_rays: shadow.len(),
+        diffuse_rays: diffuse.len(),
+        ..Throughput::default()
+    };
+    go_on("primary rays").then(|| result.primary_mrays_per_sec = closest_rate(bvh, &primary))?;
+    go_on("shadow rays").then(|| result.shadow_mrays_per_sec = any_rate(bvh, &shadow))?;
+    go_on("diffuse rays").then(|| result.diffuse_mrays_per_sec = closest_rate(bvh, &diffuse))?;
+    go_on("shading").then(|| result.shade_us_per_pixel = shade_us(tracer, &points, &settings.trace))?;
+    go_on("the warp").then(|| time_warp(tracer, settings, &mut result))?;
+    go_on("building").then(|| result.build_secs = build_secs(tracer))?;
+    let closest = primary.into_iter().chain(diffuse).collect();
+    Some((result, RayDump { closest, any: shadow }))
+}
+
+impl RayDump {
+    /// The triangles and the rays in a form other programs read, little-endian: `RAYS0001`, the number of triangles
+    /// as u64, their corners as f32; then twice (nearest hit, any hit) the number of rays as u64 and eight f32 each:
+    /// origin, smallest t, direction, largest t.
+    pub fn to_bytes(&self, tracer: &Tracer) -> Vec<u8> {
+        let scene = tracer.scene();
+        let count = scene.triangles.len();
+        let mut bytes = b"RAYS0001".to_vec();
+        bytes.reserve(24 + count * 36 + (self.closest.len() + self.any.len()) * 32);
+        bytes.extend_from_slice(&(count as u64).to_le_bytes());
+        let corners = (0..count as u32).flat_map(|t| scene.corners(t)).flat_map(|c| c.to_array());
+        corners.for_each(|c| bytes.extend_from_slice(&c.to_le_bytes()));
+        for rays in [&self.closest, &self.any] {
+            bytes.extend_from_slice(&(rays.len() as u64).to_le_bytes());
+            for ray in rays {
+                let (o, d) = (ray.origin, ray.direction);
+                let numbers = [o.x, o.y, o.z, 0.0, d.x, d.y, d.z, ray.t_max];
+                numbers.iter().for_each(|n| bytes.extend_from_slice(&n.to_le_bytes()));
+            }
+        }
+        bytes
+    }
+}
+
+/// The median seconds of a task, after a round that is not counted.
+fn median_secs(mut task: impl FnMut()) -> f64 {
+    task();
+    let timed = (0..ROUNDS).map(|_| {
+        let start = Instant::now();
+        task();
+        start.elapsed().as_secs_f64()
+    });
+    median(timed).unwrap_or(f64::NAN)
+}
+
+fn rate_of(rays: &[Ray], count_hits: impl Fn(&Ray) -> bool + Sync) -> f64 {
+    if rays.is_empty() {
+        return 0.0;
+    }
+    let secs = median_secs(|| {
+        let hits = |chunk: &[Ray]| chunk.iter().filter(|r| count_hits(r)).count();
+        black_box(rays.par_chunks(CHUNK).map(hits).sum::<usize>());
+    });
+    rays.len() as f64 / secs / 1e6
+}
+
+/// Cut-out texels and glass count as surfaces: other libraries do the same, and the rays stay comparable.
+fn closest_rate(bvh: &Bvh, rays: &[Ray]) -> f64 {
+    rate_of(rays, |ray| bvh.closest(ray, |_| true).is_some())
+}
+
+fn any_rate(bvh: &Bvh, rays: &[Ray]) -> f64 {
+    rate_of(rays, |ray| bvh.any(ray, |_| true))
+}
+
+/// The surface points that primary rays meet, with their pixels.
+fn first_points(tracer: &Tracer, order: &[u32], primary: &[Ray]) -> Vec<(u32, SurfacePoint)> {
+    let point =
+        |(&pixel, ray): (&u32, &Ray)| tracer.closest(ray).map(|hit| (pixel, tracer.surface(ray, &hit)));
+    order.par_iter().zip(primary).filter_map(point).collect()
+}
+
+fn diffuse_rays(points: &[(u32, SurfacePoint)], seed: u64) -> Vec<Ray> {
+    let ray = |(pixel, point): &(u32, SurfacePoint)| {
+        let direction = cosine_hemisphere(Key::of_pixel(seed, *pixel).with(u32::MAX).pair());
+        Ray::new(point.origin_in_front(), frame_around(point.geometric_normal) * direction)
+    };
+    points.iter().map(ray).collect()
+}
+
+/// The shadow rays that shading the points traces, of evenly spread points where there are too many.
+fn shadow_rays(tracer: &Tracer, points: &[(u32, SurfacePoint)], trace: &TraceSettings) -> Vec<Ray> {
+    let of_point = |rays: &mut Vec<Ray>, (pixel, point): &(u32, SurfacePoint)| {
+        tracer.shadow_rays(point, trace.samples, Key::of_pixel(trace.seed, *pixel), rays);
+    };
+    let mut probe = Vec::new();
+    points.iter().step_by(997).for_each(|p| of_point(&mut probe, p));
+    let step = (probe.len() * 997).div_ceil(MOST_RAYS).max(1);
+    let mut rays = Vec::new();
+    points.iter().step_by(step).for_each(|p| of_point(&mut rays, p));
+    rays
+}
+
+fn shade_us(tracer: &Tracer, points: &[(u32, SurfacePoint)], trace: &TraceSettings) -> f64 {
+    let indices: Vec<u32> = (0..points.len() as u32).collect();
+    let mut shaded = Vec::new();
+    let secs = median_secs(|| {
+        trace_pixels(&indices, &mut shaded, NEVER, |i, rays: &mut RayCounts| {
+            let (pixel, point) = &points[i as usize];
+            tracer.diffuse_radiance(point, 1.0, trace, Key::of_pixel(trace.seed, *pixel), rays)
+        });
+        black_box(&shaded);
+    });
+    secs * 1e6 / points.len().max(1) as f64
+}
+
+/// Bytes a warp must move: a disparity read; per target pixel a key cleared, read and written.
+const WARP_BYTES_PER_PIXEL: f64 = 4.0 + 3.0 * 8.0;
+
+/// Warps a reference of the view to an eye that went on by a hundredth of the scene's diagonal and turned by 3 degrees.
+fn time_warp(tracer: &Tracer, settings: &ThroughputSettings, result: &mut Throughput) {
+    let few = TraceSettings { samples: 1, bounces: 0, ..settings.trace };
+    let Some(reference) = ReferenceFrame::trace(tracer, &settings.camera, settings.size, &few, NEVER) else {
+        return;
+    };
+    let [low, high] = tracer.scene().bounds_m;
+    let step = settings.camera.forward() * ((high - low).length() * 0.01);
+    let yaw = settings.camera.yaw + 3f64.to_radians();
+    let moved = Camera { eye: settings.camera.eye + step, yaw, ..settings.camera };
+    let view = View::new(&moved, &tracer.scene().frame, settings.size);
+    let mut warped = WarpBuffer::default();
+    let secs = median_secs(|| warped.warp(&[&reference], &view));
+    let pixels = view.pixel_count() as f64;
+    result.memory_gb_per_sec = read_bytes_per_sec() / 1e9;
+    result.warp_ns_per_reference_pixel = secs * 1e9 / pixels;
+    let floor_secs = pixels * WARP_BYTES_PER_PIXEL / (result.memory_gb_per_sec * 1e9);
+    result.warp_over_memory_floor = secs / floor_secs;
+}
+
+/// The speed of reading memory in order on all threads.
+fn read_bytes_per_sec() -> f64 {
+    // Larger than any cache.
+    let numbers = vec![1u64; 32 << 20];
+    let secs = median_secs(|| {
+        let sum = |chunk: &[u64]| chunk.iter().fold(0u64, |a, b| a.wrapping_add(*b));
+        black_box(numbers.par_chunks(1 << 16).map(sum).reduce(|| 0, u64::wrapping_add));
+    });
+    size_of_val(numbers.as_slice()) as f64 / secs
+}
+
+fn build_secs(tracer: &Tracer) -> f64 {
+    let scene = tracer.scene();
+    let builds = (0..ROUNDS).map(|_| Tracer::new(Arc::clone(scene)).build_secs());
+    median(builds).unwrap_or(f64::NAN)
+}

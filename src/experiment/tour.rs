@@ -1,0 +1,168 @@
+//! The measured walk: the window's walk, one frame after the other, every reference traced between two frames.
+
+use super::measure::{MeasureError, MeasureSettings, Measurer};
+use super::record::{FrameRecord, Pose, ReferenceRecord, TourRecord};
+use crate::camera::Camera;
+use crate::camera_path::CameraPath;
+use crate::raster::save::SaveError;
+use crate::reference::ReferenceFrame;
+use crate::render::{Frame, Mode, RenderSettings, Renderer, Walkthrough, WalkthroughSettings};
+use crate::trace::Tracer;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// What a tour is made with.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TourSettings {
+    /// The walk's own settings.
+    pub walkthrough: WalkthroughSettings,
+    /// Of the frames and of the references.
+    pub size: [u32; 2],
+    /// How many, from the start of the walk to its end.
+    pub frames: u32,
+    /// Whether and how frames are measured.
+    pub measure: Option<MeasureSettings>,
+}
+
+/// What happens on a tour, as it happens.
+#[derive(Debug)]
+pub enum TourEvent<'a> {
+    /// A frame is done.
+    Frame(&'a FrameRecord, &'a Frame),
+    /// A frame is about to be measured, which takes much longer than the frame.
+    Measuring(u32),
+    /// Truths cannot be kept; they are traced anew the next time.
+    TruthNotKept(&'a SaveError),
+}
+
+/// Why there is no tour.
+#[derive(Debug, thiserror::Error)]
+pub enum TourError {
+    /// A walk without key frames.
+    #[error("the walk has no key frames; it needs at least one")]
+    EmptyWalk,
+    /// A pose that is not finite, or a field of view out of range.
+    #[error("frame {0} of the walk has no valid pose; eyes and targets must be finite numbers")]
+    Pose(u32),
+    /// Measuring failed.
+    #[error(transparent)]
+    Measure(#[from] MeasureError),
+}
+
+/// Walks along `path` and records every frame. A reference that the policy wants after a frame is traced at once and
+/// serves from the next frame on; before frame 0 there is none. After `cancel` what was done so far is returned.
+///
+/// Frame 0 is rendered once before the walk, unrecorded, so that no frame pays for touching memory first.
+///
+/// # Errors
+/// [`TourError`] where the walk cannot be walked.
+pub fn run_tour(
+    tracer: &Arc<Tracer>,
+    path: &CameraPath,
+    settings: &TourSettings,
+    cancel: &AtomicBool,
+    mut observe: impl FnMut(TourEvent<'_>),
+) -> Result<TourRecord, TourError> {
+    let cameras = cameras(path, settings.frames)?;
+    let stop = || cancel.load(Ordering::Relaxed);
+    let trace = settings.walkthrough.render.trace;
+    let warm_up_secs = match cameras.first() {
+        Some(first) => warm_up(tracer, first, settings, &stop),
+        None => 0.0,
+    };
+    let mut walk = Walkthrough::new(Arc::clone(tracer), settings.walkthrough);
+    let mut measurer = settings.measure.clone().map(Measurer::new);
+    let (mut frames, mut references) = (Vec::new(), Vec::new());
+    for (index, camera) in (0..).zip(&cameras) {
+        walk.render(camera, settings.size, &stop);
+        if !walk.frame().stats.is_complete {
+            break;
+        }
+        let mut record = record_of(index, &walk);
+        if let Some(measurer) = measurer.as_mut().filter(|m| m.is_due(index)) {
+            observe(TourEvent::Measuring(index));
+            record.measurement = measurer.measure(tracer, walk.frame(), &trace, &stop)?;
+            if let Some(error) = measurer.keep_error.take() {
+                observe(TourEvent::TruthNotKept(&error));
+            }
+        }
+        // The last frame's wish would serve nobody.
+        if index + 1 < cameras.len() as u32
+            && let Some(added) = add_reference(&mut walk, settings, index, references.len() as u32, &stop)
+        {
+            record.reference_added = true;
+            record.reference_secs = added.secs;
+            references.push(added);
+        }
+        observe(TourEvent::Frame(&record, walk.frame()));
+        frames.push(record);
+    }
+    let is_complete = frames.len() == cameras.len() && !stop();
+    let truth_samples = settings.measure.as_ref().map_or(0, |m| m.truth_samples);
+    Ok(TourRecord::new(frames, references, warm_up_secs, is_complete, [trace.samples, truth_samples]))
+}
+
+fn cameras(path: &CameraPath, frames: u32) -> Result<Vec<Camera>, TourError> {
+    (0..frames)
+        .map(|i| {
+            let camera = path.camera(i, frames).ok_or(TourError::EmptyWalk)?;
+            if camera.is_valid() { Ok(camera) } else { Err(TourError::Pose(i)) }
+        })
+        .collect()
+}
+
+fn warm_up(
+    tracer: &Tracer,
+    camera: &Camera,
+    settings: &TourSettings,
+    stop: &(dyn Fn() -> bool + Sync),
+) -> f64 {
+    let render = RenderSettings { mode: Mode::Full, ..settings.walkthrough.render };
+    Renderer::default().render(tracer, camera, settings.size, &render, &[], stop).stats.secs.frame
+}
+
+fn record_of(index: u32, walk: &Walkthrough) -> FrameRecord {
+    let frame = walk.frame();
+    let stats = &frame.stats;
+    FrameRecord {
+        frame: index,
+        pose: Pose::from(&frame.camera),
+        types: stats.types.percentages(),
+        references_used: stats.references_used,
+        references_held: walk.cache().entries().len(),
+        warped_pixels: stats.warped_pixels,
+        frame_secs: stats.secs.frame,
+        select_secs: stats.secs.select,
+        warp_secs: stats.secs.warp,
+        secondary_secs: stats.secs.secondary,
+        trace_secs: stats.secs.trace,
+        rays: stats.rays,
+        reference_added: false,
+        reference_secs: 0.0,
+        measurement: None,
+    }
+}
+
+/// Traces the reference that the walk wants, if it wants one.
+fn add_reference(
+    walk: &mut Walkthrough,
+    settings: &TourSettings,
+    frame: u32,
+    number: u32,
+    stop: &(dyn Fn() -> bool + Sync),
+) -> Option<ReferenceRecord> {
+    let camera = walk.wanted_reference()?;
+    let trace = walk.reference_settings();
+    let tracer = Arc::clone(walk.tracer());
+    let reference = ReferenceFrame::trace(&tracer, &camera, settings.size, &trace, stop)?;
+    let record = ReferenceRecord {
+        reference: number,
+        after_frame: frame,
+        pose: Pose::from(&camera),
+        secs: reference.secs,
+        rays: reference.rays,
+        bytes: reference.bytes(),
+    };
+    walk.insert(reference)?;
+    Some(record)
+}

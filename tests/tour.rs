@@ -1,0 +1,159 @@
+//! The measured walk on a small room.
+
+use crate::room;
+use afterimage::experiment::record::csv;
+use afterimage::experiment::statistics::{median, percentile};
+use afterimage::experiment::throughput::{ThroughputSettings, measure_throughput};
+use afterimage::experiment::{MeasureSettings, TourEvent, TourRecord, TourSettings, run_tour};
+use afterimage::reference::PlacementPolicy;
+use afterimage::trace::TraceSettings;
+use afterimage::{Mode, RenderSettings, WalkthroughSettings};
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+fn settings(measure: Option<&Path>) -> TourSettings {
+    let trace = TraceSettings { samples: 4, bounces: 0, seed: 3 };
+    let walkthrough = WalkthroughSettings {
+        render: RenderSettings { mode: Mode::Paper, trace },
+        placement: PlacementPolicy::Threshold { percent: 5.0 },
+        ..WalkthroughSettings::default()
+    };
+    let measure = measure.map(|folder| MeasureSettings {
+        every: 4,
+        truth_samples: 64,
+        truth_folder: Some(folder.to_owned()),
+    });
+    TourSettings { walkthrough, size: [64, 48], frames: 9, measure }
+}
+
+fn walk(settings: &TourSettings, cancel: &AtomicBool) -> TourRecord {
+    let tracer = room::tracer();
+    run_tour(&tracer, &tracer.scene().walk, settings, cancel, |_| ()).unwrap()
+}
+
+/// What a record says that does not depend on the clock.
+fn without_times(record: &TourRecord) -> Vec<String> {
+    record
+        .frames
+        .iter()
+        .map(|f| format!("{:?} {:?} {:?} {:?}", f.pose, f.types, f.rays, f.references_used))
+        .collect()
+}
+
+#[test]
+fn a_walk_starts_without_references_and_reuses_from_then_on() {
+    let record = walk(&settings(None), &AtomicBool::new(false));
+    assert_eq!(record.frames.len(), 9);
+    assert!(record.is_complete && record.warm_up_secs > 0.0);
+    let first = &record.frames[0];
+    assert_eq!((first.types.type3_percent, first.references_used, first.warped_pixels), (100.0, 0, 0));
+    assert!(first.reference_added && first.reference_secs > 0.0);
+    let second = &record.frames[1];
+    assert_eq!(second.references_used, 1);
+    assert!(second.types.type1_percent > 50.0 && second.types.type2_percent > 0.0, "{second:?}");
+    for f in &record.frames {
+        let t = &f.types;
+        assert!((t.type1_percent + t.type2_percent + t.type3_percent - 100.0).abs() < 1e-9);
+        assert!((t.gap_percent + t.disoccluded_percent + t.unseen_percent - t.type3_percent).abs() < 1e-9);
+        assert_eq!(f.reference_added, f.reference_secs > 0.0);
+    }
+    assert_eq!(record.references_added, record.frames.iter().filter(|f| f.reference_added).count());
+    let spent: f64 = record.references.iter().map(|r| r.secs).sum();
+    assert!((spent - record.reference_secs_total).abs() < 1e-12);
+    assert!(!record.frames[8].reference_added, "a reference after the last frame serves nobody");
+}
+
+#[test]
+fn the_same_walk_twice_is_the_same() {
+    let [a, b] = [0, 1].map(|_| walk(&settings(None), &AtomicBool::new(false)));
+    assert_eq!(without_times(&a), without_times(&b));
+}
+
+#[test]
+fn without_a_policy_every_frame_is_traced_in_full() {
+    let mut settings = settings(None);
+    settings.walkthrough.placement = PlacementPolicy::None;
+    let record = walk(&settings, &AtomicBool::new(false));
+    assert_eq!(record.references_added, 0);
+    assert!(record.frames.iter().all(|f| f.types.type3_percent == 100.0));
+}
+
+#[test]
+fn a_stopped_walk_keeps_its_frames() {
+    let tracer = room::tracer();
+    let cancel = AtomicBool::new(false);
+    let observe = |event: TourEvent<'_>| {
+        if matches!(event, TourEvent::Frame(record, _) if record.frame == 2) {
+            cancel.store(true, Ordering::Relaxed);
+        }
+    };
+    let record = run_tour(&tracer, &tracer.scene().walk, &settings(None), &cancel, observe).unwrap();
+    assert_eq!((record.frames.len(), record.is_complete), (3, false));
+}
+
+#[test]
+fn a_measured_walk_knows_its_errors_and_keeps_its_truths() {
+    let folder = tempfile::tempdir().unwrap();
+    let settings = settings(Some(folder.path()));
+    let first = walk(&settings, &AtomicBool::new(false));
+    let measured: Vec<_> = first.frames.iter().filter_map(|f| f.measurement).collect();
+    assert_eq!(measured.len(), 3);
+    // Frame 0 has no reference, so it is the fully traced picture itself.
+    assert_eq!(measured[0].psnr_db, measured[0].full_psnr_db);
+    assert_eq!(measured[0].see_through_percent, 0.0);
+    assert!(measured.iter().all(|m| m.full_psnr_db > 20.0 && m.full_psnr_db < 900.0), "{measured:?}");
+    let sum = first.summary.measured.as_ref().unwrap();
+    assert!(sum.speedup > 0.0 && sum.speedup_with_references < sum.speedup);
+    let kept =
+        || -> Vec<_> { std::fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().path()).collect() };
+    assert_eq!(kept().len(), 3);
+    // A damaged truth is traced anew, one kept is used; the figures are the same.
+    std::fs::write(&kept()[0], b"rubbish").unwrap();
+    let second = walk(&settings, &AtomicBool::new(false));
+    let figures = |r: &TourRecord| -> Vec<f64> {
+        r.frames.iter().filter_map(|f| f.measurement).map(|m| m.psnr_db).collect()
+    };
+    assert_eq!(figures(&first), figures(&second));
+    assert_eq!(kept().len(), 3);
+}
+
+#[test]
+fn a_table_has_a_column_per_number() {
+    let folder = tempfile::tempdir().unwrap();
+    let record = walk(&settings(Some(folder.path())), &AtomicBool::new(false));
+    let table = csv(&record.frames);
+    let lines: Vec<Vec<&str>> = table.lines().map(|l| l.split(',').collect()).collect();
+    assert_eq!(lines.len(), 10);
+    assert!(lines.iter().all(|l| l.len() == lines[0].len()));
+    for name in
+        ["frame", "pose.eye.x", "types.type3_percent", "rays.shadow", "frame_secs", "measurement.psnr_db"]
+    {
+        assert!(lines[0].contains(&name), "{name} in {:?}", lines[0]);
+    }
+    assert!(!lines[0].contains(&"measurement"));
+    assert_eq!(csv::<TourRecord>(&[]), "\n");
+}
+
+#[test]
+fn throughput_times_every_part_and_dumps_its_rays() {
+    let tracer = room::tracer();
+    let trace = TraceSettings { samples: 2, bounces: 0, seed: 0 };
+    let settings = ThroughputSettings { camera: *tracer.scene().start(), size: [64, 48], trace };
+    let (t, rays) = measure_throughput(&tracer, &settings, &|| false, |_| ()).unwrap();
+    assert!(t.primary_mrays_per_sec > 0.0 && t.warp_ns_per_reference_pixel > 0.0 && t.build_secs > 0.0);
+    assert_eq!((rays.any.len(), rays.closest.len()), (t.shadow_rays, t.primary_rays + t.diffuse_rays));
+    let bytes = rays.to_bytes(&tracer);
+    assert_eq!(&bytes[..8], b"RAYS0001");
+    assert_eq!(bytes.len(), 8 + 8 + t.triangles * 36 + 16 + (rays.any.len() + rays.closest.len()) * 32);
+    assert!(measure_throughput(&tracer, &settings, &|| true, |_| ()).is_none());
+}
+
+#[test]
+fn medians_and_ranks() {
+    assert_eq!(median([3.0, 1.0, 2.0]), Some(2.0));
+    assert_eq!(median([4.0, 1.0, 2.0, 3.0]), Some(2.5));
+    assert_eq!(median([]), None);
+    assert_eq!(percentile((1..=200).map(f64::from), 99.0), Some(198.0));
+    assert_eq!(percentile([5.0], 99.0), Some(5.0));
+    assert_eq!(percentile([], 50.0), None);
+}

@@ -1,0 +1,58 @@
+//! `afterimage compare`: how far one picture is from another.
+
+use super::failure::Failure;
+use super::flags::Flags;
+use super::output;
+use afterimage::raster::load::{Picture, PictureKind};
+use afterimage::raster::metrics::{CompareError, flip, max_abs, psnr_db, rel_mse, ssim};
+use clap::Args;
+use serde_json::json;
+use std::path::PathBuf;
+
+#[derive(Args, Debug)]
+pub(crate) struct CompareArgs {
+    /// The picture judged: PNG or EXR.
+    a: PathBuf,
+    /// The truth: PNG or EXR.
+    b: PathBuf,
+    /// Ends with code 1 where the PSNR is below this.
+    #[arg(long, value_name = "X")]
+    fail_under_db: Option<f64>,
+}
+
+pub(crate) fn run(args: &CompareArgs, flags: &Flags) -> Result<(), Failure> {
+    let load = |path| Picture::load(path).map_err(|e| Failure::Failed(e.to_string()));
+    let (a, b) = (load(&args.a)?, load(&args.b)?);
+    let failed = |e: CompareError| Failure::Failed(e.to_string());
+    if a.size != b.size {
+        return Err(failed(CompareError::Sizes { a: a.size, b: b.size }));
+    }
+    let size = a.size;
+    let (shown_a, shown_b) = (a.display(), b.display());
+    // Two pictures for a screen are compared as the screen shows them; where one has linear light, by that.
+    let both_display = a.kind == PictureKind::Display && b.kind == PictureKind::Display;
+    let (value_a, value_b) = if both_display { (a.values, b.values) } else { (a.linear(), b.linear()) };
+    let psnr = psnr_db(&shown_a, &shown_b);
+    let flip = flip(&shown_a, &shown_b, size).map_err(failed)?;
+    let (rel_mse, ssim, max_abs) =
+        (rel_mse(&value_a, &value_b), ssim(&shown_a, &shown_b, size), max_abs(&value_a, &value_b));
+    let object = json!({
+        "psnr_db": psnr, "rel_mse": rel_mse, "ssim": ssim,
+        "flip_mean": flip.mean, "flip_p95": flip.p95, "max_abs": max_abs,
+    });
+    output::result(flags.json, &object, || {
+        output::table(&[
+            ("PSNR", format!("{psnr:.3} dB")),
+            ("relMSE", format!("{rel_mse:.6}")),
+            ("SSIM", format!("{ssim:.6}")),
+            ("FLIP", format!("{:.6} mean, {:.6} p95", flip.mean, flip.p95)),
+            ("largest", format!("{max_abs:.6}")),
+        ])
+    });
+    match args.fail_under_db {
+        Some(least) if psnr.is_nan() || psnr < least => {
+            Err(Failure::Failed(format!("the PSNR of {psnr:.3} dB is below {least} dB")))
+        }
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,130 @@
+//! `afterimage doctor`: what a bug report needs.
+
+use super::failure::Failure;
+use super::flags::Flags;
+use super::{output, paths};
+use serde_json::{Value, json};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+pub(crate) fn run(flags: &Flags) -> Result<(), Failure> {
+    let object = object();
+    output::result(flags.json, &object, || table(&object));
+    Ok(())
+}
+
+fn object() -> Value {
+    let variable = |name: &str| std::env::var_os(name).map(|v| v.to_string_lossy().into_owned());
+    let folder = |path: Option<std::path::PathBuf>| path.map(|p| p.display().to_string());
+    let (adapters, graphics_error) = match adapters() {
+        Ok(found) => (found, None),
+        Err(cause) => (Vec::new(), Some(cause)),
+    };
+    json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "os": std::env::consts::OS,
+        "arch": std::env::consts::ARCH,
+        "threads": rayon::current_num_threads(),
+        "machine_threads": std::thread::available_parallelism().map_or(0, usize::from),
+        "simd": {"in_use": simd_in_use(), "available": simd_available()},
+        "adapters": adapters,
+        "graphics_error": graphics_error,
+        "display": {
+            "WAYLAND_DISPLAY": variable("WAYLAND_DISPLAY"),
+            "WAYLAND_SOCKET": variable("WAYLAND_SOCKET"),
+            "DISPLAY": variable("DISPLAY"),
+            "XDG_SESSION_TYPE": variable("XDG_SESSION_TYPE"),
+        },
+        "paths": {"config": folder(paths::config_folder()), "cache": folder(paths::cache_folder())},
+    })
+}
+
+/// Drivers are other people's code; one that panics must not end the report.
+fn adapters() -> Result<Vec<Value>, String> {
+    let list = || {
+        let instance = wgpu::Instance::default();
+        pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()))
+            .iter()
+            .map(|adapter| {
+                let info = adapter.get_info();
+                json!({
+                    "name": info.name,
+                    "backend": info.backend.to_string(),
+                    "kind": format!("{:?}", info.device_type),
+                    "driver": format!("{} {}", info.driver, info.driver_info).trim(),
+                })
+            })
+            .collect()
+    };
+    let hook = std::panic::take_hook();
+    std::panic::set_hook(Box::new(|_| ()));
+    let found = catch_unwind(AssertUnwindSafe(list)).map_err(|_| "the graphics driver failed".to_owned());
+    std::panic::set_hook(hook);
+    found
+}
+
+/// What the program was built to use on every machine of its kind.
+fn simd_in_use() -> Vec<&'static str> {
+    let all = [
+        (cfg!(target_feature = "sse2"), "sse2"),
+        (cfg!(target_feature = "sse4.1"), "sse4.1"),
+        (cfg!(target_feature = "avx"), "avx"),
+        (cfg!(target_feature = "avx2"), "avx2"),
+        (cfg!(target_feature = "fma"), "fma"),
+        (cfg!(target_feature = "neon"), "neon"),
+    ];
+    all.into_iter().filter_map(|(is, name)| is.then_some(name)).collect()
+}
+
+#[cfg(target_arch = "x86_64")]
+fn simd_available() -> Vec<&'static str> {
+    let all = [
+        (true, "sse2"),
+        (is_x86_feature_detected!("sse4.1"), "sse4.1"),
+        (is_x86_feature_detected!("avx"), "avx"),
+        (is_x86_feature_detected!("avx2"), "avx2"),
+        (is_x86_feature_detected!("fma"), "fma"),
+        (is_x86_feature_detected!("avx512f"), "avx512f"),
+    ];
+    all.into_iter().filter_map(|(is, name)| is.then_some(name)).collect()
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+fn simd_available() -> Vec<&'static str> {
+    simd_in_use()
+}
+
+fn table(object: &Value) -> String {
+    let text = |value: &Value| match value {
+        Value::Null => "-".to_owned(),
+        Value::String(s) => s.clone(),
+        Value::Array(list) if list.is_empty() => "none".to_owned(),
+        Value::Array(list) => list.iter().filter_map(Value::as_str).collect::<Vec<_>>().join(" "),
+        other => other.to_string(),
+    };
+    let at = |pointer: &str| object.pointer(pointer).map_or("-".to_owned(), text);
+    let mut rows = vec![
+        ("version", at("/version")),
+        ("system", format!("{} {}", at("/os"), at("/arch"))),
+        ("threads", format!("{} of {}", at("/threads"), at("/machine_threads"))),
+        ("SIMD in use", at("/simd/in_use")),
+        ("SIMD available", at("/simd/available")),
+        (
+            "display",
+            format!("DISPLAY {}, WAYLAND_DISPLAY {}", at("/display/DISPLAY"), at("/display/WAYLAND_DISPLAY")),
+        ),
+        ("settings", at("/paths/config")),
+        ("cache", at("/paths/cache")),
+    ];
+    let adapters = object["adapters"].as_array().map_or(&[][..], Vec::as_slice);
+    if adapters.is_empty() {
+        rows.push(("graphics", format!("no adapter {}", object["graphics_error"].as_str().unwrap_or(""))));
+    }
+    for adapter in adapters {
+        let word = |key: &str| adapter[key].as_str().unwrap_or("-").to_owned();
+        rows.push((
+            "graphics",
+            format!("{} ({}, {}, {})", word("name"), word("backend"), word("kind"), word("driver")),
+        ));
+    }
+    output::table(&rows)
+}

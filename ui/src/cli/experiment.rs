@@ -1,0 +1,103 @@
+//! `afterimage experiment NAME`.
+
+use super::failure::Failure;
+use super::flags::Flags;
+use super::pose::camera;
+use super::scene::{Loaded, load};
+use super::{interrupt, memory, output};
+use afterimage::experiment::throughput::{Throughput, ThroughputSettings, measure_throughput};
+use afterimage::raster::save::write_atomically;
+use clap::Args;
+use serde_json::{Value, json};
+use std::path::PathBuf;
+
+#[derive(Args, Debug)]
+pub(crate) struct ExperimentArgs {
+    /// Which one: throughput.
+    #[arg(value_parser = name)]
+    name: &'static str,
+    /// A model (.obj) or builtin:NAME; the embedded gallery when absent.
+    scene: Option<String>,
+    /// The folder for summary.json; nothing is written when absent.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Writes the triangles and the rays that were timed, for other programs.
+    #[arg(long, value_name = "FILE")]
+    dump_rays: Option<PathBuf>,
+}
+
+fn name(text: &str) -> Result<&'static str, String> {
+    match text {
+        "throughput" => Ok("throughput"),
+        "table1" | "error-time" | "placement" | "stability" | "scaling" | "merge" => {
+            Err(format!("'{text}' comes in a later version; this one has 'throughput'"))
+        }
+        _ => Err("there is 'throughput'".to_owned()),
+    }
+}
+
+pub(crate) fn run(args: &ExperimentArgs, flags: &Flags) -> Result<(), Failure> {
+    memory::check(flags.pixels(), 1)?;
+    let loaded = load(args.scene.as_deref(), flags)?;
+    let camera = camera(flags, loaded.scene())?;
+    let settings = ThroughputSettings { camera, size: flags.size, trace: flags.trace() };
+    let stop = interrupt::is_cancelled;
+    let timing = |part: &str| output::say(&format!("timing: {part}"));
+    let (throughput, rays) =
+        measure_throughput(&loaded.tracer, &settings, &stop, timing).ok_or(Failure::Interrupted)?;
+    let object = object(args, flags, &loaded, &throughput);
+    if let Some(path) = &args.dump_rays {
+        write_atomically(path, &rays.to_bytes(&loaded.tracer))?;
+    }
+    if let Some(folder) = &args.out {
+        std::fs::create_dir_all(folder)
+            .map_err(|e| Failure::Failed(format!("cannot make the folder {}: {e}", folder.display())))?;
+        write_atomically(&folder.join("summary.json"), format!("{object:#}\n").as_bytes())?;
+    }
+    output::result(flags.json, &object, || table(&throughput));
+    loaded.verdict(flags)
+}
+
+fn object(args: &ExperimentArgs, flags: &Flags, loaded: &Loaded, throughput: &Throughput) -> Value {
+    let mut object = json!({
+        "experiment": args.name,
+        "scene": loaded.name,
+        "scene_hash": loaded.scene().hash,
+        "version": env!("CARGO_PKG_VERSION"),
+        "size": flags.size,
+        "samples": flags.samples,
+        "seed": flags.seed,
+    });
+    let figures = serde_json::to_value(throughput).unwrap_or(Value::Null);
+    if let (Some(object), Value::Object(figures)) = (object.as_object_mut(), figures) {
+        object.extend(figures);
+    }
+    object
+}
+
+fn table(t: &Throughput) -> String {
+    let rate = |mrays: f64, count: usize| format!("{mrays:.2} Mrays/s ({count} rays)");
+    output::table(&[
+        ("threads", t.threads.to_string()),
+        ("primary", rate(t.primary_mrays_per_sec, t.primary_rays)),
+        ("shadow", rate(t.shadow_mrays_per_sec, t.shadow_rays)),
+        ("diffuse", rate(t.diffuse_mrays_per_sec, t.diffuse_rays)),
+        (
+            "warp",
+            format!(
+                "{:.2} ns per reference pixel, {:.1} times the memory floor at {:.1} GB/s",
+                t.warp_ns_per_reference_pixel, t.warp_over_memory_floor, t.memory_gb_per_sec
+            ),
+        ),
+        ("shading", format!("{:.2} us per pixel", t.shade_us_per_pixel)),
+        (
+            "hierarchy",
+            format!(
+                "{} triangles, {:.1} MB, built in {:.3} s",
+                t.triangles,
+                t.bvh_bytes as f64 / 1e6,
+                t.build_secs
+            ),
+        ),
+    ])
+}

@@ -1,0 +1,111 @@
+//! `afterimage inspect`: what is in a scene, what it needs, and what is doubtful.
+
+use super::failure::Failure;
+use super::flags::Flags;
+use super::output;
+use super::scene::{Loaded, load};
+use afterimage::scene::{Light, MaterialKind, Scene};
+use afterimage::trace::specular::truncation_bound;
+use clap::Args;
+use serde_json::{Value, json};
+
+#[derive(Args, Debug)]
+pub(crate) struct InspectArgs {
+    /// A model (.obj) or builtin:NAME.
+    scene: String,
+}
+
+pub(crate) fn run(args: &InspectArgs, flags: &Flags) -> Result<(), Failure> {
+    let loaded = load(Some(&args.scene), flags)?;
+    output::result(flags.json, &object(&loaded), || table(&loaded));
+    loaded.verdict(flags)
+}
+
+fn object(loaded: &Loaded) -> Value {
+    let scene = loaded.scene();
+    let material = |m: &afterimage::scene::Material| json!({"name": m.name, "kind": m.kind_name(), "textured": m.diffuse_texture.is_some()});
+    let kinds: serde_json::Map<String, Value> =
+        light_kinds(scene).into_iter().map(|(kind, count)| (kind.to_owned(), count.into())).collect();
+    let (reflectance, bound) = mirrors(scene);
+    json!({
+        "scene": loaded.name,
+        "hash": scene.hash,
+        "triangles": scene.triangles.len(),
+        "vertices": scene.positions.len(),
+        "materials": scene.materials.iter().map(material).collect::<Vec<_>>(),
+        "textures": scene.textures.len(),
+        "lights": scene.lights.len(),
+        "light_kinds": kinds,
+        "bounds_m": scene.bounds_m.map(|b| b.to_array()),
+        "origin_m": scene.frame.origin_in_world_m.to_array(),
+        "units_per_metre": scene.frame.units_per_metre,
+        "views": scene.views.iter().map(|v| v.name.as_str()).collect::<Vec<_>>(),
+        "walk": {"frames": scene.walk.frames, "keyframes": scene.walk.keyframes.len(), "length_m": scene.walk.length_m()},
+        "needs": scene.needs,
+        "left_out": scene.needs.left_out(),
+        "mirror_reflectance_max": reflectance,
+        "mirror_truncation_bound": bound,
+        "bvh_bytes": loaded.tracer.bvh().bytes(),
+        "secs": {"load": loaded.load_secs, "build": loaded.tracer.build_secs()},
+        "warnings": scene.warnings,
+    })
+}
+
+fn light_kinds(scene: &Scene) -> Vec<(&'static str, usize)> {
+    let count = |is: fn(&Light) -> bool| scene.lights.iter().filter(|l| is(l)).count();
+    vec![
+        ("quad", count(|l| matches!(l, Light::Quad { .. }))),
+        ("mesh", count(|l| matches!(l, Light::Triangles { .. }))),
+        ("point", count(|l| matches!(l, Light::Point { .. }))),
+        ("sun", count(|l| matches!(l, Light::Sun { .. }))),
+        ("sky", count(|l| matches!(l, Light::Sky))),
+    ]
+}
+
+/// The largest reflectance of any mirror, and the radiance that ending chains of mirrors early can leave out where
+/// every surface they meet is as bright as the brightest there is; `None` where it is unbounded.
+fn mirrors(scene: &Scene) -> (f32, Option<f32>) {
+    let reflectance = |m: &afterimage::scene::Material| match m.kind {
+        MaterialKind::Mirror { reflectance, .. } => reflectance.max_element(),
+        _ => 0.0,
+    };
+    let r = scene.materials.iter().map(reflectance).fold(0.0, f32::max);
+    let of_sky = scene.sky.map_or(0.0, |s| s.zenith.max(s.horizon).max(s.ground).max_element());
+    let brightest = scene.materials.iter().map(|m| m.emission.max_element()).fold(of_sky, f32::max);
+    let bound = if r > 0.0 { truncation_bound(r, brightest) } else { 0.0 };
+    (r, bound.is_finite().then_some(bound))
+}
+
+fn table(loaded: &Loaded) -> String {
+    let scene = loaded.scene();
+    let [low, high] = scene.bounds_m;
+    let size = high - low;
+    let kinds = light_kinds(scene).into_iter().filter(|(_, n)| *n > 0).map(|(kind, n)| format!("{n} {kind}"));
+    let (reflectance, bound) = mirrors(scene);
+    let bound = bound.map_or("unbounded".to_owned(), |b| format!("at most {b:.4} of radiance"));
+    let textured = scene.materials.iter().filter(|m| m.diffuse_texture.is_some()).count();
+    let left_out = scene.needs.left_out();
+    let mut text = output::table(&[
+        ("scene", loaded.name.clone()),
+        ("triangles", format!("{}, {} vertices", scene.triangles.len(), scene.positions.len())),
+        ("size", format!("{:.2} x {:.2} x {:.2} m", size.x, size.y, size.z)),
+        ("materials", format!("{}, {textured} textured", scene.materials.len())),
+        ("lights", format!("{} ({})", scene.lights.len(), kinds.collect::<Vec<_>>().join(", "))),
+        ("left out", if left_out.is_empty() { "nothing".to_owned() } else { left_out.join(", ") }),
+        ("mirrors", format!("reflectance {reflectance:.3}; ending their chains early loses {bound}")),
+        (
+            "hierarchy",
+            format!(
+                "{:.1} MB in {:.3} s",
+                loaded.tracer.bvh().bytes() as f64 / 1e6,
+                loaded.tracer.build_secs()
+            ),
+        ),
+        ("loaded in", format!("{:.3} s", loaded.load_secs)),
+        ("warnings", scene.warnings.len().to_string()),
+    ]);
+    for w in &scene.warnings {
+        text += &format!("  {}:{}: {}\n", w.file, w.line, w.message);
+    }
+    text
+}

@@ -1,0 +1,84 @@
+//! From a scene's name on the command line to a scene that can be traced.
+
+use super::failure::Failure;
+use super::flags::Flags;
+use super::{interrupt, output};
+use afterimage::scene::import::{self, ImportOptions};
+use afterimage::scene::{SceneError, builtin};
+use afterimage::{Scene, Tracer};
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// A scene, ready to be traced.
+#[derive(Debug)]
+pub(crate) struct Loaded {
+    /// As it was asked for.
+    pub(crate) name: String,
+    /// The scene with its hierarchy.
+    pub(crate) tracer: Arc<Tracer>,
+    /// Reading or making the scene, the hierarchy left out.
+    pub(crate) load_secs: f64,
+}
+
+impl Loaded {
+    /// The scene.
+    pub(crate) fn scene(&self) -> &Arc<Scene> {
+        self.tracer.scene()
+    }
+
+    /// The end of a command that worked: under `--strict` the scene's warnings make it one that did not.
+    pub(crate) fn verdict(&self, flags: &Flags) -> Result<(), Failure> {
+        match self.scene().warnings.len() {
+            n if n > 0 && flags.strict => Err(Failure::Warnings(n)),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// What is shown when no scene is named.
+pub(crate) fn default_name() -> String {
+    format!("builtin:{}", builtin::NAMES[0])
+}
+
+/// Loads a scene and builds its hierarchy; says on stderr what is doubtful in it.
+pub(crate) fn load(name: Option<&str>, flags: &Flags) -> Result<Loaded, Failure> {
+    let name = name.map_or_else(default_name, str::to_owned);
+    let start = Instant::now();
+    let scene = match name.strip_prefix("builtin:") {
+        Some(builtin) => builtin::build(builtin),
+        None => import(Path::new(&name), flags),
+    }?;
+    let load_secs = start.elapsed().as_secs_f64();
+    report(&scene);
+    let tracer = Arc::new(Tracer::new(Arc::new(scene)));
+    if interrupt::is_cancelled() { Err(Failure::Interrupted) } else { Ok(Loaded { name, tracer, load_secs }) }
+}
+
+/// Warnings shown before the rest is only counted; `inspect` has them all.
+const WARNINGS_SHOWN: usize = 5;
+
+fn report(scene: &Scene) {
+    for w in scene.warnings.iter().take(WARNINGS_SHOWN) {
+        let place = match (w.file.as_str(), w.line) {
+            ("", _) => String::new(),
+            (file, 0) => format!("{file}: "),
+            (file, line) => format!("{file}, line {line}: "),
+        };
+        output::say(&format!("warning: {place}{}", w.message));
+    }
+    if let Some(more) = scene.warnings.len().checked_sub(WARNINGS_SHOWN).filter(|n| *n > 0) {
+        output::say(&format!("and {more} more warnings; 'afterimage inspect' lists them"));
+    }
+}
+
+/// The one place that calls the importer.
+fn import(path: &Path, flags: &Flags) -> Result<Scene, SceneError> {
+    let options = ImportOptions {
+        unit: flags.unit,
+        up: flags.up,
+        allow_outside: flags.allow_outside,
+        ..ImportOptions::default()
+    };
+    import::load(path, &options, &|_, _| !interrupt::is_cancelled())
+}

@@ -1,0 +1,254 @@
+//! `afterimage tour`: the scene's walk, frame by frame, recorded.
+
+use super::failure::Failure;
+use super::flags::Flags;
+use super::progress::Progress;
+use super::render::notes;
+use super::scene::{Loaded, load};
+use super::{interrupt, memory, output, paths};
+use afterimage::camera_path::CameraPath;
+use afterimage::experiment::record::csv;
+use afterimage::experiment::{MeasureSettings, TourEvent, TourRecord, TourSettings, run_tour};
+use afterimage::raster::save::{save_png, write_atomically};
+use afterimage::reference::PlacementPolicy;
+use afterimage::render::aov::{display_picture, types_picture};
+use afterimage::reproject::warp::MAX_REFERENCES;
+use afterimage::{Frame, WalkthroughSettings};
+use clap::Args;
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+#[derive(Args, Clone, Debug)]
+pub(crate) struct TourArgs {
+    /// A model (.obj) or builtin:NAME; the embedded gallery when absent.
+    pub(super) scene: Option<String>,
+    /// Number of frames; the walk's own when absent.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub(super) frames: Option<u32>,
+    /// A recorded walk (JSON); FILE#NAME takes one of several.
+    #[arg(long, value_name = "FILE[#NAME]")]
+    pub(super) path: Option<String>,
+    /// The folder for frames.csv, references.csv, summary.json and pictures; made where there is none.
+    #[arg(long, value_name = "DIR")]
+    pub(super) out: PathBuf,
+    /// Where new references are placed.
+    #[arg(long, value_name = "POLICY", default_value = "predictive", value_parser = policy_name)]
+    pub(super) placement: &'static str,
+    /// Of Type 3 pixels, above which a new reference is traced.
+    #[arg(long, value_name = "PERCENT", default_value = "5", value_parser = percent)]
+    pub(super) threshold: f64,
+    /// Memory for references.
+    #[arg(long, value_name = "MB", default_value_t = 512)]
+    #[arg(value_parser = clap::value_parser!(u64).range(1..=1 << 20))]
+    pub(super) cache_mb: u64,
+    /// References a frame uses at most.
+    #[arg(long, value_name = "N", default_value_t = 8)]
+    #[arg(value_parser = clap::value_parser!(u8).range(1..=MAX_REFERENCES as i64))]
+    pub(super) most_references: u8,
+    /// Writes every frame, and its types, to images/.
+    #[arg(long)]
+    pub(super) pictures: bool,
+    /// Measures errors and the full tracer's time on some frames.
+    #[arg(long)]
+    pub(super) measure: bool,
+    /// Measures every K-th frame; six frames in all when absent.
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(1..))]
+    pub(super) measure_every: Option<u32>,
+    /// Shadow rays per light and pixel of the converged picture that errors are measured against.
+    #[arg(long, value_name = "N", default_value_t = 256)]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
+    pub(super) truth_samples: u32,
+    /// Where converged pictures are kept; the user's cache folder when absent.
+    #[arg(long, value_name = "DIR")]
+    pub(super) truth_cache: Option<PathBuf>,
+}
+
+fn policy_name(text: &str) -> Result<&'static str, String> {
+    match text {
+        "none" => Ok("none"),
+        "threshold" => Ok("threshold"),
+        "predictive" => Ok("predictive"),
+        "greedy" | "grid" => Err(format!("'{text}' comes in a later version; this one has {POLICIES}")),
+        _ => Err(format!("there are {POLICIES}")),
+    }
+}
+
+const POLICIES: &str = "'threshold', 'predictive' and 'none'";
+
+fn percent(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|p| (0.0..=100.0).contains(p));
+    number.ok_or_else(|| "a percentage is from 0 to 100".to_owned())
+}
+
+pub(crate) fn run(args: &TourArgs, flags: &Flags) -> Result<(), Failure> {
+    memory::check(flags.pixels(), 1)?;
+    let recorded = args.path.as_deref().map(read_path).transpose()?;
+    make_folder(&args.out)?;
+    if args.pictures {
+        make_folder(&args.out.join("images"))?;
+    }
+    let loaded = load(args.scene.as_deref(), flags)?;
+    let walk = recorded.unwrap_or_else(|| loaded.scene().walk.clone());
+    let settings = settings(args, flags, &walk);
+    let (record, picture_error) = fly(args, flags, &loaded, &walk, &settings)?;
+    let object = object(args, flags, &loaded, &record);
+    write_atomically(&args.out.join("frames.csv"), csv(&record.frames).as_bytes())?;
+    write_atomically(&args.out.join("references.csv"), csv(&record.references).as_bytes())?;
+    write_atomically(&args.out.join("summary.json"), format!("{object:#}\n").as_bytes())?;
+    output::result(flags.json, &object, || table(args, &record));
+    match picture_error {
+        Some(error) => Err(error),
+        None if !record.is_complete => Err(Failure::Interrupted),
+        None => loaded.verdict(flags),
+    }
+}
+
+fn make_folder(folder: &Path) -> Result<(), Failure> {
+    std::fs::create_dir_all(folder)
+        .map_err(|e| Failure::Failed(format!("cannot make the folder {}: {e}", folder.display())))
+}
+
+fn settings(args: &TourArgs, flags: &Flags, walk: &CameraPath) -> TourSettings {
+    let percent = args.threshold;
+    let placement = match args.placement {
+        "none" => PlacementPolicy::None,
+        "threshold" => PlacementPolicy::Threshold { percent },
+        _ => PlacementPolicy::Predictive { percent },
+    };
+    let frames = args.frames.unwrap_or(walk.frames);
+    let measure = (args.measure || args.measure_every.is_some()).then(|| MeasureSettings {
+        every: args.measure_every.unwrap_or(frames.div_ceil(6)),
+        truth_samples: args.truth_samples,
+        truth_folder: args.truth_cache.clone().or_else(|| paths::cache_folder().map(|c| c.join("truth"))),
+    });
+    let walkthrough = WalkthroughSettings {
+        render: flags.render(),
+        placement,
+        most_references: args.most_references.into(),
+        cache_bytes: usize::try_from(args.cache_mb << 20).unwrap_or(usize::MAX),
+    };
+    TourSettings { walkthrough, size: flags.size, frames, measure }
+}
+
+/// Flies; a picture that cannot be written ends the flight, and what was recorded is kept.
+fn fly(
+    args: &TourArgs,
+    flags: &Flags,
+    loaded: &Loaded,
+    walk: &CameraPath,
+    settings: &TourSettings,
+) -> Result<(TourRecord, Option<Failure>), Failure> {
+    let mut progress = Progress::new(&loaded.name, settings.frames.into());
+    let cancel = interrupt::flag();
+    let mut picture_error = None;
+    let record = run_tour(&loaded.tracer, walk, settings, cancel, |event| match event {
+        TourEvent::Measuring(frame) => progress.at(frame.into(), "measuring"),
+        TourEvent::TruthNotKept(error) => {
+            progress.say(&format!("warning: the converged picture is not kept: {error}"));
+        }
+        TourEvent::Frame(record, frame) => {
+            let note =
+                format!("{:.0} ms, Type 3 {:.1} %", record.frame_secs * 1e3, record.types.type3_percent);
+            progress.at(u64::from(record.frame) + 1, &note);
+            if args.pictures && picture_error.is_none() {
+                picture_error = write_pictures(args, flags, loaded, record.frame, frame).err();
+                if picture_error.is_some() {
+                    cancel.store(true, std::sync::atomic::Ordering::Relaxed);
+                }
+            }
+        }
+    });
+    let record = record.map_err(|e| Failure::Failed(e.to_string()))?;
+    Ok((record, picture_error))
+}
+
+fn write_pictures(
+    args: &TourArgs,
+    flags: &Flags,
+    loaded: &Loaded,
+    number: u32,
+    frame: &Frame,
+) -> Result<(), Failure> {
+    let folder = args.out.join("images");
+    let picture = display_picture(frame, flags.exposure, flags.tone_map);
+    let notes = notes(flags, loaded, frame);
+    save_png(&folder.join(format!("frame_{number:04}.png")), frame.view.size, &picture, &notes)?;
+    let types = types_picture(frame);
+    save_png(&folder.join(format!("types_{number:04}.png")), frame.view.size, &types, &notes)?;
+    Ok(())
+}
+
+/// A walk from `FILE`, or the one called `NAME` from `FILE#NAME`.
+fn read_path(text: &str) -> Result<CameraPath, Failure> {
+    let (file, name) = match text.rsplit_once('#') {
+        // A file may have the sign in its own name.
+        Some((file, name)) if !Path::new(text).exists() => (file, Some(name)),
+        _ => (text, None),
+    };
+    let failed = |cause: String| Failure::Failed(format!("cannot read the walk {file}: {cause}"));
+    let content = std::fs::read_to_string(file).map_err(|e| failed(e.to_string()))?;
+    let mut value: Value = serde_json::from_str(&content).map_err(|e| failed(e.to_string()))?;
+    if let Some(name) = name {
+        value = value.get(name).cloned().ok_or_else(|| {
+            let names: Vec<&str> =
+                value.as_object().into_iter().flat_map(|o| o.keys().map(String::as_str)).collect();
+            failed(format!("it has no walk '{name}'; it has: {}", names.join(", ")))
+        })?;
+    }
+    let walk: CameraPath = serde_json::from_value(value).map_err(|e| failed(e.to_string()))?;
+    if walk.keyframes.is_empty() || !afterimage::Camera::FOV_Y_DEGREES.contains(&walk.fov_y_deg) {
+        return Err(failed("a walk needs keyframes, and fov_y_deg from 1 to 170".to_owned()));
+    }
+    Ok(walk)
+}
+
+fn object(args: &TourArgs, flags: &Flags, loaded: &Loaded, record: &TourRecord) -> Value {
+    let mut object = json!({
+        "scene": loaded.name,
+        "scene_hash": loaded.scene().hash,
+        "version": env!("CARGO_PKG_VERSION"),
+        "mode": flags.mode.name(),
+        "size": flags.size,
+        "samples": flags.samples,
+        "bounces": flags.bounces,
+        "seed": flags.seed,
+        "threads": rayon::current_num_threads(),
+        "placement": args.placement,
+        "threshold_percent": args.threshold,
+        "cache_mb": args.cache_mb,
+        "secs": { "load": loaded.load_secs, "build": loaded.tracer.build_secs() },
+    });
+    let record = serde_json::to_value(record).unwrap_or(Value::Null);
+    if let (Some(object), Value::Object(record)) = (object.as_object_mut(), record) {
+        object.extend(record);
+    }
+    object
+}
+
+fn table(args: &TourArgs, record: &TourRecord) -> String {
+    let summary = &record.summary;
+    let ms = |secs: Option<f64>| secs.map_or("-".to_owned(), |s| format!("{:.1} ms", s * 1e3));
+    let share = |p: Option<f64>| p.map_or("-".to_owned(), |p| format!("{p:.2} %"));
+    let of = |a: String, b: String| format!("{a} median, {b}");
+    let mut rows = vec![
+        ("records", args.out.display().to_string()),
+        ("frames", record.frames.len().to_string()),
+        ("frame", of(ms(summary.frame_secs_median), format!("{} p99", ms(summary.frame_secs_p99)))),
+        (
+            "Type 3",
+            of(share(summary.type3_percent_median), format!("{} most", share(summary.type3_percent_max))),
+        ),
+        ("references", format!("{} in {:.2} s", record.references_added, record.reference_secs_total)),
+    ];
+    if let Some(m) = &summary.measured {
+        rows.extend([
+            ("full frame", ms(Some(m.full_frame_secs_median))),
+            ("speed-up", format!("{:.2}x, with references {:.2}x", m.speedup, m.speedup_with_references)),
+            ("PSNR", format!("{:.2} dB median, full {:.2} dB", m.psnr_db_median, m.full_psnr_db_median)),
+            ("FLIP", format!("{:.4} median, full {:.4}", m.flip_mean_median, m.full_flip_mean_median)),
+            ("see-through", format!("{:.3} % of the reused pixels", m.see_through_percent_median)),
+            ("noise", m.noise.clone()),
+        ]);
+    }
+    output::table(&rows)
+}

@@ -1,0 +1,196 @@
+//! What the commands answer: the keys of the contract, and sums that must hold.
+
+use super::{Bench, assert_keys, assert_types, keys, number};
+use serde_json::json;
+
+const POSE: &str = "--eye 0,1.6,3 --look-at 0.4,1.4,0";
+const SMALL: &str = "--size 64x48 --samples 2 --json";
+
+fn pixels(path: &std::path::Path) -> Vec<[u8; 3]> {
+    image::open(path).unwrap().to_rgb8().pixels().map(|p| p.0).collect()
+}
+
+#[test]
+fn render_answers_with_the_contract_and_writes_every_file() {
+    let bench = Bench::new();
+    let line = format!(
+        "render room.obj {POSE} {SMALL} -o a.png --types t.png --linear a.exr \
+         --aov depth,normal,type,reference,primitive --reference 0,1.6,3.1:0.4,1.4,0 --reference -0.1,1.6,3:0.4,1.4,0"
+    );
+    let answer = bench.json(&line);
+    assert_keys(
+        &answer,
+        &["scene", "mode", "size", "samples", "seed", "types", "secs", "rays", "references"],
+    );
+    assert_eq!(answer["size"], json!([64, 48]));
+    assert_eq!((&answer["references"], &answer["mode"]), (&json!(2), &json!("paper")));
+    assert!(number(&answer, "/reference_bytes_per_pixel") <= 24.0);
+    let secs = ["load", "build", "references", "warp", "secondary", "trace", "frame"];
+    assert_eq!(keys(&answer["secs"]), secs);
+    assert!(number(&answer, "/secs/references") > 0.0);
+    assert_eq!(keys(&answer["rays"]), ["primary", "shadow", "secondary", "indirect"]);
+    assert_types(&answer["types"]);
+    let colors = pixels(&bench.path("t.png"));
+    let share = |c: [u8; 3]| 100.0 * colors.iter().filter(|p| **p == c).count() as f64 / colors.len() as f64;
+    for (color, key) in [
+        ([0x00, 0x72, 0xb2], "/types/type1_percent"),
+        ([0xf0, 0xe4, 0x42], "/types/type2_percent"),
+        ([0xd5, 0x5e, 0x00], "/types/type3_percent"),
+    ] {
+        assert!((share(color) - number(&answer, key)).abs() < 1e-9, "{key}");
+        assert!(share(color) > 0.0, "{key}");
+    }
+    assert_eq!(bench.names(""), ["a.exr", "a.png", "room.mtl", "room.obj", "t.png", "walks.json"]);
+}
+
+#[test]
+fn full_and_paper_without_references_are_one_picture() {
+    let bench = Bench::new();
+    for mode in ["full", "paper"] {
+        let answer = bench.json(&format!("render room.obj {POSE} {SMALL} --mode {mode} -o {mode}.exr"));
+        assert_eq!(number(&answer, "/types/type3_percent"), 100.0);
+    }
+    let answer = bench.json("compare full.exr paper.exr --json");
+    assert_keys(&answer, &["psnr_db", "rel_mse", "ssim", "flip_mean", "flip_p95", "max_abs"]);
+    assert_eq!((number(&answer, "/max_abs"), number(&answer, "/psnr_db")), (0.0, 999.0));
+}
+
+#[test]
+fn compare_fails_below_the_asked_quality() {
+    let bench = Bench::new();
+    for seed in [1, 2] {
+        bench.json(&format!("render room.obj {POSE} {SMALL} --seed {seed} -o {seed}.png"));
+    }
+    let answer = bench.json("compare 1.png 2.png --json");
+    let psnr = number(&answer, "/psnr_db");
+    assert!(psnr > 10.0 && psnr < 80.0, "{psnr}");
+    assert!(bench.run(&format!("compare 1.png 2.png --fail-under-db {}", psnr - 0.1)).status.success());
+    let output = bench.run(&format!("compare 1.png 2.png --json --fail-under-db {}", psnr + 0.1));
+    assert_eq!(output.status.code(), Some(1));
+}
+
+#[test]
+fn inspect_answers_with_the_contract() {
+    let bench = Bench::new();
+    let answer = bench.json("inspect room.obj --json");
+    let wanted = [
+        "triangles",
+        "vertices",
+        "materials",
+        "lights",
+        "bounds_m",
+        "origin_m",
+        "needs",
+        "left_out",
+        "warnings",
+    ];
+    assert_keys(&answer, &wanted);
+    assert_eq!((&answer["triangles"], &answer["lights"]), (&json!(16), &json!(1)));
+    assert_eq!(answer["bounds_m"], json!([[-2.0, 0.0, -4.0], [2.0, 3.0, 4.0]]));
+    assert_eq!(keys(&answer["needs"]), ["mirror", "glass", "textures", "alpha", "area_lights", "sky"]);
+    let kinds: Vec<_> = answer["materials"].as_array().unwrap().iter().map(|m| m["kind"].clone()).collect();
+    assert_eq!(kinds, ["diffuse", "mirror", "emissive"]);
+}
+
+#[test]
+fn the_unit_and_the_up_axis_are_heard() {
+    let bench = Bench::new();
+    let answer = bench.json("inspect room.obj --json --unit cm --up +Z");
+    let upper = answer["bounds_m"][1].as_array().unwrap().iter().map(|v| v.as_f64().unwrap());
+    // Up was Y: the height of 3 now lies along -Z or +Z, the length of 8 along Y.
+    let expected = [0.02, 0.04];
+    for (found, wanted) in upper.zip(expected) {
+        assert!((found - wanted).abs() < 1e-9, "{answer}");
+    }
+}
+
+#[test]
+fn tour_records_its_walk() {
+    let bench = Bench::new();
+    let line = format!(
+        "tour room.obj --path walks.json#short {SMALL} --out run --pictures --measure --truth-samples 16"
+    );
+    let answer = bench.json(&line);
+    assert_keys(
+        &answer,
+        &["scene", "mode", "size", "frames", "references_added", "reference_secs_total", "summary"],
+    );
+    let frames = answer["frames"].as_array().unwrap();
+    assert_eq!(frames.len(), 6);
+    for frame in frames {
+        let wanted = ["frame", "types", "references_used", "references_held", "frame_secs", "warp_secs"];
+        assert_keys(frame, &wanted);
+        assert_keys(frame, &["secondary_secs", "trace_secs"]);
+        assert_types(&frame["types"]);
+    }
+    assert_eq!(number(&answer, "/frames/0/types/type3_percent"), 100.0);
+    assert_keys(
+        &answer["summary"],
+        &[
+            "frame_secs_median",
+            "frame_secs_p99",
+            "type3_percent_median",
+            "type3_percent_max",
+            "full_frame_secs_median",
+            "speedup",
+            "speedup_with_references",
+            "psnr_db_median",
+            "psnr_db_min",
+            "full_psnr_db_median",
+            "flip_mean_median",
+            "full_flip_mean_median",
+            "see_through_percent_median",
+        ],
+    );
+    assert_eq!(bench.names("run"), ["frames.csv", "images", "references.csv", "summary.json"]);
+    assert_eq!(bench.names("run/images").len(), 12);
+    assert_eq!(bench.names("cache/afterimage/truth").len(), 6);
+    let table = std::fs::read_to_string(bench.path("run/frames.csv")).unwrap();
+    assert_eq!(table.lines().count(), 7);
+    let summary = std::fs::read_to_string(bench.path("run/summary.json")).unwrap();
+    assert_eq!(serde_json::from_str::<serde_json::Value>(&summary).unwrap(), answer);
+}
+
+#[test]
+fn without_a_display_the_program_walks_headless() {
+    let bench = Bench::new();
+    let output = bench.run("room.obj --size 32x24 --samples 1 --json");
+    assert!(output.status.success(), "{}", super::stderr(&output));
+    let errors = super::stderr(&output);
+    let about_display: Vec<&str> = errors.lines().filter(|l| l.contains("display")).collect();
+    assert_eq!(about_display.len(), 1, "{errors}");
+    assert!(bench.names("afterimage-out").contains(&"summary.json".to_owned()));
+}
+
+#[test]
+fn throughput_answers_with_the_contract() {
+    let bench = Bench::new();
+    let answer =
+        bench.json(&format!("experiment throughput room.obj {POSE} {SMALL} --dump-rays rays.bin --out run"));
+    let wanted = ["triangles", "primary_mrays_per_sec", "shadow_mrays_per_sec", "diffuse_mrays_per_sec"];
+    assert_keys(&answer, &wanted);
+    let wanted =
+        ["warp_ns_per_reference_pixel", "warp_over_memory_floor", "shade_us_per_pixel", "build_secs"];
+    assert_keys(&answer, &wanted);
+    assert!(number(&answer, "/bvh_bytes") > 0.0);
+    assert_eq!(&std::fs::read(bench.path("rays.bin")).unwrap()[..8], b"RAYS0001");
+}
+
+#[test]
+fn doctor_always_answers() {
+    let bench = Bench::new();
+    let answer = bench.json("doctor --json --threads 2");
+    assert_keys(&answer, &["version", "threads", "simd", "adapters", "display", "paths"]);
+    assert_eq!(answer["threads"], json!(2));
+}
+
+#[test]
+fn one_thread_and_many_make_the_same_file() {
+    let bench = Bench::new();
+    for threads in [1, 3] {
+        bench.json(&format!(
+            "render room.obj {POSE} {SMALL} --threads {threads} --reference 0,1.6,3.1:0.4,1.4,0 -o {threads}.png"
+        ));
+    }
+    assert_eq!(std::fs::read(bench.path("1.png")).unwrap(), std::fs::read(bench.path("3.png")).unwrap());
+}

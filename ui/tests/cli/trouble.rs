@@ -1,0 +1,125 @@
+//! Bad input ends with the right code, one clear sentence on stderr, and nothing on stdout.
+
+use super::{Bench, stderr};
+
+/// Runs a line that must fail with `code`, a message that holds `words`, and no data.
+fn assert_fails(bench: &Bench, line: &str, code: i32, words: &str) {
+    let output = bench.run(line);
+    let errors = stderr(&output);
+    assert_eq!(output.status.code(), Some(code), "{line}: {errors}");
+    assert!(errors.contains(words), "{line}: '{words}' is not in: {errors}");
+    assert!(!errors.contains("panicked"), "{line}: {errors}");
+    assert!(output.stdout.is_empty(), "{line}");
+}
+
+#[test]
+fn usage_errors_end_with_two() {
+    let bench = Bench::new();
+    for (line, words) in [
+        ("render room.obj --size 0x0 -o a.png", "like 1280x720"),
+        ("render room.obj --size 1e9x1e9 -o a.png", "like 1280x720"),
+        ("render room.obj --size 60000x60000 -o a.png", "GB of memory"),
+        ("render room.obj --samples 0 -o a.png", "--samples"),
+        ("render room.obj --mode fast -o a.png", "later version"),
+        ("render room.obj --mode exact -o a.png", "later version"),
+        ("render room.obj --eye nan,0,0 --look-at 0,0,0 -o a.png", "three finite numbers"),
+        ("render room.obj --eye 1,2 --look-at 0,0,0 -o a.png", "three finite numbers"),
+        ("render room.obj --eye -1,2,3 -o a.png", "--look-at"),
+        ("render room.obj --eye 1,2,3 --look-at 1,2,3 -o a.png", "same point"),
+        ("render room.obj --fov-y 180 -o a.png", "1 to 170"),
+        ("render room.obj --view kitchen -o a.png", "it has: start"),
+        ("render room.obj -o a.gif", ".png or .exr"),
+        ("render room.obj -o a.png --aov depth", "needs an EXR"),
+        ("render room.obj -o a.exr --aov warmth", "primitive"),
+        ("render room.obj -o a.png --reference 1,1,1", "EX,EY,EZ:LX,LY,LZ"),
+        ("render room.obj", "--output"),
+        ("tour room.obj --out run --placement grid", "later version"),
+        ("tour room.obj --out run --threshold 101", "0 to 100"),
+        ("tour room.obj", "--out"),
+        ("experiment table1 room.obj --out run", "later version"),
+        ("room.obj render -o a.png", "after"),
+        ("inspect", "SCENE"),
+    ] {
+        assert_fails(&bench, line, 2, words);
+    }
+    assert_eq!(bench.names(""), ["room.mtl", "room.obj", "walks.json"]);
+}
+
+#[test]
+fn scenes_that_cannot_be_imported_end_with_three() {
+    let bench = Bench::new();
+    std::fs::write(bench.path("empty.obj"), "# nothing\n").unwrap();
+    for (line, words) in [
+        ("inspect none.obj", "none.obj"),
+        ("render empty.obj -o a.png", "empty.obj"),
+        ("render builtin:nowhere -o a.png", "gallery"),
+        ("inspect .", "folder"),
+    ] {
+        assert_fails(&bench, line, 3, words);
+    }
+}
+
+#[test]
+fn failures_end_with_one() {
+    let bench = Bench::new();
+    std::fs::write(bench.path("broken.json"), "{").unwrap();
+    std::fs::write(bench.path("empty.json"), r#"{"fov_y_deg": 60, "keyframes": []}"#).unwrap();
+    for (line, words) in [
+        ("render room.obj -o nowhere/a.png", "nowhere"),
+        ("compare room.obj room.obj", "neither PNG nor OpenEXR"),
+        ("compare a.png b.png", "a.png"),
+        ("tour room.obj --out run --path none.json", "none.json"),
+        ("tour room.obj --out run --path broken.json", "broken.json"),
+        ("tour room.obj --out run --path empty.json", "keyframes"),
+        ("tour room.obj --out run --path walks.json#long", "it has: short"),
+        ("tour room.obj --out room.mtl", "room.mtl"),
+    ] {
+        assert_fails(&bench, line, 1, words);
+    }
+}
+
+#[test]
+fn warnings_end_with_four_when_strict() {
+    let bench = Bench::new();
+    let doubtful = std::fs::read_to_string(bench.path("room.obj")).unwrap() + "f 1 1 2\n";
+    std::fs::write(bench.path("room.obj"), doubtful).unwrap();
+    let answer = bench.json("inspect room.obj --json");
+    assert!(!answer["warnings"].as_array().unwrap().is_empty());
+    let output = bench.run("inspect room.obj --json --strict");
+    assert_eq!(output.status.code(), Some(4), "{}", stderr(&output));
+    assert!(!output.stdout.is_empty(), "the answer is given all the same");
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_full_disk_is_told() {
+    if !std::path::Path::new("/dev/full").exists() {
+        eprintln!("skipped: there is no /dev/full");
+        return;
+    }
+    let bench = Bench::new();
+    std::os::unix::fs::symlink("/dev/full", bench.path("full.png")).unwrap();
+    assert_fails(&bench, "render room.obj --size 64x48 --samples 1 -o full.png", 1, "No space");
+}
+
+#[test]
+#[cfg(unix)]
+fn an_interrupted_tour_keeps_what_it_has() {
+    let bench = Bench::new();
+    let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_afterimage"))
+        .args(
+            "tour room.obj --path walks.json#short --frames 100000 --size 64x48 --samples 2 --out run"
+                .split(' '),
+        )
+        .current_dir(bench.dir.path())
+        .stdout(std::process::Stdio::null())
+        .stderr(std::process::Stdio::null())
+        .spawn()
+        .unwrap();
+    std::thread::sleep(std::time::Duration::from_millis(700));
+    let killed = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(killed.success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    let table = std::fs::read_to_string(bench.path("run/frames.csv")).unwrap();
+    assert!(table.lines().count() > 2);
+}
