@@ -76,7 +76,7 @@ fn clearance(eye: DVec3, triangles: &[[DVec3; 3]]) -> f64 {
 fn walks_keep_clear_of_all_geometry() {
     for name in builtin::NAMES {
         let scene = scene(name);
-        let triangles = triangles_in_world(&scene);
+        let triangles = triangles_in_world(scene);
         let walk = &scene.walk;
         // The showpiece has room for elbows.
         let least = if *name == "gallery" { 0.5 } else { CLEARANCE_M };
@@ -91,7 +91,7 @@ fn walks_keep_clear_of_all_geometry() {
 fn walks_cross_no_triangle() {
     for name in builtin::NAMES {
         let scene = scene(name);
-        let triangles = triangles_in_world(&scene);
+        let triangles = triangles_in_world(scene);
         for keys in scene.walk.keyframes.windows(2) {
             let hit = triangles.par_iter().any(|t| crosses(keys[0].eye, keys[1].eye, *t));
             assert!(!hit, "{name}: from {} to {}", keys[0].eye, keys[1].eye);
@@ -103,7 +103,7 @@ fn walks_cross_no_triangle() {
 fn views_stand_free() {
     for name in builtin::NAMES {
         let scene = scene(name);
-        let triangles = triangles_in_world(&scene);
+        let triangles = triangles_in_world(scene);
         for view in &scene.views {
             let distance = clearance(view.camera.eye, &triangles);
             assert!(distance >= CLEARANCE_M, "{name}: view {}: {distance:.3} m", view.name);

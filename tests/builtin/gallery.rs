@@ -41,7 +41,7 @@ fn gallery_needs_mirrors_glass_textures_and_area_lights() {
 #[test]
 fn gallery_glass_is_solid() {
     let scene = scene("gallery");
-    let glass = triangles_where(&scene, |k| matches!(k, MaterialKind::Glass { .. }));
+    let glass = triangles_where(scene, |k| matches!(k, MaterialKind::Glass { .. }));
     // Five panes, each a box.
     assert_eq!(glass.len(), 5 * 12);
     assert!(glass.iter().all(|&t| scene.solids[t as usize] == SolidSide::InsideBehind));
@@ -50,7 +50,7 @@ fn gallery_glass_is_solid() {
 #[test]
 fn gallery_mirrors_do_not_face_each_other() {
     let scene = scene("gallery");
-    let mirrors = triangles_where(&scene, |k| matches!(k, MaterialKind::Mirror { .. }));
+    let mirrors = triangles_where(scene, |k| matches!(k, MaterialKind::Mirror { .. }));
     assert!(!mirrors.is_empty());
     let plane = scene.corners(mirrors[0])[0].x;
     for t in mirrors {
@@ -68,7 +68,7 @@ fn gallery_views_are_named() {
 
 #[test]
 fn gallery_walk_is_long_and_even() {
-    let walk = scene("gallery").walk;
+    let walk = &scene("gallery").walk;
     assert_eq!(walk.frames, 300);
     assert!((60.0..=80.0).contains(&walk.length_m()), "{} m", walk.length_m());
     let eyes: Vec<_> = (0..walk.frames).map(|i| walk.camera(i, walk.frames).unwrap().eye).collect();

@@ -5,9 +5,18 @@ mod clearance;
 mod gallery;
 
 use afterimage::scene::{Scene, builtin};
+use std::sync::LazyLock;
 
-fn scene(name: &str) -> Scene {
-    builtin::build(name).unwrap()
+fn built(name: &str) -> Scene {
+    builtin::build(name).expect("the embedded scenes build")
+}
+
+/// An embedded scene, built once for all tests.
+fn scene(name: &str) -> &'static Scene {
+    static SCENES: LazyLock<Vec<Scene>> =
+        LazyLock::new(|| builtin::NAMES.iter().map(|name| built(name)).collect());
+    let at = builtin::NAMES.iter().position(|n| *n == name).expect("an embedded scene");
+    &SCENES[at]
 }
 
 #[test]
@@ -26,7 +35,7 @@ fn every_embedded_scene_is_complete() {
 #[test]
 fn embedded_scenes_have_the_same_hash_every_time() {
     for name in builtin::NAMES {
-        assert_eq!(scene(name).hash, scene(name).hash, "{name}");
+        assert_eq!(scene(name).hash, built(name).hash, "{name}");
     }
 }
 

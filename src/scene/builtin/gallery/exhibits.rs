@@ -3,6 +3,7 @@
 use super::palette::Palette;
 use super::pictures::framed;
 use super::plan::{Facing, RoomName};
+use super::terrace::PLATFORM_M;
 use crate::scene::SceneBuilder;
 use crate::scene::builtin::shapes::bodies::{gear, torus, torus_knot};
 use crate::scene::builtin::shapes::surface::bar;
@@ -36,8 +37,6 @@ pub(super) fn add_to(b: &mut SceneBuilder, p: &Palette) {
         bench(b, p, &Local::turned(place.into(), bearing));
     }
 }
-
-use super::terrace::PLATFORM_M;
 
 /// Five tall panels on the west wall; no other mirror faces them.
 fn mirrors(b: &mut SceneBuilder, p: &Palette) {

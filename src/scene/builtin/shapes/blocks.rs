@@ -79,7 +79,7 @@ pub(in crate::scene::builtin) fn block(
     faces: Faces,
     material: MaterialId,
 ) {
-    for (_, face) in FACES.iter().enumerate().filter(|(i, _)| faces.0 & (1 << i) != 0) {
+    for (_, face) in FACES.iter().enumerate().filter(|(i, _)| faces.0 >> i & 1 == 1) {
         let corners = face.map(|c| {
             let pick = |axis: usize| if c[axis] == 1 { high[axis] } else { low[axis] };
             frame.point(DVec3::new(pick(0), pick(1), pick(2)))
