@@ -253,7 +253,7 @@ impl Fold<'_> {
 /// Boxes that no ray meets.
 const EMPTY_NODE: Node = {
     let (low, high) = ([f32::INFINITY; 4], [f32::NEG_INFINITY; 4]);
-    Node { bounds: [low, high, low, high, low, high], children: [Child::NONE; 4] }
+    Node { bounds: [low, high, low, high, low, high], children: [Child::ABSENT; 4] }
 };
 
 impl Node {

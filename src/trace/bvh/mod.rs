@@ -44,6 +44,9 @@ struct Child(u32);
 impl Child {
     const LEAF: u32 = 1 << 31;
     const NONE: Self = Self(u32::MAX);
+    /// Stands in an unused lane. Its box is met by no ray, but a ray of NaN may seem to: then a real leaf, which such a
+    /// ray cannot hit, is harmless.
+    const ABSENT: Self = Self(Self::LEAF);
 
     fn packet(self) -> Option<usize> {
         (self.0 & Self::LEAF != 0).then_some((self.0 & !Self::LEAF) as usize)
