@@ -1,1 +1,3 @@
-//! ui
+//! Afterimage as a program: everything a person touches.
+
+pub mod window;

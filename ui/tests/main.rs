@@ -1,1 +1,3 @@
-//! tests
+//! One binary for all tests of the program.
+
+mod window;
