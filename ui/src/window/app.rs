@@ -247,9 +247,7 @@ impl App {
             ui.scope_builder(egui::UiBuilder::new().max_rect(inner), |ui| panels::hud::show(ui, &self.state));
         }
         if self.state.shows_hint && self.state.loading.is_none() && inner.is_positive() {
-            let layout = egui::Layout::bottom_up(egui::Align::Center);
-            let builder = egui::UiBuilder::new().max_rect(inner).layout(layout);
-            ui.scope_builder(builder, panels::hud::hint);
+            panels::hud::hint(ui, rect);
         }
         response
     }

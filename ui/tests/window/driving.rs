@@ -53,6 +53,9 @@ fn a_drag_turns_and_the_wheel_dollies_or_changes_the_speed() {
         source: egui::MouseWheelSource::Unknown,
         modifiers: Modifiers::NONE,
     };
+    // A release takes the test's cursor away.
+    harness.hover_at(centre);
+    harness.step();
     harness.event(wheel.clone());
     harness.step();
     assert!(harness.state().state().fly.camera().eye != after.eye, "the wheel flies");

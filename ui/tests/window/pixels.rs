@@ -3,9 +3,9 @@
 use super::*;
 use egui::Key;
 
-/// A patch round the viewport's centre.
+/// A patch below and to the right of the viewport's centre: the figures lie on its upper left.
 fn patch(harness: &mut Harness<'static, App>) -> Vec<[u8; 4]> {
-    let centre = viewport_centre(harness);
+    let centre = viewport_centre(harness) + egui::vec2(100.0, 50.0);
     let image = harness.render().expect("a picture of the window");
     let at = |x: i32, y: i32| image.get_pixel((centre.x as i32 + x) as u32, (centre.y as i32 + y) as u32).0;
     (-40..40).flat_map(|y| (-40..40).map(move |x| (x, y))).map(|(x, y)| at(x, y)).collect()

@@ -28,12 +28,14 @@ pub fn show(ui: &mut Ui, state: &State) {
     });
 }
 
-/// The first-run hint.
-pub fn hint(ui: &mut Ui) {
-    ground().show(ui, |ui| {
-        ui.style_mut().interaction.selectable_labels = false;
-        ui.label(RichText::new("drag to look, WASD to move, T heatmap, F1 help").color(TEXT));
-    });
+/// The first-run hint, painted at the bottom of the viewport.
+pub fn hint(ui: &Ui, viewport: egui::Rect) {
+    let text = "drag to look, WASD to move, T heatmap, F1 help".to_owned();
+    let galley = ui.painter().layout_no_wrap(text, egui::TextStyle::Body.resolve(ui.style()), TEXT);
+    let centre = viewport.center_bottom() - egui::vec2(0.0, 28.0);
+    let rect = egui::Rect::from_center_size(centre, galley.size() + egui::vec2(24.0, 14.0));
+    ui.painter().rect_filled(rect, 6.0, GROUND);
+    ui.painter().galley(rect.min + egui::vec2(12.0, 7.0), galley, TEXT);
 }
 
 fn state_line(ui: &mut Ui, state: &State) {
@@ -73,8 +75,9 @@ fn type_rows(ui: &mut Ui, state: &State) {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 5.0;
         for (number, percent) in [p.type1_percent, p.type2_percent, p.type3_percent].into_iter().enumerate() {
+            ui.add_space(if number > 0 { 6.0 } else { 0.0 });
             swatch(ui, number);
-            ui.label(RichText::new(format!("{} {percent:>4.1} %", number + 1)).color(TEXT).monospace());
+            ui.label(RichText::new(format!("{} {percent:>5.1}%", number + 1)).color(TEXT).monospace());
         }
     });
 }

@@ -29,7 +29,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let p = f.stats.types.percentages();
         [p.type1_percent, p.type2_percent, p.type3_percent]
     });
-    egui::Grid::new("legend").num_columns(3).show(ui, |ui| {
+    egui::Grid::new("legend").num_columns(3).min_col_width(14.0).show(ui, |ui| {
         for (number, name) in TYPE_NAMES.into_iter().enumerate() {
             swatch(ui, number);
             ui.label(name);

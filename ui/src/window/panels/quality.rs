@@ -36,9 +36,9 @@ fn row<T: PartialEq + Copy>(
 ) {
     let label = ui.label(name).on_hover_text(help);
     control(ui, value).labelled_by(label.id).on_hover_text(help);
-    let reset = egui::Button::new("↺").small().frame(false);
     let clicked = ui
-        .add_enabled(*value != default, reset)
+        .add_enabled_ui(*value != default, reset_button)
+        .inner
         .accessible_name(format!("Reset {}", name.to_lowercase()))
         .on_hover_text("Back to what it was at the start")
         .clicked();
@@ -46,6 +46,25 @@ fn row<T: PartialEq + Copy>(
         *value = default;
     }
     ui.end_row();
+}
+
+/// An arrow that goes back, drawn: the default font has none.
+fn reset_button(ui: &mut Ui) -> egui::Response {
+    let (rect, response) = ui.allocate_exact_size(egui::vec2(16.0, 16.0), egui::Sense::click());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, ui.is_enabled(), "Reset"));
+    let visuals = ui.style().interact(&response);
+    // A value that is the default has nothing to go back from: only a trace of the arrow is left.
+    let stroke = egui::Stroke::new(
+        1.5,
+        visuals.fg_stroke.color.gamma_multiply(if ui.is_enabled() { 1.0 } else { 0.4 }),
+    );
+    let (centre, radius) = (rect.center(), 4.5);
+    let at = |turn: f32| centre + radius * egui::Vec2::angled(turn * std::f32::consts::TAU);
+    let arc: Vec<egui::Pos2> = (0..=18).map(|i| at(-0.42 + 0.8 * i as f32 / 18.0)).collect();
+    let tip = arc[0];
+    ui.painter().line(arc, stroke);
+    ui.painter().line(vec![tip + egui::vec2(-0.5, -4.0), tip, tip + egui::vec2(4.0, -0.5)], stroke);
+    response
 }
 
 fn choice<T: PartialEq + Copy>(

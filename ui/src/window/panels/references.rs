@@ -14,7 +14,9 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     };
     let [bytes, limit] = frame.cache_bytes;
     let share = bytes as f32 / limit.max(1) as f32;
-    let text = format!("{} held, {} of {} MB", frame.references.len(), bytes >> 20, limit >> 20);
+    let megabytes = |bytes: usize| bytes as f64 / f64::from(1 << 20);
+    let (count, used) = (frame.references.len(), megabytes(bytes));
+    let text = format!("{count} held, {used:.0} of {:.0} MB", megabytes(limit));
     ui.add(ProgressBar::new(share.min(1.0)).text(RichText::new(text).small()).desired_height(16.0));
     if frame.references.is_empty() {
         ui.weak(if state.work == Work::AddingReference {
