@@ -53,6 +53,7 @@ impl App {
     /// # Errors
     /// Where the system gives no more threads.
     pub fn new(cc: &eframe::CreationContext<'_>, request: WindowRequest) -> anyhow::Result<Self> {
+        panels::install_style(&cc.egui_ctx);
         let ctx = cc.egui_ctx.clone();
         // Not request_repaint(): that paints two frames a call.
         let wake: Wake = Arc::new(move || ctx.request_repaint_after(Duration::from_millis(1)));
@@ -283,6 +284,9 @@ impl eframe::App for App {
         }
         let response = egui::CentralPanel::no_frame().show(ui, |ui| self.viewport(ui)).inner;
         self.steer(&ctx, &response);
+        if ctx.input(|i| !i.raw.hovered_files.is_empty()) {
+            panels::notices::drop_hint(ui, response.rect);
+        }
         panels::notices::show(&ctx, response.rect, &self.state, &mut commands);
         if self.state.asks_to_clear {
             panels::notices::ask_to_clear(&ctx, &self.state, &mut commands);

@@ -110,8 +110,7 @@ pub fn supplier_byte(id: ReferenceId) -> u8 {
 /// memory traffic of f32 at a relative error below 1/512 of the brightest channel.
 pub fn rgb9e5(color: Vec3) -> u32 {
     const LARGEST: f32 = 65408.0;
-    // max() also turns NaN into 0.
-    let c = color.to_array().map(|v| v.max(0.0).min(LARGEST));
+    let c = color.to_array().map(|v| if v.is_nan() { 0.0 } else { v.clamp(0.0, LARGEST) });
     let largest = c[0].max(c[1]).max(c[2]);
     let floor_log2 = ((largest.to_bits() >> 23) as i32 - 127).max(-16);
     let mut exponent = floor_log2 + 16;
@@ -131,18 +130,18 @@ pub struct Exchange {
 
 #[derive(Debug, Default)]
 struct Slots {
-    ready: Option<Box<PublishedFrame>>,
-    spare: Vec<Box<PublishedFrame>>,
+    ready: Option<PublishedFrame>,
+    spare: Vec<PublishedFrame>,
 }
 
 impl Exchange {
     /// A frame to write to.
-    pub fn spare(&self) -> Box<PublishedFrame> {
-        locked(&self.slots).spare.pop().unwrap_or_else(|| Box::new(PublishedFrame::empty()))
+    pub fn spare(&self) -> PublishedFrame {
+        locked(&self.slots).spare.pop().unwrap_or_else(PublishedFrame::empty)
     }
 
     /// Makes a frame the newest; one that nobody took is written to next.
-    pub fn publish(&self, frame: Box<PublishedFrame>) {
+    pub fn publish(&self, frame: PublishedFrame) {
         let mut slots = locked(&self.slots);
         if let Some(missed) = slots.ready.replace(frame) {
             slots.spare.push(missed);
@@ -150,7 +149,7 @@ impl Exchange {
     }
 
     /// Swaps the newest frame with the one shown; false where there is none newer.
-    pub fn take(&self, shown: &mut Option<Box<PublishedFrame>>) -> bool {
+    pub fn take(&self, shown: &mut Option<PublishedFrame>) -> bool {
         let mut slots = locked(&self.slots);
         let Some(newest) = slots.ready.take() else { return false };
         slots.spare.extend(shown.replace(newest));

@@ -190,7 +190,7 @@ impl RenderThread {
     }
 
     /// Swaps the newest frame with the one shown; false where there is none newer.
-    pub fn take_frame(&self, shown: &mut Option<Box<PublishedFrame>>) -> bool {
+    pub fn take_frame(&self, shown: &mut Option<PublishedFrame>) -> bool {
         self.shared.exchange.take(shown)
     }
 

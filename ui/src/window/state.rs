@@ -178,7 +178,7 @@ pub struct State {
     /// The scene that is on its way.
     pub loading: Option<(SceneSource, Progress)>,
     /// The newest finished frame.
-    pub frame: Option<Box<PublishedFrame>>,
+    pub frame: Option<PublishedFrame>,
     /// What the renderer is doing.
     pub work: Work,
     /// The last minute, oldest first.

@@ -15,7 +15,7 @@ const DEADLINE: Duration = Duration::from_secs(60);
 struct Bench {
     thread: RenderThread,
     bell: Receiver<()>,
-    shown: Option<Box<PublishedFrame>>,
+    shown: Option<PublishedFrame>,
     tracer: Arc<Tracer>,
 }
 
@@ -40,7 +40,7 @@ impl Bench {
 
     /// Takes frames until one of this generation is complete; none may be older than the one before.
     fn wait_for(&mut self, generation: u64) {
-        let newest = |shown: &Option<Box<PublishedFrame>>| shown.as_ref().map_or(0, |f| f.generation);
+        let newest = |shown: &Option<PublishedFrame>| shown.as_ref().map_or(0, |f| f.generation);
         loop {
             let before = newest(&self.shown);
             while self.thread.take_frame(&mut self.shown) {}

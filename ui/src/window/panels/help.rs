@@ -6,24 +6,29 @@ use egui::{RichText, Ui};
 
 /// Shows the keys over everything else.
 pub fn show(ctx: &egui::Context, state: &State, commands: &mut Vec<Command>) {
+    let room = ctx.content_rect().size() - egui::vec2(60.0, 140.0);
     let modal = egui::Modal::new(egui::Id::unique("help")).show(ctx, |ui| {
-        ui.set_width(660.0_f32.min(ctx.content_rect().width() - 40.0));
+        ui.set_width(room.x.clamp(200.0, WIDTH));
         ui.horizontal(|ui| {
             ui.heading("Keys and mouse");
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                ui.button("Close help").clicked()
-            })
-            .inner
+                if ui.button("Close help").clicked() {
+                    ui.close();
+                }
+            });
         });
-        ui.weak("Keys are meant by their place on a US keyboard.");
+        ui.label("Keys are meant by their place on a US keyboard.");
         ui.separator();
-        let height = ctx.content_rect().height() - 150.0;
-        egui::ScrollArea::vertical().max_height(height.max(80.0)).show(ui, table);
+        let height = room.y.max(80.0);
+        egui::ScrollArea::vertical().max_height(height).min_scrolled_height(height).show(ui, table);
     });
     if modal.should_close() {
         commands.push(Command::SetOptions(Options { shows_help: false, ..state.options }));
     }
 }
+
+/// Both columns side by side with the longest line in each.
+const WIDTH: f32 = 800.0;
 
 /// Two columns of lines; the mouse comes last.
 fn table(ui: &mut Ui) {
@@ -32,9 +37,9 @@ fn table(ui: &mut Ui) {
     let (left, right) = lines.split_at(lines.len().div_ceil(2));
     ui.columns(2, |columns| {
         for (side, (ui, lines)) in columns.iter_mut().zip([left, right]).enumerate() {
-            egui::Grid::new(("help", side)).num_columns(2).spacing([12.0, 4.0]).show(ui, |ui| {
+            egui::Grid::new(("help", side)).num_columns(2).spacing([14.0, 5.0]).show(ui, |ui| {
                 for (keys, help) in lines {
-                    ui.label(RichText::new(keys).monospace().strong());
+                    ui.label(RichText::new(keys).strong());
                     ui.label(*help);
                     ui.end_row();
                 }

@@ -23,6 +23,16 @@ pub const TYPE_COLORS: [Color32; 3] = [
 /// What the types are called.
 pub const TYPE_NAMES: [&str; 3] = ["Type 1, reused", "Type 2, mirror or glass", "Type 3, traced"];
 
+/// Sets egui's look: its labels are greyer than small figures can bear (4.5 : 1 against the panel is asked for).
+pub fn install_style(ctx: &egui::Context) {
+    ctx.all_styles_mut(|style| {
+        let visuals = &mut style.visuals;
+        let gray = if visuals.dark_mode { 190 } else { 50 };
+        visuals.widgets.noninteractive.fg_stroke.color = Color32::from_gray(gray);
+        visuals.weak_text_alpha = 0.8;
+    });
+}
+
 /// The panel on the right.
 pub fn side(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     egui::ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {

@@ -63,6 +63,19 @@ fn loading(ui: &mut Ui, source: &SceneSource, progress: &Progress, commands: &mu
     });
 }
 
+/// Says what letting go of a file will do.
+pub fn drop_hint(ui: &Ui, viewport: Rect) {
+    ui.painter().rect_filled(viewport, 0.0, Color32::from_black_alpha(170));
+    let font = egui::FontId::proportional(24.0);
+    ui.painter().text(
+        viewport.center(),
+        Align2::CENTER_CENTER,
+        "Drop to open the model",
+        font,
+        Color32::WHITE,
+    );
+}
+
 /// Asks before all references go.
 pub fn ask_to_clear(ctx: &egui::Context, state: &State, commands: &mut Vec<Command>) {
     let [_, held] = state.references_used_and_held();

@@ -25,11 +25,16 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             "None yet."
         });
     }
-    for reference in frame.references.iter().rev() {
-        ui.separator();
-        entry(ui, reference, commands);
-    }
+    egui::ScrollArea::vertical().id_salt("references").max_height(LIST_HEIGHT).show(ui, |ui| {
+        for reference in frame.references.iter().rev() {
+            ui.separator();
+            entry(ui, reference, commands);
+        }
+    });
 }
+
+/// Three references and a bit: that there are more is seen, and the plots stay within reach.
+const LIST_HEIGHT: f32 = 230.0;
 
 fn buttons(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
