@@ -1,1 +1,10 @@
-//! tests
+//! The engine's tests: theorems and slow twins first, small goldens second.
+
+#![allow(missing_docs, clippy::unwrap_used, clippy::print_stderr, reason = "tests")]
+
+mod bvh;
+mod import;
+mod lights;
+mod reuse;
+mod rooms;
+mod tracing;

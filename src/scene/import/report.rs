@@ -1,0 +1,172 @@
+//! What was doubtful in a file, counted by kind: a broken exporter repeats itself a hundred thousand times.
+
+use crate::scene::Warning;
+
+/// A kind of trouble in a line of a model or a material library: one, many, and what was done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Trouble {
+    one: &'static str,
+    many: &'static str,
+    done: &'static str,
+}
+
+const fn trouble(one: &'static str, many: &'static str, done: &'static str) -> Trouble {
+    Trouble { one, many, done }
+}
+
+impl Trouble {
+    pub(super) const VERTEX_UNREADABLE: Self = trouble(
+        "vertex has a coordinate that is not a finite number",
+        "vertices have a coordinate that is not a finite number",
+        "refused, with the faces that use it",
+    );
+    pub(super) const NORMAL_UNREADABLE: Self =
+        trouble("normal is not made of numbers", "normals are not made of numbers", "ignored");
+    pub(super) const UV_UNREADABLE: Self = trouble(
+        "texture coordinate is not made of numbers",
+        "texture coordinates are not made of numbers",
+        "ignored",
+    );
+    pub(super) const FACE_TOO_SHORT: Self =
+        trouble("face has fewer than three corners", "faces have fewer than three corners", "skipped");
+    pub(super) const FACE_TOO_LONG: Self =
+        trouble("face has more than 65536 corners", "faces have more than 65536 corners", "skipped");
+    pub(super) const CORNER_UNREADABLE: Self = trouble(
+        "face has a corner that cannot be read",
+        "faces have a corner that cannot be read",
+        "skipped",
+    );
+    pub(super) const VERTEX_MISSING: Self = trouble(
+        "face uses a vertex that does not exist",
+        "faces use a vertex that does not exist",
+        "skipped",
+    );
+    pub(super) const VERTEX_REFUSED: Self =
+        trouble("face uses a refused vertex", "faces use a vertex that was refused", "skipped");
+    pub(super) const NORMAL_MISSING: Self = trouble(
+        "face uses a normal that does not exist",
+        "faces use a normal that does not exist",
+        "shaded flat there",
+    );
+    pub(super) const UV_MISSING: Self = trouble(
+        "face uses a texture coordinate that does not exist",
+        "faces use a texture coordinate that does not exist",
+        "kept without it",
+    );
+    pub(super) const FACE_WITHOUT_AREA: Self =
+        trouble("polygon has no area", "polygons have no area", "skipped");
+    pub(super) const FACE_CROSSES_ITSELF: Self =
+        trouble("polygon crosses itself", "polygons cross themselves", "filled as far as possible");
+    pub(super) const LINE_OR_POINT: Self =
+        trouble("line or point is no surface", "lines or points are no surfaces", "left out");
+    pub(super) const FREE_FORM: Self = trouble(
+        "free-form curve or surface statement is not supported",
+        "free-form curve or surface statements are not supported",
+        "left out; export the model as triangles",
+    );
+    pub(super) const UNKNOWN_LINE: Self =
+        trouble("line has an unknown keyword", "lines have an unknown keyword", "ignored");
+    pub(super) const NAME_TOO_LONG: Self =
+        trouble("name is longer than 4 kB", "names are longer than 4 kB", "ignored");
+    pub(super) const VALUE_UNREADABLE: Self =
+        trouble("line has values that cannot be read", "lines have values that cannot be read", "skipped");
+    pub(super) const VALUE_NEGATIVE: Self = trouble("value is negative", "values are negative", "taken as 0");
+    pub(super) const BEFORE_FIRST_MATERIAL: Self =
+        trouble("line stands before the first newmtl", "lines stand before the first newmtl", "ignored");
+    pub(super) const MATERIAL_TWICE: Self =
+        trouble("material is defined again", "materials are defined again", "ignored; the first one counts");
+    pub(super) const TOO_BRIGHT: Self = trouble(
+        "material reflects more light than arrives",
+        "materials reflect more light than arrives",
+        "scaled down",
+    );
+    pub(super) const INDEX_OF_REFRACTION: Self = trouble(
+        "glass has an index of refraction outside 1 to 10",
+        "glasses have an index of refraction outside 1 to 10",
+        "clamped",
+    );
+    pub(super) const INVERTED_TRANSPARENCY: Self = trouble(
+        "material would be invisible (d 0 without a glass illum), which is usually an exporter's mistake",
+        "materials would be invisible (d 0 without a glass illum), which is usually an exporter's mistake",
+        "taken as opaque",
+    );
+    pub(super) const UNKNOWN_ILLUM: Self =
+        trouble("illum is not in 0 to 10", "illum values are not in 0 to 10", "taken as matte");
+    pub(super) const DISTRUSTED: Self = trouble(
+        "material claims to mirror or to be glass although it is bright and opaque, as exporters write for \
+                 everything",
+        "materials claim to mirror or to be glass although they are bright and opaque, as exporters write \
+                 for everything",
+        "taken as matte; the scene's .afterimage.toml can say otherwise",
+    );
+}
+
+#[derive(Clone, Debug)]
+struct Entry {
+    trouble: Trouble,
+    count: u64,
+    line: u64,
+    detail: String,
+}
+
+/// Troubles of one file, merged by kind.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Tally {
+    entries: Vec<Entry>,
+}
+
+/// Longest quotation of a file in a message: the rest of a broken line helps nobody.
+const QUOTE_CHARS: usize = 60;
+
+impl Tally {
+    /// Counts a trouble. `detail` is asked for only the first time.
+    pub(super) fn add(&mut self, trouble: Trouble, line: u64, detail: impl FnOnce() -> String) {
+        match self.entries.iter_mut().find(|e| e.trouble == trouble) {
+            Some(entry) => entry.count += 1,
+            None => self.entries.push(Entry { trouble, count: 1, line, detail: quote(&detail()) }),
+        }
+    }
+
+    /// Adds the troubles of a later part of the file.
+    pub(super) fn append(&mut self, later: Tally) {
+        for entry in later.entries {
+            match self.entries.iter_mut().find(|e| e.trouble == entry.trouble) {
+                Some(mine) => mine.count += entry.count,
+                None => self.entries.push(entry),
+            }
+        }
+    }
+
+    /// As warnings about `file`, in the order of their first lines.
+    pub(super) fn warnings(mut self, file: &str) -> Vec<Warning> {
+        self.entries.sort_by_key(|e| e.line);
+        let warning = |e: &Entry| Warning { file: file.to_owned(), line: e.line, message: e.sentence() };
+        self.entries.iter().map(warning).collect()
+    }
+}
+
+impl Entry {
+    fn sentence(&self) -> String {
+        let Trouble { one, many, done } = self.trouble;
+        let detail = if self.detail.is_empty() { String::new() } else { format!(" ({})", self.detail) };
+        let (count, line) = (self.count, self.line);
+        if count == 1 {
+            return format!("1 {one}, in line {line}{detail}; it was {done}");
+        }
+        format!("{count} {many}, first in line {line}{detail}; they were {done}")
+    }
+}
+
+fn quote(text: &str) -> String {
+    let clean = |c: char| if c.is_control() { ' ' } else { c };
+    let short: String = text.chars().take(QUOTE_CHARS).map(clean).collect();
+    if text.chars().nth(QUOTE_CHARS).is_some() { format!("{short}...") } else { short }
+}
+
+/// A list of names for people: the first few, and how many more.
+pub(super) fn list(names: &[String]) -> String {
+    const SHOWN: usize = 8;
+    let shown: Vec<String> = names.iter().take(SHOWN).map(|n| format!("'{}'", quote(n))).collect();
+    let more = names.len().saturating_sub(SHOWN);
+    if more == 0 { shown.join(", ") } else { format!("{} and {more} more", shown.join(", ")) }
+}

@@ -1,0 +1,226 @@
+//! Material libraries: what they mean, and what exporters make of them.
+
+use super::{Folder, TRIANGLE, assert_clean, material, warning};
+use afterimage::scene::{Material, MaterialKind, Scene};
+use glam::Vec3;
+
+/// Eight matte materials: beside them a few that mirror are believed.
+const COMPANY: &str =
+    "newmtl m1\nnewmtl m2\nnewmtl m3\nnewmtl m4\nnewmtl m5\nnewmtl m6\nnewmtl m7\nnewmtl m8\n";
+
+fn load(mtl: &str) -> Scene {
+    Folder::with_mtl(&["a"], format!("{COMPANY}newmtl a\n{mtl}")).load()
+}
+
+fn material_a(mtl: &str) -> Material {
+    material(&load(mtl), "a").clone()
+}
+
+fn glass(m: &Material) -> (f32, [f32; 3]) {
+    match m.kind {
+        MaterialKind::Glass { eta, transmittance } => (eta, transmittance.to_array()),
+        other => panic!("not glass: {other:?}"),
+    }
+}
+
+#[test]
+fn illum_decides_the_kind() {
+    for illum in ["", "illum 0", "illum 1", "illum 2", "illum 10"] {
+        let m = material_a(&format!("Kd 0.5 0.5 0.5\nKs 0.4 0.4 0.4\n{illum}\n"));
+        assert_eq!((m.kind, m.diffuse), (MaterialKind::Diffuse, Vec3::splat(0.5)), "{illum}");
+    }
+    for (illum, fresnel) in [(3, false), (5, true), (8, false)] {
+        let m = material_a(&format!("Kd 0.05 0.05 0.05\nKs 0.9 0.8 0.7\nillum {illum}\n"));
+        let reflectance = Vec3::new(0.9, 0.8, 0.7);
+        assert_eq!(m.kind, MaterialKind::Mirror { reflectance, fresnel });
+        assert_eq!(m.diffuse, Vec3::splat(0.05));
+    }
+    for illum in [4, 6, 7, 9] {
+        let m = material_a(&format!("Kd 0 0 0\nNi 1.33\nTf 0.9 0.8 0.7\nillum {illum}\n"));
+        assert_eq!(glass(&m), (1.33, [0.9, 0.8, 0.7]));
+    }
+    assert_eq!(material_a("Ks 0 0 0\nillum 3\n").kind, MaterialKind::Diffuse);
+}
+
+#[test]
+fn one_value_is_grey() {
+    let scene = load("Kd 0.25\n");
+    assert_clean(&scene);
+    assert_eq!(material(&scene, "a").diffuse, Vec3::splat(0.25));
+}
+
+#[test]
+fn a_line_that_cannot_be_read_costs_only_itself() {
+    let bad = [
+        "Kd spectral f.rfl",
+        "Kd 0,5 0,5 0,5",
+        "d -halo 0.5",
+        "illum 2.0",
+        "Kd nan 0 0",
+        "Kd 0.1 inf 0",
+        "Kd 0.1 0.2",
+        "Ni",
+        "Kd xyz 1 2 3",
+    ];
+    for line in bad {
+        let scene = load(&format!("Kd 0.25 0.5 0.75\n{line}\nKe 0 0 0\n"));
+        assert_eq!(material(&scene, "a").diffuse.to_array(), [0.25, 0.5, 0.75], "{line}");
+        let (file, number, message) = warning(&scene, "cannot be read");
+        assert_eq!((file, number), ("scene.mtl", 11), "{line}");
+        assert!(message.contains("it was skipped"), "{message}");
+    }
+}
+
+#[test]
+fn bad_lines_are_merged() {
+    let scene = load("Kd a\nKs b\nKe c\n");
+    let (_, line, message) = warning(&scene, "cannot be read");
+    assert_eq!(line, 10);
+    assert_eq!(
+        message,
+        "3 lines have values that cannot be read, first in line 10 (kd a); they were skipped"
+    );
+}
+
+#[test]
+fn negative_values_are_black() {
+    let scene = load("Kd -1 0.5 0.5\n");
+    assert_eq!(material(&scene, "a").diffuse.to_array(), [0.0, 0.5, 0.5]);
+    assert_eq!(warning(&scene, "negative").1, 10);
+}
+
+#[test]
+fn d_wins_over_tr_and_thins_what_is_not_glass() {
+    let m = material_a("Kd 0.8 0.8 0.8\nd 0.75\nTr 0.9\nillum 2\n");
+    assert_eq!(glass(&m), (1.0, [0.25; 3]));
+    assert!((m.diffuse - Vec3::splat(0.6)).length() < 1e-6);
+    let m = material_a("Kd 0.8 0.8 0.8\nTr 0.25\n");
+    assert_eq!(glass(&m), (1.0, [0.25; 3]));
+}
+
+#[test]
+fn pigment_in_glass_needs_a_d_between_0_and_1() {
+    for d in ["", "d 1", "d 0", "Tr 0"] {
+        let m = material_a(&format!("Kd 0.1 0.1 0.1\n{d}\nillum 7\n"));
+        assert_eq!((m.diffuse, glass(&m).1), (Vec3::ZERO, [1.0; 3]), "{d}");
+    }
+    let m = material_a("Kd 0.1 0.1 0.1\nd 0.5\nTf 0.9 0.9 0.9\nillum 4\n");
+    assert!((m.diffuse - Vec3::splat(0.05)).length() < 1e-6);
+    assert_eq!(glass(&m).1, [0.9; 3]);
+}
+
+#[test]
+fn glass_without_a_filter_is_clear_and_its_index_is_kept_in_range() {
+    assert_eq!(glass(&material_a("Kd 0 0 0\nillum 7\nTf 0 0 0\n")), (1.5, [1.0; 3]));
+    for (ni, eta) in [("0", 1.0), ("0.5", 1.0), ("100", 10.0)] {
+        let scene = load(&format!("Kd 0 0 0\nNi {ni}\nillum 7\n"));
+        assert_eq!(glass(material(&scene, "a")).0, eta);
+        assert!(warning(&scene, "index of refraction").2.contains(&format!("Ni {ni}")));
+    }
+    assert_clean(&load("Kd 0.5 0.5 0.5\nNi 0\nillum 2\n"));
+}
+
+#[test]
+fn an_invisible_material_is_an_exporters_mistake() {
+    for line in ["d 0", "Tr 1", "d 0.0\nillum 2"] {
+        let scene = load(&format!("Kd 0.5 0.5 0.5\n{line}\n"));
+        assert_eq!(material(&scene, "a").kind, MaterialKind::Diffuse);
+        assert_eq!(material(&scene, "a").diffuse, Vec3::splat(0.5));
+        assert_eq!(warning(&scene, "invisible").0, "scene.mtl");
+    }
+}
+
+#[test]
+fn no_material_reflects_more_than_arrives() {
+    let scene = load("Kd 0.5 0.5 0.5\nKs 1 1 1\nillum 3\n");
+    let m = material(&scene, "a");
+    let MaterialKind::Mirror { reflectance, .. } = m.kind else { panic!("{m:?}") };
+    assert!((m.diffuse + reflectance).max_element() <= 1.0 + 1e-6);
+    assert!((m.diffuse.x / reflectance.x - 0.5).abs() < 1e-6);
+    assert!(warning(&scene, "more light than arrives").2.contains("scaled down"));
+    assert_eq!(material_a("Kd 2 1 0\n").diffuse.to_array(), [1.0, 0.5, 0.0]);
+    assert_clean(&load("Kd 0.2 0.2 0.2\nKs 0.8 0.8 0.8\nillum 3\n"));
+}
+
+#[test]
+fn an_exporter_that_calls_everything_a_mirror_is_not_believed() {
+    let names = ["a", "b", "c", "d", "e", "f"];
+    let bright = |n: &str| format!("newmtl {n}\nKd 0.6 0.6 0.6\nKs 0.5 0.5 0.5\nillum 7\n");
+    let mut mtl: String = names[..5].iter().map(|n| bright(n)).collect();
+    mtl += "newmtl f\nKd 0 0 0\nKs 0.9 0.9 0.9\nillum 3\n";
+    let scene = Folder::with_mtl(&names, &mtl).load();
+    assert_eq!(material(&scene, "a").kind, MaterialKind::Diffuse);
+    assert_eq!(material(&scene, "a").diffuse, Vec3::splat(0.6));
+    assert!(matches!(material(&scene, "f").kind, MaterialKind::Mirror { .. }), "the dark one is one");
+    let (_, line, message) = warning(&scene, "claim to mirror");
+    assert_eq!(line, 1);
+    assert!(message.starts_with("5 materials"), "{message}");
+    // One more honest material, and the rest are taken at their word.
+    let scene = Folder::with_mtl(&names, mtl + "newmtl honest\n").load();
+    assert!(matches!(material(&scene, "a").kind, MaterialKind::Glass { .. }));
+}
+
+#[test]
+fn a_distrusted_material_with_d_stays_transparent() {
+    let scene = Folder::with_mtl(&["a"], "newmtl a\nKd 0.6 0.6 0.6\nd 0.5\nillum 7\n").load();
+    assert!(matches!(material(&scene, "a").kind, MaterialKind::Glass { .. }));
+}
+
+#[test]
+fn ke_makes_a_light() {
+    let scene = load("Ke 10 9 8\n");
+    assert_clean(&scene);
+    assert_eq!(material(&scene, "a").emission.to_array(), [10.0, 9.0, 8.0]);
+    assert_eq!(scene.lights.len(), 1);
+    assert!(scene.needs.area_lights);
+}
+
+#[test]
+fn polished_metal_is_a_mirror() {
+    let m = material_a("Kd 0.9 0.6 0.3\nPm 1\nPr 0.02\n");
+    let MaterialKind::Mirror { reflectance, .. } = m.kind else { panic!("{m:?}") };
+    assert_eq!((reflectance.to_array(), m.diffuse), ([0.9, 0.6, 0.3], Vec3::ZERO));
+    assert_eq!(material_a("Kd 0.9 0.6 0.3\nPm 1\nPr 0.5\n").kind, MaterialKind::Diffuse);
+}
+
+#[test]
+fn missing_materials_are_named_and_grey() {
+    let scene = Folder::with_mtl(&["a", "walls", "doors"], "newmtl a\n").load();
+    let (file, _, message) = warning(&scene, "no library defines");
+    assert_eq!(file, "scene.obj");
+    assert!(message.contains("'walls', 'doors'") && message.contains("grey"), "{message}");
+    assert_eq!(material(&scene, "doors").diffuse, Vec3::splat(0.6));
+}
+
+#[test]
+fn a_library_that_the_model_does_not_name_is_not_used() {
+    let scene =
+        Folder::with_obj(format!("usemtl a\n{TRIANGLE}")).add("scene.mtl", "newmtl a\nKd 0 0 0\n").load();
+    assert_eq!(material(&scene, "a").diffuse, Vec3::splat(0.6));
+    assert!(warning(&scene, "no library defines").2.contains("'a'"));
+}
+
+#[test]
+fn a_missing_library_names_the_paths_tried() {
+    let scene = Folder::with_obj(format!("mtllib lib\\other.mtl\n\n{TRIANGLE}")).load();
+    let (_, line, message) = warning(&scene, "was not found");
+    assert_eq!(line, 1);
+    assert!(message.contains("lib/other.mtl") && message.contains("other.mtl"), "{message}");
+}
+
+#[test]
+fn duplicates_strays_and_strangers_are_said() {
+    let mtl = "Kd 1 0 0\nnewmtl a\nKd 0.1 0.1 0.1\nfoo 1\nnewmtl a\nKd 0.9 0.9 0.9\n";
+    let scene = Folder::with_mtl(&["a"], mtl).load();
+    assert_eq!(material(&scene, "a").diffuse.x, 0.1);
+    assert_eq!(warning(&scene, "before the first newmtl").1, 1);
+    assert_eq!(warning(&scene, "unknown keyword").1, 4);
+    assert_eq!(warning(&scene, "defined again").1, 5);
+}
+
+#[test]
+fn materials_nobody_uses_cost_nothing() {
+    let scene = Folder::with_mtl(&["a"], "newmtl a\nnewmtl b\nmap_Kd nowhere.png\nillum 7\n").load();
+    assert_eq!(scene.materials.len(), 1);
+    assert_clean(&scene);
+}

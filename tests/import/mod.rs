@@ -1,0 +1,92 @@
+//! The importer, fed with small files of ours: each is one way in which real files are wrong.
+
+mod limits;
+mod lines;
+mod materials;
+mod real;
+mod sidecar;
+mod textures;
+
+use afterimage::scene::import::{ImportOptions, load};
+use afterimage::scene::{Material, Scene, SceneError};
+use std::path::PathBuf;
+use tempfile::TempDir;
+
+/// A triangle of area 1/2 with every line ending, unit and axis at its simplest.
+const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+
+/// A folder with a model in it.
+struct Folder {
+    dir: TempDir,
+    options: ImportOptions,
+}
+
+impl Folder {
+    /// With `scene.obj`.
+    fn with_obj(text: impl AsRef<[u8]>) -> Self {
+        let folder = Self { dir: tempfile::tempdir().unwrap(), options: ImportOptions::default() };
+        folder.add("scene.obj", text)
+    }
+
+    /// With `scene.obj`, a triangle in each of the materials named, and `scene.mtl`.
+    fn with_mtl(materials: &[&str], mtl: impl AsRef<[u8]>) -> Self {
+        let mut obj = "mtllib scene.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n".to_owned();
+        materials.iter().for_each(|m| obj += &format!("usemtl {m}\nf 1/1 2/2 3/3\n"));
+        Self::with_obj(obj).add("scene.mtl", mtl)
+    }
+
+    fn add(self, name: &str, bytes: impl AsRef<[u8]>) -> Self {
+        let path = self.dir.path().join(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, bytes).unwrap();
+        self
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.dir.path().join(name)
+    }
+
+    fn try_load(&self) -> Result<Scene, SceneError> {
+        load(&self.path("scene.obj"), &self.options, &|_, _| true)
+    }
+
+    fn load(&self) -> Scene {
+        self.try_load().unwrap()
+    }
+}
+
+fn load_obj(text: impl AsRef<[u8]>) -> Scene {
+    Folder::with_obj(text).load()
+}
+
+/// Sum of the triangles' areas in square metres.
+fn area_m2(scene: &Scene) -> f64 {
+    let area = |t: u32| {
+        let [a, b, c] = scene.corners(t).map(|p| p.as_dvec3());
+        (b - a).cross(c - a).length() / 2.0
+    };
+    let sum: f64 = (0..scene.triangles.len() as u32).map(area).sum();
+    sum / scene.frame.units_per_metre.powi(2)
+}
+
+fn material<'a>(scene: &'a Scene, name: &str) -> &'a Material {
+    let found = scene.materials.iter().find(|m| m.name == name);
+    found.unwrap_or_else(|| panic!("no material '{name}' in {:?}", scene.materials))
+}
+
+/// The warning that contains `part`: its file, line and message.
+fn warning<'a>(scene: &'a Scene, part: &str) -> (&'a str, u64, &'a str) {
+    let found = scene.warnings.iter().find(|w| w.message.contains(part));
+    let w = found.unwrap_or_else(|| panic!("no warning with '{part}' in {:#?}", scene.warnings));
+    (&w.file, w.line, &w.message)
+}
+
+/// Warnings beside the one about a scene without lights, which every small file has.
+fn doubts(scene: &Scene) -> Vec<&str> {
+    let all = scene.warnings.iter().map(|w| w.message.as_str());
+    all.filter(|m| !m.contains("no light") && !m.contains("before any usemtl")).collect()
+}
+
+fn assert_clean(scene: &Scene) {
+    assert_eq!(doubts(scene), Vec::<&str>::new());
+}
