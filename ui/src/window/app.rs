@@ -122,7 +122,7 @@ impl App {
             match news {
                 News::Chosen(path) => {
                     self.is_browsing = false;
-                    path.into_iter().for_each(|path| self.open(SceneSource::File(path)));
+                    path.into_iter().for_each(|path| self.open(SceneSource::file(path)));
                 }
                 News::Saved(Ok(path)) => {
                     self.state.notify(Severity::Info, format!("saved {}", path.display()));

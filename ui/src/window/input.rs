@@ -26,7 +26,7 @@ impl App {
             commands.push(Command::CopyPose);
         }
         if let Some(file) = dropped.first().filter(|f| !f.path().as_os_str().is_empty()) {
-            commands.push(Command::Open(SceneSource::File(file.path().to_owned())));
+            commands.push(Command::Open(SceneSource::file(file.path())));
         }
         commands
     }

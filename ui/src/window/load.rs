@@ -2,13 +2,13 @@
 
 use super::frames::locked;
 use super::render_thread::{Wake, panic_text};
-use super::stand_in;
 use afterimage::Tracer;
+use afterimage::scene::import::{self, ImportOptions, Phase};
 use afterimage::scene::{Scene, SceneError, builtin};
 use crossbeam_channel::{Receiver, bounded};
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
@@ -19,7 +19,12 @@ pub enum SceneSource {
     /// An embedded scene, by its name without `builtin:`.
     Builtin(String),
     /// A model file.
-    File(PathBuf),
+    File {
+        /// Which.
+        path: PathBuf,
+        /// How to read it.
+        options: ImportOptions,
+    },
     /// A scene that is there already.
     Ready(Arc<Scene>),
 }
@@ -30,11 +35,24 @@ impl SceneSource {
         Self::Builtin(builtin::NAMES.first().copied().unwrap_or("gallery").to_owned())
     }
 
+    /// A model file, read as it says itself.
+    pub fn file(path: impl Into<PathBuf>) -> Self {
+        Self::File { path: path.into(), options: ImportOptions::default() }
+    }
+
+    /// As scenes are named on the command line: `builtin:NAME` or a path.
+    pub fn named(name: &str, options: ImportOptions) -> Self {
+        match name.strip_prefix("builtin:") {
+            Some(builtin) => Self::Builtin(builtin.to_owned()),
+            None => Self::File { path: name.into(), options },
+        }
+    }
+
     /// What the user knows it by.
     pub fn label(&self) -> String {
         match self {
             Self::Builtin(name) => format!("builtin:{name}"),
-            Self::File(path) => path.display().to_string(),
+            Self::File { path, .. } => path.display().to_string(),
             Self::Ready(scene) => scene.name.clone(),
         }
     }
@@ -59,8 +77,28 @@ pub struct Loader {
     handle: Option<JoinHandle<()>>,
 }
 
-/// Tells how far loading has come; false asks to stop.
-type Report<'a> = &'a dyn Fn(&str, Option<f32>) -> bool;
+/// Tells the window how far loading has come, and the loader whether to go on.
+struct Report {
+    progress: Arc<Mutex<Progress>>,
+    cancel: Arc<AtomicBool>,
+    wake: Wake,
+}
+
+impl Report {
+    fn goes_on(&self) -> bool {
+        !self.cancel.load(Ordering::Acquire)
+    }
+
+    fn tell(&self, phase: &str, fraction: Option<f32>) -> bool {
+        *locked(&self.progress) = Progress { phase: phase.to_owned(), fraction };
+        (self.wake)();
+        self.goes_on()
+    }
+
+    fn begin(&self, phase: &str) -> Result<(), SceneError> {
+        if self.tell(phase, None) { Ok(()) } else { Err(SceneError::Cancelled) }
+    }
+}
 
 impl Loader {
     /// Starts loading on a thread of its own.
@@ -71,20 +109,16 @@ impl Loader {
         let progress = Arc::new(Mutex::new(Progress::default()));
         let cancel = Arc::new(AtomicBool::new(false));
         let (sender, result) = bounded(1);
-        let (shared, cancelled, asked) = (progress.clone(), cancel.clone(), source.clone());
+        let report = Report { progress: progress.clone(), cancel: cancel.clone(), wake };
+        let asked = source.clone();
         let work = move || {
-            let report = |phase: &str, fraction: Option<f32>| {
-                *locked(&shared) = Progress { phase: phase.to_owned(), fraction };
-                wake();
-                !cancelled.load(Ordering::Acquire)
-            };
             let loaded = match catch_unwind(AssertUnwindSafe(|| load(&asked, &report))) {
                 Ok(loaded) => loaded.map_err(|error| error.to_string()),
                 Err(panic) => Err(format!("{}: loading failed: {}", asked.label(), panic_text(&*panic))),
             };
             // The window may be gone.
             let _ = sender.send(loaded);
-            wake();
+            (report.wake)();
         };
         let handle = std::thread::Builder::new().name("afterimage-load".to_owned()).spawn(work)?;
         Ok(Self { source, progress, cancel, result, handle: Some(handle) })
@@ -114,36 +148,30 @@ impl Drop for Loader {
     }
 }
 
-fn load(source: &SceneSource, report: Report<'_>) -> Result<Arc<Tracer>, SceneError> {
-    let goes_on = |phase: &str| report(phase, None).then_some(()).ok_or(SceneError::Cancelled);
+fn load(source: &SceneSource, report: &Report) -> Result<Arc<Tracer>, SceneError> {
     let scene = match source {
         SceneSource::Ready(scene) => scene.clone(),
         SceneSource::Builtin(name) => {
-            goes_on("building the scene")?;
-            Arc::new(embedded(name)?)
+            report.begin("building the scene")?;
+            Arc::new(builtin::build(name)?)
         }
-        SceneSource::File(path) => Arc::new(import(path, report)?),
+        SceneSource::File { path, options } => Arc::new(import(path, options, report)?),
     };
-    goes_on("building the ray tree")?;
+    report.begin("building the ray tree")?;
     let tracer = Arc::new(Tracer::new(scene));
-    goes_on("ready")?;
+    report.begin("ready")?;
     Ok(tracer)
 }
 
-/// An embedded scene; a plain room stands in for the default one as long as the engine has none.
-fn embedded(name: &str) -> Result<Scene, SceneError> {
-    match builtin::build(name) {
-        Err(SceneError::UnknownBuiltin { .. }) if builtin::NAMES.contains(&name) => stand_in::room(name),
-        built => built,
-    }
-}
-
-/// Reads a model.
-fn import(path: &std::path::Path, report: Report<'_>) -> Result<Scene, SceneError> {
-    report("reading", Some(0.0));
-    let remedy = "check the path".to_owned();
-    std::fs::read(path)
-        .map_err(|error| error.to_string())
-        .and(Err("this version reads no models yet".to_owned()))
-        .map_err(|cause| SceneError::Read { file: path.to_owned(), cause, remedy })
+/// Reads a model, telling its phases.
+fn import(path: &Path, options: &ImportOptions, report: &Report) -> Result<Scene, SceneError> {
+    // Every step of a large file is told; the window needs only what it can show.
+    let shown = Mutex::new(None);
+    import::load(path, options, &|phase: Phase, fraction: f32| {
+        let step = (phase, (fraction * 100.0) as u32);
+        if locked(&shown).replace(step) == Some(step) {
+            return report.goes_on();
+        }
+        report.tell(phase.label(), Some(fraction))
+    })
 }

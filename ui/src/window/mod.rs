@@ -13,7 +13,6 @@ pub mod panels;
 mod reference_thread;
 pub mod render_thread;
 pub mod screenshot;
-pub mod stand_in;
 pub mod state;
 pub mod viewport;
 

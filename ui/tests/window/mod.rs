@@ -2,10 +2,11 @@
 
 mod driving;
 mod pixels;
+mod room;
 mod threads;
 
 use afterimage::Scene;
-use afterimage_ui::window::{App, SceneSource, WindowRequest, stand_in};
+use afterimage_ui::window::{App, SceneSource, WindowRequest};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use std::path::PathBuf;
@@ -15,13 +16,13 @@ use std::time::{Duration, Instant};
 /// Far beyond what anything here takes, even on a busy machine.
 const DEADLINE: Duration = Duration::from_secs(60);
 
-pub(crate) fn room() -> Arc<Scene> {
-    Arc::new(stand_in::room("room").expect("the room is sound"))
+fn small_room() -> Arc<Scene> {
+    Arc::new(room::room("room").expect("the room is sound"))
 }
 
 fn request() -> WindowRequest {
     let mut request = WindowRequest {
-        scene: Some(SceneSource::Ready(room())),
+        scene: Some(SceneSource::Ready(small_room())),
         threads: Some(2),
         ..WindowRequest::default()
     };

@@ -1,6 +1,6 @@
 //! The render thread by itself: the newest pose wins, and rest costs nothing.
 
-use super::room;
+use super::small_room;
 use afterimage::reference::PlacementPolicy;
 use afterimage::{Camera, Tracer, WalkthroughSettings};
 use afterimage_ui::window::frames::PublishedFrame;
@@ -26,7 +26,7 @@ impl Bench {
             let _ = ring.send(());
         });
         let thread = RenderThread::start(2, wake).expect("the threads start");
-        let tracer = Arc::new(Tracer::new(room()));
+        let tracer = Arc::new(Tracer::new(small_room()));
         thread.order(Order::SetTracer(tracer.clone()));
         Self { thread, bell, shown: None, tracer }
     }

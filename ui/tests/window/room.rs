@@ -8,7 +8,7 @@ use glam::{DVec3, Vec2, Vec3};
 ///
 /// # Errors
 /// As of [`SceneBuilder::finish`].
-pub fn room(name: &str) -> Result<Scene, SceneError> {
+pub(super) fn room(name: &str) -> Result<Scene, SceneError> {
     let mut b = SceneBuilder::new(&format!("builtin:{name}"));
     let white = b.add_material(Material::diffuse("plaster", Vec3::splat(0.75)));
     let red = b.add_material(Material::diffuse("red", Vec3::new(0.6, 0.12, 0.1)));
