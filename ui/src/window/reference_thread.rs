@@ -1,6 +1,6 @@
 //! The thread that traces references while the window goes on.
 
-use super::render_thread::panic_text;
+use super::render_thread::{give_way, panic_text};
 use afterimage::Camera;
 use afterimage::reference::ReferenceFrame;
 use afterimage::trace::{TraceSettings, Tracer};
@@ -41,6 +41,7 @@ pub(super) fn start(
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .thread_name(|i| format!("reference-{i}"))
+        .start_handler(|_| give_way())
         .build()
         .map_err(io::Error::other)?;
     let (sender, jobs) = unbounded();

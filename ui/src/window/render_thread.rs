@@ -134,6 +134,7 @@ impl RenderThread {
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads.max(1))
             .thread_name(|i| format!("frames-{i}"))
+            .start_handler(|_| give_way())
             .build()
             .map_err(io::Error::other)?;
         let mut worker = Worker {
@@ -218,6 +219,20 @@ impl Drop for RenderThread {
     fn drop(&mut self) {
         self.stop();
     }
+}
+
+/// The window and a software rasteriser's threads go first: on two cores without a graphics card the window came
+/// round every 300 ms while the gallery was rendered, and every 75 ms since. References stay equal to frames: the
+/// frames after them are the cheaper.
+const NICENESS: i32 = 4;
+
+/// Lowers the priority of the calling thread.
+pub(super) fn give_way() {
+    // Elsewhere it is the whole process that becomes nicer. Refused means equal shares: nothing is wrong then.
+    #[cfg(target_os = "linux")]
+    let _ = rustix::process::nice(NICENESS);
+    #[cfg(not(target_os = "linux"))]
+    let _ = NICENESS;
 }
 
 struct Worker {

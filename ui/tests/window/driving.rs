@@ -233,3 +233,35 @@ fn ctrl_c_copies_the_pose() {
         |c: &egui::OutputCommand| matches!(c, egui::OutputCommand::CopyText(t) if t.starts_with("--eye "));
     assert!(harness.output().platform_output.commands.iter().any(is_pose));
 }
+
+#[derive(Debug)]
+struct Dropped(PathBuf);
+
+impl egui::DroppedFile for Dropped {
+    fn path(&self) -> &std::path::Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        Err("only the path is asked for".to_owned())
+    }
+}
+
+#[test]
+fn a_dropped_model_replaces_the_scene_and_its_warnings_are_listed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("triangle.obj");
+    let text = "mtllib gone.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n";
+    std::fs::write(&path, text).expect("a file");
+    let mut harness = app();
+    let epoch = generation(&harness);
+    harness.input_mut().dropped_files.push(Arc::new(Dropped(path)));
+    step_until(&mut harness, "another scene", |app| {
+        app.state().scene.as_ref().is_some_and(|scene| scene.triangles == 1)
+    });
+    settle(&mut harness);
+    assert!(generation(&harness) > epoch);
+    let scene = harness.state().state().scene.as_ref().expect("a scene");
+    assert!(!scene.warnings.is_empty(), "the missing library is said");
+    assert!(harness.query_all_by_label_contains("import warnings").next().is_some());
+}

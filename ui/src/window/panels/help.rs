@@ -30,13 +30,14 @@ pub fn show(ctx: &egui::Context, state: &State, commands: &mut Vec<Command>) {
 /// Both columns side by side with the longest line in each.
 const WIDTH: f32 = 800.0;
 
-/// Two columns of lines; the mouse comes last.
+/// One or two columns of lines, as there is room; the mouse comes last.
 fn table(ui: &mut Ui) {
     let keys = BINDINGS.iter().map(|b| (b.keys(), b.help));
     let lines: Vec<(String, &str)> = keys.chain(MOUSE.iter().map(|(w, h)| ((*w).to_owned(), *h))).collect();
-    let (left, right) = lines.split_at(lines.len().div_ceil(2));
-    ui.columns(2, |columns| {
-        for (side, (ui, lines)) in columns.iter_mut().zip([left, right]).enumerate() {
+    let count = if ui.available_width() < WIDTH - 40.0 { 1 } else { 2 };
+    ui.columns(count, |columns| {
+        let parts = lines.chunks(lines.len().div_ceil(count));
+        for (side, (ui, lines)) in columns.iter_mut().zip(parts).enumerate() {
             egui::Grid::new(("help", side)).num_columns(2).spacing([14.0, 5.0]).show(ui, |ui| {
                 for (keys, help) in lines {
                     ui.label(RichText::new(keys).strong());

@@ -4,10 +4,12 @@ use super::super::load::{Progress, SceneSource};
 use super::super::state::{Command, Notice, Severity, State};
 use egui::{Align2, Color32, ProgressBar, Rect, RichText, Ui};
 
-/// Shows what there is to say, at the top of the viewport.
+/// Shows what there is to say, at the bottom of the viewport: the figures have the top.
 pub fn show(ctx: &egui::Context, viewport: Rect, state: &State, commands: &mut Vec<Command>) {
     if !state.notices.is_empty() {
-        area("notices", viewport.center_top() + egui::vec2(0.0, 12.0), Align2::CENTER_TOP).show(ctx, |ui| {
+        let above = if state.loading.is_some() { 90.0 } else { 56.0 };
+        let at = viewport.center_bottom() - egui::vec2(0.0, above);
+        area("notices", at, Align2::CENTER_BOTTOM).show(ctx, |ui| {
             for notice in &state.notices {
                 banner(ui, viewport.width(), notice, commands);
             }
