@@ -35,7 +35,7 @@ pub struct Wish {
 /// What must be done once, in order.
 #[derive(Clone, Debug)]
 pub enum Order {
-    /// Shows another scene.
+    /// Shows another scene. Nothing is rendered before the next wish.
     SetTracer(Arc<Tracer>),
     /// Traces a reference at a pose, whatever the policy says.
     AddReference(Camera),
@@ -68,6 +68,8 @@ pub enum Message {
 #[derive(Debug, Default)]
 struct Inbox {
     wish: Option<Wish>,
+    /// Wishes from before another scene mean nothing in it: a reference from such a pose may stand inside a wall.
+    forgets_wish: bool,
     orders: Vec<Order>,
     outcomes: Vec<Outcome>,
 }
@@ -168,7 +170,12 @@ impl RenderThread {
             self.shared.abandon.store(true, Ordering::Release);
         }
         if changes_frame {
-            return self.shared.change(|inbox| inbox.orders.push(order));
+            return self.shared.change(|inbox| {
+                if matches!(order, Order::SetTracer(_)) {
+                    (inbox.wish, inbox.forgets_wish) = (None, true);
+                }
+                inbox.orders.push(order);
+            });
         }
         locked(&self.shared.inbox).orders.push(order);
         self.shared.bell.notify_all();
@@ -274,6 +281,9 @@ impl Worker {
                 return None;
             }
             let generation = shared.generation.load(Ordering::Acquire);
+            if std::mem::take(&mut inbox.forgets_wish) {
+                self.wish = None;
+            }
             let wish = inbox.wish.or(self.wish);
             let is_due = self.rendered != Some(generation)
                 && self.walk.is_some()

@@ -114,6 +114,8 @@ fn at_rest_everything_is_reused_or_mirrored() {
     let frame = harness.state().state().frame.as_ref().expect("a frame");
     let p = frame.stats.types.percentages();
     assert!(p.type1_percent > 50.0 && p.type2_percent > 0.0 && p.type3_percent < 5.0, "{p:?}");
+    let start = harness.state().state().fly.camera();
+    assert!(frame.references.iter().all(|r| r.camera == *start), "one stands where nobody ever was");
 }
 
 #[test]
