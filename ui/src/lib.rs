@@ -1,3 +1,4 @@
 //! Everything a person touches: the command line and the window. No ray and no triangle is handled here.
 
 pub mod cli;
+pub mod window;

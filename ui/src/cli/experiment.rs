@@ -65,7 +65,7 @@ fn object(args: &ExperimentArgs, flags: &Flags, loaded: &Loaded, throughput: &Th
         "scene_hash": loaded.scene().hash,
         "version": env!("CARGO_PKG_VERSION"),
         "size": flags.size,
-        "samples": flags.samples,
+        "samples": flags.trace().samples,
         "seed": flags.seed,
     });
     let figures = serde_json::to_value(throughput).unwrap_or(Value::Null);

@@ -16,14 +16,14 @@ pub(crate) struct Flags {
     /// How frames are made: `full` traces every pixel, `paper` reuses references.
     #[arg(long, global = true, value_name = "full|paper", default_value = "paper", value_parser = mode)]
     pub(crate) mode: Mode,
-    /// Shadow rays per light and pixel.
-    #[arg(long, global = true, value_name = "N", default_value_t = 16)]
+    /// Shadow rays per light and pixel; 16, in the window 4.
+    #[arg(long, global = true, value_name = "N")]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
-    pub(crate) samples: u32,
-    /// Diffuse bounces; 0 is direct light only.
-    #[arg(long, global = true, value_name = "N", default_value_t = 0)]
+    pub(crate) samples: Option<u32>,
+    /// Diffuse bounces; 0, direct light only.
+    #[arg(long, global = true, value_name = "N")]
     #[arg(value_parser = clap::value_parser!(u32).range(0..=64))]
-    pub(crate) bounces: u32,
+    pub(crate) bounces: Option<u32>,
     /// Of all random numbers: the same seed gives the same bits.
     #[arg(long, global = true, value_name = "N", default_value_t = 0)]
     pub(crate) seed: u64,
@@ -71,7 +71,12 @@ pub(crate) struct Flags {
 impl Flags {
     /// Samples, bounces, seed.
     pub(crate) fn trace(&self) -> TraceSettings {
-        TraceSettings { samples: self.samples, bounces: self.bounces, seed: self.seed }
+        let usual = TraceSettings::default();
+        TraceSettings {
+            samples: self.samples.unwrap_or(usual.samples),
+            bounces: self.bounces.unwrap_or(usual.bounces),
+            seed: self.seed,
+        }
     }
 
     /// Mode and the above.

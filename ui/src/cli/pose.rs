@@ -21,14 +21,20 @@ pub(crate) fn check(flags: &Flags) -> Result<(), Failure> {
     }
 }
 
+/// The camera whose eye and target the flags give, if they do.
+pub(crate) fn given(flags: &Flags) -> Option<Camera> {
+    let degrees = flags.fov_y.unwrap_or(DEFAULT_FOV_Y);
+    Some(Camera::look_at(flags.eye?, flags.look_at?, degrees))
+}
+
 /// The camera that the flags ask for, which [`check`] let pass; the scene's first view when they do not.
 pub(crate) fn camera(flags: &Flags, scene: &Scene) -> Result<Camera, Failure> {
     let degrees = |found: &Camera| flags.fov_y.unwrap_or(found.fov_y.to_degrees());
     let seen = |found: &Camera| Camera { fov_y: degrees(found).to_radians(), ..*found };
-    match (flags.eye, flags.look_at, &flags.view) {
-        (Some(eye), Some(at), _) => Ok(Camera::look_at(eye, at, flags.fov_y.unwrap_or(DEFAULT_FOV_Y))),
-        (_, _, Some(name)) => named(scene, name).map(seen),
-        _ => Ok(seen(scene.start())),
+    match (given(flags), &flags.view) {
+        (Some(camera), _) => Ok(camera),
+        (None, Some(name)) => named(scene, name).map(seen),
+        (None, None) => Ok(seen(scene.start())),
     }
 }
 

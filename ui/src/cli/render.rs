@@ -163,8 +163,8 @@ pub(super) fn notes(flags: &Flags, loaded: &Loaded, frame: &Frame) -> Vec<(&'sta
             format!(
                 "--mode {} --samples {} --bounces {} --seed {}",
                 flags.mode.name(),
-                flags.samples,
-                flags.bounces,
+                flags.trace().samples,
+                flags.trace().bounces,
                 flags.seed
             ),
         ),
@@ -181,8 +181,8 @@ fn object(flags: &Flags, loaded: &Loaded, frame: &Frame, references: &[Reference
         "scene": loaded.name,
         "mode": flags.mode.name(),
         "size": flags.size,
-        "samples": flags.samples,
-        "bounces": flags.bounces,
+        "samples": flags.trace().samples,
+        "bounces": flags.trace().bounces,
         "seed": flags.seed,
         "threads": rayon::current_num_threads(),
         "is_complete": stats.is_complete,

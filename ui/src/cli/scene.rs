@@ -72,13 +72,16 @@ fn report(scene: &Scene) {
     }
 }
 
-/// The one place that calls the importer.
-fn import(path: &Path, flags: &Flags) -> Result<Scene, SceneError> {
-    let options = ImportOptions {
+/// How the flags say that a model is to be read.
+pub(crate) fn import_options(flags: &Flags) -> ImportOptions {
+    ImportOptions {
         unit: flags.unit,
         up: flags.up,
         allow_outside: flags.allow_outside,
         ..ImportOptions::default()
-    };
-    import::load(path, &options, &|_, _| !interrupt::is_cancelled())
+    }
+}
+
+fn import(path: &Path, flags: &Flags) -> Result<Scene, SceneError> {
+    import::load(path, &import_options(flags), &|_, _| !interrupt::is_cancelled())
 }

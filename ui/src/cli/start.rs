@@ -2,29 +2,36 @@
 
 use super::failure::Failure;
 use super::flags::Flags;
-use super::{output, tour};
+use super::{output, pose, scene, tour};
+use crate::window::{self, SceneSource, WindowRequest};
 use clap::Parser;
 
 /// Where the headless walk leaves its records.
 const OUT: &str = "afterimage-out";
 
 pub(crate) fn start(scene: Option<&str>, flags: &Flags) -> Result<(), Failure> {
-    if has_display() {
+    if window::has_display() {
         return open_window(scene, flags);
     }
     output::say(&format!("no display was found; walking the scene's tour headless into {OUT}/"));
     tour::run(&headless_tour(scene), flags)
 }
 
-/// True where a window can be opened: someone said where.
-fn has_display() -> bool {
-    let is_set = |name: &&str| std::env::var_os(name).is_some_and(|v| !v.is_empty());
-    cfg!(any(windows, target_os = "macos"))
-        || ["WAYLAND_DISPLAY", "WAYLAND_SOCKET", "DISPLAY"].iter().any(is_set)
-}
-
-fn open_window(_scene: Option<&str>, _flags: &Flags) -> Result<(), Failure> {
-    Err(Failure::Failed("this build has no window; 'afterimage tour' walks headless".to_owned()))
+fn open_window(scene: Option<&str>, flags: &Flags) -> Result<(), Failure> {
+    let options = scene::import_options(flags);
+    let mut request = WindowRequest {
+        scene: scene.map(|name| SceneSource::named(name, options)),
+        camera: pose::given(flags),
+        view: flags.view.clone(),
+        threads: flags.threads,
+        ..WindowRequest::default()
+    };
+    let trace = &mut request.settings.render.trace;
+    trace.samples = flags.samples.unwrap_or(trace.samples);
+    trace.bounces = flags.bounces.unwrap_or(trace.bounces);
+    trace.seed = flags.seed;
+    request.settings.render.mode = flags.mode;
+    window::run(request).map_err(|error| Failure::Failed(error.to_string()))
 }
 
 /// The tour with its defaults, as if its command had been typed.

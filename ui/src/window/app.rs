@@ -1,0 +1,312 @@
+//! The app: collects input, shows the panels, and is the only one that changes anything.
+
+use super::WindowRequest;
+use super::frames::locked;
+use super::keymap::Keyboard;
+use super::load::{Loader, SceneSource};
+use super::panels;
+use super::render_thread::{Message, Order, RenderThread, Wake, Wish};
+use super::state::{SceneInfo, Severity, State, Work};
+use super::{screenshot, viewport};
+use afterimage::{Camera, Tracer};
+use crossbeam_channel::{Receiver, Sender, unbounded};
+use egui_wgpu::RenderState;
+use glam::DVec3;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+/// After the last motion the state still says moving for so long: a drag pauses between two events.
+const MOTION_TIME: Duration = Duration::from_millis(250);
+
+/// The largest texture that every adapter takes.
+const LARGEST_EDGE: f32 = 8192.0;
+
+/// What background work of the app itself brings back.
+pub(super) enum News {
+    /// The file dialog was closed.
+    Chosen(Option<PathBuf>),
+    /// A picture was saved, or not.
+    Saved(anyhow::Result<PathBuf>),
+}
+
+/// The window's app.
+pub struct App {
+    pub(super) state: State,
+    pub(super) threads: RenderThread,
+    pub(super) loader: Option<Loader>,
+    pub(super) keyboard: Keyboard,
+    pub(super) request: WindowRequest,
+    pub(super) wake: Wake,
+    pub(super) news: (Sender<News>, Receiver<News>),
+    pub(super) is_browsing: bool,
+    graphics: Option<RenderState>,
+    trouble: Arc<Mutex<Vec<String>>>,
+    sent: Option<Wish>,
+    viewport_size: [u32; 2],
+    moved: Instant,
+}
+
+impl App {
+    /// Starts the threads and begins to load the scene.
+    ///
+    /// # Errors
+    /// Where the system gives no more threads.
+    pub fn new(cc: &eframe::CreationContext<'_>, request: WindowRequest) -> anyhow::Result<Self> {
+        panels::install_style(&cc.egui_ctx);
+        let ctx = cc.egui_ctx.clone();
+        // Not request_repaint(): that paints two frames a call.
+        let wake: Wake = Arc::new(move || ctx.request_repaint_after(Duration::from_millis(1)));
+        let all = std::thread::available_parallelism().map_or(1, usize::from);
+        let threads = RenderThread::start(request.threads.unwrap_or(all), wake.clone())?;
+        let trouble = Arc::new(Mutex::new(Vec::new()));
+        let mut state = State::new(request.settings, Camera::look_at(DVec3::ZERO, DVec3::NEG_Z, 60.0));
+        if let Some(graphics) = &cc.wgpu_render_state {
+            watch(graphics, &trouble, &wake);
+            viewport::install(graphics);
+            let adapter = graphics.adapter.get_info();
+            if adapter.device_type == egui_wgpu::wgpu::DeviceType::Cpu {
+                state.software_adapter = Some(adapter.name);
+            }
+        }
+        let mut app = Self {
+            state,
+            threads,
+            loader: None,
+            keyboard: Keyboard::default(),
+            wake,
+            news: unbounded(),
+            is_browsing: false,
+            graphics: cc.wgpu_render_state.clone(),
+            trouble,
+            sent: None,
+            viewport_size: [0, 0],
+            moved: Instant::now(),
+            request,
+        };
+        let scene = app.request.scene.clone().unwrap_or_else(SceneSource::default_builtin);
+        app.open(scene);
+        Ok(app)
+    }
+
+    /// What the window knows and shows.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// The threads behind it.
+    pub fn threads(&self) -> &RenderThread {
+        &self.threads
+    }
+
+    /// Begins to load a scene; the old one stays until the new one is complete.
+    pub(super) fn open(&mut self, source: SceneSource) {
+        match Loader::start(source, self.wake.clone()) {
+            Ok(loader) => self.loader = Some(loader),
+            Err(error) => self.state.notify(Severity::Error, format!("loading cannot be started: {error}")),
+        }
+    }
+
+    /// Takes in all that has happened since the last frame of the window.
+    fn poll(&mut self) {
+        self.poll_loader();
+        let messages: Vec<Message> = self.threads.messages().collect();
+        for message in messages {
+            match message {
+                Message::Picture(picture) => self.save(picture),
+                Message::Failed(text) => self.state.notify(Severity::Error, text),
+            }
+        }
+        let news: Vec<News> = self.news.1.try_iter().collect();
+        for news in news {
+            match news {
+                News::Chosen(path) => {
+                    self.is_browsing = false;
+                    path.into_iter().for_each(|path| self.open(SceneSource::file(path)));
+                }
+                News::Saved(Ok(path)) => {
+                    self.state.notify(Severity::Info, format!("saved {}", path.display()));
+                }
+                News::Saved(Err(error)) => self.state.notify(Severity::Error, format!("{error:#}")),
+            }
+        }
+        let trouble = std::mem::take(&mut *locked(&self.trouble));
+        trouble.into_iter().for_each(|text| self.state.notify(Severity::Error, text));
+        if self.threads.take_frame(&mut self.state.frame) {
+            self.state.record();
+            if let (Some(graphics), Some(frame)) = (&self.graphics, &self.state.frame) {
+                viewport::upload(graphics, frame);
+            }
+        }
+        self.state.expire_notices();
+    }
+
+    fn poll_loader(&mut self) {
+        let Some(loader) = &self.loader else {
+            self.state.loading = None;
+            return;
+        };
+        let source = loader.source().clone();
+        match loader.result() {
+            None => self.state.loading = Some((source, loader.progress())),
+            Some(result) => {
+                (self.loader, self.state.loading) = (None, None);
+                match result {
+                    Ok(tracer) => self.show_scene(source, tracer),
+                    Err(message) => self.state.notify(Severity::Error, message),
+                }
+            }
+        }
+    }
+
+    fn show_scene(&mut self, source: SceneSource, tracer: Arc<Tracer>) {
+        let is_reload = self.state.scene.as_ref().is_some_and(|s| s.source.label() == source.label());
+        let scene = SceneInfo::new(source, &tracer);
+        // Only the first scene starts where the request says; one that was edited is looked at from where one was.
+        let named = self.request.view.take();
+        let named = named.and_then(|name| scene.views.iter().find(|v| v.name == name).map(|v| v.camera));
+        let start = self.request.camera.take().or(named).unwrap_or(scene.views[0].camera);
+        if !is_reload {
+            self.state.fly.jump_to(start);
+            self.state.view_index = 0;
+        }
+        if !scene.warnings.is_empty() {
+            let count = scene.warnings.len();
+            let text = format!("{}: {count} import warnings, listed in the Scene panel", scene.name);
+            self.state.notify(Severity::Info, text);
+        }
+        self.state.scene = Some(scene);
+        self.state.history.clear();
+        self.threads.order(Order::SetTracer(tracer));
+        self.sent = None;
+    }
+
+    fn save(&mut self, picture: super::render_thread::Picture) {
+        let development = self.state.quality.development();
+        let stem = screenshot::stem(self.state.scene.as_ref().map_or("picture", |s| &s.name));
+        let folders = self.request.pictures.clone().map_or_else(screenshot::default_folders, |f| vec![f]);
+        let (news, wake) = (self.news.0.clone(), self.wake.clone());
+        let work = move || {
+            // The window may be gone.
+            let _ = news.send(News::Saved(screenshot::save(&picture, development, &stem, &folders)));
+            wake();
+        };
+        if let Err(error) = std::thread::Builder::new().name("afterimage-save".to_owned()).spawn(work) {
+            self.state.notify(Severity::Error, format!("saving cannot be started: {error}"));
+        }
+    }
+
+    /// Sends the pose and the settings where they have changed.
+    fn send_wish(&mut self) {
+        let q = &self.state.quality;
+        let edge = |pixels: u32| (pixels as f32 * q.render_scale).round().clamp(1.0, LARGEST_EDGE) as u32;
+        let size = if self.viewport_size.contains(&0) { [0, 0] } else { self.viewport_size.map(edge) };
+        let wish = Wish {
+            camera: *self.state.fly.camera(),
+            size,
+            settings: q.walk,
+            budget: Duration::from_secs_f32(q.budget_ms / 1000.0),
+            is_paused: self.state.options.is_paused,
+        };
+        if self.sent != Some(wish) {
+            if self.sent.is_some_and(|s| s.camera != wish.camera) {
+                self.moved = Instant::now();
+                self.state.shows_hint = false;
+            }
+            self.threads.wish(wish);
+            self.sent = Some(wish);
+        }
+    }
+
+    fn work(&self) -> Work {
+        let frame = self.state.frame.as_ref();
+        let is_newest =
+            frame.is_some_and(|f| f.generation == self.threads.generation() && f.stats.is_complete);
+        match () {
+            () if self.loader.is_some() => Work::Loading,
+            () if self.state.options.is_paused => Work::Paused,
+            () if self.moved.elapsed() < MOTION_TIME && !self.state.shows_hint => Work::Moving,
+            () if !is_newest => Work::Filling,
+            () if self.threads.is_adding_reference() => Work::AddingReference,
+            () => Work::Complete,
+        }
+    }
+
+    fn viewport(&mut self, ui: &mut egui::Ui) -> egui::Response {
+        let rect = ui.available_rect_before_wrap();
+        let response = ui.allocate_rect(rect, egui::Sense::drag());
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "3D viewport"));
+        let points_to_pixels = ui.ctx().pixels_per_point();
+        self.viewport_size =
+            [rect.width(), rect.height()].map(|points| (points * points_to_pixels).round() as u32);
+        ui.painter().rect_filled(rect, 0.0, egui::Color32::from_gray(24));
+        if self.graphics.is_some() && rect.is_positive() {
+            ui.painter().add(viewport::shape(rect, points_to_pixels, self.state.presentation()));
+        }
+        let inner = rect.shrink(10.0);
+        if self.state.options.shows_statistics && inner.is_positive() {
+            ui.scope_builder(egui::UiBuilder::new().max_rect(inner), |ui| panels::hud::show(ui, &self.state));
+        }
+        if self.state.shows_hint && self.state.loading.is_none() && inner.is_positive() {
+            panels::hud::hint(ui, rect);
+        }
+        response
+    }
+}
+
+/// Errors of the graphics card become messages; wgpu's own answer would be a panic.
+fn watch(graphics: &RenderState, trouble: &Arc<Mutex<Vec<String>>>, wake: &Wake) {
+    let (errors, ring) = (trouble.clone(), wake.clone());
+    graphics.device.on_uncaptured_error(Arc::new(move |error: egui_wgpu::wgpu::Error| {
+        locked(&errors).push(format!("the graphics card reported an error: {error}"));
+        ring();
+    }));
+    let (errors, ring) = (trouble.clone(), wake.clone());
+    graphics.device.set_device_lost_callback(move |reason, text| {
+        if reason != egui_wgpu::wgpu::DeviceLostReason::Destroyed {
+            locked(&errors)
+                .push(format!("the graphics card was lost ({text}); please start the program again"));
+            ring();
+        }
+    });
+}
+
+impl eframe::App for App {
+    fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+        let ctx = ui.ctx().clone();
+        self.poll();
+        self.state.work = self.work();
+        let mut commands = self.key_commands(&ctx);
+        if self.state.options.shows_panels {
+            egui::Panel::top("menu").show(ui, |ui| panels::menu::show(ui, &self.state, &mut commands));
+            let side = egui::Panel::right("side").default_size(300.0).size_range(260.0..=460.0);
+            side.show(ui, |ui| panels::side(ui, &self.state, &mut commands));
+        }
+        let response = egui::CentralPanel::no_frame().show(ui, |ui| self.viewport(ui)).inner;
+        self.steer(&ctx, &response);
+        if ctx.input(|i| !i.raw.hovered_files.is_empty()) {
+            panels::notices::drop_hint(ui, response.rect);
+        }
+        panels::notices::show(&ctx, response.rect, &self.state, &mut commands);
+        if self.state.asks_to_clear {
+            panels::notices::ask_to_clear(&ctx, &self.state, &mut commands);
+        }
+        if self.state.options.shows_help {
+            panels::help::show(&ctx, &self.state, &mut commands);
+        }
+        commands.into_iter().for_each(|command| self.apply(&ctx, command));
+        self.send_wish();
+        // A word or a message may change without anything else happening.
+        if self.state.work == Work::Moving {
+            ctx.request_repaint_after(MOTION_TIME);
+        }
+        if self.state.notices.iter().any(|n| n.severity == Severity::Info) {
+            ctx.request_repaint_after(Duration::from_secs(1));
+        }
+    }
+
+    fn on_exit(&mut self) {
+        self.loader = None;
+        self.threads.stop();
+    }
+}

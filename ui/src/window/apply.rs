@@ -1,0 +1,114 @@
+//! Commands as deeds: the only place where a panel's or a key's wish changes anything.
+
+use super::app::{App, News};
+use super::fly_camera::pose_flags;
+use super::load::SceneSource;
+use super::render_thread::Order;
+use super::state::{Command, Severity};
+use egui::{Context, ViewportCommand};
+
+impl App {
+    /// Does what was asked for.
+    pub(super) fn apply(&mut self, ctx: &Context, command: Command) {
+        let state = &mut self.state;
+        match command {
+            Command::Open(source) => self.open(source),
+            Command::Browse => self.browse(),
+            Command::CancelLoading => self.loader = None,
+            Command::Reload => {
+                let source = state.scene.as_ref().map(|s| s.source.clone());
+                source.into_iter().for_each(|source| self.open(source));
+            }
+            Command::SetPathText(text) => state.path_text = text,
+            Command::SetQuality(quality) => state.quality = quality,
+            Command::SetOptions(options) => state.options = options,
+            Command::SetSpeed(speed) => state.fly.set_speed(speed),
+            Command::SetFovDegrees(degrees) => state.fly.set_fov_degrees(degrees),
+            Command::EaseTo(camera) => state.fly.ease_to(camera),
+            Command::GoToView(index) => self.go_to_view(index),
+            Command::StepView(step) => self.step_view(step),
+            Command::Level => state.fly.level(),
+            Command::ChangeFov(steps) => state.fly.change_fov(steps),
+            Command::AskToClear => state.asks_to_clear = true,
+            Command::KeepReferences => state.asks_to_clear = false,
+            Command::Clear => {
+                state.asks_to_clear = false;
+                self.threads.order(Order::Clear);
+            }
+            Command::AddReference => self.order(Order::AddReference(*self.state.fly.camera())),
+            Command::Remove(id) => self.order(Order::Remove(id)),
+            Command::Screenshot => self.order(Order::Picture),
+            Command::CopyPose => {
+                let flags = pose_flags(state.fly.camera());
+                state.notify(Severity::Info, format!("copied {flags}"));
+                ctx.copy_text(flags);
+            }
+            Command::CopyText(text) => ctx.copy_text(text),
+            Command::Dismiss(id) => state.notices.retain(|n| n.id != id),
+            Command::FullScreen => {
+                let is_full = ctx.input(|i| i.viewport().fullscreen.unwrap_or(false));
+                ctx.send_viewport_cmd(ViewportCommand::Fullscreen(!is_full));
+            }
+            Command::Escape => self.escape(ctx),
+        }
+        // What a command changed is shown, though no event may follow.
+        ctx.request_repaint();
+    }
+
+    fn order(&mut self, order: Order) {
+        self.threads.order(order);
+    }
+
+    fn go_to_view(&mut self, index: usize) {
+        let view = self.state.scene.as_ref().and_then(|s| s.views.get(index));
+        if let Some(camera) = view.map(|v| v.camera) {
+            self.state.view_index = index;
+            self.state.fly.ease_to(camera);
+        }
+    }
+
+    fn step_view(&mut self, step: isize) {
+        let count = self.state.scene.as_ref().map_or(0, |s| s.views.len());
+        if count > 0 {
+            let next = (self.state.view_index as isize + step).rem_euclid(count as isize);
+            self.go_to_view(next as usize);
+        }
+    }
+
+    /// Leaves what is open, the last opened first; never quits.
+    fn escape(&mut self, ctx: &Context) {
+        let state = &mut self.state;
+        if state.asks_to_clear {
+            state.asks_to_clear = false;
+        } else if state.options.shows_help {
+            state.options.shows_help = false;
+        } else if state.notices.pop().is_none() && ctx.input(|i| i.viewport().fullscreen.unwrap_or(false)) {
+            ctx.send_viewport_cmd(ViewportCommand::Fullscreen(false));
+        }
+    }
+
+    /// Asks for a file on a thread of its own: the system's dialog blocks.
+    fn browse(&mut self) {
+        if std::mem::replace(&mut self.is_browsing, true) {
+            return;
+        }
+        let (news, wake) = (self.news.0.clone(), self.wake.clone());
+        let work = move || {
+            let dialog = rfd::FileDialog::new().set_title("Open a model").add_filter("Models", &["obj"]);
+            // The window may be gone.
+            let _ = news.send(News::Chosen(dialog.pick_file()));
+            wake();
+        };
+        if let Err(error) = std::thread::Builder::new().name("afterimage-dialog".to_owned()).spawn(work) {
+            self.is_browsing = false;
+            self.state.notify(Severity::Error, format!("the file dialog cannot be started: {error}"));
+        }
+    }
+}
+
+impl App {
+    /// What is being loaded, if anything.
+    pub fn loading(&self) -> Option<&SceneSource> {
+        self.loader.as_ref().map(super::load::Loader::source)
+    }
+}

@@ -1,0 +1,103 @@
+//! The window: walking through a scene while references are reused, and seeing that they are.
+//!
+//! The window's thread only reads input and shows the newest finished frame; it never waits for the renderer.
+
+pub mod app;
+mod apply;
+pub mod fly_camera;
+pub mod frames;
+mod input;
+pub mod keymap;
+pub mod load;
+pub mod panels;
+mod reference_thread;
+pub mod render_thread;
+pub mod screenshot;
+pub mod state;
+pub mod viewport;
+
+use afterimage::reference::PlacementPolicy;
+use afterimage::render::RenderSettings;
+use afterimage::trace::TraceSettings;
+use afterimage::{Camera, WalkthroughSettings};
+use anyhow::anyhow;
+use std::path::PathBuf;
+
+pub use app::App;
+pub use load::SceneSource;
+
+/// What the window is opened with.
+#[derive(Clone, Debug)]
+pub struct WindowRequest {
+    /// The scene; the embedded gallery where none is named.
+    pub scene: Option<SceneSource>,
+    /// What to walk with at first.
+    pub settings: WalkthroughSettings,
+    /// Where to start instead of at the scene's start view.
+    pub camera: Option<Camera>,
+    /// Start at the saved view of this name. `camera` goes before it.
+    pub view: Option<String>,
+    /// Threads that render; all there are where nothing is said.
+    pub threads: Option<usize>,
+    /// Where pictures are saved; the current folder, or the user's pictures, where nothing is said.
+    pub pictures: Option<PathBuf>,
+}
+
+impl Default for WindowRequest {
+    fn default() -> Self {
+        let trace = TraceSettings { samples: state::WINDOW_SAMPLES, ..TraceSettings::default() };
+        let settings = WalkthroughSettings {
+            render: RenderSettings { trace, ..RenderSettings::default() },
+            placement: PlacementPolicy::default(),
+            ..WalkthroughSettings::default()
+        };
+        Self { scene: None, settings, camera: None, view: None, threads: None, pictures: None }
+    }
+}
+
+/// The Debian packages without which a window cannot be opened.
+const PACKAGES: &str = "libx11-6 libx11-xcb1 libxcursor1 libxi6 libxkbcommon0 libxkbcommon-x11-0 libwayland-egl1 mesa-vulkan-drivers";
+
+/// True where there is a display to open a window on.
+pub fn has_display() -> bool {
+    let is_set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    cfg!(not(target_os = "linux")) || ["WAYLAND_DISPLAY", "WAYLAND_SOCKET", "DISPLAY"].into_iter().any(is_set)
+}
+
+/// Opens the window and returns when it is closed. Must be called on the program's first thread.
+///
+/// # Errors
+/// Where there is no display, no graphics adapter or a system library is missing, with what to install.
+pub fn run(request: WindowRequest) -> anyhow::Result<()> {
+    if !has_display() {
+        return Err(anyhow!(
+            "there is no display (neither WAYLAND_DISPLAY nor DISPLAY is set); use `afterimage tour` or `afterimage \
+             render`, which need none"
+        ));
+    }
+    let options = eframe::NativeOptions {
+        viewport: egui::ViewportBuilder::default()
+            .with_title("Afterimage")
+            .with_app_id("afterimage")
+            .with_inner_size([1280.0, 800.0])
+            .with_min_inner_size([480.0, 320.0])
+            .with_drag_and_drop(true),
+        persist_window: false,
+        // Its noise would be seen in the picture's flat colours, and costs time on a software adapter.
+        dithering: false,
+        ..Default::default()
+    };
+    let open = move || {
+        eframe::run_native("Afterimage", options, Box::new(move |cc| Ok(Box::new(App::new(cc, request)?))))
+    };
+    // A missing libxkbcommon-x11 is a panic in winit, not an error.
+    match std::panic::catch_unwind(std::panic::AssertUnwindSafe(open)) {
+        Ok(Ok(())) => Ok(()),
+        Ok(Err(error)) => Err(cannot_open(&error.to_string())),
+        Err(panic) => Err(cannot_open(&render_thread::panic_text(&*panic))),
+    }
+}
+
+fn cannot_open(reason: &str) -> anyhow::Error {
+    anyhow!("the window cannot be opened ({reason}); on Debian or Ubuntu, install: {PACKAGES}")
+}

@@ -1,0 +1,50 @@
+//! All keys, from the table that the window obeys.
+
+use super::super::keymap::{BINDINGS, MOUSE};
+use super::super::state::{Command, Options, State};
+use egui::{RichText, Ui};
+
+/// Shows the keys over everything else.
+pub fn show(ctx: &egui::Context, state: &State, commands: &mut Vec<Command>) {
+    let room = ctx.content_rect().size() - egui::vec2(60.0, 140.0);
+    let modal = egui::Modal::new(egui::Id::unique("help")).show(ctx, |ui| {
+        ui.set_width(room.x.clamp(200.0, WIDTH));
+        ui.horizontal(|ui| {
+            ui.heading("Keys and mouse");
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                if ui.button("Close help").clicked() {
+                    ui.close();
+                }
+            });
+        });
+        ui.label("Keys are meant by their place on a US keyboard.");
+        ui.separator();
+        let height = room.y.max(80.0);
+        egui::ScrollArea::vertical().max_height(height).min_scrolled_height(height).show(ui, table);
+    });
+    if modal.should_close() {
+        commands.push(Command::SetOptions(Options { shows_help: false, ..state.options }));
+    }
+}
+
+/// Both columns side by side with the longest line in each.
+const WIDTH: f32 = 800.0;
+
+/// One or two columns of lines, as there is room; the mouse comes last.
+fn table(ui: &mut Ui) {
+    let keys = BINDINGS.iter().map(|b| (b.keys(), b.help));
+    let lines: Vec<(String, &str)> = keys.chain(MOUSE.iter().map(|(w, h)| ((*w).to_owned(), *h))).collect();
+    let count = if ui.available_width() < WIDTH - 40.0 { 1 } else { 2 };
+    ui.columns(count, |columns| {
+        let parts = lines.chunks(lines.len().div_ceil(count));
+        for (side, (ui, lines)) in columns.iter_mut().zip(parts).enumerate() {
+            egui::Grid::new(("help", side)).num_columns(2).spacing([14.0, 5.0]).show(ui, |ui| {
+                for (keys, help) in lines {
+                    ui.label(RichText::new(keys).strong());
+                    ui.label(*help);
+                    ui.end_row();
+                }
+            });
+        }
+    });
+}

@@ -1,0 +1,98 @@
+//! The figures over the viewport.
+
+use super::super::state::{State, Work};
+use super::swatch;
+use egui::{Color32, RichText, Ui};
+
+/// Light enough to read on the darkest and the brightest picture, over the panel's own dark ground.
+const TEXT: Color32 = Color32::from_gray(235);
+const DIM: Color32 = Color32::from_gray(170);
+const GROUND: Color32 = Color32::from_rgba_premultiplied(0, 0, 0, 185);
+
+/// A dark, see-through ground on which text is legible over any picture.
+pub fn ground() -> egui::Frame {
+    egui::Frame::new().fill(GROUND).corner_radius(6.0).inner_margin(egui::Margin::symmetric(10, 7))
+}
+
+/// Shows the figures in the corner of `ui`.
+pub fn show(ui: &mut Ui, state: &State) {
+    ground().show(ui, |ui| {
+        ui.style_mut().interaction.selectable_labels = false;
+        ui.spacing_mut().item_spacing = egui::vec2(10.0, 3.0);
+        state_line(ui, state);
+        egui::Grid::new("hud").num_columns(2).min_col_width(76.0).show(ui, |ui| {
+            frame_rows(ui, state);
+            line(ui, "speed", format!("{} m/s", three_digits(state.fly.speed_m_per_s())));
+        });
+        type_rows(ui, state);
+    });
+}
+
+/// The first-run hint, painted at the bottom of the viewport.
+pub fn hint(ui: &Ui, viewport: egui::Rect) {
+    let text = "drag to look, WASD to move, T heatmap, F1 help".to_owned();
+    let galley = ui.painter().layout_no_wrap(text, egui::TextStyle::Body.resolve(ui.style()), TEXT);
+    let centre = viewport.center_bottom() - egui::vec2(0.0, 28.0);
+    let rect = egui::Rect::from_center_size(centre, galley.size() + egui::vec2(24.0, 14.0));
+    ui.painter().rect_filled(rect, 6.0, GROUND);
+    ui.painter().galley(rect.min + egui::vec2(12.0, 7.0), galley, TEXT);
+}
+
+fn state_line(ui: &mut Ui, state: &State) {
+    ui.horizontal(|ui| {
+        let color = match state.work {
+            Work::Complete => Color32::from_rgb(0x6C, 0xD0, 0x8A),
+            Work::Paused => Color32::from_rgb(0xF0, 0xE4, 0x42),
+            _ => Color32::from_rgb(0x7C, 0xBF, 0xEF),
+        };
+        let (rect, _) = ui.allocate_exact_size(egui::vec2(9.0, 14.0), egui::Sense::hover());
+        ui.painter().circle_filled(rect.center(), 4.0, color);
+        ui.label(RichText::new(state.work.word()).color(TEXT).strong());
+    });
+}
+
+fn frame_rows(ui: &mut Ui, state: &State) {
+    let Some(frame) = &state.frame else { return };
+    let (secs, ms) = (&frame.stats.secs, |s: f64| format!("{:.1}", s * 1000.0));
+    line(ui, "frame", format!("{} ms", ms(secs.frame)));
+    line(ui, "select + warp", format!("{} ms", ms(secs.select + secs.warp)));
+    line(ui, "secondary", format!("{} ms", ms(secs.secondary)));
+    line(ui, "trace", format!("{} ms", ms(secs.trace)));
+    let rays = &frame.stats.rays;
+    let count = rays.primary + rays.shadow + rays.secondary + rays.indirect;
+    line(ui, "rays", format!("{:.1} M/s", count as f64 / secs.frame.max(1e-9) / 1e6));
+    let [used, held] = state.references_used_and_held();
+    line(ui, "references", format!("{used} used / {held} held"));
+    let [bytes, limit] = frame.cache_bytes.map(|b| b as f64 / f64::from(1 << 20));
+    line(ui, "cache", format!("{bytes:.0} of {limit:.0} MB"));
+    line(ui, "picture", format!("{} x {}", frame.size[0], frame.size[1]));
+}
+
+fn type_rows(ui: &mut Ui, state: &State) {
+    let Some(frame) = &state.frame else { return };
+    let p = frame.stats.types.percentages();
+    ui.add_space(3.0);
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 5.0;
+        for (number, percent) in [p.type1_percent, p.type2_percent, p.type3_percent].into_iter().enumerate() {
+            ui.add_space(if number > 0 { 6.0 } else { 0.0 });
+            swatch(ui, number);
+            ui.label(RichText::new(format!("{} {percent:>5.1}%", number + 1)).color(TEXT).monospace());
+        }
+    });
+}
+
+fn line(ui: &mut Ui, name: &str, value: String) {
+    ui.label(RichText::new(name).color(DIM));
+    ui.label(RichText::new(value).color(TEXT).monospace());
+    ui.end_row();
+}
+
+/// Enough digits to see a change, not more.
+fn three_digits(value: f64) -> String {
+    match value {
+        v if v < 1.0 => format!("{v:.2}"),
+        v if v < 10.0 => format!("{v:.1}"),
+        v => format!("{v:.0}"),
+    }
+}

@@ -1,0 +1,76 @@
+//! The bar at the top.
+
+use super::super::keymap::{Action, keys_of};
+use super::super::load::SceneSource;
+use super::super::state::{Command, Options, State};
+use afterimage::scene::builtin;
+use egui::{Button, Ui};
+
+/// Shows the menus.
+pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    egui::MenuBar::new().ui(ui, |ui| {
+        ui.menu_button("Scene", |ui| scene_menu(ui, state, commands));
+        ui.menu_button("View", |ui| view_menu(ui, state, commands));
+        let mut options = state.options;
+        if item(ui, "Help", None) {
+            options.shows_help = true;
+            commands.push(Command::SetOptions(options));
+        }
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            if let Some(adapter) = &state.software_adapter {
+                ui.weak("no graphics card").on_hover_text(format!("The window is drawn by {adapter}."));
+            }
+        });
+    });
+}
+
+fn item(ui: &mut Ui, text: &str, action: Option<Action>) -> bool {
+    let keys = action.map(keys_of).unwrap_or_default();
+    ui.add(Button::new(text).shortcut_text(keys)).clicked()
+}
+
+fn scene_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    if item(ui, "Open...", Some(Action::Open)) {
+        commands.push(Command::Browse);
+    }
+    ui.menu_button("Built-in", |ui| {
+        for name in builtin::NAMES {
+            if item(ui, name, None) {
+                commands.push(Command::Open(SceneSource::Builtin((*name).to_owned())));
+            }
+        }
+    });
+    if state.scene.is_some() && item(ui, "Reload", Some(Action::Reload)) {
+        commands.push(Command::Reload);
+    }
+    ui.separator();
+    if item(ui, "Save picture", Some(Action::Screenshot)) {
+        commands.push(Command::Screenshot);
+    }
+    if item(ui, "Copy pose", Some(Action::CopyPose)) {
+        commands.push(Command::CopyPose);
+    }
+}
+
+fn view_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    for (i, view) in state.scene.iter().flat_map(|s| s.views.iter().enumerate()) {
+        if item(ui, &format!("{}  {}", i + 1, view.name), None) {
+            commands.push(Command::GoToView(i));
+        }
+    }
+    ui.separator();
+    if item(ui, "Level", Some(Action::Level)) {
+        commands.push(Command::Level);
+    }
+    if item(ui, "Full screen", Some(Action::FullScreen)) {
+        commands.push(Command::FullScreen);
+    }
+    let o = state.options;
+    let statistics = if o.shows_statistics { "Hide statistics" } else { "Show statistics" };
+    if item(ui, statistics, Some(Action::ToggleStatistics)) {
+        commands.push(Command::SetOptions(Options { shows_statistics: !o.shows_statistics, ..o }));
+    }
+    if item(ui, "Hide panels", Some(Action::TogglePanels)) {
+        commands.push(Command::SetOptions(Options { shows_panels: false, ..o }));
+    }
+}

@@ -1,0 +1,69 @@
+//! What lies round the viewport and over it. A panel reads the state and asks for changes by commands.
+
+pub mod help;
+pub mod hud;
+pub mod legend;
+pub mod menu;
+pub mod notices;
+pub mod plots;
+pub mod quality;
+pub mod references;
+pub mod report;
+
+use super::state::{Command, State};
+use egui::{Color32, RichText, Ui};
+
+/// Type 1, 2 and 3, told apart by colour-blind people; Type 3 is also hatched.
+pub const TYPE_COLORS: [Color32; 3] = [
+    Color32::from_rgb(0x00, 0x72, 0xB2),
+    Color32::from_rgb(0xF0, 0xE4, 0x42),
+    Color32::from_rgb(0xD5, 0x5E, 0x00),
+];
+
+/// What the types are called.
+pub const TYPE_NAMES: [&str; 3] = ["Type 1, reused", "Type 2, mirror or glass", "Type 3, traced"];
+
+/// Sets egui's look: its labels are greyer than small figures can bear (4.5 : 1 against the panel is asked for).
+pub fn install_style(ctx: &egui::Context) {
+    ctx.all_styles_mut(|style| {
+        let visuals = &mut style.visuals;
+        let gray = if visuals.dark_mode { 190 } else { 50 };
+        visuals.widgets.noninteractive.fg_stroke.color = Color32::from_gray(gray);
+        visuals.weak_text_alpha = 0.8;
+    });
+}
+
+/// The panel on the right.
+pub fn side(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    egui::ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
+        ui.spacing_mut().item_spacing.y = 5.0;
+        section(ui, "Scene", |ui| report::show(ui, state, commands));
+        section(ui, "Pixel types", |ui| legend::show(ui, state, commands));
+        section(ui, "Quality", |ui| quality::show(ui, state, commands));
+        section(ui, "References", |ui| references::show(ui, state, commands));
+        section(ui, "Last minute", |ui| plots::show(ui, state));
+    });
+}
+
+fn section(ui: &mut Ui, title: &str, contents: impl FnOnce(&mut Ui)) {
+    egui::CollapsingHeader::new(RichText::new(title).strong()).default_open(true).show_unindented(ui, |ui| {
+        ui.add_space(2.0);
+        contents(ui);
+        ui.add_space(6.0);
+    });
+}
+
+/// A small square of a type's colour, hatched for Type 3.
+pub fn swatch(ui: &mut Ui, number: usize) {
+    let (rect, _) = ui.allocate_exact_size(egui::vec2(14.0, 14.0), egui::Sense::hover());
+    let painter = ui.painter().with_clip_rect(rect);
+    painter.rect_filled(rect, 2.0, TYPE_COLORS[number]);
+    if number == 2 {
+        let stroke = egui::Stroke::new(1.5, Color32::from_rgb(0x70, 0x30, 0x00));
+        for step in 0..6 {
+            let x = rect.left() + step as f32 * 5.0;
+            let end = egui::pos2(x - rect.height(), rect.bottom());
+            painter.line_segment([egui::pos2(x, rect.top()), end], stroke);
+        }
+    }
+}

@@ -1,0 +1,101 @@
+//! Messages, loading and questions over the viewport.
+
+use super::super::load::{Progress, SceneSource};
+use super::super::state::{Command, Notice, Severity, State};
+use egui::{Align2, Color32, ProgressBar, Rect, RichText, Ui};
+
+/// Shows what there is to say, at the bottom of the viewport: the figures have the top.
+pub fn show(ctx: &egui::Context, viewport: Rect, state: &State, commands: &mut Vec<Command>) {
+    if !state.notices.is_empty() {
+        let above = if state.loading.is_some() { 90.0 } else { 56.0 };
+        let at = viewport.center_bottom() - egui::vec2(0.0, above);
+        area("notices", at, Align2::CENTER_BOTTOM).show(ctx, |ui| {
+            for notice in &state.notices {
+                banner(ui, viewport.width(), notice, commands);
+            }
+        });
+    }
+    if let Some((source, progress)) = &state.loading {
+        let at = viewport.center_bottom() - egui::vec2(0.0, 16.0);
+        area("loading", at, Align2::CENTER_BOTTOM).show(ctx, |ui| loading(ui, source, progress, commands));
+    }
+}
+
+fn area(name: &str, at: egui::Pos2, pivot: Align2) -> egui::Area {
+    egui::Area::new(egui::Id::unique(name)).fixed_pos(at).pivot(pivot).order(egui::Order::Foreground)
+}
+
+fn banner(ui: &mut Ui, viewport_width: f32, notice: &Notice, commands: &mut Vec<Command>) {
+    let (fill, name) = match notice.severity {
+        Severity::Error => (Color32::from_rgb(130, 28, 28), "Error: "),
+        Severity::Info => (Color32::from_rgb(28, 78, 52), ""),
+    };
+    egui::Frame::new().fill(fill).corner_radius(6.0).inner_margin(egui::Margin::symmetric(12, 8)).show(
+        ui,
+        |ui| {
+            ui.set_max_width((viewport_width * 0.7).max(120.0));
+            ui.horizontal_top(|ui| {
+                let text = RichText::new(format!("{name}{}", notice.text)).color(Color32::WHITE);
+                let width = (ui.available_width() - 70.0).max(80.0);
+                ui.scope(|ui| {
+                    ui.set_max_width(width);
+                    ui.add(egui::Label::new(text).wrap());
+                });
+                if ui.button("Dismiss").clicked() {
+                    commands.push(Command::Dismiss(notice.id));
+                }
+            });
+        },
+    );
+    ui.add_space(4.0);
+}
+
+fn loading(ui: &mut Ui, source: &SceneSource, progress: &Progress, commands: &mut Vec<Command>) {
+    super::hud::ground().show(ui, |ui| {
+        ui.set_width(340.0);
+        ui.label(RichText::new(format!("Loading {}", source.label())).color(Color32::WHITE));
+        ui.horizontal(|ui| {
+            let percent = progress.fraction.map(|f| format!(" {:.0} %", f * 100.0)).unwrap_or_default();
+            let bar = ProgressBar::new(progress.fraction.unwrap_or(0.0));
+            ui.add(bar.text(format!("{}{percent}", progress.phase)).desired_width(265.0));
+            if ui.button("Cancel").clicked() {
+                commands.push(Command::CancelLoading);
+            }
+        });
+    });
+}
+
+/// Says what letting go of a file will do.
+pub fn drop_hint(ui: &Ui, viewport: Rect) {
+    ui.painter().rect_filled(viewport, 0.0, Color32::from_black_alpha(170));
+    let font = egui::FontId::proportional(24.0);
+    ui.painter().text(
+        viewport.center(),
+        Align2::CENTER_CENTER,
+        "Drop to open the model",
+        font,
+        Color32::WHITE,
+    );
+}
+
+/// Asks before all references go.
+pub fn ask_to_clear(ctx: &egui::Context, state: &State, commands: &mut Vec<Command>) {
+    let [_, held] = state.references_used_and_held();
+    let modal = egui::Modal::new(egui::Id::unique("clear")).show(ctx, |ui| {
+        ui.set_width(300.0);
+        ui.heading("Clear all references?");
+        ui.label(format!("{held} are held. They are traced again where they are needed."));
+        ui.add_space(8.0);
+        ui.horizontal(|ui| {
+            if ui.button("Clear all").clicked() {
+                commands.push(Command::Clear);
+            }
+            if ui.button("Keep").clicked() {
+                commands.push(Command::KeepReferences);
+            }
+        });
+    });
+    if modal.should_close() {
+        commands.push(Command::KeepReferences);
+    }
+}

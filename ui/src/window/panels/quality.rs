@@ -1,0 +1,197 @@
+//! Everything that trades time for quality, with units and a way back.
+
+use super::super::state::{Command, Quality, State};
+use afterimage::Mode;
+use afterimage::raster::color::ToneMap;
+use afterimage::reference::PlacementPolicy;
+use egui::{Slider, Ui};
+
+const MB: usize = 1 << 20;
+
+/// Shows the settings.
+pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let (mut q, d) = (state.quality, &state.default_quality);
+    ui.spacing_mut().slider_width = 88.0;
+    egui::Grid::new("quality").num_columns(3).spacing([6.0, 5.0]).show(ui, |ui| {
+        mode_row(ui, &mut q, d);
+        sampling_rows(ui, &mut q, d);
+        pace_rows(ui, &mut q, d);
+        placement_rows(ui, &mut q, d);
+        picture_rows(ui, &mut q, d);
+        camera_rows(ui, state, commands);
+    });
+    if q != state.quality {
+        commands.push(Command::SetQuality(q));
+    }
+}
+
+/// A name, a control and a button that resets it.
+fn row<T: PartialEq + Copy>(
+    ui: &mut Ui,
+    name: &str,
+    help: &str,
+    value: &mut T,
+    default: T,
+    control: impl FnOnce(&mut Ui, &mut T) -> egui::Response,
+) {
+    let label = ui.label(name).on_hover_text(help);
+    control(ui, value).labelled_by(label.id).on_hover_text(help);
+    let clicked = ui
+        .add_enabled_ui(*value != default, reset_button)
+        .inner
+        .accessible_name(format!("Reset {}", name.to_lowercase()))
+        .on_hover_text("Back to what it was at the start")
+        .clicked();
+    if clicked {
+        *value = default;
+    }
+    ui.end_row();
+}
+
+/// An arrow that goes back, drawn: the default font has none.
+fn reset_button(ui: &mut Ui) -> egui::Response {
+    let (rect, response) = ui.allocate_exact_size(egui::vec2(16.0, 16.0), egui::Sense::click());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, ui.is_enabled(), "Reset"));
+    let visuals = ui.style().interact(&response);
+    // A value that is the default has nothing to go back from: only a trace of the arrow is left.
+    let stroke = egui::Stroke::new(
+        1.5,
+        visuals.fg_stroke.color.gamma_multiply(if ui.is_enabled() { 1.0 } else { 0.4 }),
+    );
+    let (centre, radius) = (rect.center(), 4.5);
+    let at = |turn: f32| centre + radius * egui::Vec2::angled(turn * std::f32::consts::TAU);
+    let arc: Vec<egui::Pos2> = (0..=18).map(|i| at(-0.42 + 0.8 * i as f32 / 18.0)).collect();
+    let tip = arc[0];
+    ui.painter().line(arc, stroke);
+    ui.painter().line(vec![tip + egui::vec2(-0.5, -4.0), tip, tip + egui::vec2(4.0, -0.5)], stroke);
+    response
+}
+
+fn choice<T: PartialEq + Copy>(
+    ui: &mut Ui,
+    id: &str,
+    value: &mut T,
+    choices: &[(T, &str)],
+) -> egui::Response {
+    let name = choices.iter().find(|(v, _)| v == value).map_or("", |(_, name)| name);
+    egui::ComboBox::from_id_salt(id)
+        .selected_text(name)
+        .width(118.0)
+        .show_ui(ui, |ui| {
+            for (v, name) in choices {
+                ui.selectable_value(value, *v, *name);
+            }
+        })
+        .response
+}
+
+fn mode_row(ui: &mut Ui, q: &mut Quality, d: &Quality) {
+    let help =
+        "paper: reference images are reused, as in the paper. full: every pixel is traced, for comparison.";
+    row(ui, "Mode", help, &mut q.walk.render.mode, d.walk.render.mode, |ui, v| {
+        choice(ui, "mode", v, &[(Mode::Paper, "paper"), (Mode::Full, "full")])
+    });
+}
+
+fn sampling_rows(ui: &mut Ui, q: &mut Quality, d: &Quality) {
+    let help = "Shadow rays per light and pixel. The window starts with few, for fluid motion; files are rendered \
+                with more. Applies to new references and traced pixels.";
+    let (trace, default) = (&mut q.walk.render.trace, &d.walk.render.trace);
+    row(ui, "Samples", help, &mut trace.samples, default.samples, |ui, v| {
+        ui.add(Slider::new(v, 1..=256).logarithmic(true).suffix(" /light"))
+    });
+    let help = "How often light is scattered between matte surfaces; 0 is direct light only.";
+    row(ui, "Bounces", help, &mut trace.bounces, default.bounces, |ui, v| ui.add(Slider::new(v, 0..=4)));
+}
+
+fn pace_rows(ui: &mut Ui, q: &mut Quality, d: &Quality) {
+    let help = "Rendered pixels per pixel of the screen, along an edge.";
+    let mut percent = q.render_scale * 100.0;
+    row(ui, "Render scale", help, &mut percent, d.render_scale * 100.0, |ui, v| {
+        ui.add(Slider::new(v, 25.0..=100.0).step_by(5.0).fixed_decimals(0).suffix(" %"))
+    });
+    q.render_scale = percent / 100.0;
+    let help = "While you move, a frame is given up after this time and the next one begun. What is not traced by \
+                then shows its neighbours' colour. At rest every frame is finished.";
+    row(ui, "Frame budget", help, &mut q.budget_ms, d.budget_ms, |ui, v| {
+        ui.add(Slider::new(v, 16.0..=1000.0).logarithmic(true).fixed_decimals(0).suffix(" ms"))
+    });
+}
+
+fn placement_rows(ui: &mut Ui, q: &mut Quality, d: &Quality) {
+    let percent = |policy: &PlacementPolicy| match *policy {
+        PlacementPolicy::Threshold { percent } | PlacementPolicy::Predictive { percent } => percent,
+        PlacementPolicy::None => DEFAULT_PERCENT,
+    };
+    let help = "Where new references are taken: ahead along your way, where you are, or only when you ask.";
+    let (mut number, mut threshold) = (policy_number(&q.walk.placement), percent(&q.walk.placement));
+    row(ui, "Placement", help, &mut number, policy_number(&d.walk.placement), |ui, v| {
+        choice(ui, "placement", v, &[(0, "predictive"), (1, "threshold"), (2, "none")])
+    });
+    if number < 2 {
+        let help = "A new reference is taken when more of the picture than this is Type 3.";
+        row(ui, "Threshold", help, &mut threshold, percent(&d.walk.placement), |ui, v| {
+            ui.add(Slider::new(v, 0.5..=50.0).logarithmic(true).fixed_decimals(1).suffix(" %"))
+        });
+    }
+    q.walk.placement = match number {
+        0 => PlacementPolicy::Predictive { percent: threshold },
+        1 => PlacementPolicy::Threshold { percent: threshold },
+        _ => PlacementPolicy::None,
+    };
+    let help = "Memory for references; the least useful ones go first.";
+    let mut megabytes = q.walk.cache_bytes / MB;
+    row(ui, "Cache limit", help, &mut megabytes, d.walk.cache_bytes / MB, |ui, v| {
+        ui.add(Slider::new(v, 16..=8192).logarithmic(true).suffix(" MB"))
+    });
+    if megabytes != q.walk.cache_bytes / MB {
+        q.walk.cache_bytes = megabytes * MB;
+    }
+}
+
+/// The threshold of a policy that comes after none, in percent.
+const DEFAULT_PERCENT: f64 = 5.0;
+
+fn policy_number(policy: &PlacementPolicy) -> usize {
+    match policy {
+        PlacementPolicy::Predictive { .. } => 0,
+        PlacementPolicy::Threshold { .. } => 1,
+        PlacementPolicy::None => 2,
+    }
+}
+
+fn picture_rows(ui: &mut Ui, q: &mut Quality, d: &Quality) {
+    row(
+        ui,
+        "Exposure",
+        "In stops: one more is twice as bright.",
+        &mut q.exposure_ev,
+        d.exposure_ev,
+        |ui, v| ui.add(Slider::new(v, -8.0..=8.0).step_by(0.5).fixed_decimals(1).suffix(" EV")),
+    );
+    let help = "aces: bright lamps keep their hue. linear: clipped at white, what the numbers say.";
+    row(ui, "Tone map", help, &mut q.tone_map, d.tone_map, |ui, v| {
+        choice(ui, "tone map", v, &[(ToneMap::Aces, "aces"), (ToneMap::Linear, "linear")])
+    });
+}
+
+fn camera_rows(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    use super::super::fly_camera::{DEFAULT_SPEED, SPEED_RANGE};
+    let mut speed = state.fly.speed_m_per_s();
+    let help = "How fast the keys fly; also right mouse button + wheel. Shift is five times, Alt a fifth.";
+    row(ui, "Speed", help, &mut speed, DEFAULT_SPEED, |ui, v| {
+        ui.add(Slider::new(v, SPEED_RANGE).logarithmic(true).max_decimals(2).suffix(" m/s"))
+    });
+    if speed != state.fly.speed_m_per_s() {
+        commands.push(Command::SetSpeed(speed));
+    }
+    let shown = state.fly.camera().fov_y.to_degrees();
+    let mut fov = shown;
+    row(ui, "Field of view", "Vertical.", &mut fov, 60.0, |ui, v| {
+        ui.add(Slider::new(v, 10.0..=130.0).fixed_decimals(0).suffix("°"))
+    });
+    // Degrees and radians round; a reset of what is 60 already is none.
+    if (fov - shown).abs() > 1e-6 {
+        commands.push(Command::SetFovDegrees(fov));
+    }
+}

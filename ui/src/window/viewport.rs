@@ -1,0 +1,302 @@
+//! The picture on the screen: textures of the newest frame and the pipeline that shows them.
+
+use super::frames::PublishedFrame;
+use afterimage::raster::color::ToneMap;
+use egui_wgpu::{CallbackResources, CallbackTrait, RenderState, ScreenDescriptor, wgpu};
+
+/// How much of the pixel types is shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Heatmap {
+    /// The picture alone.
+    #[default]
+    Off,
+    /// Half picture, half types.
+    Blend,
+    /// Types alone.
+    Only,
+}
+
+/// What the colours of the heatmap stand for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Coloring {
+    /// How a pixel came to its colour.
+    #[default]
+    ByType,
+    /// Which reference supplied it.
+    ByReference,
+}
+
+/// How a frame is shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Presentation {
+    /// Types over the picture.
+    pub heatmap: Heatmap,
+    /// What their colours mean.
+    pub coloring: Coloring,
+    /// Type 3 is outlined.
+    pub has_outline: bool,
+    /// In stops.
+    pub exposure_ev: f32,
+    /// From radiance to display.
+    pub tone_map: ToneMap,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+struct Params {
+    size: [u32; 2],
+    heatmap: u32,
+    coloring: u32,
+    uv_scale: [f32; 2],
+    exposure: f32,
+    tone_map: u32,
+    outline: u32,
+    pixels_per_point: f32,
+    encode: u32,
+    unused: u32,
+}
+
+// As `Params` of present.wgsl is laid out; a uniform's size is a multiple of 16.
+const _: () = assert!(size_of::<Params>() == 48);
+
+struct ViewGpu {
+    pipeline: wgpu::RenderPipeline,
+    layout: wgpu::BindGroupLayout,
+    sampler: wgpu::Sampler,
+    params: wgpu::Buffer,
+    encode: bool,
+    textures: Option<Textures>,
+}
+
+struct Textures {
+    size: [u32; 2],
+    color: wgpu::Texture,
+    types: wgpu::Texture,
+    suppliers: wgpu::Texture,
+    bind_group: wgpu::BindGroup,
+}
+
+/// Makes the pipeline. Once, before the first frame.
+pub fn install(state: &RenderState) {
+    let gpu = ViewGpu::new(&state.device, state.target_format);
+    state.renderer.write().callback_resources.insert(gpu);
+}
+
+/// Sends a frame to the graphics card.
+pub fn upload(state: &RenderState, frame: &PublishedFrame) {
+    if frame.size.contains(&0) {
+        return;
+    }
+    let mut renderer = state.renderer.write();
+    let Some(gpu) = renderer.callback_resources.get_mut::<ViewGpu>() else { return };
+    if gpu.textures.as_ref().is_none_or(|t| t.size != frame.size) {
+        gpu.textures = Some(gpu.make_textures(&state.device, frame.size));
+    }
+    if let Some(textures) = &gpu.textures {
+        textures.write(&state.queue, frame);
+    }
+}
+
+/// The shape that shows the newest frame in a rectangle.
+pub fn shape(rect: egui::Rect, pixels_per_point: f32, presentation: Presentation) -> egui::Shape {
+    let show = Show { presentation, aspect: rect.width() / rect.height().max(1.0), pixels_per_point };
+    egui_wgpu::Callback::new_paint_callback(rect, show).into()
+}
+
+struct Show {
+    presentation: Presentation,
+    aspect: f32,
+    pixels_per_point: f32,
+}
+
+impl Show {
+    fn params(&self, size: [u32; 2], encode: bool) -> Params {
+        let frame_aspect = size[0] as f32 / size[1].max(1) as f32;
+        let p = &self.presentation;
+        Params {
+            size,
+            heatmap: p.heatmap as u32,
+            coloring: p.coloring as u32,
+            // The height always fits: a frame made for the window's old shape is cut or bordered left and right.
+            uv_scale: [self.aspect / frame_aspect, 1.0],
+            exposure: p.exposure_ev.exp2(),
+            tone_map: p.tone_map as u32,
+            outline: p.has_outline.into(),
+            pixels_per_point: self.pixels_per_point,
+            encode: encode.into(),
+            unused: 0,
+        }
+    }
+}
+
+// The shader knows these by number.
+const _: () = assert!(ToneMap::Aces as u32 == 0 && ToneMap::Linear as u32 == 1);
+
+impl CallbackTrait for Show {
+    fn prepare(
+        &self,
+        _device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        _screen: &ScreenDescriptor,
+        _encoder: &mut wgpu::CommandEncoder,
+        resources: &mut CallbackResources,
+    ) -> Vec<wgpu::CommandBuffer> {
+        if let Some(gpu) = resources.get::<ViewGpu>()
+            && let Some(textures) = &gpu.textures
+        {
+            let params = self.params(textures.size, gpu.encode);
+            queue.write_buffer(&gpu.params, 0, bytemuck::bytes_of(&params));
+        }
+        Vec::new()
+    }
+
+    fn paint(
+        &self,
+        _info: egui::PaintCallbackInfo,
+        pass: &mut wgpu::RenderPass<'static>,
+        resources: &CallbackResources,
+    ) {
+        if let Some(gpu) = resources.get::<ViewGpu>()
+            && let Some(textures) = &gpu.textures
+        {
+            pass.set_pipeline(&gpu.pipeline);
+            pass.set_bind_group(0, &textures.bind_group, &[]);
+            pass.draw(0..3, 0..1);
+        }
+    }
+}
+
+impl ViewGpu {
+    fn new(device: &wgpu::Device, target: wgpu::TextureFormat) -> Self {
+        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("viewport"),
+            entries: &[
+                texture_entry(0, wgpu::TextureSampleType::Float { filterable: true }),
+                entry(1, wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering)),
+                texture_entry(2, wgpu::TextureSampleType::Uint),
+                texture_entry(3, wgpu::TextureSampleType::Uint),
+                entry(
+                    4,
+                    wgpu::BindingType::Buffer {
+                        ty: wgpu::BufferBindingType::Uniform,
+                        has_dynamic_offset: false,
+                        min_binding_size: None,
+                    },
+                ),
+            ],
+        });
+        Self {
+            pipeline: pipeline(device, &layout, target),
+            layout,
+            sampler: device.create_sampler(&wgpu::SamplerDescriptor {
+                label: Some("viewport"),
+                mag_filter: wgpu::FilterMode::Linear,
+                min_filter: wgpu::FilterMode::Linear,
+                ..Default::default()
+            }),
+            params: device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("viewport"),
+                size: size_of::<Params>() as u64,
+                usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            }),
+            encode: !target.is_srgb(),
+            textures: None,
+        }
+    }
+
+    fn make_textures(&self, device: &wgpu::Device, size: [u32; 2]) -> Textures {
+        let texture = |format| {
+            device.create_texture(&wgpu::TextureDescriptor {
+                label: Some("viewport"),
+                size: extent(size),
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+                view_formats: &[],
+            })
+        };
+        let color = texture(wgpu::TextureFormat::Rgb9e5Ufloat);
+        let (types, suppliers) = (texture(wgpu::TextureFormat::R8Uint), texture(wgpu::TextureFormat::R8Uint));
+        let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
+        let bind = |binding, resource| wgpu::BindGroupEntry { binding, resource };
+        let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("viewport"),
+            layout: &self.layout,
+            entries: &[
+                bind(0, wgpu::BindingResource::TextureView(&view(&color))),
+                bind(1, wgpu::BindingResource::Sampler(&self.sampler)),
+                bind(2, wgpu::BindingResource::TextureView(&view(&types))),
+                bind(3, wgpu::BindingResource::TextureView(&view(&suppliers))),
+                bind(4, self.params.as_entire_binding()),
+            ],
+        });
+        Textures { size, color, types, suppliers, bind_group }
+    }
+}
+
+impl Textures {
+    fn write(&self, queue: &wgpu::Queue, frame: &PublishedFrame) {
+        let write = |texture: &wgpu::Texture, bytes: &[u8], bytes_per_pixel: u32| {
+            let layout = wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(self.size[0] * bytes_per_pixel),
+                rows_per_image: None,
+            };
+            queue.write_texture(texture.as_image_copy(), bytes, layout, extent(self.size));
+        };
+        write(&self.color, bytemuck::cast_slice(&frame.radiance), 4);
+        write(&self.types, &frame.types, 1);
+        write(&self.suppliers, &frame.suppliers, 1);
+    }
+}
+
+fn extent([width, height]: [u32; 2]) -> wgpu::Extent3d {
+    wgpu::Extent3d { width, height, depth_or_array_layers: 1 }
+}
+
+fn entry(binding: u32, ty: wgpu::BindingType) -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry { binding, visibility: wgpu::ShaderStages::FRAGMENT, ty, count: None }
+}
+
+fn texture_entry(binding: u32, sample_type: wgpu::TextureSampleType) -> wgpu::BindGroupLayoutEntry {
+    let view_dimension = wgpu::TextureViewDimension::D2;
+    entry(binding, wgpu::BindingType::Texture { sample_type, view_dimension, multisampled: false })
+}
+
+/// Matches egui's own pass: no depth, one sample.
+fn pipeline(
+    device: &wgpu::Device,
+    layout: &wgpu::BindGroupLayout,
+    target: wgpu::TextureFormat,
+) -> wgpu::RenderPipeline {
+    let shader = device.create_shader_module(wgpu::include_wgsl!("present.wgsl"));
+    let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some("viewport"),
+        bind_group_layouts: &[Some(layout)],
+        immediate_size: 0,
+    });
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some("viewport"),
+        layout: Some(&pipeline_layout),
+        vertex: wgpu::VertexState {
+            module: &shader,
+            entry_point: Some("vertex"),
+            compilation_options: Default::default(),
+            buffers: &[],
+        },
+        primitive: wgpu::PrimitiveState::default(),
+        depth_stencil: None,
+        multisample: wgpu::MultisampleState::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: &shader,
+            entry_point: Some("fragment"),
+            compilation_options: Default::default(),
+            targets: &[Some(target.into())],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}

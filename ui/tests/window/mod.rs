@@ -1,0 +1,111 @@
+//! The real app with its real threads on a small scene, driven by events.
+
+mod driving;
+mod pixels;
+mod room;
+mod threads;
+
+use afterimage::Scene;
+use afterimage_ui::window::{App, SceneSource, WindowRequest};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use std::io::Write;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// Far beyond what anything here takes, even on a busy machine.
+const DEADLINE: Duration = Duration::from_secs(60);
+
+fn small_room() -> Arc<Scene> {
+    Arc::new(room::room("room").expect("the room is sound"))
+}
+
+fn request() -> WindowRequest {
+    let mut request = WindowRequest {
+        scene: Some(SceneSource::Ready(small_room())),
+        threads: Some(2),
+        ..WindowRequest::default()
+    };
+    request.settings.render.trace.samples = 1;
+    request
+}
+
+/// The app in a window of 900 x 600 without a graphics adapter, with its first frame complete.
+fn app() -> Harness<'static, App> {
+    open(request(), false)
+}
+
+/// The same, with pictures saved in a folder.
+fn app_saving_to(pictures: PathBuf) -> Harness<'static, App> {
+    open(WindowRequest { pictures: Some(pictures), ..request() }, false)
+}
+
+/// The same with a graphics adapter; `None`, said aloud, where there is none.
+fn app_with_graphics() -> Option<Harness<'static, App>> {
+    if has_adapter() {
+        return Some(open(request(), true));
+    }
+    let is_required = std::env::var("AFTERIMAGE_REQUIRE_GRAPHICS").is_ok_and(|v| v == "1");
+    assert!(!is_required, "no graphics adapter");
+    // Written past the test runner, which keeps what passing tests print to itself.
+    writeln!(std::io::stderr(), "skipped: no graphics adapter").expect("stderr");
+    None
+}
+
+fn has_adapter() -> bool {
+    use wgpu::{Backends, Instance, InstanceDescriptor};
+    let instance = Instance::new(InstanceDescriptor::new_without_display_handle_from_env());
+    !pollster::block_on(instance.enumerate_adapters(Backends::all())).is_empty()
+}
+
+fn open(request: WindowRequest, with_graphics: bool) -> Harness<'static, App> {
+    let builder =
+        Harness::builder().with_size([900.0, 600.0]).with_step_dt(1.0 / 60.0).with_render_cursor(false);
+    let builder = if with_graphics { builder.wgpu() } else { builder };
+    let mut harness = builder.build_eframe(move |cc| App::new(cc, request).expect("the threads start"));
+    settle(&mut harness);
+    harness
+}
+
+/// Steps until something holds.
+fn step_until(harness: &mut Harness<'static, App>, what: &str, holds: impl Fn(&App) -> bool) {
+    let start = Instant::now();
+    harness.step();
+    while !holds(harness.state()) {
+        assert!(start.elapsed() < DEADLINE, "waited in vain: {what}; {:?}", harness.state().state().work);
+        // The threads need the processor more than the window does.
+        std::thread::yield_now();
+        harness.step();
+    }
+}
+
+/// Steps until the newest wish is shown in full, and no reference is in the making.
+fn settle(harness: &mut Harness<'static, App>) {
+    step_until(harness, "a complete frame", is_settled);
+}
+
+fn is_settled(app: &App) -> bool {
+    let threads = app.threads();
+    // Asked before the generation: a reference that is done raises it before it no longer counts as being added.
+    let is_adding = threads.is_adding_reference();
+    app.loading().is_none()
+        && !is_adding
+        && app
+            .state()
+            .frame
+            .as_ref()
+            .is_some_and(|f| f.generation == threads.generation() && f.stats.is_complete)
+}
+
+fn generation(harness: &Harness<'static, App>) -> u64 {
+    harness.state().state().frame.as_ref().map_or(0, |f| f.generation)
+}
+
+fn held(harness: &Harness<'static, App>) -> usize {
+    harness.state().state().references_used_and_held()[1]
+}
+
+fn viewport_centre(harness: &Harness<'static, App>) -> egui::Pos2 {
+    harness.get_by_label("3D viewport").rect().center()
+}

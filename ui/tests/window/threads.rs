@@ -1,0 +1,118 @@
+//! The render thread by itself: the newest pose wins, and rest costs nothing.
+
+use super::small_room;
+use afterimage::reference::PlacementPolicy;
+use afterimage::{Camera, Tracer, WalkthroughSettings};
+use afterimage_ui::window::frames::PublishedFrame;
+use afterimage_ui::window::render_thread::{Message, Order, RenderThread, Wish};
+use crossbeam_channel::{Receiver, unbounded};
+use glam::DVec3;
+use std::sync::Arc;
+use std::time::Duration;
+
+const DEADLINE: Duration = Duration::from_secs(60);
+
+struct Bench {
+    thread: RenderThread,
+    bell: Receiver<()>,
+    shown: Option<PublishedFrame>,
+    tracer: Arc<Tracer>,
+}
+
+impl Bench {
+    fn new() -> Self {
+        let (ring, bell) = unbounded();
+        let wake = Arc::new(move || {
+            let _ = ring.send(());
+        });
+        let thread = RenderThread::start(2, wake).expect("the threads start");
+        let tracer = Arc::new(Tracer::new(small_room()));
+        thread.order(Order::SetTracer(tracer.clone()));
+        Self { thread, bell, shown: None, tracer }
+    }
+
+    fn wish(&self, x: f64) -> Wish {
+        let camera = Camera { eye: DVec3::new(x, 1.6, 2.0), ..*self.tracer.scene().start() };
+        let mut settings = WalkthroughSettings { placement: PlacementPolicy::None, ..Default::default() };
+        settings.render.trace.samples = 1;
+        Wish { camera, size: [96, 64], settings, budget: Duration::ZERO, is_paused: false }
+    }
+
+    /// Takes frames until one of this generation is complete; none may be older than the one before.
+    fn wait_for(&mut self, generation: u64) {
+        let newest = |shown: &Option<PublishedFrame>| shown.as_ref().map_or(0, |f| f.generation);
+        loop {
+            let before = newest(&self.shown);
+            while self.thread.take_frame(&mut self.shown) {}
+            assert!(newest(&self.shown) >= before, "an older frame after a newer one");
+            if self.shown.as_ref().is_some_and(|f| f.generation >= generation && f.stats.is_complete) {
+                return;
+            }
+            self.bell.recv_timeout(DEADLINE).expect("the thread says something");
+        }
+    }
+}
+
+#[test]
+fn the_newest_pose_wins() {
+    let mut bench = Bench::new();
+    let mut last = 0;
+    for i in 0..200 {
+        last = bench.thread.wish(bench.wish(f64::from(i) * 0.01));
+    }
+    bench.wait_for(last);
+    let shown = bench.shown.as_ref().expect("a frame");
+    assert_eq!(shown.camera, bench.wish(1.99).camera);
+    assert!(bench.thread.frames_rendered() < 200, "poses that nobody waits for are left out");
+}
+
+#[test]
+fn rest_renders_nothing() {
+    let mut bench = Bench::new();
+    let generation = bench.thread.wish(bench.wish(0.0));
+    bench.wait_for(generation);
+    let rendered = bench.thread.frames_rendered();
+    // A picture needs the thread but no new frame: when it is there, the thread has been round its loop once more.
+    bench.thread.order(Order::Picture);
+    bench.bell.recv_timeout(DEADLINE).expect("the picture");
+    assert!(matches!(bench.thread.messages().next(), Some(Message::Picture(p)) if p.size == [96, 64]));
+    assert_eq!(bench.thread.frames_rendered(), rendered);
+}
+
+#[test]
+fn a_reference_asked_for_is_added_and_removed() {
+    let mut bench = Bench::new();
+    let generation = bench.thread.wish(bench.wish(0.0));
+    bench.wait_for(generation);
+    bench.thread.order(Order::AddReference(bench.wish(0.0).camera));
+    // The reference raises the generation by one.
+    bench.wait_for(generation + 1);
+    let frame = bench.shown.as_ref().expect("a frame");
+    assert_eq!((frame.references.len(), frame.stats.references_used), (1, 1));
+    assert_eq!(frame.stats.types.type3(), 0, "its own pose has no hole");
+    let id = frame.references[0].id;
+    let generation = bench.thread.order(Order::Remove(id));
+    bench.wait_for(generation);
+    assert!(bench.shown.as_ref().is_some_and(|f| f.references.is_empty()));
+}
+
+#[test]
+fn nothing_is_rendered_without_pixels_or_while_paused() {
+    let mut bench = Bench::new();
+    bench.thread.wish(Wish { size: [0, 64], ..bench.wish(0.0) });
+    bench.thread.wish(Wish { is_paused: true, ..bench.wish(0.0) });
+    let generation = bench.thread.wish(bench.wish(1.0));
+    bench.wait_for(generation);
+    assert_eq!(bench.shown.as_ref().map(|f| f.camera), Some(bench.wish(1.0).camera));
+}
+
+#[test]
+fn it_ends_while_it_works() {
+    let bench = Bench::new();
+    let mut wish = bench.wish(0.0);
+    wish.size = [2048, 2048];
+    wish.settings.render.trace.samples = 64;
+    bench.thread.order(Order::AddReference(wish.camera));
+    bench.thread.wish(wish);
+    drop(bench);
+}
