@@ -1,14 +1,14 @@
-//! All integration tests in one binary: one link, and tests of all modules share the cores.
+//! The engine's tests: theorems and slow twins first, small goldens second.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stderr,
-    reason = "a test may fail where it stands, and says what it skips"
-)]
+#![allow(missing_docs, clippy::unwrap_used, clippy::print_stderr, reason = "tests")]
 
+mod bvh;
 mod import;
 mod layers;
+mod lights;
 mod metrics;
-mod room;
+mod reuse;
+mod rooms;
 mod save;
 mod tour;
+mod tracing;

@@ -33,20 +33,26 @@ impl PixelWarp {
     /// the picture, at or behind the eye, or where its disparity is not a number.
     #[inline(always)]
     pub fn target(&self, x: u32, y: u32, disparity: f32) -> Option<(u32, u32, f32)> {
-        let at = Vec3::new(x as f32 + 0.5, y as f32 + 0.5, 1.0);
-        let p = self.matrix.x_axis * at.x
-            + (self.matrix.y_axis * at.y + self.matrix.z_axis)
-            + self.translation * disparity;
-        // Before any division, and so that NaN fails: in front of the eye by at least the nearest depth.
-        if !(disparity >= 0.0 && p.z > disparity * NEAREST_DEPTH) {
-            return None;
-        }
-        let inverse = 1.0 / p.z;
-        let (sx, sy) = (p.x * inverse, p.y * inverse);
+        let (sx, sy, inverse) = self.point(x, y, disparity)?;
         // Tested as floats: casting first would turn NaN into 0 and -0.3 into 0.
         if !(sx >= 0.0 && sy >= 0.0 && sx < self.size[0] && sy < self.size[1]) {
             return None;
         }
         Some((sx as u32, sy as u32, disparity * inverse))
+    }
+
+    /// The target picture point of the centre of source pixel (x, y), in or out of the picture, and the factor from
+    /// its disparity in the source to that in the target. `None` at or behind the eye.
+    #[inline(always)]
+    pub fn point(&self, x: u32, y: u32, disparity: f32) -> Option<(f32, f32, f32)> {
+        let [x, y] = [x as f32 + 0.5, y as f32 + 0.5];
+        let m = &self.matrix;
+        let p = m.x_axis * x + (m.y_axis * y + m.z_axis) + self.translation * disparity;
+        // Before any division, and so that NaN fails: in front of the eye by at least the nearest depth.
+        if !(disparity >= 0.0 && p.z > disparity * NEAREST_DEPTH) {
+            return None;
+        }
+        let inverse = 1.0 / p.z;
+        Some((p.x * inverse, p.y * inverse, inverse))
     }
 }

@@ -1,6 +1,7 @@
 //! The light a surface scatters alike to every side: the part of radiance that a reference image can lend.
 //!
-//! Next-event estimation: every light that is not behind the surface gets its own stratified shadow rays. Diffuse
+//! Next-event estimation: every light that matters there ([`super::light_grid`]) and is not behind
+//! the surface gets its own stratified shadow rays. Diffuse
 //! interreflection is path traced when bounces are asked for.
 
 use super::light_sample::{is_behind, sample, sample_count};
@@ -68,12 +69,13 @@ impl Tracer {
     ) -> Vec3 {
         let origin = point.origin_in_front();
         let mut total = Vec3::ZERO;
-        for (index, light) in self.scene().lights.iter().enumerate() {
+        for &index in self.lights_at(point.position) {
+            let light = &self.scene().lights[index as usize];
             if is_behind(light, point) {
                 continue;
             }
             let count = sample_count(light, samples);
-            let key = key.with(index as u32);
+            let key = key.with(index);
             let mut sum = Vec3::ZERO;
             for i in 0..count {
                 let Some(s) = sample(self.scene(), light, point, origin, (i, count), key) else { continue };

@@ -5,6 +5,7 @@
 
 pub mod bvh;
 pub mod diffuse;
+mod light_grid;
 mod light_sample;
 pub mod parallel;
 pub mod pixel;
@@ -13,6 +14,7 @@ pub mod specular;
 mod surface;
 
 pub use bvh::{Bvh, Hit};
+pub use light_grid::{LightCuts, LightGrid};
 pub use pixel::{PixelTrace, RayCounts, TraceSettings};
 pub use primary::{SceneEpoch, Tracer};
 pub use surface::SurfacePoint;

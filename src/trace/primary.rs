@@ -1,6 +1,7 @@
 //! The tracer: a scene with its hierarchy, and the rays that ask it questions.
 
 use super::bvh::{Bvh, Hit};
+use super::light_grid::LightGrid;
 use super::surface::{SurfacePoint, interpolate_uv};
 use crate::camera::View;
 use crate::math::Ray;
@@ -16,6 +17,7 @@ use std::time::Instant;
 pub struct Tracer {
     scene: Arc<Scene>,
     bvh: Bvh,
+    lights: LightGrid,
     epoch: SceneEpoch,
     build_secs: f64,
 }
@@ -35,7 +37,8 @@ impl Tracer {
             (0..scene.triangles.len() as u32).into_par_iter().map(|t| scene.corners(t)).collect();
         let bvh = Bvh::build(&corners);
         let epoch = SceneEpoch(NEXT_EPOCH.fetch_add(1, Ordering::Relaxed));
-        Self { scene, bvh, epoch, build_secs: start.elapsed().as_secs_f64() }
+        let lights = LightGrid::new(&scene);
+        Self { scene, bvh, lights, epoch, build_secs: start.elapsed().as_secs_f64() }
     }
 
     /// The scene.
@@ -46,6 +49,16 @@ impl Tracer {
     /// The hierarchy.
     pub fn bvh(&self) -> &Bvh {
         &self.bvh
+    }
+
+    /// Which lights matter where.
+    pub fn light_grid(&self) -> &LightGrid {
+        &self.lights
+    }
+
+    /// The lights to sample at a point, as indices into the scene's.
+    pub(super) fn lights_at(&self, position: Vec3) -> &[u32] {
+        self.lights.lights_at(&self.scene, &self.bvh, position)
     }
 
     /// Which state of the scene this is.

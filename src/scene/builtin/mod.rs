@@ -1,15 +1,44 @@
-//! The embedded scenes.
+//! The embedded scenes: a gallery to walk through, and small ones whose pictures are known.
 
-use super::{Scene, SceneBuilder, SceneError};
+mod cornell;
+mod furnace;
+mod gallery;
+mod mirrors;
+mod shapes;
+
+use super::{NamedView, Scene, SceneBuilder, SceneError};
+use crate::camera::Camera;
+use crate::camera_path::{CameraKey, CameraPath};
+use glam::DVec3;
 
 /// Names of the embedded scenes; the first is the default.
-pub const NAMES: &[&str] = &["gallery"];
+pub const NAMES: &[&str] = &["gallery", "cornell", "cornell-glass", "mirrors", "furnace"];
 
 /// Builds an embedded scene.
 ///
 /// # Errors
 /// [`SceneError::UnknownBuiltin`] where there is none of that name.
 pub fn build(name: &str) -> Result<Scene, SceneError> {
-    let _ = SceneBuilder::new(name);
-    Err(SceneError::UnknownBuiltin { name: name.to_owned(), known: NAMES.join(", ") })
+    let mut b = SceneBuilder::new(&format!("builtin:{name}"));
+    match name {
+        "gallery" => gallery::add_to(&mut b)?,
+        "cornell" => cornell::add_to(&mut b, cornell::Contents::Boxes),
+        "cornell-glass" => cornell::add_to(&mut b, cornell::Contents::Spheres),
+        "mirrors" => mirrors::add_to(&mut b),
+        "furnace" => furnace::add_to(&mut b),
+        _ => {
+            return Err(SceneError::UnknownBuiltin { name: name.to_owned(), known: NAMES.join(", ") });
+        }
+    }
+    b.finish()
+}
+
+fn view(name: &str, eye: [f64; 3], at: [f64; 3], fov_y_deg: f64) -> NamedView {
+    NamedView { name: name.to_owned(), camera: Camera::look_at(eye.into(), at.into(), fov_y_deg) }
+}
+
+/// A walk from pairs of eye and point looked at.
+fn walk(keys: &[([f64; 3], [f64; 3])], frames: u32, fov_y_deg: f64) -> CameraPath {
+    let key = |&(eye, at): &([f64; 3], [f64; 3])| CameraKey { eye: DVec3::from(eye), at: DVec3::from(at) };
+    CameraPath { fov_y_deg, frames, keyframes: keys.iter().map(key).collect() }
 }

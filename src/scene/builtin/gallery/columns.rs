@@ -1,0 +1,102 @@
+//! Two rows of fluted columns under two architraves.
+
+use super::palette::Palette;
+use super::plan::RoomName;
+use crate::scene::SceneBuilder;
+use crate::scene::builtin::shapes::bodies::fluted_shaft;
+use crate::scene::builtin::shapes::surface::lathe;
+use crate::scene::builtin::shapes::{Faces, Local, block};
+use glam::DVec3;
+
+/// Distance of the rows' axes from the hall's, and the columns along them.
+pub(super) const ROWS_X: [f64; 2] = [13.5, 20.5];
+pub(super) const COLUMNS_Z: [f64; 4] = [10.7, 14.5, 18.3, 22.1];
+const HALL_AXIS_X: f64 = 17.0;
+const ARCHITRAVE_HALF_M: f64 = 0.48;
+const ARCHITRAVE_DROP_M: f64 = 0.35;
+const BEAM_HALF_M: f64 = 0.14;
+const BEAM_DROP_M: f64 = 0.2;
+const SHAFT_M: [f64; 2] = [0.42, 3.8];
+const FLUTES: [u32; 3] = [24, 5, 18];
+const SEGMENTS: u32 = 48;
+
+pub(super) fn add_to(b: &mut SceneBuilder, p: &Palette) {
+    for x in ROWS_X {
+        for z in COLUMNS_Z {
+            column(b, p, &Local::at(DVec3::new(x, 0.0, z)));
+        }
+    }
+    beams(b, p);
+}
+
+fn column(b: &mut SceneBuilder, p: &Palette, frame: &Local) {
+    let square = |y0: f64, y1: f64, half: f64| [DVec3::new(-half, y0, -half), DVec3::new(half, y1, half)];
+    block(b, frame, square(0.0, 0.12, 0.5), Faces::ALL.without(Faces::BOTTOM), p.stone);
+    // An Attic base: torus, scotia between two fillets, torus.
+    lathe(b, frame, &bulge(0.12, 0.24, 0.44, 0.06), SEGMENTS, p.stone);
+    lathe(b, frame, &[[0.45, 0.24], [0.45, 0.255], [0.42, 0.255]], SEGMENTS, p.stone);
+    lathe(b, frame, &hollow([0.42, 0.255], [0.405, 0.325]), SEGMENTS, p.stone);
+    lathe(b, frame, &bulge(0.325, SHAFT_M[0], 0.395, 0.045), SEGMENTS, p.stone);
+    let shaft = frame.moved(DVec3::Y * SHAFT_M[0]);
+    fluted_shaft(b, &shaft, FLUTES, entasis, SHAFT_M[1] - SHAFT_M[0], p.plaster);
+    lathe(b, frame, &bulge(SHAFT_M[1], 3.86, 0.33, 0.03), SEGMENTS, p.stone);
+    lathe(b, frame, &[[0.325, 3.86], [0.325, 3.99]], SEGMENTS, p.stone);
+    lathe(b, frame, &echinus(), SEGMENTS, p.stone);
+    let top = RoomName::Hall.room().ceiling - ARCHITRAVE_DROP_M;
+    // Its lower edge, seen from below, has to close the gap around the echinus; its top lies on the architrave.
+    block(b, frame, square(4.14, top, 0.46), Faces::ALL.without(Faces::TOP), p.stone);
+}
+
+/// Radius of the shaft: a straight taper would look hollow.
+fn entasis(v: f64) -> f64 {
+    0.385 - 0.065 * v.powf(1.8)
+}
+
+/// A half round from height `y0` to `y1`, `depth` beyond `radius`.
+fn bulge(y0: f64, y1: f64, radius: f64, depth: f64) -> Vec<[f64; 2]> {
+    (0..=10)
+        .map(|i| {
+            let (sin, cos) = (f64::from(i) / 10.0 * std::f64::consts::PI).sin_cos();
+            [radius + depth * sin - 0.01, y0 + (y1 - y0) * (1.0 - cos) / 2.0]
+        })
+        .collect()
+}
+
+/// A concave quarter between two points of a profile.
+fn hollow(from: [f64; 2], to: [f64; 2]) -> Vec<[f64; 2]> {
+    (0..=8)
+        .map(|i| {
+            let t = f64::from(i) / 8.0;
+            let dip = 0.03 * (t * std::f64::consts::PI).sin();
+            [from[0] + (to[0] - from[0]) * t - dip, from[1] + (to[1] - from[1]) * t]
+        })
+        .collect()
+}
+
+fn echinus() -> Vec<[f64; 2]> {
+    (0..=8)
+        .map(|i| {
+            let (sin, cos) = (f64::from(i) / 8.0 * std::f64::consts::FRAC_PI_2).sin_cos();
+            [0.325 + 0.125 * sin, 3.99 + 0.15 * (1.0 - cos)]
+        })
+        .collect()
+}
+
+/// Architraves over the rows, and beams across the nave that part the coffers.
+fn beams(b: &mut SceneBuilder, p: &Palette) {
+    let room = RoomName::Hall.room();
+    let [_, _, z0, z1] = room.area;
+    let ends = Faces::ALL.without(Faces::TOP).without(Faces::BACK);
+    for x in ROWS_X {
+        let low = DVec3::new(x - ARCHITRAVE_HALF_M, room.ceiling - ARCHITRAVE_DROP_M, z0);
+        let high = DVec3::new(x + ARCHITRAVE_HALF_M, room.ceiling, z1);
+        block(b, &Local::WORLD, [low, high], ends, p.trim);
+    }
+    let half = (ROWS_X[1] - ROWS_X[0]) / 2.0 - ARCHITRAVE_HALF_M;
+    for z in COLUMNS_Z {
+        let low = DVec3::new(HALL_AXIS_X - half, room.ceiling - BEAM_DROP_M, z - BEAM_HALF_M);
+        let high = DVec3::new(HALL_AXIS_X + half, room.ceiling, z + BEAM_HALF_M);
+        let between = Faces::ALL.without(Faces::TOP).without(Faces::LEFT).without(Faces::RIGHT);
+        block(b, &Local::WORLD, [low, high], between, p.trim);
+    }
+}

@@ -1,0 +1,232 @@
+//! The statues themselves, each standing at the zero of its frame and looking along the frame's z.
+
+use crate::scene::builtin::shapes::bodies::{icosphere, torus, torus_knot};
+use crate::scene::builtin::shapes::surface::{bar, closed_tube, on_circle};
+use crate::scene::builtin::shapes::{Closing, Grid, Local};
+use crate::scene::{MaterialId, SceneBuilder};
+use glam::{DVec2, DVec3};
+use std::f64::consts::{PI, TAU};
+
+/// What a statue shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Figure {
+    /// A head on shoulders.
+    Bust,
+    /// A ribbed vase, twisted.
+    Vase,
+    /// A torus knot of these windings.
+    Knot(u8, u8),
+    /// A sphere with ripples.
+    Ripples,
+    /// A sphere pulled into a soft, pierced-looking boulder.
+    Boulder,
+    /// A square pillar twisted towards its tip.
+    Spire,
+    /// Three linked rings.
+    Rings,
+    /// A band with one half twist after another.
+    Band,
+}
+
+impl Figure {
+    pub(super) fn add_to(self, b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
+        match self {
+            Self::Bust => bust(b, frame, material),
+            Self::Vase => vase(b, frame, material),
+            Self::Knot(p, q) => knot(b, frame, [p.into(), q.into()], material),
+            Self::Ripples => ripples(b, frame, material),
+            Self::Boulder => boulder(b, frame, material),
+            Self::Spire => spire(b, frame, material),
+            Self::Rings => rings(b, frame, material),
+            Self::Band => band(b, frame, material),
+        }
+    }
+}
+
+/// Sections of the bust from the cut of the chest to the crown: share of the height, half width, depth to the front,
+/// depth to the back, and how far the neck carries the section forward; metres.
+const BUST_SECTIONS: [[f64; 5]; 16] = [
+    [0.00, 0.130, 0.075, 0.075, 0.000],
+    [0.07, 0.205, 0.120, 0.110, 0.000],
+    [0.15, 0.265, 0.140, 0.125, 0.000],
+    [0.23, 0.255, 0.120, 0.115, 0.000],
+    [0.29, 0.180, 0.085, 0.100, 0.000],
+    [0.34, 0.088, 0.062, 0.080, 0.005],
+    [0.40, 0.068, 0.060, 0.070, 0.012],
+    [0.46, 0.068, 0.070, 0.070, 0.020],
+    [0.51, 0.072, 0.098, 0.078, 0.028],
+    [0.57, 0.084, 0.104, 0.090, 0.030],
+    [0.65, 0.093, 0.104, 0.106, 0.030],
+    [0.74, 0.098, 0.103, 0.120, 0.030],
+    [0.82, 0.099, 0.103, 0.122, 0.028],
+    [0.90, 0.086, 0.088, 0.108, 0.024],
+    [0.96, 0.058, 0.060, 0.074, 0.020],
+    [1.00, 0.000, 0.000, 0.000, 0.018],
+];
+const BUST_HEIGHT_M: f64 = 0.82;
+
+/// Bumps of the face: bearing from the front and height with their widths, and how far they stand out; metres.
+const BUST_FEATURES: [[f64; 5]; 13] = [
+    [0.0, 0.13, 0.655, 0.020, 0.030],
+    [0.0, 0.10, 0.695, 0.040, 0.016],
+    [0.40, 0.20, 0.715, 0.020, -0.016],
+    [-0.40, 0.20, 0.715, 0.020, -0.016],
+    [0.40, 0.12, 0.715, 0.010, 0.006],
+    [-0.40, 0.12, 0.715, 0.010, 0.006],
+    [0.0, 0.55, 0.757, 0.015, 0.008],
+    [0.0, 0.26, 0.596, 0.009, 0.009],
+    [0.0, 0.22, 0.572, 0.009, 0.008],
+    [0.0, 0.30, 0.584, 0.004, -0.005],
+    [0.0, 0.30, 0.525, 0.018, 0.012],
+    [1.62, 0.10, 0.675, 0.035, 0.018],
+    [-1.62, 0.10, 0.675, 0.035, 0.018],
+];
+
+fn bust(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
+    foot(b, frame, [0.085, 0.06], material);
+    let stand = frame.moved(DVec3::Y * 0.05);
+    let grid = Grid { nu: 108, nv: 92, u: Closing::Around, v: Closing::Poles };
+    grid.add_to(b, &stand, material, |u, v| {
+        // The first rows close the cut of the chest.
+        let h = ((v - 0.03) / 0.97).max(0.0);
+        let shrink = (v / 0.03).min(1.0);
+        let [half_width, front, back, forward] = section(h);
+        let bearing = (u - 0.5) * TAU;
+        let depth = if bearing.abs() < PI / 2.0 { front } else { back };
+        let lobe = DVec2::new(half_width * bearing.sin(), depth * bearing.cos());
+        let out = DVec2::new(bearing.sin(), bearing.cos()) * relief(bearing, h);
+        let p = (lobe + out) * shrink;
+        DVec3::new(p.x, h * BUST_HEIGHT_M, p.y + forward)
+    });
+}
+
+fn section(h: f64) -> [f64; 4] {
+    let last = BUST_SECTIONS.len() - 1;
+    let k = BUST_SECTIONS.iter().rposition(|s| s[0] <= h).unwrap_or(0).min(last - 1);
+    let (from, to) = (BUST_SECTIONS[k], BUST_SECTIONS[k + 1]);
+    let t = ((h - from[0]) / (to[0] - from[0])).clamp(0.0, 1.0);
+    let (before, after) = (BUST_SECTIONS[k.saturating_sub(1)], BUST_SECTIONS[(k + 2).min(last)]);
+    std::array::from_fn(|c| {
+        let c = c + 1;
+        let tangent = |a: [f64; 5], z: [f64; 5]| (z[c] - a[c]) / (z[0] - a[0]) * (to[0] - from[0]);
+        let (m0, m1) = (tangent(before, to), tangent(from, after));
+        let (t2, t3) = (t * t, t * t * t);
+        let value = from[c] * (2.0 * t3 - 3.0 * t2 + 1.0)
+            + m0 * (t3 - 2.0 * t2 + t)
+            + to[c] * (3.0 * t2 - 2.0 * t3)
+            + m1 * (t3 - t2);
+        // The crown falls to its point like a circle, not like a cone.
+        if h > 0.96 && c < 4 { from[c] * (1.0 - t * t).max(0.0).sqrt() } else { value.max(0.0) }
+    })
+}
+
+/// How far the face and the hair stand out at a bearing from the front and a share of the height.
+fn relief(bearing: f64, h: f64) -> f64 {
+    let bump = |[at, width, height, tall, out]: [f64; 5]| {
+        let (s, t) = ((bearing - at) / width, (h - height) / tall);
+        out * (-(s * s + t * t)).exp()
+    };
+    let face: f64 = BUST_FEATURES.iter().map(|&f| bump(f)).sum();
+    let hair_line = 0.80 - 0.17 * (1.0 - (bearing * 0.85).cos()).clamp(0.0, 1.0);
+    let in_hair = ((h - hair_line) / 0.03).clamp(0.0, 1.0) * ((1.0 - h) / 0.06).clamp(0.0, 1.0);
+    let curls =
+        0.008 + 0.0045 * (bearing * 14.0 + (h * 40.0).sin() * 2.0).sin() * (h * 70.0 + bearing * 3.0).cos();
+    face + in_hair * curls
+}
+
+/// A round foot under a statue.
+fn foot(b: &mut SceneBuilder, frame: &Local, [radius, height]: [f64; 2], material: MaterialId) {
+    let grid = Grid { nu: 40, nv: 16, u: Closing::Around, v: Closing::Open };
+    grid.add_to(b, frame, material, |u, v| {
+        let waist = 1.0 - 0.35 * (v * PI).sin() - 0.25 * v;
+        on_circle(u, radius * waist, v * height)
+    });
+}
+
+/// A thin rod that holds a statue which touches its plinth in one point only.
+fn rod(b: &mut SceneBuilder, frame: &Local, height: f64, material: MaterialId) {
+    bar(b, [frame.origin, frame.point(DVec3::Y * height)], 0.025, 24, material);
+}
+
+fn vase(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
+    let radius =
+        |v: f64| 0.10 + 0.17 * (v.powf(0.8) * PI).sin().powf(1.3) + 0.09 * (v - 0.86).max(0.0) / 0.14;
+    let grid = Grid { nu: 130, nv: 52, u: Closing::Around, v: Closing::Open };
+    let at = |u: f64, v: f64, inner: f64| {
+        let ribs = 1.0 + 0.07 * (9.0 * u * TAU + 5.0 * v).cos() * (v * PI).sin().powf(0.5);
+        on_circle(u, radius(v) * ribs - inner, v * 0.95)
+    };
+    grid.add_to(b, frame, material, |u, v| at(u, v, 0.0));
+    // The inside is seen over the rim; it goes down and so is wound the other way.
+    let inside = Grid { nu: 130, nv: 12, u: Closing::Around, v: Closing::Open };
+    inside.add_to(b, frame, material, |u, v| at(u, 1.0 - 0.4 * v, 0.018 * (v * 6.0).min(1.0)));
+}
+
+fn knot(b: &mut SceneBuilder, frame: &Local, windings: [f64; 2], material: MaterialId) {
+    rod(b, frame, 0.2, material);
+    let middle = frame.moved(DVec3::Y * 0.62);
+    torus_knot(b, &middle, [20, 300], windings, [0.3, 0.066], material);
+}
+
+fn ripples(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
+    foot(b, frame, [0.16, 0.07], material);
+    let middle = frame.moved(DVec3::Y * 0.47);
+    icosphere(b, &middle, 5, material, |d| {
+        let angle = d.dot(DVec3::new(0.35, 0.8, 0.48)).clamp(-1.0, 1.0).acos();
+        d * (0.42 + 0.022 * (angle * 22.0).cos() * (angle).sin().powi(2))
+    });
+}
+
+fn boulder(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
+    let middle = frame.moved(DVec3::Y * 0.44);
+    icosphere(b, &middle, 5, material, |d| {
+        let swell =
+            0.16 * (2.4 * d.x + 1.0).sin() * (2.1 * d.z - 0.4).cos() + 0.10 * (4.2 * d.y + 2.0 * d.x).sin();
+        let p = d * (0.40 * (1.0 + swell));
+        // It stands on a flat of its own.
+        DVec3::new(p.x, (p.y * 1.15).max(-0.44), p.z)
+    });
+}
+
+fn spire(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
+    let grid = Grid { nu: 96, nv: 72, u: Closing::Around, v: Closing::Open };
+    grid.add_to(b, frame, material, |u, v| {
+        let angle = u * TAU;
+        // A superellipse: a square with round edges.
+        let square = (angle.cos().abs().powi(6) + angle.sin().abs().powi(6)).powf(-1.0 / 6.0);
+        let half = (0.20 * (1.0 - v).powf(0.7) + 0.012) * (1.0 + 0.12 * (v * 3.0 * PI).sin());
+        on_circle(u + 0.42 * v, half * square, v * 1.35)
+    });
+    let tip = frame.moved(DVec3::Y * 1.37);
+    icosphere(b, &tip, 3, material, |d| d * 0.04);
+}
+
+fn rings(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
+    let cells = [112, 22];
+    for (x, y, tilt) in [(-0.17, 0.30, 78.0), (0.17, 0.34, 102.0), (0.0, 0.66, 90.0)] {
+        let (sin, cos) = f64::to_radians(tilt).sin_cos();
+        let turn = if y > 0.5 { 90.0 } else { 0.0 };
+        let (turn_sin, turn_cos) = f64::to_radians(turn).sin_cos();
+        let grid = Grid { nu: cells[0], nv: cells[1], u: Closing::Around, v: Closing::Around };
+        grid.add_to(b, frame, material, |u, v| {
+            let (tube_sin, tube_cos) = (v * TAU).sin_cos();
+            let p = on_circle(u, 0.235 + 0.055 * tube_cos, 0.055 * tube_sin);
+            // Upright: turned about x, and the top one about the vertical too.
+            let p = DVec3::new(p.x, p.y * cos - p.z * sin, p.y * sin + p.z * cos);
+            let p = DVec3::new(p.x * turn_cos + p.z * turn_sin, p.y, p.z * turn_cos - p.x * turn_sin);
+            p + DVec3::new(x, y, 0.0)
+        });
+    }
+    torus(b, &frame.moved(DVec3::Y * 0.02), [64, 14], [0.3, 0.02], material);
+}
+
+fn band(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
+    rod(b, frame, 0.2, material);
+    let middle = frame.moved(DVec3::Y * 0.6);
+    let curve = |v: f64| {
+        let (sin, cos) = (v * TAU).sin_cos();
+        let lift = 0.10 * (3.0 * v * TAU).sin();
+        DVec3::new(0.34 * cos, 0.40 * sin, lift)
+    };
+    closed_tube(b, &middle, [26, 220], |v| 0.055 + 0.035 * (2.0 * v * TAU).cos().powi(2), curve, material);
+}

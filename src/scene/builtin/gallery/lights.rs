@@ -1,0 +1,84 @@
+//! Twelve lamps: one emissive quad each, under an opaque housing because a quad emits from both sides.
+
+use super::palette::Palette;
+use super::plan::RoomName;
+use crate::scene::builtin::shapes::blocks::ceiling;
+use crate::scene::builtin::shapes::{Faces, Local, block};
+use crate::scene::{Material, SceneBuilder};
+use glam::{DVec3, Vec3};
+
+/// From the flat of a ceiling up to the lid of a coffer.
+pub(super) const COFFER_RISE_M: f64 = 0.4;
+/// From a coffer's lid down to the lamp.
+const DROP_M: f64 = 0.05;
+const HOUSING_GAP_M: f64 = 0.01;
+const HOUSING_MARGIN_M: f64 = 0.03;
+const LID_MARGIN_M: f64 = 0.12;
+/// A neutral white with a trace of warmth.
+const TINT: Vec3 = Vec3::new(1.0, 0.95, 0.87);
+
+/// One lamp in its coffer.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Lamp {
+    pub(super) room: RoomName,
+    /// x and z of its middle.
+    pub(super) middle: [f64; 2],
+    /// Edge of the quad along x and z.
+    size: [f64; 2],
+    /// Half the coffer's mouth along x and z.
+    mouth: [f64; 2],
+    radiance: f32,
+}
+
+const fn lamp(room: RoomName, middle: [f64; 2], size: [f64; 2], mouth: [f64; 2], radiance: f32) -> Lamp {
+    Lamp { room, middle, size, mouth, radiance }
+}
+
+/// All lamps of the gallery.
+pub(super) const LAMPS: [Lamp; 12] = [
+    lamp(RoomName::Mirrors, [5.1, 4.5], [1.6, 1.6], [1.9, 1.9], 24.0),
+    lamp(RoomName::Red, [13.6, 4.5], [1.6, 1.4], [1.9, 1.8], 24.0),
+    lamp(RoomName::Red, [20.4, 4.5], [1.6, 1.4], [1.9, 1.8], 24.0),
+    lamp(RoomName::Vitrine, [26.6, 4.5], [1.2, 1.2], [1.5, 1.7], 20.0),
+    lamp(RoomName::Vitrine, [31.2, 4.5], [1.2, 1.2], [1.5, 1.7], 20.0),
+    lamp(RoomName::Court, [5.1, 12.8], [1.4, 1.6], [1.9, 1.9], 22.0),
+    lamp(RoomName::Court, [5.1, 19.6], [1.4, 1.6], [1.9, 1.9], 22.0),
+    lamp(RoomName::Hall, [17.0, 12.6], [1.6, 1.6], [1.9, 1.6], 25.0),
+    lamp(RoomName::Hall, [17.0, 16.4], [1.6, 1.6], [1.9, 1.6], 25.0),
+    lamp(RoomName::Hall, [17.0, 20.2], [1.6, 1.6], [1.9, 1.6], 25.0),
+    lamp(RoomName::Terrace, [28.9, 12.8], [1.4, 1.6], [1.9, 1.9], 22.0),
+    lamp(RoomName::Terrace, [28.9, 19.6], [1.4, 1.6], [1.9, 1.9], 22.0),
+];
+
+impl Lamp {
+    fn around(&self, half: [f64; 2]) -> [f64; 4] {
+        let [x, z] = self.middle;
+        [x - half[0], x + half[0], z - half[1], z + half[1]]
+    }
+
+    fn half_size(&self, margin: f64) -> [f64; 2] {
+        self.size.map(|s| s / 2.0 + margin)
+    }
+
+    /// The mouth of the coffer as x0, x1, z0, z1.
+    pub(super) fn coffer(&self) -> [f64; 4] {
+        self.around(self.mouth)
+    }
+
+    /// The lid of the coffer.
+    pub(super) fn lid(&self) -> [f64; 4] {
+        self.around(self.half_size(LID_MARGIN_M))
+    }
+}
+
+pub(super) fn add_to(b: &mut SceneBuilder, p: &Palette) {
+    for lamp in &LAMPS {
+        let radiance = b.add_material(Material::emissive("lamp", TINT * lamp.radiance));
+        let lid = lamp.room.room().ceiling + COFFER_RISE_M;
+        ceiling(b, lamp.around(lamp.half_size(0.0)), lid - DROP_M, radiance);
+        let [x0, x1, z0, z1] = lamp.around(lamp.half_size(HOUSING_MARGIN_M));
+        let low = DVec3::new(x0, lid - DROP_M + HOUSING_GAP_M, z0);
+        let high = DVec3::new(x1, lid, z1);
+        block(b, &Local::WORLD, [low, high], Faces::ALL.without(Faces::TOP), p.black);
+    }
+}

@@ -1,0 +1,10 @@
+//! Parametric builders: everything an embedded scene is made of.
+
+pub(super) mod blocks;
+pub(super) mod bodies;
+pub(super) mod surface;
+pub(super) mod walls;
+
+pub(super) use blocks::{Faces, Local, block, stairs};
+pub(super) use surface::{Closing, Grid};
+pub(super) use walls::{Opening, Wall};

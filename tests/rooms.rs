@@ -1,0 +1,70 @@
+//! Small scenes of known content.
+
+use afterimage::scene::{Material, MaterialId, Scene, SceneBuilder};
+use afterimage::{Camera, Tracer};
+use glam::{DVec3, Vec2, Vec3};
+use std::sync::Arc;
+
+pub(crate) fn dvec(x: f64, y: f64, z: f64) -> DVec3 {
+    DVec3::new(x, y, z)
+}
+
+/// A quad facing the side from which its corners run counter-clockwise: `corner`, `corner + u`, `.. + v`, `corner + v`.
+pub(crate) fn quad(builder: &mut SceneBuilder, corner: DVec3, u: DVec3, v: DVec3, material: MaterialId) {
+    builder.add_quad([corner, corner + u, corner + u + v, corner + v], Vec2::ONE, material);
+}
+
+/// A closed box; `inside_out` turns its faces inwards.
+pub(crate) fn cuboid(
+    builder: &mut SceneBuilder,
+    low: DVec3,
+    high: DVec3,
+    material: MaterialId,
+    inside_out: bool,
+) {
+    let d = high - low;
+    let (x, y, z) = (DVec3::X * d.x, DVec3::Y * d.y, DVec3::Z * d.z);
+    let faces = [(low, y, x), (low, z, y), (low, x, z), (high, -x, -y), (high, -y, -z), (high, -z, -x)];
+    for (corner, u, v) in faces {
+        if inside_out {
+            quad(builder, corner, v, u, material);
+        } else {
+            quad(builder, corner, u, v, material);
+        }
+    }
+}
+
+pub(crate) struct RoomOptions {
+    pub(crate) mirror: bool,
+    pub(crate) glass: bool,
+}
+
+/// A 6 x 3 x 8 m room with a few boxes and a lamp, and on demand a mirror on a wall and a block of glass.
+pub(crate) fn room(options: &RoomOptions) -> Scene {
+    let mut b = SceneBuilder::new("test room");
+    let wall = b.add_material(Material::diffuse("wall", Vec3::new(0.7, 0.65, 0.6)));
+    let red = b.add_material(Material::diffuse("red", Vec3::new(0.6, 0.1, 0.1)));
+    let lamp = b.add_material(Material::emissive("lamp", Vec3::splat(8.0)));
+    cuboid(&mut b, dvec(-3.0, 0.0, -4.0), dvec(3.0, 3.0, 4.0), wall, true);
+    cuboid(&mut b, dvec(-1.5, 0.0, -2.0), dvec(-0.5, 1.2, -1.0), red, false);
+    cuboid(&mut b, dvec(0.6, 0.0, -0.5), dvec(1.1, 2.0, 0.0), wall, false);
+    quad(&mut b, dvec(-0.5, 2.9, -0.5), dvec(1.0, 0.0, 0.0), dvec(0.0, 0.0, 1.0), lamp);
+    if options.mirror {
+        let mirror = b.add_material(Material::mirror("mirror", Vec3::splat(0.9)));
+        quad(&mut b, dvec(-2.0, 0.5, -3.99), dvec(2.0, 0.0, 0.0), dvec(0.0, 1.8, 0.0), mirror);
+    }
+    if options.glass {
+        let glass = b.add_material(Material::glass("glass", 1.5, Vec3::splat(0.98)));
+        cuboid(&mut b, dvec(-0.4, 0.6, -1.0), dvec(0.2, 1.4, -0.6), glass, false);
+    }
+    b.finish().unwrap()
+}
+
+pub(crate) fn room_tracer(mirror: bool, glass: bool) -> Tracer {
+    Tracer::new(Arc::new(room(&RoomOptions { mirror, glass })))
+}
+
+/// Looks into the room from its end.
+pub(crate) fn room_camera() -> Camera {
+    Camera::look_at(dvec(0.2, 1.5, 3.5), dvec(-0.2, 1.2, -4.0), 65.0)
+}
