@@ -1,6 +1,7 @@
 //! The measured walk on a small room.
 
-use crate::room;
+use crate::rooms::{dvec, room_camera, room_tracer};
+use afterimage::camera_path::{CameraKey, CameraPath};
 use afterimage::experiment::record::csv;
 use afterimage::experiment::statistics::{median, percentile};
 use afterimage::experiment::throughput::{ThroughputSettings, measure_throughput};
@@ -9,7 +10,14 @@ use afterimage::reference::PlacementPolicy;
 use afterimage::trace::TraceSettings;
 use afterimage::{Mode, RenderSettings, WalkthroughSettings};
 use std::path::Path;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Two metres through a room with a mirror.
+fn path() -> CameraPath {
+    let key = |z: f64| CameraKey { eye: dvec(0.2, 1.5, z), at: dvec(-0.2, 1.2, z - 7.5) };
+    CameraPath { fov_y_deg: 65.0, frames: 9, keyframes: vec![key(3.5), key(1.5)] }
+}
 
 fn settings(measure: Option<&Path>) -> TourSettings {
     let trace = TraceSettings { samples: 4, bounces: 0, seed: 3 };
@@ -27,8 +35,8 @@ fn settings(measure: Option<&Path>) -> TourSettings {
 }
 
 fn walk(settings: &TourSettings, cancel: &AtomicBool) -> TourRecord {
-    let tracer = room::tracer();
-    run_tour(&tracer, &tracer.scene().walk, settings, cancel, |_| ()).unwrap()
+    let tracer = Arc::new(room_tracer(true, false));
+    run_tour(&tracer, &path(), settings, cancel, |_| ()).unwrap()
 }
 
 /// What a record says that does not depend on the clock.
@@ -80,14 +88,14 @@ fn without_a_policy_every_frame_is_traced_in_full() {
 
 #[test]
 fn a_stopped_walk_keeps_its_frames() {
-    let tracer = room::tracer();
+    let tracer = Arc::new(room_tracer(true, false));
     let cancel = AtomicBool::new(false);
     let observe = |event: TourEvent<'_>| {
         if matches!(event, TourEvent::Frame(record, _) if record.frame == 2) {
             cancel.store(true, Ordering::Relaxed);
         }
     };
-    let record = run_tour(&tracer, &tracer.scene().walk, &settings(None), &cancel, observe).unwrap();
+    let record = run_tour(&tracer, &path(), &settings(None), &cancel, observe).unwrap();
     assert_eq!((record.frames.len(), record.is_complete), (3, false));
 }
 
@@ -136,9 +144,9 @@ fn a_table_has_a_column_per_number() {
 
 #[test]
 fn throughput_times_every_part_and_dumps_its_rays() {
-    let tracer = room::tracer();
+    let tracer = room_tracer(true, false);
     let trace = TraceSettings { samples: 2, bounces: 0, seed: 0 };
-    let settings = ThroughputSettings { camera: *tracer.scene().start(), size: [64, 48], trace };
+    let settings = ThroughputSettings { camera: room_camera(), size: [64, 48], trace };
     let (t, rays) = measure_throughput(&tracer, &settings, &|| false, |_| ()).unwrap();
     assert!(t.primary_mrays_per_sec > 0.0 && t.warp_ns_per_reference_pixel > 0.0 && t.build_secs > 0.0);
     assert_eq!((rays.any.len(), rays.closest.len()), (t.shadow_rays, t.primary_rays + t.diffuse_rays));

@@ -199,6 +199,7 @@ fn object(flags: &Flags, loaded: &Loaded, frame: &Frame, references: &[Reference
         "rays": stats.rays,
         "rays_with_references": rays,
         "references": references.len(),
+        "light_cuts": loaded.light_cuts(),
         "reference_bytes_per_pixel": ReferenceFrame::BYTES_PER_PIXEL,
     })
 }

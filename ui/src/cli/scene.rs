@@ -6,6 +6,7 @@ use super::{interrupt, output};
 use afterimage::scene::import::{self, ImportOptions};
 use afterimage::scene::{SceneError, builtin};
 use afterimage::{Scene, Tracer};
+use serde_json::{Value, json};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
@@ -25,6 +26,12 @@ impl Loaded {
     /// The scene.
     pub(crate) fn scene(&self) -> &Arc<Scene> {
         self.tracer.scene()
+    }
+
+    /// How many of the scene's lights are sampled where something was shaded so far.
+    pub(crate) fn light_cuts(&self) -> Value {
+        let cuts = self.tracer.light_grid().cuts();
+        json!({"lights": cuts.lights, "cells": cuts.cells, "kept_mean": cuts.kept_mean})
     }
 
     /// The end of a command that worked: under `--strict` the scene's warnings make it one that did not.

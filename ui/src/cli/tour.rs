@@ -216,6 +216,7 @@ fn object(args: &TourArgs, flags: &Flags, loaded: &Loaded, record: &TourRecord) 
         "placement": args.placement,
         "threshold_percent": args.threshold,
         "cache_mb": args.cache_mb,
+        "light_cuts": loaded.light_cuts(),
         "secs": { "load": loaded.load_secs, "build": loaded.tracer.build_secs() },
     });
     let record = serde_json::to_value(record).unwrap_or(Value::Null);
