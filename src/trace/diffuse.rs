@@ -1,6 +1,6 @@
 //! The light a surface scatters alike to every side: the part of radiance that a reference image can lend.
 //!
-//! Next-event estimation: every light that matters there ([`super::light_grid`]) and is not behind
+//! Next-event estimation: every light that matters there (`light_grid`) and is not behind
 //! the surface gets its own stratified shadow rays. Diffuse
 //! interreflection is path traced when bounces are asked for.
 
