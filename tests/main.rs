@@ -10,7 +10,6 @@ mod layers;
 mod lights;
 mod metrics;
 mod reuse;
-mod room;
 mod rooms;
 mod save;
 mod tour;
