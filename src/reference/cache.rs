@@ -109,15 +109,8 @@ impl ReferenceCache {
     /// Greedy on a coarse warp (see `cover`): the reference that closes most of what is still open is taken next.
     /// Greedy coverage is within 63 % of the best choice (Nemhauser et al. 1978).
     pub fn select(&mut self, view: &View, epoch: SceneEpoch, most: usize) -> Vec<CachedReference> {
-        let candidates: Vec<usize> =
-            (0..self.entries.len()).filter(|&i| self.entries[i].frame.epoch == epoch).collect();
-        self.coverage.resize_with(candidates.len(), Vec::new);
-        let entries = &self.entries;
-        self.coverage
-            .par_iter_mut()
-            .zip(&candidates)
-            .for_each(|(cells, &i)| cover(&entries[i].frame, view, cells));
-        let chosen = greedy(&self.coverage, most);
+        let candidates = self.cover_all(view, epoch);
+        let (chosen, _) = greedy(&self.coverage, most);
         self.clock += 1;
         chosen
             .into_iter()
@@ -127,6 +120,26 @@ impl ReferenceCache {
                 entry.clone()
             })
             .collect()
+    }
+
+    /// The share of a view's pixels, in percent, that the best `most` references would leave without information: what
+    /// the coarse warp says of a frame that is not rendered.
+    pub fn predict_type3_percent(&mut self, view: &View, epoch: SceneEpoch, most: usize) -> f64 {
+        self.cover_all(view, epoch);
+        f64::from(greedy(&self.coverage, most).1) * 100.0
+    }
+
+    /// Fills `coverage` for the references of an epoch and returns their places in `entries`.
+    fn cover_all(&mut self, view: &View, epoch: SceneEpoch) -> Vec<usize> {
+        let candidates: Vec<usize> =
+            (0..self.entries.len()).filter(|&i| self.entries[i].frame.epoch == epoch).collect();
+        self.coverage.resize_with(candidates.len(), Vec::new);
+        let entries = &self.entries;
+        self.coverage
+            .par_iter_mut()
+            .zip(&candidates)
+            .for_each(|(cells, &i)| cover(&entries[i].frame, view, cells));
+        candidates
     }
 
     /// Records what each selected reference supplied to a finished frame, as shares of its pixels.
@@ -181,10 +194,10 @@ fn cover(reference: &ReferenceFrame, view: &View, cells: &mut Vec<f32>) {
     }
 }
 
-/// The order in which references close most of what is open. Their sample grids are taken as independent, so what two
-/// leave open is the product of what each leaves open.
-fn greedy(coverage: &[Vec<f32>], most: usize) -> Vec<usize> {
-    let Some(count) = coverage.first().map(Vec::len) else { return Vec::new() };
+/// The order in which references close most of what is open, and the share that stays open. Their sample grids are
+/// taken as independent, so what two leave open is the product of what each leaves open.
+fn greedy(coverage: &[Vec<f32>], most: usize) -> (Vec<usize>, f32) {
+    let Some(count) = coverage.first().map(Vec::len) else { return (Vec::new(), 1.0) };
     let mut open = vec![1f32; count];
     let mut chosen: Vec<usize> = Vec::new();
     while chosen.len() < most.min(coverage.len()) {
@@ -199,5 +212,5 @@ fn greedy(coverage: &[Vec<f32>], most: usize) -> Vec<usize> {
         open.iter_mut().zip(&coverage[c]).for_each(|(open, covers)| *open *= 1.0 - covers);
         chosen.push(c);
     }
-    chosen
+    (chosen, open.iter().sum::<f32>() / count.max(1) as f32)
 }

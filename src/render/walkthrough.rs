@@ -3,7 +3,7 @@
 //! The window and the headless tour run the same walk; they differ only in when a wished reference is traced.
 
 use super::{Frame, Mode, RenderSettings, Renderer};
-use crate::camera::Camera;
+use crate::camera::{Camera, View};
 use crate::reference::{Observation, PlacementPolicy, ReferenceCache, ReferenceFrame, ReferenceId};
 use crate::trace::parallel::Stop;
 use crate::trace::{TraceSettings, Tracer};
@@ -108,7 +108,7 @@ impl Walkthrough {
     /// Renders the next frame; afterwards [`Self::wanted_reference`] tells whether the policy wants a new reference.
     pub fn render(&mut self, camera: &Camera, size: [u32; 2], stop: Stop<'_>) -> &Frame {
         let start = Instant::now();
-        let view = crate::camera::View::new(camera, &self.tracer.scene().frame, size);
+        let view = View::new(camera, &self.tracer.scene().frame, size);
         let selected = match self.settings.render.mode {
             Mode::Full => Vec::new(),
             Mode::Paper => self.cache.select(&view, self.tracer.epoch(), self.settings.most_references),
@@ -120,12 +120,12 @@ impl Walkthrough {
         self.used = selected.iter().map(|r| r.id).collect();
         let shares: Vec<_> = self.used.iter().copied().zip(self.renderer.frame().supplier_shares()).collect();
         self.cache.note_contributions(&shares);
-        self.wanted = self.decide(camera);
+        self.wanted = self.decide(camera, size);
         self.previous = Some(*camera);
         self.renderer.frame()
     }
 
-    fn decide(&self, camera: &Camera) -> Option<Camera> {
+    fn decide(&mut self, camera: &Camera, size: [u32; 2]) -> Option<Camera> {
         if self.settings.render.mode == Mode::Full {
             return None;
         }
@@ -135,7 +135,11 @@ impl Walkthrough {
             type3_percent: self.frame().stats.types.percentages().type3_percent,
             held: self.cache.entries().len(),
         };
-        self.settings.placement.decide(&seen, &self.tracer)
+        let (tracer, cache, most) = (&self.tracer, &mut self.cache, self.settings.most_references);
+        self.settings.placement.decide(&seen, tracer, &mut |pose| {
+            let view = View::new(pose, &tracer.scene().frame, size);
+            cache.predict_type3_percent(&view, tracer.epoch(), most)
+        })
     }
 
     /// The pose at which the policy wants a reference after the last frame.
