@@ -240,3 +240,42 @@ fn poisoned_pixels_and_points_behind_the_eye_are_left_out() {
     let behind = PixelWarp::new(&view, &turned);
     assert!((0..SIZE[0]).all(|x| behind.target(x, 30, 0.01).is_none()));
 }
+
+#[test]
+fn unknown_pixels_take_the_mean_of_the_known_around_them() {
+    use afterimage::reproject::fill::fill_unknown;
+    use glam::Vec3;
+    // Odd sizes, so that the coarser levels have cells cut by the border.
+    let (width, height) = (7, 5);
+    let before: Vec<Vec3> = (0..width * height).map(|i| Vec3::splat(i as f32)).collect();
+    let mut known = vec![true; width * height];
+    for hole in [0, 1, 7, 16, 34] {
+        known[hole] = false;
+    }
+    let mut after = before.clone();
+    fill_unknown(&mut after, &known, width, &mut Vec::new());
+    assert!((0..before.len()).filter(|&i| known[i]).all(|i| after[i] == before[i]));
+    // Of the square {0, 1, 7, 8} only 8 is known; of {16, 17, 23, 24} three are; 34 is a square of its own, so its
+    // square of four by four, cut to {18, .., 34}, decides.
+    assert_eq!([after[0], after[1], after[7]], [Vec3::splat(8.0); 3]);
+    assert_eq!(after[16], Vec3::splat((17.0 + 23.0 + 24.0) / 3.0));
+    assert!(after[34].x > 8.0 && after[34].x < 34.0);
+    let mut nothing = vec![Vec3::ONE; 6];
+    fill_unknown(&mut nothing, &[false; 6], 3, &mut Vec::new());
+    assert_eq!(nothing, [Vec3::ONE; 6]);
+}
+
+#[test]
+fn a_stopped_frame_says_so_and_has_no_holes() {
+    use std::sync::atomic::{AtomicUsize, Ordering};
+    let tracer = room_tracer(false, false);
+    let reference = reference(&tracer, &room_camera());
+    let camera = moved(&room_camera(), 0.6, 0.3);
+    let mut renderer = Renderer::default();
+    let asked = AtomicUsize::new(0);
+    let stop = || asked.fetch_add(1, Ordering::Relaxed) >= 2;
+    let frame = renderer.render(&tracer, &camera, SIZE, &settings(Mode::Paper), &[&reference], &stop);
+    assert!(!frame.stats.is_complete);
+    assert_eq!(frame.stats.types.total(), frame.view.pixel_count());
+    assert!(frame.radiance.iter().filter(|r| r.max_element() > 0.0).count() * 10 > 9 * frame.radiance.len());
+}

@@ -7,6 +7,7 @@ use crate::math::hash::Key;
 use crate::reference::ReferenceFrame;
 use crate::reference::frame::NO_TRIANGLE;
 use crate::reproject::classify::classify;
+use crate::reproject::fill::fill_unknown;
 use crate::reproject::{PixelType, TypeCounts, WarpBuffer};
 use crate::trace::parallel::{Stop, tile_order, trace_pixels};
 use crate::trace::{PixelTrace, SurfacePoint, Tracer};
@@ -23,8 +24,12 @@ pub struct Renderer {
     order_size: [u32; 2],
     secondary: Vec<u32>,
     unseen: Vec<u32>,
+    passes: [Vec<u32>; 4],
     traced: Vec<Option<PixelTrace>>,
     specular: Vec<Option<Vec3>>,
+    /// Scratch of frames that are shown before they are complete.
+    is_known: Vec<bool>,
+    fill_levels: Vec<Vec<(Vec3, f32)>>,
 }
 
 impl Default for Renderer {
@@ -36,8 +41,11 @@ impl Default for Renderer {
             order_size: [0, 0],
             secondary: Vec::new(),
             unseen: Vec::new(),
+            passes: Default::default(),
             traced: Vec::new(),
             specular: Vec::new(),
+            is_known: Vec::new(),
+            fill_levels: Vec::new(),
         }
     }
 }
@@ -91,6 +99,9 @@ impl Renderer {
             self.finish_secondary(tracer, settings, references, stop);
         }
         self.finish_unseen(tracer, settings, stop);
+        if !self.frame.stats.is_complete {
+            self.fill_undone();
+        }
         self.frame.stats.types = TypeCounts::of(&self.frame.types);
         self.frame.stats.secs.frame = start.elapsed().as_secs_f64();
         &self.frame
@@ -111,18 +122,40 @@ impl Renderer {
         }
         self.warped.warp(references, &self.frame.view);
         self.copy_samples(references);
-        for &pixel in &self.order {
-            match self.frame.types[pixel as usize] {
-                PixelType::Secondary => self.secondary.push(pixel),
-                PixelType::Unseen => self.unseen.push(pixel),
-                _ => {}
-            }
-        }
+        self.list_work();
         self.frame.stats.secs.warp = start.elapsed().as_secs_f64();
     }
 
-    /// Takes over what the winning samples know. What is not known keeps the neighbour's colour on the left, so that a
-    /// frame that is shown before it is complete has no holes.
+    /// The pixels of Types 2 and 3. Of Type 3 every second pixel of every second row comes first and so on, so that a
+    /// frame stopped before its end is known evenly.
+    fn list_work(&mut self) {
+        let width = self.frame.view.size[0];
+        self.passes.iter_mut().for_each(Vec::clear);
+        for &pixel in &self.order {
+            match self.frame.types[pixel as usize] {
+                PixelType::Secondary => self.secondary.push(pixel),
+                PixelType::Unseen => {
+                    let (x, y) = (pixel % width % 2, pixel / width % 2);
+                    self.passes[[0, 2, 3, 1][(2 * y + x) as usize]].push(pixel);
+                }
+                _ => {}
+            }
+        }
+        self.passes.iter().for_each(|pass| self.unseen.extend_from_slice(pass));
+    }
+
+    /// Pixels that a stop left undone get a colour from those around them.
+    fn fill_undone(&mut self) {
+        self.is_known.clear();
+        self.is_known.resize(self.frame.radiance.len(), true);
+        for (&pixel, traced) in self.unseen.iter().zip(&self.traced) {
+            self.is_known[pixel as usize] = traced.is_some();
+        }
+        let width = self.frame.view.size[0] as usize;
+        fill_unknown(&mut self.frame.radiance, &self.is_known, width, &mut self.fill_levels);
+    }
+
+    /// Takes over what the winning samples know.
     fn copy_samples(&mut self, references: &[&ReferenceFrame]) {
         let width = self.frame.view.size[0].max(1) as usize;
         let warped = &self.warped;
@@ -138,19 +171,17 @@ impl Renderer {
             .enumerate()
             .with_min_len(8)
             .for_each(|(y, (radiance, disparity, triangle, types, supplier))| {
-                let mut left = Vec3::ZERO;
                 for x in 0..width {
                     let pixel = y * width + x;
                     types[x] = classify(warped, references, pixel);
                     supplier[x] = NO_SUPPLIER;
                     if let Some((sample, sample_disparity)) = warped.sample(pixel) {
                         let (reference, at) = (references[sample.slot()], sample.pixel() as usize);
-                        left = reference.diffuse()[at];
+                        radiance[x] = reference.diffuse()[at];
                         disparity[x] = sample_disparity;
                         triangle[x] = reference.triangle()[at];
                         supplier[x] = sample.slot() as u8;
                     }
-                    radiance[x] = left;
                 }
             });
     }

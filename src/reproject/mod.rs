@@ -1,6 +1,7 @@
 //! The paper's steps 1 to 3: pure functions of buffers. Nothing here traces a ray.
 
 pub mod classify;
+pub mod fill;
 pub mod warp;
 
 pub use classify::{PixelMap, PixelType, TypeCounts};
