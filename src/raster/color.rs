@@ -58,3 +58,15 @@ pub fn linear_from_srgb(srgb: f32) -> f32 {
 pub fn luminance(linear: Vec3) -> f32 {
     linear.dot(Vec3::new(0.2126, 0.7152, 0.0722))
 }
+
+/// The exposure in stops, by halves, that brings the log-average luminance of a picture to middle grey (0.18).
+///
+/// Source: Reinhard et al., "Photographic Tone Reproduction for Digital Images", SIGGRAPH 2002, equation 1. We differ:
+/// black pixels are left out instead of given a small constant. `None` for a picture that is black throughout.
+pub fn metered_exposure_ev(radiance: &[Vec3]) -> Option<f32> {
+    const MIDDLE_GREY: f64 = 0.18;
+    let lit = radiance.iter().map(|&r| f64::from(luminance(r))).filter(|l| *l > 0.0 && l.is_finite());
+    let (sum, count) = lit.fold((0.0, 0u64), |(sum, count), l| (sum + l.log2(), count + 1));
+    let ev = MIDDLE_GREY.log2() - sum / count.max(1) as f64;
+    (count > 0).then(|| ((ev * 2.0).round() / 2.0) as f32)
+}

@@ -29,6 +29,7 @@ fn open_window(scene: Option<&str>, flags: &Flags) -> Result<(), Failure> {
     let trace = &mut request.settings.render.trace;
     trace.samples = flags.samples.unwrap_or(trace.samples);
     trace.bounces = flags.bounces.unwrap_or(trace.bounces);
+    request.model_bounces = flags.bounces.unwrap_or(request.model_bounces);
     trace.seed = flags.seed;
     request.settings.render.mode = flags.mode;
     window::run(request).map_err(|error| Failure::Failed(error.to_string()))

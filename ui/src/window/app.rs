@@ -134,6 +134,7 @@ impl App {
         trouble.into_iter().for_each(|text| self.state.notify(Severity::Error, text));
         if self.threads.take_frame(&mut self.state.frame) {
             self.state.record();
+            self.state.meter();
             if let (Some(graphics), Some(frame)) = (&self.graphics, &self.state.frame) {
                 viewport::upload(graphics, frame);
             }
@@ -175,9 +176,17 @@ impl App {
             let text = format!("{}: {count} import warnings, listed in the Scene panel", scene.name);
             self.state.notify(Severity::Info, text);
         }
+        let is_model = matches!(scene.source, SceneSource::File { .. });
         self.state.scene = Some(scene);
         self.state.history.clear();
-        self.threads.order(Order::SetTracer(tracer));
+        let generation = self.threads.order(Order::SetTracer(tracer));
+        if !is_reload {
+            let given = self.request.settings.render.trace.bounces;
+            let quality = &mut self.state.quality;
+            quality.walk.render.trace.bounces = if is_model { self.request.model_bounces } else { given };
+            quality.exposure_ev = self.state.default_quality.exposure_ev;
+            self.state.meters_from = is_model.then_some(generation);
+        }
         self.sent = None;
     }
 

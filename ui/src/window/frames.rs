@@ -1,6 +1,7 @@
 //! Finished frames on their way from the render thread to the window, without waiting and without allocating.
 
 use afterimage::Camera;
+use afterimage::raster::color::metered_exposure_ev;
 use afterimage::reference::{ReferenceCache, ReferenceId};
 use afterimage::render::frame::{Frame, FrameStats, NO_SUPPLIER};
 use glam::Vec3;
@@ -50,6 +51,8 @@ pub struct PublishedFrame {
     pub references: Vec<ReferenceInfo>,
     /// Memory that references hold, and may hold.
     pub cache_bytes: [usize; 2],
+    /// The exposure that would suit it, in stops; of a complete frame that is not black.
+    pub metered_ev: Option<f32>,
     /// When it was finished.
     pub finished: Instant,
 }
@@ -67,6 +70,7 @@ impl PublishedFrame {
             stats: FrameStats::default(),
             references: Vec::new(),
             cache_bytes: [0, 0],
+            metered_ev: None,
             finished: Instant::now(),
         }
     }
@@ -83,6 +87,7 @@ impl PublishedFrame {
             Some(id) if slot != NO_SUPPLIER => supplier_byte(*id),
             _ => SUPPLIED_BY_NONE,
         }));
+        self.metered_ev = self.stats.is_complete.then(|| metered_exposure_ev(&frame.radiance)).flatten();
         self.finished = Instant::now();
     }
 

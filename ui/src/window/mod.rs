@@ -33,6 +33,8 @@ pub struct WindowRequest {
     pub scene: Option<SceneSource>,
     /// What to walk with at first.
     pub settings: WalkthroughSettings,
+    /// Diffuse bounces for models from files: made for no renderer in particular, they are dark without any.
+    pub model_bounces: u32,
     /// Where to start instead of at the scene's start view.
     pub camera: Option<Camera>,
     /// Start at the saved view of this name. `camera` goes before it.
@@ -51,7 +53,15 @@ impl Default for WindowRequest {
             placement: PlacementPolicy::default(),
             ..WalkthroughSettings::default()
         };
-        Self { scene: None, settings, camera: None, view: None, threads: None, pictures: None }
+        Self {
+            scene: None,
+            settings,
+            model_bounces: 1,
+            camera: None,
+            view: None,
+            threads: None,
+            pictures: None,
+        }
     }
 }
 

@@ -191,6 +191,8 @@ pub struct State {
     pub asks_to_clear: bool,
     /// The person has not moved yet.
     pub shows_hint: bool,
+    /// The first complete frame from this generation on sets the exposure: a model from a file has just been opened.
+    pub meters_from: Option<u64>,
     /// What draws the window, where it is no graphics card.
     pub software_adapter: Option<String>,
     /// The saved view gone to last.
@@ -255,6 +257,7 @@ impl State {
             path_text: String::new(),
             asks_to_clear: false,
             shows_hint: true,
+            meters_from: None,
             software_adapter: None,
             view_index: 0,
             next_notice: 0,
@@ -285,6 +288,18 @@ impl State {
     /// Takes away good news that was there for long enough.
     pub fn expire_notices(&mut self) {
         self.notices.retain(|n| n.severity == Severity::Error || n.since.elapsed() < INFO_TIME);
+    }
+
+    /// Sets the exposure by the first complete picture of a model that was just opened.
+    pub fn meter(&mut self) {
+        // Beyond these a picture is meant to be dark or bright.
+        const RANGE_EV: std::ops::RangeInclusive<f32> = -4.0..=6.0;
+        let Some(frame) = &self.frame else { return };
+        let is_awaited = self.meters_from.is_some_and(|from| frame.generation >= from);
+        if let Some(ev) = frame.metered_ev.filter(|_| is_awaited) {
+            self.quality.exposure_ev = ev.clamp(*RANGE_EV.start(), *RANGE_EV.end());
+            self.meters_from = None;
+        }
     }
 
     /// Adds the newest frame to the plots.
