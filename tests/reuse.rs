@@ -279,3 +279,40 @@ fn a_stopped_frame_says_so_and_has_no_holes() {
     assert_eq!(frame.stats.types.total(), frame.view.pixel_count());
     assert!(frame.radiance.iter().filter(|r| r.max_element() > 0.0).count() * 10 > 9 * frame.radiance.len());
 }
+
+#[test]
+fn a_predicted_reference_stands_ahead_and_only_where_it_is_worth_a_frame() {
+    use afterimage::reference::Observation;
+    let tracer = room_tracer(false, false);
+    let previous = room_camera();
+    let camera = moved(&previous, 0.1, 0.05);
+    let seen = |type3_percent: f64, previous: Camera, held: usize| Observation {
+        camera,
+        previous,
+        type3_percent,
+        held,
+    };
+    let decide = |percent: f64, seen: &Observation, foreseen: f64| {
+        PlacementPolicy::Predictive { percent }.decide(seen, &tracer, &mut |_| foreseen)
+    };
+    for percent in [5.0, 40.0] {
+        let quiet = seen(percent, previous, 3);
+        assert_eq!(decide(percent, &quiet, 100.0), None, "at the threshold nothing is wanted");
+        let open = seen(percent + 25.0, previous, 3);
+        let ahead = decide(percent, &open, percent + 25.0).unwrap();
+        assert!((ahead.eye - camera.eye).dot(camera.forward()) > 0.2 && ahead.yaw > camera.yaw, "{ahead:?}");
+        assert_eq!(decide(percent, &open, 0.0), Some(camera), "what is held suffices ahead, not here");
+    }
+    let little = seen(8.0, previous, 3);
+    assert_eq!(decide(5.0, &little, 8.0), None, "not worth a frame while moving");
+    assert_eq!(decide(5.0, &seen(8.0, camera, 3), 8.0), Some(camera), "worth it at rest");
+    assert_eq!(
+        decide(5.0, &seen(100.0, previous, 0), 100.0),
+        Some(camera),
+        "the first stands where the viewer is"
+    );
+    // Walking at a wall: the pose ahead stays in the room.
+    let fast = Observation { camera, previous: moved(&camera, -3.0, 0.0), type3_percent: 90.0, held: 1 };
+    let ahead = decide(5.0, &fast, 90.0).unwrap();
+    assert!(ahead.eye.z > -4.0, "{:?}", ahead.eye);
+}

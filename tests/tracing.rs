@@ -1,7 +1,7 @@
 //! The ordinary tracer against closed forms.
 
 use crate::rooms::{cuboid, dvec, quad, room_camera, room_tracer};
-use afterimage::scene::{Light, Material, SceneBuilder, SolidSide};
+use afterimage::scene::{Light, Material, MaterialKind, SceneBuilder, SolidSide};
 use afterimage::trace::parallel::NEVER;
 use afterimage::trace::specular::{fresnel_dielectric, truncation_bound};
 use afterimage::trace::{RayCounts, TraceSettings};
@@ -216,4 +216,47 @@ fn scenes_scaled_by_powers_of_two_and_moved_by_whole_units_have_the_same_bits() 
     for shift in [2f64.powi(20), 2f64.powi(23)] {
         assert!(picture(1.0, dvec(shift, -shift, shift)) == base, "moved by {shift}");
     }
+}
+
+/// A floor lit by a lamp and by way of a wall, with or without something in between.
+fn floor_brightness(bounces: u32, add: impl Fn(&mut SceneBuilder)) -> f32 {
+    let mut b = SceneBuilder::new("corner");
+    let white = b.add_material(Material::diffuse("white", Vec3::splat(0.8)));
+    let lamp = b.add_material(Material::emissive("lamp", Vec3::splat(4.0)));
+    quad(&mut b, dvec(-2.0, 0.0, 2.0), dvec(4.0, 0.0, 0.0), dvec(0.0, 0.0, -4.0), white);
+    quad(&mut b, dvec(-2.0, 0.0, -2.0), dvec(4.0, 0.0, 0.0), dvec(0.0, 3.0, 0.0), white);
+    quad(&mut b, dvec(-1.0, 2.5, -1.0), dvec(2.0, 0.0, 0.0), dvec(0.0, 0.0, 2.0), lamp);
+    add(&mut b);
+    let tracer = Tracer::new(Arc::new(b.finish().unwrap()));
+    let camera = Camera::look_at(dvec(0.0, 1.0, 1.5), dvec(0.0, 0.0, 0.0), 30.0);
+    let mut renderer = Renderer::default();
+    mean(&renderer.render(&tracer, &camera, [16, 16], &full(256, bounces), &[], NEVER).radiance).x
+}
+
+#[test]
+fn light_that_bounces_through_glass_is_counted_once() {
+    let open = floor_brightness(1, |_| {});
+    // Between lamp and floor; of index one and no absorption, so that it changes nothing.
+    let behind_glass = floor_brightness(1, |b| {
+        let glass = b.add_material(Material::glass("pane", 1.0, Vec3::ONE));
+        quad(b, dvec(-1.9, 2.0, -1.9), dvec(3.8, 0.0, 0.0), dvec(0.0, 0.0, 3.8), glass);
+    });
+    assert!((behind_glass / open - 1.0).abs() < 0.01, "{behind_glass} behind glass, {open} without");
+    assert!(open > 1.03 * floor_brightness(0, |_| {}), "a bounce adds light");
+}
+
+#[test]
+fn a_polished_wall_still_scatters_light() {
+    // The wall's diffuse part must bounce light as that of a matte wall of the same colour does; the mirror adds more.
+    let wall = |kind: MaterialKind| {
+        move |b: &mut SceneBuilder| {
+            let m = b.add_material(Material { kind, ..Material::diffuse("wall", Vec3::splat(0.6)) });
+            quad(b, dvec(-1.8, 0.0, -1.5), dvec(0.0, 2.4, 0.0), dvec(0.0, 0.0, 3.0), m);
+        }
+    };
+    let matte = floor_brightness(1, wall(MaterialKind::Diffuse));
+    let none = MaterialKind::Mirror { reflectance: Vec3::ZERO, fresnel: false };
+    let polished = MaterialKind::Mirror { reflectance: Vec3::splat(0.3), fresnel: false };
+    assert!((floor_brightness(1, wall(none)) / matte - 1.0).abs() < 0.01);
+    assert!(floor_brightness(1, wall(polished)) > matte);
 }

@@ -6,8 +6,9 @@ use crate::camera::Camera;
 use crate::camera_path::CameraPath;
 use crate::raster::save::SaveError;
 use crate::reference::ReferenceFrame;
-use crate::render::{Frame, Mode, RenderSettings, Renderer, Walkthrough, WalkthroughSettings};
+use crate::render::{Frame, Mode, RenderSettings, Walkthrough, WalkthroughSettings};
 use crate::trace::Tracer;
+use crate::trace::parallel::Stop;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -66,11 +67,8 @@ pub fn run_tour(
     let cameras = cameras(path, settings.frames)?;
     let stop = || cancel.load(Ordering::Relaxed);
     let trace = settings.walkthrough.render.trace;
-    let warm_up_secs = match cameras.first() {
-        Some(first) => warm_up(tracer, first, settings, &stop),
-        None => 0.0,
-    };
     let mut walk = Walkthrough::new(Arc::clone(tracer), settings.walkthrough);
+    let warm_up_secs = cameras.first().map_or(0.0, |first| warm_up(&mut walk, first, settings, &stop));
     let mut measurer = settings.measure.clone().map(Measurer::new);
     let (mut frames, mut references) = (Vec::new(), Vec::new());
     for (index, camera) in (0..).zip(&cameras) {
@@ -111,14 +109,13 @@ fn cameras(path: &CameraPath, frames: u32) -> Result<Vec<Camera>, TourError> {
         .collect()
 }
 
-fn warm_up(
-    tracer: &Tracer,
-    camera: &Camera,
-    settings: &TourSettings,
-    stop: &(dyn Fn() -> bool + Sync),
-) -> f64 {
+/// Renders the first frame in full with the walk's own buffers.
+fn warm_up(walk: &mut Walkthrough, camera: &Camera, settings: &TourSettings, stop: Stop<'_>) -> f64 {
     let render = RenderSettings { mode: Mode::Full, ..settings.walkthrough.render };
-    Renderer::default().render(tracer, camera, settings.size, &render, &[], stop).stats.secs.frame
+    walk.set_settings(WalkthroughSettings { render, ..settings.walkthrough });
+    let secs = walk.render(camera, settings.size, stop).stats.secs.frame;
+    walk.set_settings(settings.walkthrough);
+    secs
 }
 
 fn record_of(index: u32, walk: &Walkthrough) -> FrameRecord {

@@ -1,10 +1,7 @@
 //! Pictures as flat buffers, and the way from linear radiance to what a screen or a file shows.
 
-pub mod buffer;
 pub mod color;
 pub mod load;
 pub mod metrics;
 pub mod save;
 pub mod types_picture;
-
-pub use buffer::Buffer2d;

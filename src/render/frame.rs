@@ -33,7 +33,7 @@ pub struct Frame {
 /// Seconds by stage; `frame` is all of them, loading and references left out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct StageSecs {
-    /// Choosing references.
+    /// Choosing references, and judging afterwards what they gave and whether another is wanted.
     pub select: f64,
     /// Warp and classification, with the copying of Type 1.
     pub warp: f64,

@@ -117,7 +117,7 @@ impl Renderer {
         if references.is_empty() {
             self.frame.types.fill(PixelType::Unseen);
             self.frame.supplier.fill(NO_SUPPLIER);
-            self.unseen.extend_from_slice(&self.order);
+            self.list_work();
             return;
         }
         self.warped.warp(references, &self.frame.view);
@@ -148,8 +148,15 @@ impl Renderer {
     fn fill_undone(&mut self) {
         self.is_known.clear();
         self.is_known.resize(self.frame.radiance.len(), true);
+        for (&pixel, specular) in self.secondary.iter().zip(&self.specular) {
+            self.is_known[pixel as usize] = specular.is_some();
+        }
         for (&pixel, traced) in self.unseen.iter().zip(&self.traced) {
-            self.is_known[pixel as usize] = traced.is_some();
+            let pixel = pixel as usize;
+            self.is_known[pixel] = traced.is_some();
+            if traced.is_none() {
+                (self.frame.disparity[pixel], self.frame.triangle[pixel]) = (0.0, NO_TRIANGLE);
+            }
         }
         let width = self.frame.view.size[0] as usize;
         fill_unknown(&mut self.frame.radiance, &self.is_known, width, &mut self.fill_levels);

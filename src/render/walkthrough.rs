@@ -116,11 +116,12 @@ impl Walkthrough {
         let select_secs = start.elapsed().as_secs_f64();
         let references: Vec<&ReferenceFrame> = selected.iter().map(|r| &*r.frame).collect();
         self.renderer.render(&self.tracer, camera, size, &self.settings.render, &references, stop);
-        self.renderer.add_select_secs(select_secs);
+        let start = Instant::now();
         self.used = selected.iter().map(|r| r.id).collect();
         let shares: Vec<_> = self.used.iter().copied().zip(self.renderer.frame().supplier_shares()).collect();
         self.cache.note_contributions(&shares);
         self.wanted = self.decide(camera, size);
+        self.renderer.add_select_secs(select_secs + start.elapsed().as_secs_f64());
         self.previous = Some(*camera);
         self.renderer.frame()
     }

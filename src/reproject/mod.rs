@@ -1,4 +1,5 @@
-//! The paper's steps 1 to 3: pure functions of buffers. Nothing here traces a ray.
+//! The paper's steps 1 to 3, and what is shown while step 3 is not done: pure functions of buffers. Nothing here traces
+//! a ray.
 
 pub mod classify;
 pub mod fill;

@@ -1,6 +1,7 @@
 //! Lights, and how emissive triangles become them.
 
 use super::{Material, MaterialId};
+use crate::math::sampling::uniform_triangle;
 use glam::Vec3;
 use std::collections::HashMap;
 
@@ -49,6 +50,17 @@ pub enum Light {
     Sky,
 }
 
+/// The point of a mesh that belongs to the point `u` of the unit square, uniform by area, and its triangle's number.
+/// `cumulative_area` is that of [`Light::Triangles`].
+pub(crate) fn point_on_mesh(corners: &[[Vec3; 3]], cumulative_area: &[f32], u: [f32; 2]) -> (Vec3, usize) {
+    let chosen = cumulative_area.partition_point(|&c| c <= u[0]).min(corners.len() - 1);
+    let below = if chosen == 0 { 0.0 } else { cumulative_area[chosen - 1] };
+    let within = ((u[0] - below) / (cumulative_area[chosen] - below)).clamp(0.0, 1.0);
+    let [a, b, c] = corners[chosen];
+    let [b1, b2] = uniform_triangle([within, u[1]]);
+    (a + (b - a) * b1 + (c - a) * b2, chosen)
+}
+
 /// The lights that a scene's emissive triangles are.
 ///
 /// Triangles of one material that share vertex positions form one light; two triangles that form a parallelogram
@@ -83,7 +95,7 @@ fn connected_groups(
     let mut owner: HashMap<(MaterialId, [u32; 3]), usize> = HashMap::new();
     for (i, &t) in members.iter().enumerate() {
         for v in triangles[t] {
-            let key = (triangle_materials[t], positions[v as usize].to_array().map(f32::to_bits));
+            let key = (triangle_materials[t], (positions[v as usize] + 0.0).to_array().map(f32::to_bits));
             let first = *owner.entry(key).or_insert(i);
             let (a, b) = (root(&mut parent, first), root(&mut parent, i));
             parent[a.max(b)] = a.min(b);
@@ -113,7 +125,11 @@ fn root(parent: &mut [usize], mut i: usize) -> usize {
 /// Two triangles as one parallelogram, where they are one to within rounding.
 fn as_quad(corners: &[[Vec3; 3]], radiance: Vec3) -> Option<Light> {
     let [a, b] = corners else { return None };
-    let far = b.iter().find(|p| !a.contains(p))?;
+    let mut unshared = b.iter().filter(|p| !a.contains(p));
+    let far = unshared.next()?;
+    if unshared.next().is_some() {
+        return None;
+    }
     // The corner of `a` that `b` does not share lies opposite to `far`.
     let opposite = (0..3).find(|&i| !b.contains(&a[i]))?;
     let (corner, p, q) = (a[opposite], a[(opposite + 1) % 3], a[(opposite + 2) % 3]);

@@ -14,6 +14,7 @@ pub mod texture;
 pub use crate::camera::SceneFrame;
 pub use builder::{SceneBuilder, SceneError, Warning};
 pub use lights::Light;
+pub(crate) use lights::point_on_mesh;
 pub use material::{Material, MaterialKind, TextureRef};
 pub use needs::Needs;
 pub use texture::{Encoding, Texture};

@@ -122,15 +122,14 @@ impl Tracer {
             if point.geometric_normal.dot(direction) <= 0.0 {
                 break;
             }
-            let Some((next, through_specular)) = self.next_diffuse_point(
-                Ray::new(point.origin_in_front(), direction),
-                &mut throughput,
-                key,
-                rays,
-            ) else {
-                break;
+            let ray = Ray::new(point.origin_in_front(), direction);
+            let (next, was_mirrored) = match self.next_diffuse_point(ray, &mut throughput, key, rays) {
+                Next::Surface(next, was_mirrored) => (next, was_mirrored),
+                // Seen directly the sky is a light with shadow rays of its own.
+                Next::Sky(seen, true) => return radiance + throughput * seen,
+                Next::Sky(..) | Next::Lost => break,
             };
-            if through_specular {
+            if was_mirrored {
                 // No shadow ray finds a light by way of a mirror, so here its emission counts.
                 radiance += throughput * self.scene().materials[next.material.0 as usize].emission;
             }
@@ -145,28 +144,47 @@ impl Tracer {
         radiance
     }
 
-    /// Follows a ray to the next surface that scatters, through mirrors and glass on the way (one branch, chosen at
-    /// random by its weight).
+    /// Follows a ray to the next point that scatters, through mirrors and glass on the way. At a surface with several
+    /// parts one is chosen at random, by what it carries.
     fn next_diffuse_point(
         &self,
         mut ray: Ray,
         throughput: &mut Vec3,
         key: Key,
         rays: &mut RayCounts,
-    ) -> Option<(SurfacePoint, bool)> {
+    ) -> Next {
         const LONGEST_CHAIN: u32 = 64;
+        let mut was_mirrored = false;
         for link in 0..LONGEST_CHAIN {
             rays.indirect += 1;
-            let hit = self.closest(&ray)?;
+            let Some(hit) = self.closest(&ray) else {
+                return Next::Sky(self.sky(ray.direction), was_mirrored);
+            };
             let point = self.surface(&ray, &hit);
-            let material = &self.scene().materials[point.material.0 as usize];
-            if !material.is_specular() {
-                return Some((point, link > 0));
+            if !self.is_specular(&point) {
+                return Next::Surface(point, was_mirrored);
             }
-            let (next, weight) = self.choose_branch(&point, ray.direction, key.with(link).pair()[0])?;
+            let random = key.with(link).pair();
+            let diffuse = point.albedo(self.scene()).max_element();
+            let scatters = diffuse / (diffuse + self.specular_weight(&point, ray.direction));
+            if random[1] < scatters {
+                *throughput /= scatters;
+                return Next::Surface(point, was_mirrored);
+            }
+            let Some((next, weight)) = self.choose_branch(&point, ray.direction, random[0]) else {
+                return Next::Lost;
+            };
+            was_mirrored |= next.direction.dot(point.geometric_normal) > 0.0;
+            *throughput *= weight / (1.0 - scatters);
             ray = next;
-            *throughput *= weight;
         }
-        None
+        Next::Lost
     }
+}
+
+/// Where a path arrives; with whether it was mirrored since it last scattered.
+enum Next {
+    Surface(SurfacePoint, bool),
+    Sky(Vec3, bool),
+    Lost,
 }

@@ -10,7 +10,7 @@ use super::Bvh;
 use crate::math::Ray;
 use crate::math::hash::Key;
 use crate::math::sampling::lattice;
-use crate::scene::{Light, MaterialKind, Scene};
+use crate::scene::{Light, MaterialKind, Scene, point_on_mesh};
 use glam::{UVec3, Vec3};
 use std::sync::OnceLock;
 
@@ -24,6 +24,9 @@ const TOLERANCE: f32 = 1.0 / 64.0 / 4.0;
 /// Lines drawn to every light, and at most to one that none has reached yet.
 const FIRST_LINES: u32 = 32;
 const MOST_LINES: u32 = 1024;
+
+/// Lines drawn from one cell in all, a few tens of milliseconds: a cell is found in one go.
+const CELL_LINES: u32 = 1 << 17;
 
 /// Fewer lights than this are always all sampled: there is nothing to win.
 const FEWEST_LIGHTS: usize = 3;
@@ -86,19 +89,30 @@ impl LightGrid {
         let low = self.low + at.as_vec3() * CELL - CELL / 2.0;
         let region = Region { low, size: CELL * 2.0, key: Key::of_pixel(0, index) };
         let mut seen = vec![false; self.all.len()];
+        let first_lines = FIRST_LINES.min((CELL_LINES / self.all.len() as u32).max(1));
+        let mut lines_left = CELL_LINES;
         let mut arriving = 0.0;
         for &light in &self.all {
-            let lines = 0..FIRST_LINES;
+            let lines = 0..first_lines;
             let reached = lines.filter(|&line| region.reaches(scene, bvh, light, line)).count();
-            let share = reached as f32 / FIRST_LINES as f32;
+            let share = reached as f32 / first_lines as f32;
             seen[light as usize] = reached > 0;
-            arriving += share * unshadowed(&scene.lights[light as usize], region.centre(), 0.0);
+            // As from the cell's far side, so that a lamp near its middle does not drown the others.
+            arriving += share * unshadowed(&scene.lights[light as usize], region.centre(), -region.radius());
         }
         for &light in self.all.iter().filter(|&&light| !seen[light as usize]).collect::<Vec<_>>() {
             let most = unshadowed(&scene.lights[light as usize], region.centre(), region.radius());
             // In a dark cell every light counts; the quotient is then infinite.
             let needed = (3.0 * most / (TOLERANCE * arriving)).min(MOST_LINES as f32) as u32;
-            seen[light as usize] = (FIRST_LINES..needed).any(|line| region.reaches(scene, bvh, light, line));
+            let mut lines = first_lines..needed.max(first_lines);
+            // A light there are no lines left for is kept: it may be seen.
+            seen[light as usize] = match lines_left.checked_sub(lines.len() as u32) {
+                Some(left) => {
+                    lines_left = left;
+                    lines.any(|line| region.reaches(scene, bvh, light, line))
+                }
+                None => true,
+            };
         }
         self.all.iter().copied().filter(|&light| seen[light as usize]).collect()
     }
@@ -143,10 +157,7 @@ fn point_on(light: &Light, random: [f32; 2]) -> Option<Vec3> {
     match light {
         Light::Quad { corner, edge_u, edge_v, .. } => Some(*corner + *edge_u * u[0] + *edge_v * u[1]),
         Light::Triangles { corners, cumulative_area, .. } => {
-            let chosen = cumulative_area.partition_point(|&c| c <= u[0]).min(corners.len() - 1);
-            let [a, b, c] = corners[chosen];
-            let [b1, b2] = crate::math::sampling::uniform_triangle([u[1], random[0]]);
-            Some(a + (b - a) * b1 + (c - a) * b2)
+            Some(point_on_mesh(corners, cumulative_area, u).0)
         }
         Light::Point { position, .. } => Some(*position),
         Light::Sun { .. } | Light::Sky => None,

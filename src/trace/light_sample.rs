@@ -1,8 +1,8 @@
 //! One light as a surface point sees it: where its sample points are and what each would bring.
 
 use crate::math::Ray;
-use crate::math::sampling::{cosine_hemisphere, frame_around, uniform_cone, uniform_triangle};
-use crate::scene::{Light, Scene};
+use crate::math::sampling::{cosine_hemisphere, frame_around, uniform_cone};
+use crate::scene::{Light, Scene, point_on_mesh};
 use crate::trace::surface::SurfacePoint;
 use glam::Vec3;
 use std::f32::consts::PI;
@@ -52,13 +52,10 @@ pub(super) fn sample(
             area_sample(point, origin, on_light, edge_u.cross(*edge_v), *radiance)
         }
         Light::Triangles { corners, cumulative_area, area, radiance } => {
-            let chosen = cumulative_area.partition_point(|&c| c <= u[0]).min(corners.len() - 1);
-            let below = if chosen == 0 { 0.0 } else { cumulative_area[chosen - 1] };
-            let within = ((u[0] - below) / (cumulative_area[chosen] - below)).clamp(0.0, 1.0);
+            let (on_light, chosen) = point_on_mesh(corners, cumulative_area, u);
             let [a, b, c] = corners[chosen];
-            let [b1, b2] = uniform_triangle([within, u[1]]);
             let normal = (b - a).cross(c - a).normalize_or(Vec3::Y);
-            area_sample(point, origin, a + (b - a) * b1 + (c - a) * b2, normal * *area, *radiance)
+            area_sample(point, origin, on_light, normal * *area, *radiance)
         }
         Light::Point { position, intensity } => {
             let d = *position - point.position;

@@ -5,7 +5,7 @@ use super::light_grid::LightGrid;
 use super::surface::{SurfacePoint, interpolate_uv};
 use crate::camera::View;
 use crate::math::Ray;
-use crate::scene::{MaterialKind, Scene};
+use crate::scene::{MaterialKind, Scene, SolidSide};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -109,7 +109,11 @@ impl Tracer {
         let [a, b, c] = self.scene.corners(hit.triangle);
         let n = (b - a).cross(c - a);
         let cos = (n.dot(ray.direction).abs() / (n.length() * ray.direction.length())).min(1.0);
-        1.0 - super::specular::fresnel_dielectric(cos, 1.0 / eta)
+        let mirrored = super::specular::fresnel_dielectric(cos, 1.0 / eta);
+        match self.scene.solids[hit.triangle as usize] {
+            SolidSide::Thin => 1.0 - super::specular::thin_reflectance(mirrored),
+            _ => 1.0 - mirrored,
+        }
     }
 
     /// Alpha test: true where the surface is there.

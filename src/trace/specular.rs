@@ -84,6 +84,11 @@ impl Tracer {
         }
     }
 
+    /// What all specular branches of a point carry together, at most about one.
+    pub(super) fn specular_weight(&self, point: &SurfacePoint, direction: Vec3) -> f32 {
+        self.branches(point, direction).iter().flatten().map(|(_, share)| share.max_element()).sum()
+    }
+
     fn branches(&self, point: &SurfacePoint, direction: Vec3) -> Branches {
         let d = direction.normalize_or(Vec3::Y);
         match self.scene().materials[point.material.0 as usize].kind {
@@ -105,12 +110,17 @@ impl Tracer {
 /// A sheet: light passes straight through, and the mirrored share includes what bounces between its two faces.
 fn thin_branches(point: &SurfacePoint, d: Vec3, eta: f32, transmittance: Vec3) -> Branches {
     let single = fresnel_dielectric(point.shading_normal.dot(-d).clamp(0.0, 1.0), 1.0 / eta);
-    let mirrored = 2.0 * single / (1.0 + single);
+    let mirrored = thin_reflectance(single);
     [
         Some((Ray::new(point.origin_behind(), d), transmittance * (1.0 - mirrored))),
         (mirrored > 0.0)
             .then(|| (Ray::new(point.origin_in_front(), reflected(point, d)), Vec3::splat(mirrored))),
     ]
+}
+
+/// The share that a sheet mirrors, from the share that each of its faces does: the series of what bounces between them.
+pub(super) fn thin_reflectance(single: f32) -> f32 {
+    2.0 * single / (1.0 + single)
 }
 
 /// The face of a solid; `eta` is the index on the viewer's side over that on the other.

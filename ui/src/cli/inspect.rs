@@ -62,17 +62,17 @@ fn light_kinds(scene: &Scene) -> Vec<(&'static str, usize)> {
     ]
 }
 
-/// The largest reflectance of any mirror, and the radiance that ending chains of mirrors early can leave out where
-/// every surface they meet is as bright as the brightest there is; `None` where it is unbounded.
+/// The largest reflectance of any mirror, and what ending chains of mirrors early can leave out, as a share of the
+/// brightest radiance they see; `None` where it is unbounded.
 fn mirrors(scene: &Scene) -> (f32, Option<f32>) {
     let reflectance = |m: &afterimage::scene::Material| match m.kind {
+        // At grazing angles everything is mirrored.
+        MaterialKind::Mirror { fresnel: true, .. } => 1.0,
         MaterialKind::Mirror { reflectance, .. } => reflectance.max_element(),
         _ => 0.0,
     };
     let r = scene.materials.iter().map(reflectance).fold(0.0, f32::max);
-    let of_sky = scene.sky.map_or(0.0, |s| s.zenith.max(s.horizon).max(s.ground).max_element());
-    let brightest = scene.materials.iter().map(|m| m.emission.max_element()).fold(of_sky, f32::max);
-    let bound = if r > 0.0 { truncation_bound(r, brightest) } else { 0.0 };
+    let bound = if r > 0.0 { truncation_bound(r, 1.0) } else { 0.0 };
     (r, bound.is_finite().then_some(bound))
 }
 
@@ -82,7 +82,7 @@ fn table(loaded: &Loaded) -> String {
     let size = high - low;
     let kinds = light_kinds(scene).into_iter().filter(|(_, n)| *n > 0).map(|(kind, n)| format!("{n} {kind}"));
     let (reflectance, bound) = mirrors(scene);
-    let bound = bound.map_or("unbounded".to_owned(), |b| format!("at most {b:.4} of radiance"));
+    let bound = bound.map_or("an unbounded share".to_owned(), |b| format!("at most {:.2} %", b * 100.0));
     let textured = scene.materials.iter().filter(|m| m.diffuse_texture.is_some()).count();
     let left_out = scene.needs.left_out();
     let mut text = output::table(&[
@@ -92,7 +92,10 @@ fn table(loaded: &Loaded) -> String {
         ("materials", format!("{}, {textured} textured", scene.materials.len())),
         ("lights", format!("{} ({})", scene.lights.len(), kinds.collect::<Vec<_>>().join(", "))),
         ("left out", if left_out.is_empty() { "nothing".to_owned() } else { left_out.join(", ") }),
-        ("mirrors", format!("reflectance {reflectance:.3}; ending their chains early loses {bound}")),
+        (
+            "mirrors",
+            format!("reflectance {reflectance:.3}; ending their chains early loses {bound} of what they see"),
+        ),
         (
             "hierarchy",
             format!(
