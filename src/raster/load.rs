@@ -5,6 +5,7 @@ use exr::prelude::{ReadChannels, ReadLayers};
 use glam::Vec3;
 use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
 /// Why there is no picture.
@@ -37,8 +38,8 @@ pub struct Picture {
     pub values: Vec<Vec3>,
 }
 
-/// The most pixels read: 16384 squared. A header can claim more than there is memory for.
-const MOST_PIXELS: u64 = 1 << 28;
+/// The most pixels read: 8192 squared. A header can claim more than there is memory for.
+const MOST_PIXELS: u64 = 1 << 26;
 
 impl Picture {
     /// Reads a PNG or an OpenEXR file, told apart by their first bytes.
@@ -46,7 +47,10 @@ impl Picture {
     /// # Errors
     /// [`LoadError`] with the path and the cause.
     pub fn load(path: &Path) -> Result<Self, LoadError> {
-        read(path).map_err(|cause| LoadError { path: path.to_owned(), cause })
+        // A decoder may panic on a damaged file.
+        let outcome = catch_unwind(AssertUnwindSafe(|| read(path)));
+        let outcome = outcome.unwrap_or_else(|_| Err("the decoder failed on it".to_owned()));
+        outcome.map_err(|cause| LoadError { path: path.to_owned(), cause })
     }
 
     /// The values as sRGB in 0..1; a linear picture is clipped at 1.

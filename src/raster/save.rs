@@ -76,11 +76,49 @@ fn write_through(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     file.flush()
 }
 
+/// A name is tried with so many numbers before giving up.
+const MOST_NAMES: u32 = 100_000;
+
+/// Writes a new file `stem-0001.extension`, with the first number that is not taken, in one piece. Nothing is ever
+/// overwritten. Returns the path.
+///
+/// # Errors
+/// [`SaveError::Write`] with the path and the system's reason.
+pub fn write_new_atomically(
+    folder: &Path,
+    stem: &str,
+    extension: &str,
+    bytes: &[u8],
+) -> Result<PathBuf, SaveError> {
+    let named = |number: u32| folder.join(format!("{stem}-{number:04}.{extension}"));
+    let failed = |path: PathBuf, cause| SaveError::Write { path, cause };
+    let mut file = temporary(folder, bytes).map_err(|cause| failed(named(1), cause))?;
+    for number in 1..MOST_NAMES {
+        let path = named(number);
+        match file.persist_noclobber(&path) {
+            Ok(_) => {
+                sync_folder(folder);
+                return Ok(path);
+            }
+            Err(error) if error.error.kind() == std::io::ErrorKind::AlreadyExists => file = error.file,
+            Err(error) => return Err(failed(path, error.error)),
+        }
+    }
+    Err(failed(named(MOST_NAMES), std::io::ErrorKind::AlreadyExists.into()))
+}
+
 fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     let folder = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
     };
+    temporary(folder, bytes)?.persist(path).map_err(|e| e.error)?;
+    sync_folder(folder);
+    Ok(())
+}
+
+/// All of `bytes`, on the disk, in a file that has no lasting name yet.
+fn temporary(folder: &Path, bytes: &[u8]) -> std::io::Result<tempfile::NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".afterimage-");
     // Temporary files are private by default; a picture gets what the user's umask grants.
@@ -89,12 +127,14 @@ fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     let mut file = builder.tempfile_in(folder)?;
     file.write_all(bytes)?;
     file.as_file().sync_all()?;
-    file.persist(path).map_err(|e| e.error)?;
-    // The name itself must reach the disk too. Some systems cannot sync a folder; the file is whole all the same.
+    Ok(file)
+}
+
+/// The name itself must reach the disk too. Some systems cannot sync a folder; the file is whole all the same.
+fn sync_folder(folder: &Path) {
     if let Ok(folder) = File::open(folder) {
         let _ = folder.sync_all();
     }
-    Ok(())
 }
 
 /// Writes an 8-bit sRGB picture with notes as text chunks.
@@ -107,8 +147,11 @@ pub fn save_png(path: &Path, size: [u32; 2], srgb: &[[u8; 3]], notes: Notes<'_>)
     write_atomically(path, &bytes)
 }
 
-/// The bytes of a PNG file.
-fn encode_png(
+/// The bytes of an 8-bit sRGB picture as a PNG file, with notes as text chunks.
+///
+/// # Errors
+/// Where the pixels do not fill the size or a note cannot be expressed.
+pub fn encode_png(
     [width, height]: [u32; 2],
     srgb: &[[u8; 3]],
     notes: Notes<'_>,

@@ -1,4 +1,5 @@
 //! Everything a person touches: the command line and the window. No ray and no triangle is handled here.
 
 pub mod cli;
+mod notes;
 pub mod window;

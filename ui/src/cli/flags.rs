@@ -59,10 +59,9 @@ pub(crate) struct Flags {
     /// A saved view of the scene; the first one when neither this nor a pose is given.
     #[arg(long, global = true, value_name = "NAME")]
     pub(crate) view: Option<String>,
-    /// Exposure of display-referred pictures, stops.
-    #[arg(long, global = true, value_name = "EV", default_value = "0", value_parser = exposure)]
-    #[arg(allow_hyphen_values = true)]
-    pub(crate) exposure: f32,
+    /// Exposure of display-referred pictures, stops; 0, in the window what suits an opened model.
+    #[arg(long, global = true, value_name = "EV", value_parser = exposure, allow_hyphen_values = true)]
+    pub(crate) exposure: Option<f32>,
     /// Tone map of display-referred pictures.
     #[arg(long, global = true, value_name = "aces|linear", default_value = "aces", value_parser = tone_map)]
     pub(crate) tone_map: ToneMap,
@@ -82,6 +81,11 @@ impl Flags {
     /// Mode and the above.
     pub(crate) fn render(&self) -> RenderSettings {
         RenderSettings { mode: self.mode, trace: self.trace() }
+    }
+
+    /// Exposure in stops where nothing is metered.
+    pub(crate) fn exposure_ev(&self) -> f32 {
+        self.exposure.unwrap_or(0.0)
     }
 
     /// Number of pixels of a picture.

@@ -19,16 +19,24 @@ mod scene;
 mod start;
 mod tour;
 
+use crate::window::keymap::help_text;
 use clap::{Parser, Subcommand};
 use failure::Failure;
 use flags::Flags;
 use std::process::ExitCode;
 
+const EXIT_CODES: &str = "Exit codes: 0 ok, 1 failure, 2 usage, 3 the scene cannot be imported, \
+    4 warnings under --strict, 130 interrupted.";
+
+/// What `--help` says below the flags.
+fn long_help() -> String {
+    format!("Keys in the window:\n{}\n{EXIT_CODES}", help_text())
+}
+
 /// Walk through ray-traced buildings; reference images are reused.
 #[derive(Debug, Parser)]
 #[command(name = "afterimage", version, about, subcommand_precedence_over_arg = true)]
-#[command(after_help = "Exit codes: 0 ok, 1 failure, 2 usage, 3 the scene cannot be imported, \
-    4 warnings under --strict, 130 interrupted.")]
+#[command(after_help = EXIT_CODES, after_long_help = long_help())]
 struct Cli {
     /// A model (.obj) or builtin:NAME; the embedded gallery when absent. Opens the window.
     scene: Option<String>,
@@ -64,7 +72,6 @@ pub fn run() -> ExitCode {
             return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(1));
         }
     };
-    interrupt::install();
     let outcome =
         pose::check(&cli.flags).and_then(|()| start_threads(&cli.flags)).and_then(|()| dispatch(&cli));
     match outcome {
@@ -78,6 +85,10 @@ pub fn run() -> ExitCode {
 
 fn dispatch(cli: &Cli) -> Result<(), Failure> {
     let flags = &cli.flags;
+    // The window is ended by the system's own answer to a signal.
+    if cli.command.is_some() {
+        interrupt::install();
+    }
     match (&cli.scene, &cli.command) {
         (Some(scene), Some(_)) => {
             Err(Failure::Usage(format!("'{scene}' stands before the command; put the scene after it")))

@@ -5,6 +5,7 @@ use super::flags::Flags;
 use super::pose::{camera, eye_and_target};
 use super::scene::{Loaded, load};
 use super::{interrupt, memory, output};
+use crate::notes::{Made, notes};
 use afterimage::camera::Camera;
 use afterimage::raster::save::{Channel, save_exr, save_png};
 use afterimage::reference::ReferenceFrame;
@@ -123,16 +124,16 @@ fn trace_references(
 fn write_files(args: &RenderArgs, flags: &Flags, loaded: &Loaded, frame: &Frame) -> Result<(), Failure> {
     let size = frame.view.size;
     if is_exr(&args.output) {
-        save_exr(&args.output, size, channels(args, loaded, frame), &notes(flags, loaded, frame))?;
+        save_exr(&args.output, size, channels(args, loaded, frame), &file_notes(flags, loaded, frame))?;
     } else {
-        let picture = display_picture(frame, flags.exposure, flags.tone_map);
-        save_png(&args.output, size, &picture, &notes(flags, loaded, frame))?;
+        let picture = display_picture(frame, flags.exposure_ev(), flags.tone_map);
+        save_png(&args.output, size, &picture, &file_notes(flags, loaded, frame))?;
     }
     if let Some(path) = &args.linear {
-        save_exr(path, size, channels(args, loaded, frame), &notes(flags, loaded, frame))?;
+        save_exr(path, size, channels(args, loaded, frame), &file_notes(flags, loaded, frame))?;
     }
     if let Some(path) = &args.types {
-        save_png(path, size, &types_picture(frame), &notes(flags, loaded, frame))?;
+        save_png(path, size, &types_picture(frame), &file_notes(flags, loaded, frame))?;
     }
     Ok(())
 }
@@ -149,28 +150,17 @@ fn channels(args: &RenderArgs, loaded: &Loaded, frame: &Frame) -> Vec<Channel> {
     channels
 }
 
-/// What the file says of itself: enough to make it again.
-pub(super) fn notes(flags: &Flags, loaded: &Loaded, frame: &Frame) -> Vec<(&'static str, String)> {
-    let c = &frame.camera;
-    let (eye, at) = (c.eye, c.eye + c.forward());
-    let list = |v: DVec3| format!("{},{},{}", v.x, v.y, v.z);
-    vec![
-        ("Software", format!("afterimage {}", env!("CARGO_PKG_VERSION"))),
-        ("Scene", format!("{} {}", loaded.name, loaded.scene().hash)),
-        ("Pose", format!("--eye {} --look-at {} --fov-y {}", list(eye), list(at), c.fov_y.to_degrees())),
-        (
-            "Settings",
-            format!(
-                "--mode {} --samples {} --bounces {} --seed {}",
-                flags.mode.name(),
-                flags.trace().samples,
-                flags.trace().bounces,
-                flags.seed
-            ),
-        ),
-        ("Complete", if frame.stats.is_complete { "yes" } else { "no" }.to_owned()),
-        ("Tone map", format!("{} at {} EV", flags.tone_map.name(), flags.exposure)),
-    ]
+/// What the file says of itself.
+pub(super) fn file_notes(flags: &Flags, loaded: &Loaded, frame: &Frame) -> Vec<(&'static str, String)> {
+    notes(&Made {
+        scene_name: &loaded.name,
+        scene: loaded.scene(),
+        camera: &frame.camera,
+        settings: &flags.render(),
+        is_complete: frame.stats.is_complete,
+        exposure_ev: flags.exposure_ev(),
+        tone_map: flags.tone_map,
+    })
 }
 
 fn object(flags: &Flags, loaded: &Loaded, frame: &Frame, references: &[ReferenceFrame]) -> Value {

@@ -2,7 +2,7 @@
 
 use super::failure::Failure;
 use super::flags::Flags;
-use super::{output, pose, scene, tour};
+use super::{interrupt, output, pose, scene, tour};
 use crate::window::{self, SceneSource, WindowRequest};
 use clap::Parser;
 
@@ -13,6 +13,7 @@ pub(crate) fn start(scene: Option<&str>, flags: &Flags) -> Result<(), Failure> {
     if window::has_display() {
         return open_window(scene, flags);
     }
+    interrupt::install();
     output::say(&format!("no display was found; walking the scene's tour headless into {OUT}/"));
     tour::run(&headless_tour(scene), flags)
 }
@@ -23,6 +24,9 @@ fn open_window(scene: Option<&str>, flags: &Flags) -> Result<(), Failure> {
         scene: scene.map(|name| SceneSource::named(name, options)),
         camera: pose::given(flags),
         view: flags.view.clone(),
+        fov_y_deg: flags.fov_y,
+        exposure_ev: flags.exposure,
+        tone_map: flags.tone_map,
         threads: flags.threads,
         ..WindowRequest::default()
     };

@@ -3,7 +3,7 @@
 use super::failure::Failure;
 use super::flags::Flags;
 use super::progress::Progress;
-use super::render::notes;
+use super::render::file_notes;
 use super::scene::{Loaded, load};
 use super::{interrupt, memory, output, paths};
 use afterimage::camera_path::CameraPath;
@@ -23,7 +23,7 @@ pub(crate) struct TourArgs {
     /// A model (.obj) or builtin:NAME; the embedded gallery when absent.
     pub(super) scene: Option<String>,
     /// Number of frames; the walk's own when absent.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_FRAMES)))]
     pub(super) frames: Option<u32>,
     /// A recorded walk (JSON); FILE#NAME takes one of several.
     #[arg(long, value_name = "FILE[#NAME]")]
@@ -62,6 +62,9 @@ pub(crate) struct TourArgs {
     #[arg(long, value_name = "DIR")]
     pub(super) truth_cache: Option<PathBuf>,
 }
+
+/// The most frames of a walk.
+const MOST_FRAMES: u32 = 1_000_000;
 
 fn policy_name(text: &str) -> Result<&'static str, String> {
     match text {
@@ -170,8 +173,8 @@ fn write_pictures(
     frame: &Frame,
 ) -> Result<(), Failure> {
     let folder = args.out.join("images");
-    let picture = display_picture(frame, flags.exposure, flags.tone_map);
-    let notes = notes(flags, loaded, frame);
+    let picture = display_picture(frame, flags.exposure_ev(), flags.tone_map);
+    let notes = file_notes(flags, loaded, frame);
     save_png(&folder.join(format!("frame_{number:04}.png")), frame.view.size, &picture, &notes)?;
     let types = types_picture(frame);
     save_png(&folder.join(format!("types_{number:04}.png")), frame.view.size, &types, &notes)?;
@@ -198,6 +201,9 @@ fn read_path(text: &str) -> Result<CameraPath, Failure> {
     let walk: CameraPath = serde_json::from_value(value).map_err(|e| failed(e.to_string()))?;
     if walk.keyframes.is_empty() || !afterimage::Camera::FOV_Y_DEGREES.contains(&walk.fov_y_deg) {
         return Err(failed("a walk needs keyframes, and fov_y_deg from 1 to 170".to_owned()));
+    }
+    if !(1..=MOST_FRAMES).contains(&walk.frames) {
+        return Err(failed(format!("frames is {}; a walk has from 1 to {MOST_FRAMES}", walk.frames)));
     }
     Ok(walk)
 }

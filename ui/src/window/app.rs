@@ -61,6 +61,9 @@ impl App {
         let threads = RenderThread::start(request.threads.unwrap_or(all), wake.clone())?;
         let trouble = Arc::new(Mutex::new(Vec::new()));
         let mut state = State::new(request.settings, Camera::look_at(DVec3::ZERO, DVec3::NEG_Z, 60.0));
+        state.quality.exposure_ev = request.exposure_ev.unwrap_or(state.quality.exposure_ev);
+        state.quality.tone_map = request.tone_map;
+        state.default_quality = state.quality;
         if let Some(graphics) = &cc.wgpu_render_state {
             watch(graphics, &trouble, &wake);
             viewport::install(graphics);
@@ -163,13 +166,11 @@ impl App {
     fn show_scene(&mut self, source: SceneSource, tracer: Arc<Tracer>) {
         let is_reload = self.state.scene.as_ref().is_some_and(|s| s.source.label() == source.label());
         let scene = SceneInfo::new(source, &tracer);
-        // Only the first scene starts where the request says; one that was edited is looked at from where one was.
-        let named = self.request.view.take();
-        let named = named.and_then(|name| scene.views.iter().find(|v| v.name == name).map(|v| v.camera));
-        let start = self.request.camera.take().or(named).unwrap_or(scene.views[0].camera);
+        let (view_index, start) = self.start_pose(&scene);
+        // A scene that was edited is looked at from where one was.
         if !is_reload {
             self.state.fly.jump_to(start);
-            self.state.view_index = 0;
+            self.state.view_index = view_index;
         }
         if !scene.warnings.is_empty() {
             let count = scene.warnings.len();
@@ -182,12 +183,33 @@ impl App {
         let generation = self.threads.order(Order::SetTracer(tracer));
         if !is_reload {
             let given = self.request.settings.render.trace.bounces;
-            let quality = &mut self.state.quality;
-            quality.walk.render.trace.bounces = if is_model { self.request.model_bounces } else { given };
-            quality.exposure_ev = self.state.default_quality.exposure_ev;
-            self.state.meters_from = is_model.then_some(generation);
+            let bounces = if is_model { self.request.model_bounces } else { given };
+            // A reset goes back to what suits the scene.
+            for quality in [&mut self.state.quality, &mut self.state.default_quality] {
+                quality.walk.render.trace.bounces = bounces;
+            }
+            self.state.quality.exposure_ev = self.state.default_quality.exposure_ev;
+            let is_metered = is_model && self.request.exposure_ev.is_none();
+            self.state.meters_from = is_metered.then_some(generation);
         }
         self.sent = None;
+    }
+
+    /// The number of the saved view to start at and the pose. Only the first scene starts where the request says.
+    fn start_pose(&mut self, scene: &SceneInfo) -> (usize, Camera) {
+        let name = self.request.view.take();
+        let index = name.as_ref().and_then(|name| scene.views.iter().position(|v| v.name == *name));
+        if let (Some(name), None) = (&name, index) {
+            let known: Vec<&str> = scene.views.iter().map(|v| v.name.as_str()).collect();
+            let text = format!("{} has no view '{name}'; it has: {}", scene.name, known.join(", "));
+            self.state.notify(Severity::Error, text);
+        }
+        let index = index.unwrap_or(0);
+        let mut camera = self.request.camera.take().unwrap_or(scene.views[index].camera);
+        if let Some(degrees) = self.request.fov_y_deg.take() {
+            camera.fov_y = degrees.to_radians();
+        }
+        (index, camera)
     }
 
     fn save(&mut self, picture: super::render_thread::Picture) {
@@ -233,6 +255,7 @@ impl App {
             frame.is_some_and(|f| f.generation == self.threads.generation() && f.stats.is_complete);
         match () {
             () if self.loader.is_some() => Work::Loading,
+            () if self.state.scene.is_none() => Work::NoScene,
             () if self.state.options.is_paused => Work::Paused,
             () if self.moved.elapsed() < MOTION_TIME && !self.state.shows_hint => Work::Moving,
             () if !is_newest => Work::Filling,

@@ -16,12 +16,15 @@ pub mod screenshot;
 pub mod state;
 pub mod viewport;
 
+use afterimage::raster::color::ToneMap;
 use afterimage::reference::PlacementPolicy;
 use afterimage::render::RenderSettings;
 use afterimage::trace::TraceSettings;
 use afterimage::{Camera, WalkthroughSettings};
 use anyhow::anyhow;
 use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 pub use app::App;
 pub use load::SceneSource;
@@ -39,6 +42,12 @@ pub struct WindowRequest {
     pub camera: Option<Camera>,
     /// Start at the saved view of this name. `camera` goes before it.
     pub view: Option<String>,
+    /// Vertical field of view at the start, in degrees, where it is not the view's own.
+    pub fov_y_deg: Option<f64>,
+    /// Exposure in stops; where nothing is said it is 0, and an opened model's is metered.
+    pub exposure_ev: Option<f32>,
+    /// From radiance to display.
+    pub tone_map: ToneMap,
     /// Threads that render; all there are where nothing is said.
     pub threads: Option<usize>,
     /// Where pictures are saved; the current folder, or the user's pictures, where nothing is said.
@@ -59,6 +68,9 @@ impl Default for WindowRequest {
             model_bounces: 1,
             camera: None,
             view: None,
+            fov_y_deg: None,
+            exposure_ev: None,
+            tone_map: ToneMap::default(),
             threads: None,
             pictures: None,
         }
@@ -97,17 +109,27 @@ pub fn run(request: WindowRequest) -> anyhow::Result<()> {
         dithering: false,
         ..Default::default()
     };
-    let open = move || {
-        eframe::run_native("Afterimage", options, Box::new(move |cc| Ok(Box::new(App::new(cc, request)?))))
+    let is_open = Arc::new(AtomicBool::new(false));
+    let opened = is_open.clone();
+    let create = move |cc: &eframe::CreationContext<'_>| {
+        let app: Box<dyn eframe::App> = Box::new(App::new(cc, request)?);
+        opened.store(true, Ordering::Release);
+        Ok(app)
     };
+    let open = move || eframe::run_native("Afterimage", options, Box::new(create));
     // A missing libxkbcommon-x11 is a panic in winit, not an error.
-    match std::panic::catch_unwind(std::panic::AssertUnwindSafe(open)) {
-        Ok(Ok(())) => Ok(()),
-        Ok(Err(error)) => Err(cannot_open(&error.to_string())),
-        Err(panic) => Err(cannot_open(&render_thread::panic_text(&*panic))),
-    }
+    let reason = match std::panic::catch_unwind(std::panic::AssertUnwindSafe(open)) {
+        Ok(Ok(())) => return Ok(()),
+        Ok(Err(error)) => error.to_string(),
+        Err(panic) => render_thread::panic_text(&*panic),
+    };
+    Err(failure(is_open.load(Ordering::Acquire), &reason))
 }
 
-fn cannot_open(reason: &str) -> anyhow::Error {
+/// Once it was open, nothing is missing that could be installed.
+fn failure(was_open: bool, reason: &str) -> anyhow::Error {
+    if was_open {
+        return anyhow!("the window failed: {reason}");
+    }
     anyhow!("the window cannot be opened ({reason}); on Debian or Ubuntu, install: {PACKAGES}")
 }

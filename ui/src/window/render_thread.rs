@@ -6,7 +6,7 @@
 use super::frames::{Exchange, PublishedFrame, locked};
 use super::reference_thread::{self, Job, Outcome};
 use afterimage::reference::ReferenceId;
-use afterimage::{Camera, Tracer, Walkthrough, WalkthroughSettings};
+use afterimage::{Camera, RenderSettings, Scene, Tracer, Walkthrough, WalkthroughSettings};
 use crossbeam_channel::{Receiver, Sender, unbounded};
 use glam::Vec3;
 use std::any::Any;
@@ -54,6 +54,14 @@ pub struct Picture {
     pub size: [u32; 2],
     /// Row-major from the top.
     pub radiance: Vec<Vec3>,
+    /// What it shows.
+    pub scene: Arc<Scene>,
+    /// Where it was seen from.
+    pub camera: Camera,
+    /// What it was made with.
+    pub settings: RenderSettings,
+    /// False where it was taken as it was, while paused.
+    pub is_complete: bool,
 }
 
 /// What the threads have to say beside frames.
@@ -148,6 +156,7 @@ impl RenderThread {
             walk: None,
             wish: None,
             job: None,
+            refused: Vec::new(),
             asked: None,
             wants_picture: false,
             rendered: None,
@@ -242,6 +251,15 @@ pub(super) fn give_way() {
     let _ = NICENESS;
 }
 
+/// Where a reference stands, and its size.
+type Place = (Camera, [u32; 2]);
+
+/// A reference in the making.
+struct Running {
+    cancel: Arc<AtomicBool>,
+    place: Place,
+}
+
 struct Worker {
     shared: Arc<Shared>,
     pool: rayon::ThreadPool,
@@ -251,7 +269,9 @@ struct Worker {
     walk: Option<Walkthrough>,
     wish: Option<Wish>,
     /// Ends the reference in the making.
-    job: Option<Arc<AtomicBool>>,
+    job: Option<Running>,
+    /// Poses and sizes at which tracing a reference failed: the policy would ask for them for ever.
+    refused: Vec<Place>,
     /// A reference asked for by hand while another was in the making.
     asked: Option<Camera>,
     wants_picture: bool,
@@ -317,6 +337,7 @@ impl Worker {
                 // would show the old scene.
                 self.walk = Some(Walkthrough::new(tracer, settings));
                 self.added.clear();
+                self.refused.clear();
             }
             Order::AddReference(camera) => self.asked = Some(camera),
             Order::Remove(id) => {
@@ -335,7 +356,8 @@ impl Worker {
     }
 
     fn take_in(&mut self, outcome: Outcome) {
-        let was_cancelled = self.job.take().is_none_or(|cancel| cancel.load(Ordering::Acquire));
+        let job = self.job.take();
+        let was_cancelled = job.as_ref().is_none_or(|job| job.cancel.load(Ordering::Acquire));
         self.shared.is_adding.store(false, Ordering::Release);
         match outcome {
             Outcome::Traced(frame) if !was_cancelled => {
@@ -346,6 +368,7 @@ impl Worker {
                 }
             }
             Outcome::Panicked(text) => {
+                self.refused.extend(job.filter(|_| !was_cancelled).map(|job| job.place));
                 self.say(Message::Failed(format!("tracing a reference failed: {text}")))
             }
             Outcome::Traced(_) | Outcome::Cancelled => {}
@@ -364,6 +387,7 @@ impl Worker {
         };
         if *walk.settings() != wish.settings {
             walk.set_settings(wish.settings);
+            self.refused.clear();
         }
         let mut published = shared.exchange.spare();
         let added = &self.added;
@@ -395,12 +419,14 @@ impl Worker {
             return;
         }
         let (Some(walk), Some(wish)) = (&mut self.walk, self.wish) else { return };
-        let Some(camera) = self.asked.take().or_else(|| wanted(walk, wish.size)) else { return };
+        let wanted =
+            || wanted(walk, wish.size).filter(|camera| !self.refused.contains(&(*camera, wish.size)));
+        let Some(camera) = self.asked.take().or_else(wanted) else { return };
         let cancel = Arc::new(AtomicBool::new(false));
         let (tracer, settings) = (walk.tracer().clone(), walk.reference_settings());
         let job = Job { tracer, camera, size: wish.size, settings, cancel: cancel.clone() };
         if self.jobs.send(job).is_ok() {
-            self.job = Some(cancel);
+            self.job = Some(Running { cancel, place: (camera, wish.size) });
             self.shared.is_adding.store(true, Ordering::Release);
             (self.wake)();
         }
@@ -409,8 +435,8 @@ impl Worker {
     /// The outcome still arrives and is then dropped.
     fn cancel_reference(&mut self) {
         self.asked = None;
-        if let Some(cancel) = &self.job {
-            cancel.store(true, Ordering::Release);
+        if let Some(job) = &self.job {
+            job.cancel.store(true, Ordering::Release);
         }
     }
 
@@ -422,7 +448,14 @@ impl Worker {
             return;
         }
         self.wants_picture = false;
-        self.say(Message::Picture(Picture { size: frame.view.size, radiance: frame.radiance.clone() }));
+        self.say(Message::Picture(Picture {
+            size: frame.view.size,
+            radiance: frame.radiance.clone(),
+            scene: walk.tracer().scene().clone(),
+            camera: frame.camera,
+            settings: walk.settings().render,
+            is_complete: frame.stats.is_complete,
+        }));
         (self.wake)();
     }
 
@@ -446,4 +479,66 @@ fn wanted(walk: &Walkthrough, size: [u32; 2]) -> Option<Camera> {
 pub(super) fn panic_text(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().map(|s| (*s).to_owned());
     text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_else(|| "no message".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use afterimage::Mode;
+    use afterimage::reference::PlacementPolicy;
+    use afterimage::scene::{Material, SceneBuilder};
+    use glam::{DVec3, Vec2};
+
+    fn worker() -> (Worker, Receiver<Job>, Receiver<Message>) {
+        let mut builder = SceneBuilder::new("square");
+        let material = builder.add_material(Material::diffuse("m", Vec3::ONE));
+        let corners = [DVec3::ZERO, DVec3::X, DVec3::X + DVec3::Y, DVec3::Y];
+        builder.add_quad(corners, Vec2::ONE, material);
+        let tracer = Arc::new(Tracer::new(Arc::new(builder.finish().unwrap())));
+        let mut settings = WalkthroughSettings {
+            placement: PlacementPolicy::Threshold { percent: 5.0 },
+            ..WalkthroughSettings::default()
+        };
+        settings.render.mode = Mode::Paper;
+        let camera = Camera::look_at(DVec3::new(0.5, 0.5, 0.5), DVec3::new(0.5, 0.5, 0.0), 60.0);
+        let wish = Wish { camera, size: [16, 16], settings, budget: Duration::ZERO, is_paused: false };
+        let (jobs, sent) = unbounded();
+        let (messages, said) = unbounded();
+        let worker = Worker {
+            shared: Arc::default(),
+            pool: rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap(),
+            jobs,
+            messages,
+            wake: Arc::new(|| {}),
+            walk: Some(Walkthrough::new(tracer, settings)),
+            wish: Some(wish),
+            job: None,
+            refused: Vec::new(),
+            asked: None,
+            wants_picture: false,
+            rendered: None,
+            added: Vec::new(),
+        };
+        (worker, sent, said)
+    }
+
+    #[test]
+    fn a_reference_that_failed_is_not_asked_for_again_until_settings_change() {
+        let (mut worker, sent, said) = worker();
+        worker.render(0);
+        worker.request_reference();
+        assert_eq!(sent.try_iter().count(), 1, "the first view has no reference");
+        worker.take_in(Outcome::Panicked("a bug".to_owned()));
+        assert!(matches!(said.try_recv(), Ok(Message::Failed(text)) if text.contains("a bug")));
+        worker.request_reference();
+        worker.render(0);
+        worker.request_reference();
+        assert_eq!(sent.try_iter().count(), 0);
+        if let Some(wish) = &mut worker.wish {
+            wish.settings.render.trace.samples += 1;
+        }
+        worker.render(0);
+        worker.request_reference();
+        assert_eq!(sent.try_iter().count(), 1);
+    }
 }

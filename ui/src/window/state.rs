@@ -48,6 +48,7 @@ impl Quality {
 #[allow(missing_docs, reason = "the words say it")]
 pub enum Work {
     Loading,
+    NoScene,
     Paused,
     Moving,
     Filling,
@@ -60,6 +61,7 @@ impl Work {
     pub fn word(self) -> &'static str {
         match self {
             Self::Loading => "loading",
+            Self::NoScene => "no scene",
             Self::Paused => "paused",
             Self::Moving => "moving",
             Self::Filling => "filling",

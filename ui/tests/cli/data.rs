@@ -194,3 +194,13 @@ fn one_thread_and_many_make_the_same_file() {
     }
     assert_eq!(std::fs::read(bench.path("1.png")).unwrap(), std::fs::read(bench.path("3.png")).unwrap());
 }
+
+#[test]
+fn help_lists_the_keys_of_the_window() {
+    let output = Bench::new().run("--help");
+    assert!(output.status.success());
+    let text = String::from_utf8(output.stdout).unwrap();
+    for words in ["fly forward", "W, Up", "save the finished picture as PNG", "Exit codes"] {
+        assert!(text.contains(words), "'{words}' is not in: {text}");
+    }
+}

@@ -1,6 +1,7 @@
 //! Bad input ends with the right code, one clear sentence on stderr, and nothing on stdout.
 
 use super::{Bench, stderr};
+use std::time::{Duration, Instant};
 
 /// Runs a line that must fail with `code`, a message that holds `words`, and no data.
 fn assert_fails(bench: &Bench, line: &str, code: i32, words: &str) {
@@ -64,7 +65,14 @@ fn failures_end_with_one() {
     let bench = Bench::new();
     std::fs::write(bench.path("broken.json"), "{").unwrap();
     std::fs::write(bench.path("empty.json"), r#"{"fov_y_deg": 60, "keyframes": []}"#).unwrap();
+    let keyframe = r#"{"eye": [0, 1, 3], "at": [0, 1, 0]}"#;
+    for (file, frames) in [("still.json", "0"), ("endless.json", "4000000000")] {
+        let text = format!(r#"{{"fov_y_deg": 60, "frames": {frames}, "keyframes": [{keyframe}]}}"#);
+        std::fs::write(bench.path(file), text).unwrap();
+    }
     for (line, words) in [
+        ("tour room.obj --out run --path still.json", "from 1 to 1000000"),
+        ("tour room.obj --out run --path endless.json", "from 1 to 1000000"),
         ("render room.obj -o nowhere/a.png", "nowhere"),
         ("compare room.obj room.obj", "neither PNG nor OpenEXR"),
         ("compare a.png b.png", "a.png"),
@@ -108,7 +116,7 @@ fn an_interrupted_tour_keeps_what_it_has() {
     let bench = Bench::new();
     let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_afterimage"))
         .args(
-            "tour room.obj --path walks.json#short --frames 100000 --size 64x48 --samples 2 --out run"
+            "tour room.obj --path walks.json#short --frames 100000 --size 64x48 --samples 2 --pictures --out run"
                 .split(' '),
         )
         .current_dir(bench.dir.path())
@@ -116,7 +124,12 @@ fn an_interrupted_tour_keeps_what_it_has() {
         .stderr(std::process::Stdio::null())
         .spawn()
         .unwrap();
-    std::thread::sleep(std::time::Duration::from_millis(700));
+    let (started, third) = (Instant::now(), bench.path("run/images/types_0002.png"));
+    while !third.exists() {
+        assert!(child.try_wait().unwrap().is_none(), "it ended by itself");
+        assert!(started.elapsed() < Duration::from_secs(60), "no third frame");
+        std::thread::sleep(Duration::from_millis(5));
+    }
     let killed = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
     assert!(killed.success());
     assert_eq!(child.wait().unwrap().code(), Some(130));

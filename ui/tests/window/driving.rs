@@ -1,6 +1,7 @@
 //! Keys, mouse, panels.
 
 use super::*;
+use afterimage::raster::color::ToneMap;
 use afterimage_ui::window::keymap::BINDINGS;
 use afterimage_ui::window::state::{Severity, Work};
 use afterimage_ui::window::viewport::{Coloring, Heatmap};
@@ -266,4 +267,40 @@ fn a_dropped_model_replaces_the_scene_and_its_warnings_are_listed() {
     let scene = harness.state().state().scene.as_ref().expect("a scene");
     assert!(!scene.warnings.is_empty(), "the missing library is said");
     assert!(harness.query_all_by_label_contains("import warnings").next().is_some());
+}
+
+#[test]
+fn what_was_asked_for_at_the_start_is_kept() {
+    let asked = WindowRequest {
+        view: Some("mirror".to_owned()),
+        fov_y_deg: Some(8.5),
+        exposure_ev: Some(9.25),
+        tone_map: ToneMap::Linear,
+        ..request()
+    };
+    let mut harness = open(asked, false);
+    harness.run_steps(3);
+    let state = harness.state().state();
+    assert!((state.fly.camera().fov_y.to_degrees() - 8.5).abs() < 1e-9);
+    assert_eq!(state.fly.camera().eye, state.scene.as_ref().expect("a scene").views[1].camera.eye);
+    assert_eq!((state.quality.exposure_ev, state.quality.tone_map), (9.25, ToneMap::Linear));
+    assert_eq!(state.quality, state.default_quality);
+    assert!(state.notices.is_empty());
+}
+
+#[test]
+fn an_unknown_view_is_said_with_those_there_are() {
+    let harness = open(WindowRequest { view: Some("kitchen".to_owned()), ..request() }, false);
+    let notice = &harness.state().state().notices[0];
+    assert_eq!(notice.severity, Severity::Error);
+    assert!(notice.text.contains("'kitchen'") && notice.text.contains("mirror"), "{}", notice.text);
+}
+
+#[test]
+fn without_a_scene_nothing_is_said_to_be_filling() {
+    let broken = WindowRequest { scene: Some(SceneSource::file("/no/such/model.obj")), ..request() };
+    let mut harness = begin(broken, false);
+    step_until(&mut harness, "a message", |app| !app.state().notices.is_empty());
+    harness.run_steps(2);
+    assert_eq!(harness.state().state().work, Work::NoScene);
 }

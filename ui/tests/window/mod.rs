@@ -60,12 +60,17 @@ fn has_adapter() -> bool {
 }
 
 fn open(request: WindowRequest, with_graphics: bool) -> Harness<'static, App> {
+    let mut harness = begin(request, with_graphics);
+    settle(&mut harness);
+    harness
+}
+
+/// The app as it is opened, before its scene is there.
+fn begin(request: WindowRequest, with_graphics: bool) -> Harness<'static, App> {
     let builder =
         Harness::builder().with_size([900.0, 600.0]).with_step_dt(1.0 / 60.0).with_render_cursor(false);
     let builder = if with_graphics { builder.wgpu() } else { builder };
-    let mut harness = builder.build_eframe(move |cc| App::new(cc, request).expect("the threads start"));
-    settle(&mut harness);
-    harness
+    builder.build_eframe(move |cc| App::new(cc, request).expect("the threads start"))
 }
 
 /// Steps until something holds.

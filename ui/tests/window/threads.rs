@@ -4,7 +4,7 @@ use super::small_room;
 use afterimage::reference::PlacementPolicy;
 use afterimage::{Camera, Tracer, WalkthroughSettings};
 use afterimage_ui::window::frames::PublishedFrame;
-use afterimage_ui::window::render_thread::{Message, Order, RenderThread, Wish};
+use afterimage_ui::window::render_thread::{Message, Order, Picture, RenderThread, Wish};
 use crossbeam_channel::{Receiver, unbounded};
 use glam::DVec3;
 use std::sync::Arc;
@@ -36,6 +36,18 @@ impl Bench {
         let mut settings = WalkthroughSettings { placement: PlacementPolicy::None, ..Default::default() };
         settings.render.trace.samples = 1;
         Wish { camera, size: [96, 64], settings, budget: Duration::ZERO, is_paused: false }
+    }
+
+    /// Orders the picture that is there and waits for it.
+    fn picture(&self) -> Picture {
+        self.thread.order(Order::Picture);
+        loop {
+            match self.thread.messages().next() {
+                Some(Message::Picture(picture)) => return picture,
+                Some(Message::Failed(text)) => panic!("{text}"),
+                None => self.bell.recv_timeout(DEADLINE).expect("the picture"),
+            }
+        }
     }
 
     /// Takes frames until one of this generation is complete; none may be older than the one before.
@@ -73,9 +85,7 @@ fn rest_renders_nothing() {
     bench.wait_for(generation);
     let rendered = bench.thread.frames_rendered();
     // A picture needs the thread but no new frame: when it is there, the thread has been round its loop once more.
-    bench.thread.order(Order::Picture);
-    bench.bell.recv_timeout(DEADLINE).expect("the picture");
-    assert!(matches!(bench.thread.messages().next(), Some(Message::Picture(p)) if p.size == [96, 64]));
+    assert_eq!(bench.picture().size, [96, 64]);
     assert_eq!(bench.thread.frames_rendered(), rendered);
 }
 
@@ -99,8 +109,15 @@ fn a_reference_asked_for_is_added_and_removed() {
 #[test]
 fn nothing_is_rendered_without_pixels_or_while_paused() {
     let mut bench = Bench::new();
-    bench.thread.wish(Wish { size: [0, 64], ..bench.wish(0.0) });
-    bench.thread.wish(Wish { is_paused: true, ..bench.wish(0.0) });
+    let generation = bench.thread.wish(bench.wish(0.0));
+    bench.wait_for(generation);
+    let rendered = bench.thread.frames_rendered();
+    for idle in [Wish { size: [0, 64], ..bench.wish(0.5) }, Wish { is_paused: true, ..bench.wish(0.5) }] {
+        bench.thread.wish(idle);
+        // The picture there was comes back once the wish has been taken in.
+        assert_eq!(bench.picture().camera, bench.wish(0.0).camera);
+        assert_eq!(bench.thread.frames_rendered(), rendered, "{idle:?}");
+    }
     let generation = bench.thread.wish(bench.wish(1.0));
     bench.wait_for(generation);
     assert_eq!(bench.shown.as_ref().map(|f| f.camera), Some(bench.wish(1.0).camera));

@@ -4,9 +4,12 @@ use super::super::state::{Command, Quality, State};
 use afterimage::Mode;
 use afterimage::raster::color::ToneMap;
 use afterimage::reference::PlacementPolicy;
-use egui::{Slider, Ui};
+use egui::{Slider, SliderClamping, Ui};
 
 const MB: usize = 1 << 20;
+
+/// A value from the command line may lie beyond a slider, or between its steps: being shown must not change it.
+const KEEP: SliderClamping = SliderClamping::Edits;
 
 /// Shows the settings.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
@@ -98,10 +101,12 @@ fn sampling_rows(ui: &mut Ui, q: &mut Quality, d: &Quality) {
                 with more. Applies to new references and traced pixels.";
     let (trace, default) = (&mut q.walk.render.trace, &d.walk.render.trace);
     row(ui, "Samples", help, &mut trace.samples, default.samples, |ui, v| {
-        ui.add(Slider::new(v, 1..=256).logarithmic(true).suffix(" /light"))
+        ui.add(Slider::new(v, 1..=256).clamping(KEEP).logarithmic(true).suffix(" /light"))
     });
     let help = "How often light is scattered between matte surfaces; 0 is direct light only.";
-    row(ui, "Bounces", help, &mut trace.bounces, default.bounces, |ui, v| ui.add(Slider::new(v, 0..=4)));
+    row(ui, "Bounces", help, &mut trace.bounces, default.bounces, |ui, v| {
+        ui.add(Slider::new(v, 0..=4).clamping(KEEP))
+    });
 }
 
 fn pace_rows(ui: &mut Ui, q: &mut Quality, d: &Quality) {
@@ -167,7 +172,9 @@ fn picture_rows(ui: &mut Ui, q: &mut Quality, d: &Quality) {
         "In stops: one more is twice as bright.",
         &mut q.exposure_ev,
         d.exposure_ev,
-        |ui, v| ui.add(Slider::new(v, -8.0..=8.0).step_by(0.5).fixed_decimals(1).suffix(" EV")),
+        |ui, v| {
+            ui.add(Slider::new(v, -8.0..=8.0).clamping(KEEP).step_by(0.5).fixed_decimals(1).suffix(" EV"))
+        },
     );
     let help = "aces: bright lamps keep their hue. linear: clipped at white, what the numbers say.";
     row(ui, "Tone map", help, &mut q.tone_map, d.tone_map, |ui, v| {
@@ -188,7 +195,7 @@ fn camera_rows(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let shown = state.fly.camera().fov_y.to_degrees();
     let mut fov = shown;
     row(ui, "Field of view", "Vertical.", &mut fov, 60.0, |ui, v| {
-        ui.add(Slider::new(v, 10.0..=130.0).fixed_decimals(0).suffix("°"))
+        ui.add(Slider::new(v, 10.0..=130.0).clamping(KEEP).fixed_decimals(0).suffix("°"))
     });
     // Degrees and radians round; a reset of what is 60 already is none.
     if (fov - shown).abs() > 1e-6 {
