@@ -5,6 +5,7 @@
 
 mod builtin;
 mod bvh;
+mod golden;
 mod import;
 mod layers;
 mod lights;
@@ -14,3 +15,4 @@ mod rooms;
 mod save;
 mod tour;
 mod tracing;
+mod walks;

@@ -307,6 +307,7 @@ impl eframe::App for App {
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
         let ctx = ui.ctx().clone();
         self.poll();
+        self.state.note_window_secs(ctx.input(|i| i.unstable_dt));
         self.state.work = self.work();
         let mut commands = self.key_commands(&ctx);
         if self.state.options.shows_panels {

@@ -195,6 +195,8 @@ pub struct State {
     pub shows_hint: bool,
     /// The first complete frame from this generation on sets the exposure: a model from a file has just been opened.
     pub meters_from: Option<u64>,
+    /// Time from one picture of the window to the next while it is busy, milliseconds, fading.
+    pub window_ms: f32,
     /// What draws the window, where it is no graphics card.
     pub software_adapter: Option<String>,
     /// The saved view gone to last.
@@ -260,6 +262,7 @@ impl State {
             asks_to_clear: false,
             shows_hint: true,
             meters_from: None,
+            window_ms: 0.0,
             software_adapter: None,
             view_index: 0,
             next_notice: 0,
@@ -301,6 +304,16 @@ impl State {
         if let Some(ev) = frame.metered_ev.filter(|_| is_awaited) {
             self.quality.exposure_ev = ev.clamp(*RANGE_EV.start(), *RANGE_EV.end());
             self.meters_from = None;
+        }
+    }
+
+    /// Takes in how long the window's own last picture took; pauses between them are none.
+    pub fn note_window_secs(&mut self, secs: f32) {
+        const FADE: f32 = 0.9;
+        const LONGEST_SECS: f32 = 0.5;
+        if secs < LONGEST_SECS {
+            let before = if self.window_ms > 0.0 { self.window_ms } else { secs * 1000.0 };
+            self.window_ms = before * FADE + secs * 1000.0 * (1.0 - FADE);
         }
     }
 

@@ -22,6 +22,7 @@ pub fn show(ui: &mut Ui, state: &State) {
         state_line(ui, state);
         egui::Grid::new("hud").num_columns(2).min_col_width(76.0).show(ui, |ui| {
             frame_rows(ui, state);
+            line(ui, "window", format!("{:.0} ms", state.window_ms));
             line(ui, "speed", format!("{} m/s", three_digits(state.fly.speed_m_per_s())));
         });
         type_rows(ui, state);

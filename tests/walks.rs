@@ -1,0 +1,66 @@
+//! Whole scenes: ours through the importer, and those of others where they are there, rendered and walked.
+
+use afterimage::camera_path::CameraPath;
+use afterimage::reference::ReferenceFrame;
+use afterimage::scene::import::{ImportOptions, load};
+use afterimage::trace::TraceSettings;
+use afterimage::trace::parallel::NEVER;
+use afterimage::{Mode, RenderSettings, Renderer, Tracer};
+use std::collections::BTreeMap;
+use std::io::Write as _;
+use std::path::Path;
+use std::sync::Arc;
+
+const SIZE: [u32; 2] = [64, 36];
+const TRACE: TraceSettings = TraceSettings { samples: 1, bounces: 1, seed: 0 };
+
+fn open(path: &Path) -> Tracer {
+    Tracer::new(Arc::new(load(path, &ImportOptions::default(), &|_, _| true).unwrap()))
+}
+
+/// Renders a few frames of a walk in paper mode, each from a reference taken a little before it.
+fn walk(name: &str, tracer: &Tracer, path: &CameraPath) {
+    let mut renderer = Renderer::default();
+    let settings = RenderSettings { mode: Mode::Paper, trace: TRACE };
+    let (mut lit, mut reused, mut pixels) = (0, 0, 0);
+    for frame in [10, 120, 240] {
+        let [before, camera] = [frame - 2, frame].map(|f| path.camera(f, 300).unwrap());
+        let reference = ReferenceFrame::trace(tracer, &before, SIZE, &TRACE, NEVER).unwrap();
+        let frame = renderer.render(tracer, &camera, SIZE, &settings, &[&reference], NEVER);
+        assert!(frame.radiance.iter().all(|r| r.is_finite() && r.min_element() >= 0.0), "{name}");
+        assert_eq!(frame.stats.types.total(), frame.radiance.len(), "{name}");
+        lit += frame.radiance.iter().filter(|r| r.max_element() > 0.0).count();
+        reused += frame.stats.types.reused + frame.stats.types.secondary;
+        pixels += frame.radiance.len();
+    }
+    assert!(lit * 4 > pixels, "{name}: {lit} of {pixels} pixels are lit");
+    assert!(reused * 2 > pixels, "{name}: {reused} of {pixels} pixels are reused");
+}
+
+#[test]
+fn our_own_model_comes_through_the_importer_whole() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/scenes/studio");
+    let tracer = open(&folder.join("studio.obj"));
+    let scene = tracer.scene();
+    assert_eq!(scene.warnings, []);
+    assert!(scene.needs.mirror && scene.needs.glass && scene.needs.textures && scene.needs.sky);
+    assert!(scene.triangles.len() > 3000 && scene.views.len() > 1 && scene.lights.len() > 3);
+    assert!(!scene.solids.is_empty());
+    walk("studio", &tracer, &scene.walk);
+}
+
+#[test]
+fn scenes_of_others_can_be_walked() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/scenes");
+    let Ok(text) = std::fs::read(folder.join("cameras.json")) else {
+        let _ = writeln!(std::io::stderr(), "skipped: {} has no cameras.json", folder.display());
+        return;
+    };
+    let cameras: BTreeMap<String, serde_json::Value> = serde_json::from_slice(&text).unwrap();
+    for (name, entry) in cameras {
+        let path: CameraPath = serde_json::from_value(entry.clone()).unwrap();
+        // One of the boxes stands for all: `CornellBox-*.obj`.
+        let file = folder.join(entry["file"].as_str().unwrap().replace('*', "Mirror"));
+        walk(&name, &open(&file), &path);
+    }
+}
