@@ -192,7 +192,8 @@ fn camera_rows(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     if speed != state.fly.speed_m_per_s() {
         commands.push(Command::SetSpeed(speed));
     }
-    let shown = state.fly.camera().fov_y.to_degrees();
+    // Kept in radians, 60 degrees come back as 59.99999999999999.
+    let shown = (state.fly.camera().fov_y.to_degrees() * 1e6).round() / 1e6;
     let mut fov = shown;
     row(ui, "Field of view", "Vertical.", &mut fov, 60.0, |ui, v| {
         ui.add(Slider::new(v, 10.0..=130.0).clamping(KEEP).fixed_decimals(0).suffix("°"))
