@@ -40,7 +40,7 @@ pub(crate) fn run(args: &ExperimentArgs, flags: &Flags) -> Result<(), Failure> {
     memory::check(flags.pixels(), 1)?;
     let loaded = load(args.scene.as_deref(), flags)?;
     let camera = camera(flags, loaded.scene())?;
-    let settings = ThroughputSettings { camera, size: flags.size, trace: flags.trace() };
+    let settings = ThroughputSettings { camera, size: flags.size(), trace: flags.trace() };
     let stop = interrupt::is_cancelled;
     let timing = |part: &str| output::say(&format!("timing: {part}"));
     let (throughput, rays) =
@@ -64,7 +64,7 @@ fn object(args: &ExperimentArgs, flags: &Flags, loaded: &Loaded, throughput: &Th
         "scene": loaded.name,
         "scene_hash": loaded.scene().hash,
         "version": env!("CARGO_PKG_VERSION"),
-        "size": flags.size,
+        "size": flags.size(),
         "samples": flags.trace().samples,
         "seed": flags.seed,
     });

@@ -10,9 +10,9 @@ use glam::DVec3;
 /// What every command knows. A command takes from it what it needs.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct Flags {
-    /// Picture size in pixels.
-    #[arg(long, global = true, value_name = "WxH", default_value = "1280x720", value_parser = size)]
-    pub(crate) size: [u32; 2],
+    /// Picture size in pixels; 1280x720.
+    #[arg(long = "size", global = true, value_name = "WxH", value_parser = size)]
+    pub(crate) given_size: Option<[u32; 2]>,
     /// How frames are made: `full` traces every pixel, `paper` reuses references.
     #[arg(long, global = true, value_name = "full|paper", default_value = "paper", value_parser = mode)]
     pub(crate) mode: Mode,
@@ -88,9 +88,14 @@ impl Flags {
         self.exposure.unwrap_or(0.0)
     }
 
+    /// Picture size in pixels.
+    pub(crate) fn size(&self) -> [u32; 2] {
+        self.given_size.unwrap_or([1280, 720])
+    }
+
     /// Number of pixels of a picture.
     pub(crate) fn pixels(&self) -> u64 {
-        u64::from(self.size[0]) * u64::from(self.size[1])
+        self.size().map(u64::from).iter().product()
     }
 }
 

@@ -73,7 +73,7 @@ pub(crate) fn run(args: &RenderArgs, flags: &Flags) -> Result<(), Failure> {
     let borrowed: Vec<&ReferenceFrame> = references.iter().collect();
     let mut renderer = Renderer::default();
     let stop = interrupt::is_cancelled;
-    let frame = renderer.render(&loaded.tracer, &camera, flags.size, &flags.render(), &borrowed, &stop);
+    let frame = renderer.render(&loaded.tracer, &camera, flags.size(), &flags.render(), &borrowed, &stop);
     // A picture that was stopped is kept too; its notes and the result say so.
     write_files(args, flags, &loaded, frame)?;
     let object = object(flags, &loaded, frame, &references);
@@ -116,7 +116,7 @@ fn trace_references(
         let settings = TraceSettings { seed, ..flags.trace() };
         let camera = Camera::look_at(*eye, *at, fov_y);
         let stop = interrupt::is_cancelled;
-        ReferenceFrame::trace(&loaded.tracer, &camera, flags.size, &settings, &stop)
+        ReferenceFrame::trace(&loaded.tracer, &camera, flags.size(), &settings, &stop)
     };
     (1..).zip(&args.references).map(trace).collect::<Option<Vec<_>>>().ok_or(Failure::Interrupted)
 }
@@ -170,7 +170,7 @@ fn object(flags: &Flags, loaded: &Loaded, frame: &Frame, references: &[Reference
     json!({
         "scene": loaded.name,
         "mode": flags.mode.name(),
-        "size": flags.size,
+        "size": flags.size(),
         "samples": flags.trace().samples,
         "bounces": flags.trace().bounces,
         "seed": flags.seed,

@@ -3,6 +3,7 @@
 use super::failure::Failure;
 use super::flags::Flags;
 use super::{interrupt, output, pose, scene, tour};
+use crate::window::state::WINDOW_SAMPLES;
 use crate::window::{self, SceneSource, WindowRequest};
 use clap::Parser;
 
@@ -14,8 +15,15 @@ pub(crate) fn start(scene: Option<&str>, flags: &Flags) -> Result<(), Failure> {
         return open_window(scene, flags);
     }
     interrupt::install();
-    output::say(&format!("no display was found; walking the scene's tour headless into {OUT}/"));
-    tour::run(&headless_tour(scene), flags)
+    // As light as the window's own frames, where nothing else is asked for: some minutes at most.
+    let given_size = flags.given_size.or(Some([640, 360]));
+    let samples = flags.samples.or(Some(WINDOW_SAMPLES));
+    let flags = Flags { given_size, samples, ..flags.clone() };
+    let [width, height] = flags.size();
+    output::say(&format!(
+        "no display was found; walking the scene's tour headless at {width}x{height} into {OUT}/"
+    ));
+    tour::run(&headless_tour(scene), &flags)
 }
 
 fn open_window(scene: Option<&str>, flags: &Flags) -> Result<(), Failure> {

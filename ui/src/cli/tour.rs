@@ -130,7 +130,7 @@ fn settings(args: &TourArgs, flags: &Flags, walk: &CameraPath) -> TourSettings {
         most_references: args.most_references.into(),
         cache_bytes: usize::try_from(args.cache_mb << 20).unwrap_or(usize::MAX),
     };
-    TourSettings { walkthrough, size: flags.size, frames, measure }
+    TourSettings { walkthrough, size: flags.size(), frames, measure }
 }
 
 /// Flies; a picture that cannot be written ends the flight, and what was recorded is kept.
@@ -214,7 +214,7 @@ fn object(args: &TourArgs, flags: &Flags, loaded: &Loaded, record: &TourRecord) 
         "scene_hash": loaded.scene().hash,
         "version": env!("CARGO_PKG_VERSION"),
         "mode": flags.mode.name(),
-        "size": flags.size,
+        "size": flags.size(),
         "samples": flags.trace().samples,
         "bounces": flags.trace().bounces,
         "seed": flags.seed,
