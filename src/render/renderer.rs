@@ -27,6 +27,7 @@ pub struct Renderer {
     order_size: [u32; 2],
     secondary: Vec<u32>,
     unseen: Vec<u32>,
+    spreads_work: bool,
     passes: [Vec<u32>; 16],
     traced: Vec<Option<PixelTrace>>,
     specular: Vec<Option<Vec3>>,
@@ -44,6 +45,7 @@ impl Default for Renderer {
             order_size: [0, 0],
             secondary: Vec::new(),
             unseen: Vec::new(),
+            spreads_work: false,
             passes: Default::default(),
             traced: Vec::new(),
             specular: Vec::new(),
@@ -65,6 +67,12 @@ impl Renderer {
     /// The last frame.
     pub fn frame(&self) -> &Frame {
         &self.frame
+    }
+
+    /// Whether frames may be shown before they are complete: the work is then spread over the picture, which costs some
+    /// 5 % for rays that are less coherent.
+    pub fn set_spreads_work(&mut self, spreads_work: bool) {
+        self.spreads_work = spreads_work;
     }
 
     /// Adds the time that choosing the references took to the last frame's.
@@ -97,7 +105,7 @@ impl Renderer {
             self.order_size = size;
         }
         let references = if settings.mode == Mode::Full { &[] } else { references };
-        self.reproject(settings.mode, references);
+        self.reproject(references);
         if settings.mode == Mode::Paper {
             self.finish_secondary(tracer, settings, references, stop);
         }
@@ -111,7 +119,7 @@ impl Renderer {
     }
 
     /// Steps 1 to 3 of the paper, with the copying of Type 1, and the lists of what is left to do.
-    fn reproject(&mut self, mode: Mode, references: &[&ReferenceFrame]) {
+    fn reproject(&mut self, references: &[&ReferenceFrame]) {
         let start = Instant::now();
         self.frame.stats.references_used = references.len();
         self.frame.stats.warped_pixels = references.iter().map(|r| r.view.pixel_count()).sum();
@@ -120,11 +128,7 @@ impl Renderer {
         if references.is_empty() {
             self.frame.types.fill(PixelType::Unseen);
             self.frame.supplier.fill(NO_SUPPLIER);
-            match mode {
-                // In tiles: the baseline gains more from coherent rays (5 %) than from an even order.
-                Mode::Full => self.unseen.extend_from_slice(&self.order),
-                Mode::Paper => self.list_work(),
-            }
+            self.list_work();
             return;
         }
         self.warped.warp(references, &self.frame.view);
@@ -133,14 +137,15 @@ impl Renderer {
         self.frame.stats.secs.warp = start.elapsed().as_secs_f64();
     }
 
-    /// The pixels of Types 2 and 3. Those of Type 3 come in sixteen passes, each spread over the whole picture, so that a
-    /// frame stopped before its end is known evenly.
+    /// The pixels of Types 2 and 3, tile by tile. Where unfinished frames are shown, those of Type 3 come in sixteen
+    /// passes instead, each spread over the whole picture, so that a frame stopped before its end is known evenly.
     fn list_work(&mut self) {
         let width = self.frame.view.size[0];
         self.passes.iter_mut().for_each(Vec::clear);
         for &pixel in &self.order {
             match self.frame.types[pixel as usize] {
                 PixelType::Secondary => self.secondary.push(pixel),
+                PixelType::Unseen if !self.spreads_work => self.unseen.push(pixel),
                 PixelType::Unseen => {
                     let (x, y) = (pixel % width % 4, pixel / width % 4);
                     self.passes[DISPERSED[(4 * y + x) as usize]].push(pixel);

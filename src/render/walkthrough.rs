@@ -95,6 +95,13 @@ impl Walkthrough {
         self.settings = settings;
     }
 
+    /// The same walk for someone who looks on: frames may be stopped and shown unfinished.
+    #[must_use]
+    pub fn showing_unfinished(mut self) -> Self {
+        self.renderer.set_spreads_work(true);
+        self
+    }
+
     /// The last frame.
     pub fn frame(&self) -> &Frame {
         self.renderer.frame()

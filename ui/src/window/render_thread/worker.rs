@@ -111,7 +111,7 @@ impl Worker {
                 let settings = self.wish.map(|w| w.settings).unwrap_or_default();
                 // A new walk rather than the old one with another tracer: what is not traced yet in the first frame
                 // would show the old scene.
-                self.walk = Some(Walkthrough::new(tracer, settings));
+                self.walk = Some(Walkthrough::new(tracer, settings).showing_unfinished());
                 self.added.clear();
                 self.refused.clear();
             }
@@ -181,7 +181,7 @@ impl Worker {
             Ok(()) => {}
             Err(panic) => {
                 // Its buffers may be half-written; the scene is not.
-                *walk = Walkthrough::new(walk.tracer().clone(), wish.settings);
+                *walk = Walkthrough::new(walk.tracer().clone(), wish.settings).showing_unfinished();
                 let text = panic_text(&*panic);
                 self.say(Message::Failed(format!("rendering failed: {text}")));
             }
