@@ -3,5 +3,6 @@
 pub mod hash;
 pub mod ray;
 pub mod sampling;
+pub mod simd;
 
 pub use ray::Ray;

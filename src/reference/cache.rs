@@ -1,7 +1,10 @@
 //! The references at hand: a byte budget, the choice of the best few for a view, eviction.
 
+use super::directory::{Directory, MOST_SLOTS};
+use super::lookup::LookupSet;
 use super::{PixelWarp, ReferenceFrame};
 use crate::camera::View;
+use crate::scene::Scene;
 use crate::trace::SceneEpoch;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -20,6 +23,15 @@ pub struct CachedReference {
     /// Share of recent frames' pixels that it supplied, 0..1, fading.
     pub contribution: f32,
     last_used: u64,
+    /// Its bit in the directory.
+    pub(super) slot: usize,
+}
+
+impl CachedReference {
+    /// Only a reference that holds the light of all its pixels serves the paper's forward warp.
+    fn can_be_warped(&self, epoch: SceneEpoch) -> bool {
+        self.frame.epoch == epoch && self.frame.is_dense()
+    }
 }
 
 /// References within a byte budget.
@@ -31,12 +43,26 @@ pub struct ReferenceCache {
     clock: u64,
     evicted: u64,
     coverage: Vec<Vec<f32>>,
+    directory: Directory,
 }
 
 impl ReferenceCache {
     /// An empty cache. The budget holds for what is kept; the newest reference always stays.
-    pub fn new(budget_bytes: usize) -> Self {
-        Self { budget_bytes, entries: Vec::new(), next_id: 0, clock: 0, evicted: 0, coverage: Vec::new() }
+    pub fn new(scene: &Scene, budget_bytes: usize) -> Self {
+        Self {
+            budget_bytes,
+            entries: Vec::new(),
+            next_id: 0,
+            clock: 0,
+            evicted: 0,
+            coverage: Vec::new(),
+            directory: Directory::new(scene),
+        }
+    }
+
+    /// All references of an epoch, ready to be asked for light.
+    pub fn lookup(&self, epoch: SceneEpoch) -> LookupSet<'_> {
+        LookupSet::new(&self.directory, &self.entries, epoch)
     }
 
     /// All references, oldest first.
@@ -65,9 +91,10 @@ impl ReferenceCache {
         self.evicted
     }
 
-    /// Drops everything.
-    pub fn clear(&mut self) {
+    /// Drops everything; what comes next is of `scene`.
+    pub fn clear(&mut self, scene: &Scene) {
         self.entries.clear();
+        self.directory = Directory::new(scene);
     }
 
     /// Adds a reference; evicts the least useful others where the budget is exceeded.
@@ -75,21 +102,28 @@ impl ReferenceCache {
         let id = ReferenceId(self.next_id);
         self.next_id += 1;
         // A newcomer has no record yet; a full share keeps it until frames have judged it.
-        self.entries.push(CachedReference { id, frame, contribution: 1.0, last_used: self.clock });
+        let taken = self.entries.iter().fold(0u128, |mask, e| mask | 1 << e.slot);
+        let slot = (!taken).trailing_zeros() as usize;
+        self.directory.add(&frame, slot);
+        self.entries.push(CachedReference { id, frame, contribution: 1.0, last_used: self.clock, slot });
         self.evict();
         id
     }
 
     /// Removes a reference; false where there is none of that name.
     pub fn remove(&mut self, id: ReferenceId) -> bool {
-        let before = self.entries.len();
-        self.entries.retain(|e| e.id != id);
-        self.entries.len() < before
+        let Some(at) = self.entries.iter().position(|e| e.id == id) else { return false };
+        let removed = self.entries.remove(at);
+        self.directory.remove(removed.slot);
+        true
     }
 
     /// Least contribution first, then the longest unused.
     fn evict(&mut self) {
-        while self.entries.len() > 1 && self.bytes() > self.budget_bytes {
+        // One slot is kept free for the next.
+        while self.entries.len() > 1
+            && (self.bytes() > self.budget_bytes || self.entries.len() >= MOST_SLOTS)
+        {
             let rank = |e: &CachedReference| (e.contribution, e.last_used);
             let candidates = &self.entries[..self.entries.len() - 1];
             let Some(worst) = (0..candidates.len()).min_by(|&a, &b| {
@@ -98,7 +132,8 @@ impl ReferenceCache {
             }) else {
                 return;
             };
-            self.entries.remove(worst);
+            let removed = self.entries.remove(worst);
+            self.directory.remove(removed.slot);
             self.evicted += 1;
         }
     }
@@ -132,7 +167,7 @@ impl ReferenceCache {
     /// Fills `coverage` for the references of an epoch and returns their places in `entries`.
     fn cover_all(&mut self, view: &View, epoch: SceneEpoch) -> Vec<usize> {
         let candidates: Vec<usize> =
-            (0..self.entries.len()).filter(|&i| self.entries[i].frame.epoch == epoch).collect();
+            (0..self.entries.len()).filter(|&i| self.entries[i].can_be_warped(epoch)).collect();
         self.coverage.resize_with(candidates.len(), Vec::new);
         let entries = &self.entries;
         self.coverage

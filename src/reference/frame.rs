@@ -3,11 +3,14 @@
 //! Source: the paper, section 3: a reference pixel holds diffuse radiance, the intersection point of its primary ray
 //! and the number of reflections. We differ: the point is stored as disparity (1 / depth) along the pixel's ray,
 //! which is exact relative to the reference's own eye wherever the scene lies and makes a sky pixel a direction
-//! (disparity zero); and the triangle is kept, so that Type 2 pixels know the surface's normal and material.
+//! (disparity zero); the triangle is kept, so that a pixel knows its normal and material; and of the diffuse radiance
+//! only the arriving light is stored, so that textures are never resampled. A reference may be sparse: pixels whose
+//! light older references already know are not lit again.
 
+use super::light::{LightScale, UNLIT};
 use crate::camera::{Camera, View};
 use crate::trace::parallel::{Stop, tile_order, trace_pixels};
-use crate::trace::{PixelTrace, RayCounts, SceneEpoch, TraceSettings, Tracer};
+use crate::trace::{PixelTrace, RayCounts, SceneEpoch, SurfacePoint, TraceSettings, Tracer};
 use glam::Vec3;
 use std::time::Instant;
 
@@ -33,21 +36,25 @@ pub struct ReferenceFrame {
     pub secs: f64,
     /// Rays it took.
     pub rays: RayCounts,
-    diffuse: Vec<Vec3>,
     disparity: Vec<f32>,
     triangle: Vec<u32>,
+    light: Vec<u32>,
+    light_scale: LightScale,
+    /// Empty where no surface of the scene is specular.
     reflections: Vec<u8>,
+    lit: usize,
+    is_dense: bool,
 }
 
 impl ReferenceFrame {
-    /// Memory per pixel: three f32 of radiance, one of disparity, a triangle, a count.
+    /// Memory per pixel at most: disparity, triangle, light, and in scenes with mirrors or glass a count.
     pub const BYTES_PER_PIXEL: usize =
-        size_of::<Vec3>() + size_of::<f32>() + size_of::<u32>() + size_of::<u8>();
+        size_of::<f32>() + size_of::<u32>() + size_of::<u32>() + size_of::<u8>();
 
     /// Memory that tracing one takes per pixel, beside what it keeps.
     pub const TRACING_BYTES_PER_PIXEL: usize = size_of::<Option<PixelTrace>>() + size_of::<u32>();
 
-    /// Traces a reference on the current thread pool. `None` after a stop.
+    /// Traces a reference on the current thread pool, every pixel of it. `None` after a stop.
     pub fn trace(
         tracer: &Tracer,
         camera: &Camera,
@@ -65,38 +72,69 @@ impl ReferenceFrame {
         if !complete {
             return None;
         }
+        let largest = traced.iter().flatten().map(|t| finite_or_zero(t.light)).fold(0.0, f32::max);
+        let mut frame = Self::empty(tracer, camera, view, settings, largest);
+        for (&pixel, traced) in order.iter().zip(traced.iter().flatten()) {
+            frame.store(pixel as usize, traced);
+        }
+        (frame.rays, frame.is_dense) = (rays, true);
+        frame.secs = start.elapsed().as_secs_f64();
+        Some(frame)
+    }
+
+    /// A reference that knows nothing yet, whose brightest light will be `largest`.
+    pub(super) fn empty(
+        tracer: &Tracer,
+        camera: &Camera,
+        view: View,
+        settings: &TraceSettings,
+        largest: f32,
+    ) -> Self {
         let count = view.pixel_count();
-        let mut frame = Self {
+        let needs = tracer.scene().needs;
+        Self {
             camera: *camera,
             view,
             epoch: tracer.epoch(),
             settings: *settings,
             secs: 0.0,
-            rays,
-            diffuse: vec![Vec3::ZERO; count],
+            rays: RayCounts::default(),
             disparity: vec![f32::NAN; count],
             triangle: vec![NO_TRIANGLE; count],
-            reflections: vec![0; count],
-        };
-        for (&pixel, traced) in order.iter().zip(traced.iter().flatten()) {
-            frame.store(pixel as usize, traced);
+            light: vec![UNLIT; count],
+            light_scale: LightScale::for_largest(largest),
+            reflections: if needs.mirror || needs.glass { vec![0; count] } else { Vec::new() },
+            lit: 0,
+            is_dense: false,
         }
-        frame.secs = start.elapsed().as_secs_f64();
-        Some(frame)
     }
 
     /// A pixel that must not be reused keeps a disparity of NaN, which no comparison in the warp lets through.
-    fn store(&mut self, pixel: usize, traced: &PixelTrace) {
-        if !traced.diffuse.is_finite() {
+    pub(super) fn store(&mut self, pixel: usize, traced: &PixelTrace) {
+        if !traced.light.is_finite() {
             return;
         }
-        self.diffuse[pixel] = traced.diffuse;
-        match traced.hit {
+        self.store_light(pixel, traced.light);
+        self.store_hit(pixel, traced.hit.map(|hit| (hit.t, hit.triangle)), traced.reflections);
+    }
+
+    pub(super) fn store_light(&mut self, pixel: usize, light: Vec3) {
+        if light.is_finite() {
+            self.light[pixel] = self.light_scale.pack(light);
+            self.lit += 1;
+        }
+    }
+
+    /// What a pixel sees, by distance and triangle, without its light.
+    pub(super) fn store_hit(&mut self, pixel: usize, hit: Option<(f32, u32)>, reflections: u32) {
+        match hit {
             None => self.disparity[pixel] = 0.0,
-            Some(hit) if hit.t >= NEAREST_DEPTH => {
-                self.disparity[pixel] = 1.0 / hit.t;
-                self.triangle[pixel] = hit.triangle;
-                self.reflections[pixel] = u8::try_from(traced.reflections).unwrap_or(u8::MAX);
+            Some((t, triangle)) if t >= NEAREST_DEPTH => {
+                self.disparity[pixel] = 1.0 / t;
+                self.triangle[pixel] = triangle;
+                if let Some(count) = self.reflections.get_mut(pixel) {
+                    *count = u8::try_from(reflections).unwrap_or(u8::MAX);
+                }
             }
             Some(_) => {}
         }
@@ -104,12 +142,53 @@ impl ReferenceFrame {
 
     /// Memory held, bytes.
     pub fn bytes(&self) -> usize {
-        self.view.pixel_count() * Self::BYTES_PER_PIXEL
+        self.view.pixel_count() * 12 + self.reflections.len()
     }
 
-    /// The part of the radiance that does not depend on the viewer.
-    pub fn diffuse(&self) -> &[Vec3] {
-        &self.diffuse
+    /// Pixels whose light this reference holds.
+    pub fn lit(&self) -> usize {
+        self.lit
+    }
+
+    /// True where every pixel was lit, as the paper's references are.
+    pub fn is_dense(&self) -> bool {
+        self.is_dense
+    }
+
+    /// True where a pixel's light is held.
+    #[inline(always)]
+    pub fn has_light(&self, pixel: u32) -> bool {
+        self.light[pixel as usize] != UNLIT
+    }
+
+    /// The light arriving at a pixel's surface, as the radiance of a white one; of a pixel that has it.
+    #[inline(always)]
+    pub fn light(&self, pixel: u32) -> Vec3 {
+        self.light_scale.unpack(self.light[pixel as usize])
+    }
+
+    /// The stored words and their scale.
+    pub(super) fn packed_light(&self) -> (&[u32], LightScale) {
+        (&self.light, self.light_scale)
+    }
+
+    /// The part of a lit pixel's radiance that does not depend on the viewer.
+    #[inline(always)]
+    pub fn diffuse_radiance(&self, tracer: &Tracer, pixel: u32) -> Vec3 {
+        let triangle = self.triangle[pixel as usize];
+        if triangle == NO_TRIANGLE {
+            return tracer.sky(self.view.direction_of_pixel(pixel));
+        }
+        let scene = tracer.scene();
+        let material = scene.material_of(triangle);
+        let albedo = match material.diffuse_texture {
+            None => material.diffuse,
+            Some(_) => {
+                let offset = self.offset_from_eye(pixel);
+                SurfacePoint::from_position(scene, triangle, self.view.eye + offset, offset).albedo(scene)
+            }
+        };
+        material.emission + albedo * self.light(pixel)
     }
 
     /// 1 / depth along the viewing axis in scene units; 0 for the sky, NaN for a pixel not to be used.
@@ -122,13 +201,18 @@ impl ReferenceFrame {
         &self.triangle
     }
 
-    /// Specular bounces; saturates at 255, so a mirror's count never wraps to 0.
-    pub fn reflections(&self) -> &[u8] {
-        &self.reflections
+    /// Specular bounces of a pixel; saturates at 255, so a mirror's count never wraps to 0.
+    #[inline(always)]
+    pub fn reflections(&self, pixel: u32) -> u8 {
+        self.reflections.get(pixel as usize).copied().unwrap_or(0)
     }
 
     /// The stored intersection point of a pixel relative to the reference's eye; meaningless for the sky.
     pub fn offset_from_eye(&self, pixel: u32) -> Vec3 {
         self.view.direction_of_pixel(pixel) / self.disparity[pixel as usize]
     }
+}
+
+fn finite_or_zero(light: Vec3) -> f32 {
+    if light.is_finite() { light.max_element() } else { 0.0 }
 }

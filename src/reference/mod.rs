@@ -1,11 +1,21 @@
 //! Reference images: what they store, how they are traced, kept, chosen and placed.
 
 pub mod cache;
+pub mod directory;
 pub mod frame;
+pub mod light;
+pub mod lookup;
+mod lookup_tile;
 mod pixel_warp;
 pub mod placement;
+mod sparse;
+mod tile_surfaces;
 
-pub use cache::{ReferenceCache, ReferenceId};
+pub use directory::Directory;
+pub use lookup::LookupSet;
+pub use lookup_tile::{TileLight, TilePoints, ViewLookup};
+pub use cache::{CachedReference, ReferenceCache, ReferenceId};
 pub use frame::ReferenceFrame;
 pub use pixel_warp::PixelWarp;
+pub use tile_surfaces::TileSurfaces;
 pub use placement::{Observation, PlacementPolicy};

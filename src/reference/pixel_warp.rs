@@ -29,6 +29,11 @@ impl PixelWarp {
         }
     }
 
+    /// The matrix, and what is added to its product per unit of disparity.
+    pub(super) fn parts(&self) -> (Mat3, Vec3) {
+        (self.matrix, self.translation)
+    }
+
     /// The target pixel of the centre of source pixel (x, y), and its disparity there. `None` where it lies outside
     /// the picture, at or behind the eye, or where its disparity is not a number.
     #[inline(always)]

@@ -1,6 +1,7 @@
 //! The stages in order, timed: from a pose and the references at hand to a finished frame.
 
 pub mod aov;
+mod exact;
 pub mod frame;
 pub mod renderer;
 pub mod walkthrough;
@@ -21,6 +22,8 @@ pub enum Mode {
     /// The paper to the letter, for comparison; never improved.
     #[default]
     Paper,
+    /// The primary ray's surface at every pixel, its light looked up in the references.
+    Exact,
 }
 
 impl Mode {
@@ -29,6 +32,7 @@ impl Mode {
         match self {
             Self::Full => "full",
             Self::Paper => "paper",
+            Self::Exact => "exact",
         }
     }
 }

@@ -1,10 +1,11 @@
 //! One frame: warp, classify, finish each list.
 
 use super::frame::{Frame, NO_SUPPLIER};
+use super::exact::Band;
 use super::{Mode, RenderSettings};
 use crate::camera::{Camera, View};
 use crate::math::hash::Key;
-use crate::reference::ReferenceFrame;
+use crate::reference::{LookupSet, ReferenceFrame};
 use crate::reference::frame::NO_TRIANGLE;
 use crate::reproject::classify::classify;
 use crate::reproject::fill::fill_unknown;
@@ -21,16 +22,18 @@ const DISPERSED: [usize; 16] = [0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 1
 /// Renders frames; keeps its buffers from one to the next.
 #[derive(Debug)]
 pub struct Renderer {
-    frame: Frame,
+    pub(super) frame: Frame,
     warped: WarpBuffer,
     order: Vec<u32>,
     order_size: [u32; 2],
-    secondary: Vec<u32>,
-    unseen: Vec<u32>,
+    pub(super) secondary: Vec<u32>,
+    pub(super) unseen: Vec<u32>,
+    pub(super) uncertain: Vec<u32>,
     spreads_work: bool,
     passes: [Vec<u32>; 16],
-    traced: Vec<Option<PixelTrace>>,
-    specular: Vec<Option<Vec3>>,
+    pub(super) traced: Vec<Option<PixelTrace>>,
+    pub(super) specular: Vec<Option<Vec3>>,
+    pub(super) bands: Vec<Band>,
     /// Scratch of frames that are shown before they are complete.
     is_known: Vec<bool>,
     fill_levels: Vec<Vec<(Vec3, f32)>>,
@@ -45,10 +48,12 @@ impl Default for Renderer {
             order_size: [0, 0],
             secondary: Vec::new(),
             unseen: Vec::new(),
+            uncertain: Vec::new(),
             spreads_work: false,
             passes: Default::default(),
             traced: Vec::new(),
             specular: Vec::new(),
+            bands: Vec::new(),
             is_known: Vec::new(),
             fill_levels: Vec::new(),
         }
@@ -96,16 +101,9 @@ impl Renderer {
         stop: Stop<'_>,
     ) -> &Frame {
         assert!(references.iter().all(|r| r.epoch == tracer.epoch()), "a reference of another epoch");
-        let start = Instant::now();
-        let view = View::new(camera, &tracer.scene().frame, size);
-        self.frame.reset(camera, &view);
-        self.frame.stats.is_complete = true;
-        if self.order_size != size {
-            self.order = tile_order(size);
-            self.order_size = size;
-        }
+        let start = self.begin(tracer, camera, size);
         let references = if settings.mode == Mode::Full { &[] } else { references };
-        self.reproject(references);
+        self.reproject(tracer, references);
         if settings.mode == Mode::Paper {
             self.finish_secondary(tracer, settings, references, stop);
         }
@@ -113,13 +111,43 @@ impl Renderer {
         if !self.frame.stats.is_complete {
             self.fill_undone();
         }
+        self.finish(start)
+    }
+
+    /// Renders a view in mode `exact`, with the light of whatever references are at hand.
+    pub fn render_by_lookup(
+        &mut self,
+        tracer: &Tracer,
+        camera: &Camera,
+        size: [u32; 2],
+        settings: &RenderSettings,
+        lookup: &LookupSet<'_>,
+        stop: Stop<'_>,
+    ) -> &Frame {
+        let start = self.begin(tracer, camera, size);
+        self.render_exact(tracer, settings, lookup, stop);
+        self.finish(start)
+    }
+
+    fn begin(&mut self, tracer: &Tracer, camera: &Camera, size: [u32; 2]) -> Instant {
+        let start = Instant::now();
+        self.frame.reset(camera, &View::new(camera, &tracer.scene().frame, size));
+        self.frame.stats.is_complete = true;
+        if self.order_size != size {
+            self.order = tile_order(size);
+            self.order_size = size;
+        }
+        start
+    }
+
+    fn finish(&mut self, start: Instant) -> &Frame {
         self.frame.stats.types = TypeCounts::of(&self.frame.types);
         self.frame.stats.secs.frame = start.elapsed().as_secs_f64();
         &self.frame
     }
 
     /// Steps 1 to 3 of the paper, with the copying of Type 1, and the lists of what is left to do.
-    fn reproject(&mut self, references: &[&ReferenceFrame]) {
+    fn reproject(&mut self, tracer: &Tracer, references: &[&ReferenceFrame]) {
         let start = Instant::now();
         self.frame.stats.references_used = references.len();
         self.frame.stats.warped_pixels = references.iter().map(|r| r.view.pixel_count()).sum();
@@ -132,7 +160,7 @@ impl Renderer {
             return;
         }
         self.warped.warp(references, &self.frame.view);
-        self.copy_samples(references);
+        self.copy_samples(tracer, references);
         self.list_work();
         self.frame.stats.secs.warp = start.elapsed().as_secs_f64();
     }
@@ -175,7 +203,7 @@ impl Renderer {
     }
 
     /// Takes over what the winning samples know.
-    fn copy_samples(&mut self, references: &[&ReferenceFrame]) {
+    fn copy_samples(&mut self, tracer: &Tracer, references: &[&ReferenceFrame]) {
         let width = self.frame.view.size[0].max(1) as usize;
         let warped = &self.warped;
         let frame = &mut self.frame;
@@ -196,7 +224,7 @@ impl Renderer {
                     supplier[x] = NO_SUPPLIER;
                     if let Some((sample, sample_disparity)) = warped.sample(pixel) {
                         let (reference, at) = (references[sample.slot()], sample.pixel() as usize);
-                        radiance[x] = reference.diffuse()[at];
+                        radiance[x] = reference.diffuse_radiance(tracer, sample.pixel());
                         disparity[x] = sample_disparity;
                         triangle[x] = reference.triangle()[at];
                         supplier[x] = sample.slot() as u8;

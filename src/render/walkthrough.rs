@@ -50,9 +50,10 @@ pub struct Walkthrough {
 impl Walkthrough {
     /// A walk with an empty cache.
     pub fn new(tracer: Arc<Tracer>, settings: WalkthroughSettings) -> Self {
+        let cache = ReferenceCache::new(tracer.scene(), settings.cache_bytes);
         Self {
             tracer,
-            cache: ReferenceCache::new(settings.cache_bytes),
+            cache,
             renderer: Renderer::default(),
             settings,
             previous: None,
@@ -70,7 +71,7 @@ impl Walkthrough {
     /// Another scene, or the same one edited: references of the old one are dropped.
     pub fn set_tracer(&mut self, tracer: Arc<Tracer>) {
         self.tracer = tracer;
-        self.cache.clear();
+        self.cache.clear(self.tracer.scene());
         (self.previous, self.wanted) = (None, None);
     }
 
@@ -117,12 +118,18 @@ impl Walkthrough {
         let start = Instant::now();
         let view = View::new(camera, &self.tracer.scene().frame, size);
         let selected = match self.settings.render.mode {
-            Mode::Full => Vec::new(),
+            Mode::Full | Mode::Exact => Vec::new(),
             Mode::Paper => self.cache.select(&view, self.tracer.epoch(), self.settings.most_references),
         };
         let select_secs = start.elapsed().as_secs_f64();
         let references: Vec<&ReferenceFrame> = selected.iter().map(|r| &*r.frame).collect();
-        self.renderer.render(&self.tracer, camera, size, &self.settings.render, &references, stop);
+        let lookup = self.cache.lookup(self.tracer.epoch());
+        let settings = &self.settings.render;
+        if settings.mode == Mode::Exact {
+            self.renderer.render_by_lookup(&self.tracer, camera, size, settings, &lookup, stop);
+        } else {
+            self.renderer.render(&self.tracer, camera, size, settings, &references, stop);
+        }
         let start = Instant::now();
         self.used = selected.iter().map(|r| r.id).collect();
         let shares: Vec<_> = self.used.iter().copied().zip(self.renderer.frame().supplier_shares()).collect();

@@ -21,6 +21,8 @@ pub enum PixelType {
     Gap = 3,
     /// Type 3, traced, then looked up.
     Disoccluded = 4,
+    /// Type 3, looked up but a guess, so lit with few rays.
+    Uncertain = 5,
 }
 
 impl PixelType {
@@ -29,7 +31,7 @@ impl PixelType {
         match self {
             Self::Reused => 1,
             Self::Secondary => 2,
-            Self::Unseen | Self::Gap | Self::Disoccluded => 3,
+            Self::Unseen | Self::Gap | Self::Disoccluded | Self::Uncertain => 3,
         }
     }
 }
@@ -50,6 +52,8 @@ pub struct TypeCounts {
     pub disoccluded: usize,
     /// Type 3, traced and shaded.
     pub unseen: usize,
+    /// Type 3, lit with few rays.
+    pub uncertain: usize,
 }
 
 /// [`TypeCounts`] as percentages, with the names of the command line's contract.
@@ -62,20 +66,21 @@ pub struct TypePercentages {
     pub gap_percent: f64,
     pub disoccluded_percent: f64,
     pub unseen_percent: f64,
+    pub uncertain_percent: f64,
 }
 
 impl TypeCounts {
     /// Counts a map.
     pub fn of(map: &[PixelType]) -> Self {
-        let mut counts = [0usize; 5];
+        let mut counts = [0usize; 6];
         map.iter().for_each(|&t| counts[t as usize] += 1);
-        let [unseen, reused, secondary, gap, disoccluded] = counts;
-        Self { reused, secondary, gap, disoccluded, unseen }
+        let [unseen, reused, secondary, gap, disoccluded, uncertain] = counts;
+        Self { reused, secondary, gap, disoccluded, unseen, uncertain }
     }
 
     /// All Type 3.
     pub fn type3(&self) -> usize {
-        self.gap + self.disoccluded + self.unseen
+        self.gap + self.disoccluded + self.unseen + self.uncertain
     }
 
     /// All pixels.
@@ -93,6 +98,7 @@ impl TypeCounts {
             gap_percent: percent(self.gap),
             disoccluded_percent: percent(self.disoccluded),
             unseen_percent: percent(self.unseen),
+            uncertain_percent: percent(self.uncertain),
         }
     }
 }
@@ -102,7 +108,7 @@ impl TypeCounts {
 pub fn classify(warped: &WarpBuffer, references: &[&ReferenceFrame], pixel: usize) -> PixelType {
     match warped.sample(pixel) {
         None => PixelType::Unseen,
-        Some((sample, _)) => match references[sample.slot()].reflections()[sample.pixel() as usize] {
+        Some((sample, _)) => match references[sample.slot()].reflections(sample.pixel()) {
             0 => PixelType::Reused,
             _ => PixelType::Secondary,
         },

@@ -29,18 +29,31 @@ impl Tracer {
         key: Key,
         rays: &mut RayCounts,
     ) -> Vec3 {
+        self.diffuse_radiance_and_light(point, share, settings, key, rays)[0]
+    }
+
+    /// The same, and beside it the arriving light, as the radiance of a white surface: what references store. A
+    /// surface that reflects nothing is asked for none, and its light is zero.
+    pub(super) fn diffuse_radiance_and_light(
+        &self,
+        point: &SurfacePoint,
+        share: f32,
+        settings: &TraceSettings,
+        key: Key,
+        rays: &mut RayCounts,
+    ) -> [Vec3; 2] {
         let scene = self.scene();
         let emission = scene.materials[point.material.0 as usize].emission;
         let albedo = point.albedo(scene);
         if albedo == Vec3::ZERO {
-            return emission;
+            return [emission, Vec3::ZERO];
         }
         let samples = ((settings.samples as f32 * share).ceil() as u32).clamp(1, settings.samples.max(1));
         let mut irradiance = self.irradiance(point, samples, key, rays);
         if settings.bounces > 0 {
             irradiance += self.indirect_irradiance(point, samples, settings.bounces, key, rays);
         }
-        emission + albedo * FRAC_1_PI * irradiance
+        [emission + albedo * FRAC_1_PI * irradiance, irradiance * FRAC_1_PI]
     }
 
     /// Irradiance that arrives straight from the lights, `samples` shadow rays each.

@@ -10,11 +10,13 @@ mod light_sample;
 pub mod parallel;
 pub mod pixel;
 pub mod primary;
+mod primary_tile;
 pub mod specular;
 mod surface;
 
-pub use bvh::{Bvh, Hit};
+pub use bvh::{Bvh, Hit, RayTile, TILE_RAYS, TILE_SIDE, TileHits};
 pub use light_grid::{LightCuts, LightGrid};
 pub use pixel::{PixelTrace, RayCounts, TraceSettings};
 pub use primary::{SceneEpoch, Tracer};
+pub use primary_tile::primary_tile;
 pub use surface::SurfacePoint;

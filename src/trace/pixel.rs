@@ -2,6 +2,7 @@
 
 use super::{Hit, SurfacePoint, Tracer};
 use crate::camera::View;
+use crate::math::Ray;
 use crate::math::hash::Key;
 use glam::Vec3;
 use std::ops::AddAssign;
@@ -55,8 +56,8 @@ impl AddAssign for RayCounts {
 /// A traced pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PixelTrace {
-    /// The part that does not depend on the viewer.
-    pub diffuse: Vec3,
+    /// The light arriving at the first surface, as the radiance of a white one; zero for the sky.
+    pub light: Vec3,
     /// All of it.
     pub radiance: Vec3,
     /// The first surface, `None` for the sky.
@@ -116,10 +117,32 @@ impl Tracer {
         let mut secondary = 0;
         let (radiance, bounces) =
             self.follow_specular(point, direction, &mut secondary, |next, share, number| {
-                self.diffuse_radiance(next, share, settings, key.with(SPECULAR + number), rays)
+                self.diffuse_radiance(next, share, settings, Self::specular_key(key, number), rays)
             });
         rays.secondary += secondary;
         (radiance, bounces)
+    }
+
+    /// The same with another way to shade what is met; `shade` gets the surface, the share of the pixel it is, and a
+    /// running number for [`Self::specular_key`].
+    pub(crate) fn specular_radiance_by(
+        &self,
+        point: &SurfacePoint,
+        direction: Vec3,
+        rays: &mut RayCounts,
+        mut shade: impl FnMut(&SurfacePoint, f32, u32, &mut RayCounts) -> Vec3,
+    ) -> Vec3 {
+        let mut secondary = 0;
+        let (radiance, _) = self.follow_specular(point, direction, &mut secondary, |next, share, number| {
+            shade(next, share, number, rays)
+        });
+        rays.secondary += secondary;
+        radiance
+    }
+
+    /// The random numbers of a surface met after a specular bounce.
+    pub(crate) fn specular_key(key: Key, number: u32) -> Key {
+        key.with(SPECULAR + number)
     }
 
     /// True where a surface mirrors or lets light through.
@@ -137,15 +160,27 @@ impl Tracer {
     ) -> (PixelTrace, Option<SurfacePoint>) {
         rays.primary += 1;
         let ray = Self::primary_ray(view, pixel);
-        let Some(hit) = self.closest(&ray) else {
+        self.shade_hit(&ray, self.closest(&ray), settings, key, rays)
+    }
+
+    /// The diffuse part of what a primary ray met.
+    pub(crate) fn shade_hit(
+        &self,
+        ray: &Ray,
+        hit: Option<Hit>,
+        settings: &TraceSettings,
+        key: Key,
+        rays: &mut RayCounts,
+    ) -> (PixelTrace, Option<SurfacePoint>) {
+        let Some(hit) = hit else {
             let sky = self.sky(ray.direction);
-            return (PixelTrace { diffuse: sky, radiance: sky, hit: None, reflections: 0 }, None);
+            return (PixelTrace { light: Vec3::ZERO, radiance: sky, hit: None, reflections: 0 }, None);
         };
-        let point = self.surface(&ray, &hit);
-        let diffuse = self.diffuse_radiance(&point, 1.0, settings, key, rays);
-        (PixelTrace { diffuse, radiance: diffuse, hit: Some(hit), reflections: 0 }, Some(point))
+        let point = self.surface(ray, &hit);
+        let [radiance, light] = self.diffuse_radiance_and_light(&point, 1.0, settings, key, rays);
+        (PixelTrace { light, radiance, hit: Some(hit), reflections: 0 }, Some(point))
     }
 }
 
 /// Dimensions of the random numbers of surfaces met after a specular bounce.
-pub(crate) const SPECULAR: u32 = 2 << 24;
+const SPECULAR: u32 = 2 << 24;

@@ -117,10 +117,30 @@ impl Tracer {
     }
 
     /// Alpha test: true where the surface is there.
-    fn is_covered(&self, hit: &Hit) -> bool {
+    pub(super) fn is_covered(&self, hit: &Hit) -> bool {
         let Some(map) = self.scene.material_of(hit.triangle).alpha_texture else { return true };
         let uv = interpolate_uv(&self.scene, hit.triangle, [hit.b1, hit.b2]);
         self.scene.textures[map.texture.0 as usize].alpha(uv * map.scale + map.offset) >= 0.5
+    }
+
+    /// Where a ray meets a triangle, whatever else it meets: the same bits as [`Self::closest`] has for it.
+    pub fn hit_on_triangle(&self, ray: &Ray, triangle: u32) -> Option<Hit> {
+        (triangle != u32::MAX)
+            .then(|| super::bvh::intersect_triangle(ray, triangle, self.scene.corners(triangle)))
+            .flatten()
+    }
+
+    /// Diffuse reflectance where a triangle was hit.
+    #[inline(always)]
+    pub fn albedo(&self, hit: &Hit) -> Vec3 {
+        let material = self.scene.material_of(hit.triangle);
+        match material.diffuse_texture {
+            None => material.diffuse,
+            Some(map) => {
+                let uv = interpolate_uv(&self.scene, hit.triangle, [hit.b1, hit.b2]) * map.scale + map.offset;
+                material.diffuse * self.scene.textures[map.texture.0 as usize].color(uv)
+            }
+        }
     }
 
     /// The surface point of a hit.

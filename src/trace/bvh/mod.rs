@@ -7,9 +7,12 @@
 
 mod build;
 mod packet;
+mod tile;
 mod traverse;
 
 use packet::TrianglePacket;
+pub(crate) use packet::intersect_triangle;
+pub use tile::{RayTile, TILE_RAYS, TILE_SIDE, TileHits};
 pub use traverse::Occluder;
 
 /// A triangle met by a ray.

@@ -32,14 +32,7 @@ pub(super) struct ShearedRay {
 impl ShearedRay {
     pub(super) fn new(ray: &Ray) -> Self {
         let d = ray.direction.to_array();
-        let magnitude = d.map(f32::abs);
-        let z = if magnitude[0] > magnitude[1] {
-            if magnitude[0] > magnitude[2] { 0 } else { 2 }
-        } else if magnitude[1] > magnitude[2] {
-            1
-        } else {
-            2
-        };
+        let z = largest_axis(d);
         let (x, y) = ((z + 1) % 3, (z + 2) % 3);
         let inverse = 1.0 / d[z];
         Self {
@@ -47,6 +40,19 @@ impl ShearedRay {
             axes: [x, y, z],
             shear: [d[x] * inverse, d[y] * inverse, inverse].map(f32x4::splat),
         }
+    }
+}
+
+/// The axis along which a direction is largest.
+#[inline(always)]
+pub(super) fn largest_axis(d: [f32; 3]) -> usize {
+    let magnitude = d.map(f32::abs);
+    if magnitude[0] > magnitude[1] {
+        if magnitude[0] > magnitude[2] { 0 } else { 2 }
+    } else if magnitude[1] > magnitude[2] {
+        1
+    } else {
+        2
     }
 }
 
@@ -65,6 +71,14 @@ impl PacketHits {
     }
 }
 
+/// Where a ray meets one triangle, by the arithmetic of the hierarchy: the same bits.
+pub(crate) fn intersect_triangle(ray: &Ray, triangle: u32, corners: [Vec3; 3]) -> Option<Hit> {
+    let mut packet = TrianglePacket::EMPTY;
+    packet.set(0, triangle, corners);
+    let hits = packet.intersect(&ShearedRay::new(ray), ray.t_max);
+    (hits.mask & 1 != 0).then(|| hits.hit(0, &packet))
+}
+
 impl TrianglePacket {
     /// Lanes of NaN corners are never hit.
     pub(super) const EMPTY: Self = Self { corners: [[[f32::NAN; 4]; 3]; 3], triangles: [u32::MAX; 4] };
@@ -76,6 +90,16 @@ impl TrianglePacket {
                 self.corners[corner][axis][lane] = position[axis];
             }
         }
+    }
+
+    /// `[corner][axis][lane]`; of absent triangles not a number.
+    pub(super) fn corners(&self) -> &[[[f32; 4]; 3]; 3] {
+        &self.corners
+    }
+
+    /// Which triangle a lane holds.
+    pub(super) fn triangle(&self, lane: usize) -> u32 {
+        self.triangles[lane]
     }
 
     /// Tests all four against a ray, hits beyond `t_max` left out (one at `t_max` is kept, for ties).

@@ -11,7 +11,7 @@ use arrayvec::ArrayVec;
 use wide::f32x4;
 
 /// Three siblings a level, and the root.
-const STACK: usize = 3 * MAX_DEPTH + 1;
+pub(super) const STACK: usize = 3 * MAX_DEPTH + 1;
 
 /// 1 + 2 gamma(3), the bound on the relative error of `(bound - origin) * inverse`.
 const FAR_SLACK: f32 = 1.000_000_4;
@@ -176,7 +176,7 @@ fn closest_in_packet(
 
 /// Returns the child entered first and stacks the others, the nearest on top.
 #[inline(always)]
-fn nearest_first(
+pub(super) fn nearest_first(
     node: &Node,
     mut mask: u32,
     enter: [f32; 4],

@@ -1,0 +1,107 @@
+//! Which references know the light of which part of the scene.
+//!
+//! The scene is cut into cells; each holds one bit per reference. A surface point then asks only those references that
+//! lit something near it, wherever the viewer stands and however many references there are.
+
+use super::ReferenceFrame;
+use crate::scene::Scene;
+use glam::{UVec3, Vec3};
+use rayon::prelude::*;
+
+/// References a directory tells apart.
+pub const MOST_SLOTS: usize = 128;
+
+/// Cells at most: 4 MB of bits, which stay in a processor's cache.
+const MOST_CELLS: f32 = (1 << 18) as f32;
+
+/// One bit per reference.
+pub type SlotMask = u128;
+
+/// For each cell of the scene, the references that lit something in it.
+#[derive(Debug, Default)]
+pub struct Directory {
+    low: Vec3,
+    cells_per_unit: f32,
+    dimensions: UVec3,
+    masks: Vec<SlotMask>,
+    normals: Vec<PackedNormal>,
+}
+
+/// The normal of a triangle in four bytes, a hundredth of a degree off at most, up to its sign.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PackedNormal([i8; 4]);
+
+/// Cosine of eight degrees: triangles that turn less from one to the next lend each other light.
+const ALIKE_COSINE: f32 = 0.99;
+
+impl PackedNormal {
+    fn of([a, b, c]: [Vec3; 3]) -> Self {
+        let n = (b - a).cross(c - a).normalize_or(Vec3::Y) * 127.0;
+        Self([n.x.round() as i8, n.y.round() as i8, n.z.round() as i8, 0])
+    }
+
+    /// True where two triangles are turned alike, whichever way they are wound.
+    #[inline(always)]
+    pub(super) fn is_like(self, other: Self) -> bool {
+        let dot: i32 = (0..3).map(|i| i32::from(self.0[i]) * i32::from(other.0[i])).sum();
+        dot.abs() as f32 >= ALIKE_COSINE * 127.0 * 127.0
+    }
+}
+
+impl Directory {
+    /// An empty directory of a scene.
+    pub fn new(scene: &Scene) -> Self {
+        let [low, high] = scene.bounds_m.map(|p| scene.frame.scene_from_world_f64(p).as_vec3());
+        // A flat scene still has a thickness of one cell.
+        let extent = (high - low).max(Vec3::splat((high - low).max_element() / 1024.0 + f32::MIN_POSITIVE));
+        let cell = (extent.element_product() / (MOST_CELLS / 2.0)).cbrt().max(extent.max_element() / 512.0);
+        let dimensions = (extent / cell).floor().as_uvec3() + 1;
+        let count = dimensions.as_usizevec3().element_product();
+        let triangles = 0..scene.triangles.len() as u32;
+        let normals = triangles.into_par_iter().map(|t| PackedNormal::of(scene.corners(t))).collect();
+        Self { low, cells_per_unit: 1.0 / cell, dimensions, masks: vec![0; count], normals }
+    }
+
+    /// Of each triangle.
+    pub(super) fn normals(&self) -> &[PackedNormal] {
+        &self.normals
+    }
+
+    /// The cell of a point in scene space; points outside belong to the nearest cell.
+    #[inline(always)]
+    pub(super) fn cell_of(&self, position: Vec3) -> u32 {
+        let at = ((position - self.low) * self.cells_per_unit).max(Vec3::ZERO).as_uvec3();
+        let at = at.min(self.dimensions - 1);
+        (at.z * self.dimensions.y + at.y) * self.dimensions.x + at.x
+    }
+
+    /// The references that lit something in a cell.
+    #[inline(always)]
+    pub(super) fn mask(&self, cell: u32) -> SlotMask {
+        self.masks[cell as usize]
+    }
+
+    /// Enters a reference's lit pixels under a slot.
+    pub(super) fn add(&mut self, frame: &ReferenceFrame, slot: usize) {
+        let width = frame.view.size[0].max(1);
+        let cells: Vec<Vec<u32>> = (0..frame.view.size[1])
+            .into_par_iter()
+            .map(|y| {
+                let mut cells: Vec<u32> = (y * width..(y + 1) * width)
+                    .filter(|&pixel| frame.has_light(pixel) && frame.disparity()[pixel as usize] > 0.0)
+                    .map(|pixel| self.cell_of(frame.view.eye + frame.offset_from_eye(pixel)))
+                    .collect();
+                cells.dedup();
+                cells
+            })
+            .collect();
+        for cell in cells.into_iter().flatten() {
+            self.masks[cell as usize] |= 1 << slot;
+        }
+    }
+
+    /// Forgets a slot.
+    pub(super) fn remove(&mut self, slot: usize) {
+        self.masks.par_iter_mut().with_min_len(1 << 14).for_each(|mask| *mask &= !(1 << slot));
+    }
+}

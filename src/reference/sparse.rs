@@ -1,0 +1,108 @@
+//! A reference that lights only what older references do not know well enough.
+//!
+//! Each sample is traced once and resampled once, when a frame looks it up: a sparse reference copies no light.
+
+use super::lookup_tile::{TileLight, ViewLookup};
+use super::{LookupSet, ReferenceFrame, TileSurfaces};
+use crate::camera::{Camera, View};
+use crate::trace::parallel::{Stop, trace_pixels};
+use crate::trace::{PixelTrace, TILE_RAYS, TILE_SIDE, TraceSettings, Tracer};
+use crate::math::hash::Key;
+use rayon::prelude::*;
+use std::time::Instant;
+
+/// A pixel is lit anew where the look-up's estimate of its own error is above this share of its light: an error that
+/// sixteen shadow rays have as well.
+const MOST_SMOOTHED: f32 = 0.08;
+
+/// What one tile leaves to do: its pixels, and which of them are to be lit.
+struct SeenTile {
+    corner: [u32; 2],
+    t: [f32; TILE_RAYS],
+    triangle: [u32; TILE_RAYS],
+    open: u64,
+}
+
+impl ReferenceFrame {
+    /// Traces a reference whose pixels are lit only where `known` does not know their light well. `None` after a stop.
+    pub fn trace_sparse(
+        tracer: &Tracer,
+        camera: &Camera,
+        size: [u32; 2],
+        settings: &TraceSettings,
+        known: &LookupSet<'_>,
+        stop: Stop<'_>,
+    ) -> Option<Self> {
+        let start = Instant::now();
+        let view = View::new(camera, &tracer.scene().frame, size);
+        let tiles = see_tiles(tracer, &view, known);
+        let open: Vec<u32> = tiles.iter().flat_map(|tile| tile.open_pixels(size[0])).collect();
+        let mut traced: Vec<Option<PixelTrace>> = Vec::new();
+        let (rays, complete) = trace_pixels(&open, &mut traced, stop, |pixel, rays| {
+            let key = Key::of_pixel(settings.seed, pixel);
+            rays.primary += 1;
+            let ray = Tracer::primary_ray(&view, pixel);
+            tracer.shade_hit(&ray, tracer.closest(&ray), settings, key, rays).0
+        });
+        if !complete {
+            return None;
+        }
+        let largest = traced.iter().flatten().map(|t| t.light.max_element()).filter(|l| l.is_finite());
+        let mut frame = Self::empty(tracer, camera, view, settings, largest.fold(0.0, f32::max));
+        for tile in &tiles {
+            tile.store_hits(&mut frame, tracer);
+        }
+        for (&pixel, traced) in open.iter().zip(traced.iter().flatten()) {
+            frame.store_light(pixel as usize, traced.light);
+        }
+        frame.rays = rays;
+        frame.rays.primary += u64::from(size[0]) * u64::from(size[1]);
+        frame.secs = start.elapsed().as_secs_f64();
+        Some(frame)
+    }
+}
+
+fn see_tiles(tracer: &Tracer, view: &View, known: &LookupSet<'_>) -> Vec<SeenTile> {
+    let lookup = ViewLookup::new(known, view);
+    let side = TILE_SIDE as u32;
+    let [columns, rows] = view.size.map(|s| s.div_ceil(side));
+    (0..rows)
+        .into_par_iter()
+        .flat_map_iter(|row| {
+            let (mut seen, mut light) = (TileSurfaces::new(view), TileLight::NONE);
+            let lookup = &lookup;
+            (0..columns).map(move |column| {
+                let corner = [column * side, row * side];
+                seen.see(tracer, view, corner);
+                lookup.gather(&seen.points, &mut light);
+                let bad = (0..TILE_RAYS).filter(|&i| light.smoothed[i] > MOST_SMOOTHED && light.smoothed[i].is_finite());
+                let bad = bad.fold(0u64, |mask, i| mask | 1 << i);
+                SeenTile {
+                    corner,
+                    t: seen.hits.t,
+                    triangle: seen.hits.triangle,
+                    open: seen.points.wanted & (!light.known | bad),
+                }
+            })
+        })
+        .collect()
+}
+
+impl SeenTile {
+    fn open_pixels(&self, width: u32) -> impl Iterator<Item = u32> {
+        let ([x0, y0], open) = (self.corner, self.open);
+        (0..TILE_RAYS as u32).filter(move |i| open >> i & 1 == 1).map(move |i| (y0 + i / 8) * width + x0 + i % 8)
+    }
+
+    fn store_hits(&self, frame: &mut ReferenceFrame, tracer: &Tracer) {
+        let [width, height] = frame.view.size;
+        for i in 0..TILE_RAYS {
+            let (x, y) = (self.corner[0] + i as u32 % 8, self.corner[1] + i as u32 / 8);
+            if x < width && y < height {
+                let hit = (self.triangle[i] != u32::MAX).then_some((self.t[i], self.triangle[i]));
+                let specular = hit.is_some_and(|(_, t)| tracer.scene().material_of(t).is_specular());
+                frame.store_hit((y * width + x) as usize, hit, u32::from(specular));
+            }
+        }
+    }
+}

@@ -1,0 +1,391 @@
+//! Nearest hits of a tile of rays that share their origin: what eight by eight neighbouring pixels see.
+//!
+//! The tree is walked once for the tile's frustum instead of once for each ray; a triangle that the frustum meets is
+//! tested against eight rays at a time. Hits are those of [`Bvh::closest`] bit for bit, because each ray meets each
+//! triangle by the same arithmetic, and culling keeps a margin of half a pixel.
+//!
+//! Source: frustum traversal as in Reshetov, Soupikov, Hurley, "Multi-Level Ray Tracing Algorithm", SIGGRAPH 2005. We
+//! differ: one level, and triangles are culled by the planes through the eye and their edges as well.
+
+use super::packet::TrianglePacket;
+use super::traverse::{STACK, nearest_first};
+use super::{Bvh, Child, Hit, Node};
+use arrayvec::ArrayVec;
+use fearless_simd::{Level, Simd, SimdBase, SimdMask, dispatch, f32x4, f32x8, prelude::*, u32x8};
+use glam::Vec3;
+
+/// Side of a tile in pixels.
+pub const TILE_SIDE: usize = 8;
+
+/// Rays of a tile.
+pub const TILE_RAYS: usize = TILE_SIDE * TILE_SIDE;
+
+/// A box counts as behind what was hit only where it begins beyond it by this share: far more than the rounding of
+/// either distance.
+const DEPTH_SLACK: f32 = 1.0 - 1e-5;
+
+/// Rays from one eye through a square of the picture, row by row.
+#[derive(Clone, Debug)]
+pub struct RayTile {
+    /// Common origin, scene space.
+    pub origin: Vec3,
+    /// Unit viewing axis: distances along the rays are depths along it.
+    pub forward: Vec3,
+    /// Directions, by axis; their component along `forward` is one.
+    pub directions: [[f32; TILE_RAYS]; 3],
+    /// Directions through the four corners of the tile, in order around it. They lie outside all rays by a margin.
+    pub corners: [Vec3; 4],
+}
+
+/// What the rays of a tile meet.
+#[derive(Clone, Debug)]
+pub struct TileHits {
+    /// Distance along each ray; infinite where nothing is met.
+    pub t: [f32; TILE_RAYS],
+    /// Triangle met; `u32::MAX` for none.
+    pub triangle: [u32; TILE_RAYS],
+    /// Barycentric weights of the second corner.
+    pub b1: [f32; TILE_RAYS],
+    /// Barycentric weights of the third corner.
+    pub b2: [f32; TILE_RAYS],
+}
+
+impl TileHits {
+    /// Nothing met.
+    pub const NONE: Self = Self {
+        t: [f32::INFINITY; TILE_RAYS],
+        triangle: [u32::MAX; TILE_RAYS],
+        b1: [0.0; TILE_RAYS],
+        b2: [0.0; TILE_RAYS],
+    };
+
+    /// What one of the rays meets.
+    pub fn hit(&self, ray: usize) -> Option<Hit> {
+        let triangle = self.triangle[ray];
+        (triangle != u32::MAX).then(|| Hit {
+            t: self.t[ray],
+            triangle,
+            b1: self.b1[ray],
+            b2: self.b2[ray],
+        })
+    }
+}
+
+impl Bvh {
+    /// The nearest triangle along each ray of a tile for which `accept(ray, hit)` holds; `accepts_all` says that it
+    /// always does, and spares the asking.
+    pub fn closest_in_tile(
+        &self,
+        level: Level,
+        tile: &RayTile,
+        accepts_all: bool,
+        accept: impl Fn(usize, &Hit) -> bool,
+        hits: &mut TileHits,
+    ) {
+        *hits = TileHits::NONE;
+        if self.root == Child::NONE {
+            return;
+        }
+        if accepts_all {
+            dispatch!(level, simd => self.tile_of_any_axes::<_, false>(simd, tile, &accept, hits));
+        } else {
+            dispatch!(level, simd => self.tile_of_any_axes::<_, true>(simd, tile, &accept, hits));
+        }
+    }
+
+    /// Rays are sheared along their largest axis; where that is not the same for all, one walk serves each axis.
+    #[inline(always)]
+    fn tile_of_any_axes<S: Simd, const ASKS: bool>(
+        &self,
+        simd: S,
+        tile: &RayTile,
+        accept: &impl Fn(usize, &Hit) -> bool,
+        hits: &mut TileHits,
+    ) {
+        let (shear, present) = TileShear::new(tile);
+        for axis in 0..3 {
+            if present & (1 << axis) != 0 {
+                // A distance of -1 takes a ray out: no hit is nearer.
+                for ray in 0..TILE_RAYS {
+                    if shear.largest[ray] as usize != axis {
+                        hits.t[ray] = -hits.t[ray];
+                    }
+                }
+                let mut walk = Walk { simd, bvh: self, tile, shear: &shear, axis, hits };
+                walk.run::<ASKS>(accept);
+                for ray in 0..TILE_RAYS {
+                    if shear.largest[ray] as usize != axis {
+                        hits.t[ray] = -hits.t[ray];
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Woop's shear of each ray.
+struct TileShear {
+    /// The axis along which each direction is largest.
+    largest: [u8; TILE_RAYS],
+    x: [f32; TILE_RAYS],
+    y: [f32; TILE_RAYS],
+    z: [f32; TILE_RAYS],
+}
+
+impl TileShear {
+    /// With a bit for each largest axis that occurs.
+    #[inline(always)]
+    fn new(tile: &RayTile) -> (Self, u32) {
+        let zero = [0.0; TILE_RAYS];
+        let mut shear = Self { largest: [0; TILE_RAYS], x: zero, y: zero, z: zero };
+        let mut present = 0;
+        let [dx, dy, dz] = &tile.directions;
+        for ray in 0..TILE_RAYS {
+            let d = [dx[ray], dy[ray], dz[ray]];
+            let axis = super::packet::largest_axis(d);
+            let inverse = 1.0 / d[axis];
+            shear.largest[ray] = axis as u8;
+            shear.x[ray] = d[(axis + 1) % 3] * inverse;
+            shear.y[ray] = d[(axis + 2) % 3] * inverse;
+            shear.z[ray] = inverse;
+            present |= 1 << axis;
+        }
+        (shear, present)
+    }
+}
+
+/// One walk down the tree for the rays of one largest axis.
+struct Walk<'a, S: Simd> {
+    simd: S,
+    bvh: &'a Bvh,
+    tile: &'a RayTile,
+    shear: &'a TileShear,
+    axis: usize,
+    hits: &'a mut TileHits,
+}
+
+/// A plane through the eye; what lies on its positive side may be met.
+#[derive(Clone, Copy)]
+struct SidePlane<S: Simd> {
+    normal: [f32x4<S>; 3],
+    /// Index into [`Node::bounds`] of the box's outermost plane along the normal, by axis.
+    outermost: [usize; 3],
+}
+
+impl<S: Simd> Walk<'_, S> {
+    #[inline(always)]
+    fn run<const ASKS: bool>(&mut self, accept: &impl Fn(usize, &Hit) -> bool) {
+        let simd = self.simd;
+        let origin = self.tile.origin.to_array().map(|o| f32x4::splat(simd, o));
+        let sides = self.side_planes();
+        let forward = side_plane(simd, -self.tile.forward);
+        let mut farthest = self.farthest();
+        let mut stack = ArrayVec::<(Child, f32), STACK>::new();
+        stack.push((self.bvh.root, 0.0));
+        while let Some((mut child, near)) = stack.pop() {
+            if near > farthest {
+                continue;
+            }
+            loop {
+                if let Some(packet) = child.packet() {
+                    self.leaf::<ASKS>(&self.bvh.packets[packet], origin, &sides, accept, &mut farthest);
+                    break;
+                }
+                let node = &self.bvh.nodes[child.0 as usize];
+                let near = extent(simd, node, origin, &forward);
+                let near = -near * f32x4::splat(simd, DEPTH_SLACK);
+                let mut met = near.simd_le(f32x4::splat(simd, farthest));
+                for side in &sides {
+                    met &= extent(simd, node, origin, side).simd_ge(f32x4::splat(simd, 0.0));
+                }
+                let mask = met.to_bitmask() as u32;
+                if mask == 0 {
+                    break;
+                }
+                child = nearest_first(node, mask, near.to_array(), &mut stack);
+            }
+        }
+    }
+
+    /// The planes between neighbouring corners, facing inwards.
+    #[inline(always)]
+    fn side_planes(&self) -> [SidePlane<S>; 4] {
+        let c = &self.tile.corners;
+        let inside = c[0] + c[1] + c[2] + c[3];
+        std::array::from_fn(|i| {
+            let normal = c[i].cross(c[(i + 1) % 4]);
+            side_plane(self.simd, if normal.dot(inside) < 0.0 { -normal } else { normal })
+        })
+    }
+
+    #[inline(always)]
+    fn farthest(&self) -> f32 {
+        let mut most = f32x8::splat(self.simd, 0.0);
+        for row in self.hits.t.as_chunks::<8>().0 {
+            most = most.max(f32x8::load_array_ref(self.simd, row));
+        }
+        most.to_array().into_iter().fold(0.0, f32::max)
+    }
+
+    #[inline(always)]
+    fn leaf<const ASKS: bool>(
+        &mut self,
+        packet: &TrianglePacket,
+        origin: [f32x4<S>; 3],
+        sides: &[SidePlane<S>; 4],
+        accept: &impl Fn(usize, &Hit) -> bool,
+        farthest: &mut f32,
+    ) {
+        let corners = packet.corners().map(|c| {
+            let p: [f32x4<S>; 3] = std::array::from_fn(|axis| f32x4::load_array_ref(self.simd, &c[axis]));
+            [p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]]
+        });
+        let mut mask = self.may_be_met(&corners, sides);
+        while mask != 0 {
+            let lane = mask.trailing_zeros() as usize;
+            mask &= mask - 1;
+            let corner = |k: usize| [0, 1, 2].map(|axis| corners[k][axis][lane]);
+            let triangle = packet.triangle(lane);
+            if self.triangle::<ASKS>([corner(0), corner(1), corner(2)], triangle, accept) {
+                *farthest = self.farthest();
+            }
+        }
+    }
+
+    /// Bit per triangle of a packet that no plane through the eye separates from the tile: none of the tile's sides and
+    /// none of the triangle's edges.
+    #[inline(always)]
+    fn may_be_met(&self, corners: &[[f32x4<S>; 3]; 3], sides: &[SidePlane<S>; 4]) -> u32 {
+        let simd = self.simd;
+        let zero = f32x4::splat(simd, 0.0);
+        let [a, b, c] = corners;
+        // A x (B - A) is A x B without its cancellation where the edge is short.
+        let planes = [cross(a, &sub(b, a)), cross(b, &sub(c, b)), cross(c, &sub(a, c))];
+        let facing = dot(&planes[0], c);
+        let mut outside = facing.simd_ne(facing);
+        for side in sides {
+            let n = &side.normal;
+            outside |= dot(n, a).max(dot(n, b)).max(dot(n, c)).simd_lt(zero);
+        }
+        let corner = |k: usize| self.tile.corners[k].to_array().map(|x| f32x4::splat(simd, x));
+        let tile = [corner(0), corner(1), corner(2), corner(3)];
+        let (front, back) = (facing.simd_gt(zero), facing.simd_lt(zero));
+        for plane in &planes {
+            let d = [dot(plane, &tile[0]), dot(plane, &tile[1]), dot(plane, &tile[2]), dot(plane, &tile[3])];
+            let most = d[0].max(d[1]).max(d[2].max(d[3]));
+            let least = d[0].min(d[1]).min(d[2].min(d[3]));
+            outside |= (front & most.simd_lt(zero)) | (back & least.simd_gt(zero));
+        }
+        !outside.to_bitmask() as u32 & 0xf
+    }
+
+    /// Tests one triangle (corners relative to the eye) against all rays; true where some ray met it first.
+    #[inline(always)]
+    fn triangle<const ASKS: bool>(
+        &mut self,
+        corners: [[f32; 3]; 3],
+        triangle: u32,
+        accept: &impl Fn(usize, &Hit) -> bool,
+    ) -> bool {
+        let simd = self.simd;
+        let splat = |x: f32| f32x8::splat(simd, x);
+        let (kx, ky, kz) = ((self.axis + 1) % 3, (self.axis + 2) % 3, self.axis);
+        let [a, b, c] = corners.map(|p| [splat(p[kx]), splat(p[ky]), splat(p[kz])]);
+        let zero = splat(0.0);
+        let mut changed = false;
+        for row in 0..TILE_RAYS / 8 {
+            let at = row * 8..row * 8 + 8;
+            let load = |from: &[f32; TILE_RAYS]| f32x8::from_slice(simd, &from[at.clone()]);
+            let (sx, sy) = (load(&self.shear.x), load(&self.shear.y));
+            let (ax, ay) = (a[0] - sx * a[2], a[1] - sy * a[2]);
+            let (bx, by) = (b[0] - sx * b[2], b[1] - sy * b[2]);
+            let (cx, cy) = (c[0] - sx * c[2], c[1] - sy * c[2]);
+            let mut u = cx * by - cy * bx;
+            let mut v = ax * cy - ay * cx;
+            let mut w = bx * ay - by * ax;
+            let undecided = u.simd_eq(zero) | v.simd_eq(zero) | w.simd_eq(zero);
+            if undecided.any_true() {
+                u = decide_in_f64(u, [cx, by, cy, bx]);
+                v = decide_in_f64(v, [ax, cy, ay, cx]);
+                w = decide_in_f64(w, [bx, ay, by, ax]);
+            }
+            let negative = u.simd_lt(zero) | v.simd_lt(zero) | w.simd_lt(zero);
+            let positive = u.simd_gt(zero) | v.simd_gt(zero) | w.simd_gt(zero);
+            let det = u + v + w;
+            let inside = !(negative & positive) & det.simd_ne(zero);
+            if !inside.any_true() {
+                continue;
+            }
+            let inverse = splat(1.0) / det;
+            let t = (u * a[2] + v * b[2] + w * c[2]) * load(&self.shear.z) * inverse;
+            let best = load(&self.hits.t);
+            let known = u32x8::from_slice(simd, &self.hits.triangle[at.clone()]);
+            let this = u32x8::splat(simd, triangle);
+            let nearer = t.simd_lt(best) | (t.simd_eq(best) & this.simd_lt(known));
+            let mut wins = inside & t.simd_gt(zero) & nearer & t.simd_lt(splat(f32::INFINITY));
+            if !wins.any_true() {
+                continue;
+            }
+            let (b1, b2) = (v * inverse, w * inverse);
+            if ASKS {
+                let mut bits = 0u64;
+                for lane in (0..8).filter(|&lane| wins.test(lane)) {
+                    let hit = Hit { t: t[lane], triangle, b1: b1[lane], b2: b2[lane] };
+                    bits |= u64::from(accept(row * 8 + lane, &hit)) << lane;
+                }
+                wins &= fearless_simd::mask32x8::from_bitmask(simd, bits);
+            }
+            wins.select(t, best).store_slice(&mut self.hits.t[at.clone()]);
+            wins.select(this, known).store_slice(&mut self.hits.triangle[at.clone()]);
+            wins.select(b1, load(&self.hits.b1)).store_slice(&mut self.hits.b1[at.clone()]);
+            wins.select(b2, load(&self.hits.b2)).store_slice(&mut self.hits.b2[at.clone()]);
+            changed = true;
+        }
+        changed
+    }
+}
+
+#[inline(always)]
+fn side_plane<S: Simd>(simd: S, normal: Vec3) -> SidePlane<S> {
+    let n = normal.to_array();
+    SidePlane {
+        normal: n.map(|x| f32x4::splat(simd, x)),
+        outermost: std::array::from_fn(|axis| 2 * axis + usize::from(n[axis] > 0.0)),
+    }
+}
+
+/// How far each child's box reaches along a plane's normal.
+#[inline(always)]
+fn extent<S: Simd>(simd: S, node: &Node, origin: [f32x4<S>; 3], plane: &SidePlane<S>) -> f32x4<S> {
+    let term = |axis: usize| {
+        let bound = f32x4::load_array_ref(simd, &node.bounds[plane.outermost[axis]]);
+        (bound - origin[axis]) * plane.normal[axis]
+    };
+    term(0) + term(1) + term(2)
+}
+
+#[inline(always)]
+fn sub<S: Simd>(a: &[f32x4<S>; 3], b: &[f32x4<S>; 3]) -> [f32x4<S>; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+#[inline(always)]
+fn dot<S: Simd>(a: &[f32x4<S>; 3], b: &[f32x4<S>; 3]) -> f32x4<S> {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[inline(always)]
+fn cross<S: Simd>(a: &[f32x4<S>; 3], b: &[f32x4<S>; 3]) -> [f32x4<S>; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// As for single rays: where an edge function is zero in f32, its sign is decided in f64.
+#[cold]
+fn decide_in_f64<S: Simd>(rounded: f32x8<S>, factors: [f32x8<S>; 4]) -> f32x8<S> {
+    let [a, b, c, d] = factors.map(f32x8::to_array);
+    let mut decided = rounded;
+    for i in (0..8).filter(|&i| rounded[i] == 0.0) {
+        decided[i] = (f64::from(a[i]) * f64::from(b[i]) - f64::from(c[i]) * f64::from(d[i])) as f32;
+    }
+    decided
+}

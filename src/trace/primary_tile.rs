@@ -1,0 +1,36 @@
+//! What a tile of neighbouring pixels sees.
+
+use super::Tracer;
+use super::bvh::{RayTile, TILE_RAYS, TILE_SIDE, TileHits};
+use crate::camera::View;
+use crate::math::simd;
+use glam::Vec3;
+
+impl Tracer {
+    /// The nearest surface through each pixel centre of the tile whose top left pixel is (x0, y0): what
+    /// [`Self::closest`] finds, several times as fast. Rays beyond the picture's edge are traced as well.
+    pub fn closest_in_tile(&self, view: &View, [x0, y0]: [u32; 2], tile: &mut RayTile, hits: &mut TileHits) {
+        *tile = primary_tile(view, [x0, y0]);
+        let accepts_all = !self.scene().needs.alpha;
+        let accept = |_: usize, hit: &_| self.is_covered(hit);
+        self.bvh().closest_in_tile(simd::level(), tile, accepts_all, accept, hits);
+    }
+}
+
+/// The primary rays of the tile whose top left pixel is (x0, y0).
+pub fn primary_tile(view: &View, [x0, y0]: [u32; 2]) -> RayTile {
+    let (x0, y0, side) = (x0 as f32, y0 as f32, TILE_SIDE as f32);
+    let corner = |dx: f32, dy: f32| view.direction_of_point(x0 + dx * side, y0 + dy * side);
+    let mut directions = [[0.0; TILE_RAYS]; 3];
+    for ray in 0..TILE_RAYS {
+        let (x, y) = ((ray % TILE_SIDE) as f32, (ray / TILE_SIDE) as f32);
+        let d = view.direction_of_point(x0 + x + 0.5, y0 + y + 0.5);
+        (directions[0][ray], directions[1][ray], directions[2][ray]) = (d.x, d.y, d.z);
+    }
+    RayTile {
+        origin: view.eye,
+        forward: view.scene_from_camera * Vec3::Z,
+        directions,
+        corners: [corner(0.0, 0.0), corner(1.0, 0.0), corner(1.0, 1.0), corner(0.0, 1.0)],
+    }
+}
