@@ -5,7 +5,6 @@ use super::record::{FrameRecord, Pose, ReferenceRecord, TourRecord};
 use crate::camera::Camera;
 use crate::camera_path::CameraPath;
 use crate::raster::save::SaveError;
-use crate::reference::ReferenceFrame;
 use crate::render::{Frame, Mode, RenderSettings, Walkthrough, WalkthroughSettings};
 use crate::trace::Tracer;
 use crate::trace::parallel::Stop;
@@ -149,9 +148,7 @@ fn add_reference(
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Option<ReferenceRecord> {
     let camera = walk.wanted_reference()?;
-    let trace = walk.reference_settings();
-    let tracer = Arc::clone(walk.tracer());
-    let reference = ReferenceFrame::trace(&tracer, &camera, settings.size, &trace, stop)?;
+    let reference = walk.reference_job(camera, settings.size).trace(stop)?;
     let record = ReferenceRecord {
         reference: number,
         after_frame: frame,

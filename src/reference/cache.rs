@@ -27,6 +27,20 @@ pub struct CachedReference {
     pub(super) slot: usize,
 }
 
+/// The references at one moment; cheap to take, because nothing but names is copied until the cache changes.
+#[derive(Clone, Debug)]
+pub struct KnownLight {
+    directory: Arc<Directory>,
+    entries: Vec<CachedReference>,
+}
+
+impl KnownLight {
+    /// Ready to be asked for light.
+    pub fn lookup(&self, epoch: SceneEpoch) -> LookupSet<'_> {
+        LookupSet::new(&self.directory, &self.entries, epoch)
+    }
+}
+
 impl CachedReference {
     /// Only a reference that holds the light of all its pixels serves the paper's forward warp.
     fn can_be_warped(&self, epoch: SceneEpoch) -> bool {
@@ -43,7 +57,7 @@ pub struct ReferenceCache {
     clock: u64,
     evicted: u64,
     coverage: Vec<Vec<f32>>,
-    directory: Directory,
+    directory: Arc<Directory>,
 }
 
 impl ReferenceCache {
@@ -56,7 +70,7 @@ impl ReferenceCache {
             clock: 0,
             evicted: 0,
             coverage: Vec::new(),
-            directory: Directory::new(scene),
+            directory: Arc::new(Directory::new(scene)),
         }
     }
 
@@ -91,10 +105,23 @@ impl ReferenceCache {
         self.evicted
     }
 
-    /// Drops everything; what comes next is of `scene`.
-    pub fn clear(&mut self, scene: &Scene) {
+    /// The name of the reference in each slot of a look-up; an unused one where there is none.
+    pub fn ids_by_slot(&self) -> Vec<ReferenceId> {
+        let count = self.entries.iter().map(|e| e.slot + 1).max().unwrap_or(0);
+        let mut ids = vec![ReferenceId(u32::MAX); count];
+        self.entries.iter().for_each(|e| ids[e.slot] = e.id);
+        ids
+    }
+
+    /// The same for another thread: what the references know now.
+    pub fn known_light(&self) -> KnownLight {
+        KnownLight { directory: Arc::clone(&self.directory), entries: self.entries.clone() }
+    }
+
+    /// Drops everything.
+    pub fn clear(&mut self) {
         self.entries.clear();
-        self.directory = Directory::new(scene);
+        Arc::make_mut(&mut self.directory).clear();
     }
 
     /// Adds a reference; evicts the least useful others where the budget is exceeded.
@@ -104,7 +131,7 @@ impl ReferenceCache {
         // A newcomer has no record yet; a full share keeps it until frames have judged it.
         let taken = self.entries.iter().fold(0u128, |mask, e| mask | 1 << e.slot);
         let slot = (!taken).trailing_zeros() as usize;
-        self.directory.add(&frame, slot);
+        Arc::make_mut(&mut self.directory).add(&frame, slot);
         self.entries.push(CachedReference { id, frame, contribution: 1.0, last_used: self.clock, slot });
         self.evict();
         id
@@ -114,7 +141,7 @@ impl ReferenceCache {
     pub fn remove(&mut self, id: ReferenceId) -> bool {
         let Some(at) = self.entries.iter().position(|e| e.id == id) else { return false };
         let removed = self.entries.remove(at);
-        self.directory.remove(removed.slot);
+        Arc::make_mut(&mut self.directory).remove(removed.slot);
         true
     }
 
@@ -133,7 +160,7 @@ impl ReferenceCache {
                 return;
             };
             let removed = self.entries.remove(worst);
-            self.directory.remove(removed.slot);
+            Arc::make_mut(&mut self.directory).remove(removed.slot);
             self.evicted += 1;
         }
     }

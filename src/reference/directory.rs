@@ -18,7 +18,7 @@ const MOST_CELLS: f32 = (1 << 18) as f32;
 pub type SlotMask = u128;
 
 /// For each cell of the scene, the references that lit something in it.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Directory {
     low: Vec3,
     cells_per_unit: f32,
@@ -98,6 +98,11 @@ impl Directory {
         for cell in cells.into_iter().flatten() {
             self.masks[cell as usize] |= 1 << slot;
         }
+    }
+
+    /// Forgets all slots.
+    pub(super) fn clear(&mut self) {
+        self.masks.fill(0);
     }
 
     /// Forgets a slot.

@@ -148,6 +148,11 @@ impl<'a> LookupSet<'a> {
         Self { directory, references, usable }
     }
 
+    /// References that may be asked.
+    pub fn len(&self) -> usize {
+        self.usable.count_ones() as usize
+    }
+
     /// True where there is nothing to ask.
     pub fn is_empty(&self) -> bool {
         self.usable == 0

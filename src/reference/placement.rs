@@ -37,8 +37,11 @@ pub struct Observation {
     pub camera: Camera,
     /// The camera one frame before; the same where there was none.
     pub previous: Camera,
-    /// Type 3 pixels in percent.
-    pub type3_percent: f64,
+    /// Pixels in percent that a reference here would have to light: Type 3 for the paper's references, for sparse ones
+    /// only what no reference knows.
+    pub open_percent: f64,
+    /// Whether references light only what older ones do not know.
+    pub is_sparse: bool,
     /// References held.
     pub held: usize,
 }
@@ -55,6 +58,10 @@ const FRAMES_AHEAD: f64 = 4.0;
 /// in the median, against 102 with 4.0 % where 5 % open ahead suffice.
 const WORTH_PERCENT: f64 = 20.0;
 
+/// A sparse reference costs little more than the pixels it lights, and those would be shaded in frame after frame. So
+/// one is worth it where this percentage of the picture ahead is not known.
+const SPARSE_WORTH_PERCENT: f64 = 1.0;
+
 /// A predicted turn is cut here, in radians: beyond half the field of view the new picture would share nothing.
 const LARGEST_TURN: f64 = 0.5;
 
@@ -66,9 +73,16 @@ impl PlacementPolicy {
     pub fn decide(&self, seen: &Observation, tracer: &Tracer, foresee: Foresight<'_>) -> Option<Camera> {
         match *self {
             Self::None => None,
-            Self::Threshold { percent } => (seen.type3_percent > percent).then_some(seen.camera),
+            Self::Threshold { percent } => (seen.open_percent > percent).then_some(seen.camera),
+            Self::Predictive { percent } if seen.is_sparse => {
+                if seen.open_percent > percent {
+                    return Some(seen.camera);
+                }
+                let ahead = ahead(seen, tracer);
+                (seen.camera != seen.previous && foresee(&ahead) > SPARSE_WORTH_PERCENT.min(percent)).then_some(ahead)
+            }
             Self::Predictive { percent } => {
-                if seen.type3_percent <= percent {
+                if seen.open_percent <= percent {
                     return None;
                 }
                 let ahead = ahead(seen, tracer);
@@ -77,7 +91,7 @@ impl PlacementPolicy {
                 if !is_still && seen.held > 0 && foresee(&ahead) > worth {
                     return Some(ahead);
                 }
-                (seen.type3_percent > worth).then_some(seen.camera)
+                (seen.open_percent > worth).then_some(seen.camera)
             }
         }
     }

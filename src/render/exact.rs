@@ -46,6 +46,7 @@ impl Renderer {
         stop: Stop<'_>,
     ) {
         let start = Instant::now();
+        self.frame.stats.references_used = lookup.len();
         self.resolve(tracer, lookup);
         self.frame.stats.secs.warp = start.elapsed().as_secs_f64();
         self.look_up_secondary(tracer, settings, lookup, stop);

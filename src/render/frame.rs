@@ -91,9 +91,9 @@ impl Frame {
         self.supplier.resize(count, NO_SUPPLIER);
     }
 
-    /// The share of pixels that each of the frame's references supplied.
-    pub fn supplier_shares(&self) -> Vec<f32> {
-        let mut counts = vec![0usize; self.stats.references_used];
+    /// The share of pixels that each of the frame's `count` references supplied.
+    pub fn supplier_shares(&self, count: usize) -> Vec<f32> {
+        let mut counts = vec![0usize; count];
         for &s in self.supplier.iter().filter(|s| **s != NO_SUPPLIER) {
             counts[s as usize] += 1;
         }

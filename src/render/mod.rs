@@ -8,7 +8,7 @@ pub mod walkthrough;
 
 pub use frame::{Frame, FrameStats, StageSecs};
 pub use renderer::Renderer;
-pub use walkthrough::{Walkthrough, WalkthroughSettings};
+pub use walkthrough::{ReferenceJob, Walkthrough, WalkthroughSettings};
 
 use crate::trace::TraceSettings;
 use serde::{Deserialize, Serialize};
@@ -22,6 +22,8 @@ pub enum Mode {
     /// The paper to the letter, for comparison; never improved.
     #[default]
     Paper,
+    /// The surface at every pixel from the references' own pixels, guarded, its light looked up.
+    Fast,
     /// The primary ray's surface at every pixel, its light looked up in the references.
     Exact,
 }
@@ -32,8 +34,14 @@ impl Mode {
         match self {
             Self::Full => "full",
             Self::Paper => "paper",
+            Self::Fast => "fast",
             Self::Exact => "exact",
         }
+    }
+
+    /// True for the modes that look light up surface point by surface point, and whose references are sparse.
+    pub fn looks_up(self) -> bool {
+        matches!(self, Self::Fast | Self::Exact)
     }
 }
 

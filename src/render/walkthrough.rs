@@ -4,7 +4,9 @@
 
 use super::{Frame, Mode, RenderSettings, Renderer};
 use crate::camera::{Camera, View};
-use crate::reference::{Observation, PlacementPolicy, ReferenceCache, ReferenceFrame, ReferenceId};
+use crate::reference::{
+    KnownLight, Observation, PlacementPolicy, ReferenceCache, ReferenceFrame, ReferenceId, open_percent,
+};
 use crate::trace::parallel::Stop;
 use crate::trace::{TraceSettings, Tracer};
 use std::sync::Arc;
@@ -71,7 +73,7 @@ impl Walkthrough {
     /// Another scene, or the same one edited: references of the old one are dropped.
     pub fn set_tracer(&mut self, tracer: Arc<Tracer>) {
         self.tracer = tracer;
-        self.cache.clear(self.tracer.scene());
+        self.cache = ReferenceCache::new(self.tracer.scene(), self.settings.cache_bytes);
         (self.previous, self.wanted) = (None, None);
     }
 
@@ -118,21 +120,25 @@ impl Walkthrough {
         let start = Instant::now();
         let view = View::new(camera, &self.tracer.scene().frame, size);
         let selected = match self.settings.render.mode {
-            Mode::Full | Mode::Exact => Vec::new(),
+            Mode::Full | Mode::Fast | Mode::Exact => Vec::new(),
             Mode::Paper => self.cache.select(&view, self.tracer.epoch(), self.settings.most_references),
         };
         let select_secs = start.elapsed().as_secs_f64();
         let references: Vec<&ReferenceFrame> = selected.iter().map(|r| &*r.frame).collect();
         let lookup = self.cache.lookup(self.tracer.epoch());
         let settings = &self.settings.render;
-        if settings.mode == Mode::Exact {
+        if settings.mode.looks_up() {
             self.renderer.render_by_lookup(&self.tracer, camera, size, settings, &lookup, stop);
         } else {
             self.renderer.render(&self.tracer, camera, size, settings, &references, stop);
         }
         let start = Instant::now();
-        self.used = selected.iter().map(|r| r.id).collect();
-        let shares: Vec<_> = self.used.iter().copied().zip(self.renderer.frame().supplier_shares()).collect();
+        self.used = match self.settings.render.mode.looks_up() {
+            true => self.cache.ids_by_slot(),
+            false => selected.iter().map(|r| r.id).collect(),
+        };
+        let shares = self.renderer.frame().supplier_shares(self.used.len());
+        let shares: Vec<_> = self.used.iter().copied().zip(shares).collect();
         self.cache.note_contributions(&shares);
         self.wanted = self.decide(camera, size);
         self.renderer.add_select_secs(select_secs + start.elapsed().as_secs_f64());
@@ -144,13 +150,22 @@ impl Walkthrough {
         if self.settings.render.mode == Mode::Full {
             return None;
         }
+        let types = self.frame().stats.types.percentages();
+        let is_sparse = self.settings.render.mode.looks_up();
         let seen = Observation {
             camera: *camera,
             previous: self.previous.unwrap_or(*camera),
-            type3_percent: self.frame().stats.types.percentages().type3_percent,
+            open_percent: if is_sparse { types.unseen_percent } else { types.type3_percent },
+            is_sparse,
             held: self.cache.entries().len(),
         };
         let (tracer, cache, most) = (&self.tracer, &mut self.cache, self.settings.most_references);
+        if is_sparse {
+            let lookup = cache.lookup(tracer.epoch());
+            return self.settings.placement.decide(&seen, tracer, &mut |pose| {
+                open_percent(tracer, &View::new(pose, &tracer.scene().frame, size), &lookup)
+            });
+        }
         self.settings.placement.decide(&seen, tracer, &mut |pose| {
             let view = View::new(pose, &tracer.scene().frame, size);
             cache.predict_type3_percent(&view, tracer.epoch(), most)
@@ -162,16 +177,54 @@ impl Walkthrough {
         self.wanted
     }
 
-    /// What the next reference is to be traced with. Each has a seed of its own, so that the noise of several
-    /// references is independent.
-    pub fn reference_settings(&mut self) -> TraceSettings {
+    /// What tracing a reference at a pose takes, for this thread or another. Each has a seed of its own, so that the
+    /// noise of several references is independent.
+    pub fn reference_job(&mut self, camera: Camera, size: [u32; 2]) -> ReferenceJob {
         self.references_made += 1;
         let trace = self.settings.render.trace;
-        TraceSettings { seed: trace.seed.wrapping_add(u64::from(self.references_made) << 32), ..trace }
+        ReferenceJob {
+            tracer: Arc::clone(&self.tracer),
+            camera,
+            size,
+            settings: TraceSettings {
+                seed: trace.seed.wrapping_add(u64::from(self.references_made) << 32),
+                ..trace
+            },
+            known: self.settings.render.mode.looks_up().then(|| self.cache.known_light()),
+        }
     }
 
     /// Adds a finished reference. One of another epoch is refused and `None` returned.
     pub fn insert(&mut self, reference: ReferenceFrame) -> Option<ReferenceId> {
         (reference.epoch == self.tracer.epoch()).then(|| self.cache.insert(Arc::new(reference)))
+    }
+}
+
+/// A reference to be traced.
+#[derive(Clone, Debug)]
+pub struct ReferenceJob {
+    /// Of this scene.
+    pub tracer: Arc<Tracer>,
+    /// Here.
+    pub camera: Camera,
+    /// In pixels.
+    pub size: [u32; 2],
+    /// Samples, bounces, seed.
+    pub settings: TraceSettings,
+    /// What is known already and need not be lit; `None` lights every pixel, as the paper does.
+    pub known: Option<KnownLight>,
+}
+
+impl ReferenceJob {
+    /// Traces it on the current thread pool. `None` after a stop.
+    pub fn trace(&self, stop: Stop<'_>) -> Option<ReferenceFrame> {
+        let (tracer, camera, size, settings) = (&self.tracer, &self.camera, self.size, &self.settings);
+        match &self.known {
+            None => ReferenceFrame::trace(tracer, camera, size, settings, stop),
+            Some(known) => {
+                let lookup = known.lookup(tracer.epoch());
+                ReferenceFrame::trace_sparse(tracer, camera, size, settings, &lookup, stop)
+            }
+        }
     }
 }

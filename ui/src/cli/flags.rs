@@ -14,7 +14,7 @@ pub(crate) struct Flags {
     #[arg(long = "size", global = true, value_name = "WxH", value_parser = size)]
     pub(crate) given_size: Option<[u32; 2]>,
     /// How frames are made: `full` traces every pixel, `paper` reuses references.
-    #[arg(long, global = true, value_name = "full|paper", default_value = "paper", value_parser = mode)]
+    #[arg(long, global = true, value_name = "full|paper|fast|exact", default_value = "paper", value_parser = mode)]
     pub(crate) mode: Mode,
     /// Shadow rays per light and pixel; 16, in the window 4.
     #[arg(long, global = true, value_name = "N")]
@@ -111,10 +111,9 @@ fn mode(text: &str) -> Result<Mode, String> {
     match text {
         "full" => Ok(Mode::Full),
         "paper" => Ok(Mode::Paper),
-        "fast" | "exact" => {
-            Err(format!("'{text}' comes in a later version; this one has 'full' and 'paper'"))
-        }
-        _ => Err("there are 'full' and 'paper'".to_owned()),
+        "fast" => Ok(Mode::Fast),
+        "exact" => Ok(Mode::Exact),
+        _ => Err("there are 'full', 'paper', 'fast' and 'exact'".to_owned()),
     }
 }
 

@@ -1,9 +1,8 @@
 //! The thread that traces references while the window goes on.
 
 use super::render_thread::{give_way, panic_text};
-use afterimage::Camera;
+use afterimage::ReferenceJob;
 use afterimage::reference::ReferenceFrame;
-use afterimage::trace::{TraceSettings, Tracer};
 use crossbeam_channel::{Receiver, Sender, unbounded};
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -14,10 +13,7 @@ use std::thread::JoinHandle;
 /// A reference to be traced.
 #[derive(Debug)]
 pub(super) struct Job {
-    pub(super) tracer: Arc<Tracer>,
-    pub(super) camera: Camera,
-    pub(super) size: [u32; 2],
-    pub(super) settings: TraceSettings,
+    pub(super) reference: ReferenceJob,
     /// Ends it early; its result is then nobody's.
     pub(super) cancel: Arc<AtomicBool>,
 }
@@ -54,7 +50,7 @@ fn serve(pool: &rayon::ThreadPool, jobs: &Receiver<Job>, deliver: &dyn Fn(Outcom
     for job in jobs {
         let trace = || {
             let stop = || job.cancel.load(Ordering::Relaxed);
-            ReferenceFrame::trace(&job.tracer, &job.camera, job.size, &job.settings, &stop)
+            job.reference.trace(&stop)
         };
         let outcome = match catch_unwind(AssertUnwindSafe(|| pool.install(trace))) {
             Err(panic) => Outcome::Panicked(panic_text(&*panic)),

@@ -199,8 +199,7 @@ impl Worker {
             || wanted(walk, wish.size).filter(|camera| !self.refused.contains(&(*camera, wish.size)));
         let Some(camera) = self.asked.take().or_else(wanted) else { return };
         let cancel = Arc::new(AtomicBool::new(false));
-        let (tracer, settings) = (walk.tracer().clone(), walk.reference_settings());
-        let job = Job { tracer, camera, size: wish.size, settings, cancel: cancel.clone() };
+        let job = Job { reference: walk.reference_job(camera, wish.size), cancel: cancel.clone() };
         if self.jobs.send(job).is_ok() {
             self.job = Some(Running { cancel, place: (camera, wish.size) });
             self.shared.is_adding.store(true, Ordering::Release);
