@@ -27,6 +27,9 @@ pub const LEAST_WEIGHT: f32 = 1.0 / 16.0;
 /// A reference whose samples are farther apart than so many pixels of the view, in area, knows nothing of a pixel.
 pub const MOST_MAGNIFICATION: f32 = 1024.0;
 
+/// References averaged for a point met after a mirror or behind glass; more would cost more than their noise is worth.
+const ENOUGH: usize = 3;
+
 /// A reference made ready for look-ups.
 #[derive(Debug)]
 pub(super) struct LookupReference<'a> {
@@ -163,14 +166,15 @@ impl<'a> LookupSet<'a> {
     /// `None` where no reference does.
     pub fn light_at(&self, position: Vec3, normal: Vec3, triangle: u32) -> Option<Vec3> {
         let mut mask = self.directory.mask(self.directory.cell_of(position)) & self.usable;
-        let (mut sum, mut total) = (Vec3::ZERO, 0.0);
-        while mask != 0 {
+        let (mut sum, mut total, mut found) = (Vec3::ZERO, 0.0, 0);
+        while mask != 0 && found < ENOUGH {
             let slot = mask.trailing_zeros() as usize;
             mask &= mask - 1;
             let Some(reference) = &self.references[slot] else { continue };
             if let Some((light, weight)) = reference.light_at(position, normal, triangle) {
                 sum += weight * light;
                 total += weight;
+                found += 1;
             }
         }
         (total > 0.0).then(|| sum / total)

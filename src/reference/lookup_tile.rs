@@ -18,7 +18,7 @@ use fearless_simd::{Simd, SimdBase, SimdMask, dispatch, f32x8, prelude::*, u32x8
 use glam::Vec3;
 
 /// References gathered from for one group of pixels of a tile.
-const BEST: usize = 4;
+const BEST: usize = 3;
 
 /// Groups of pixels of a tile that choose references of their own; pixels left over ask every reference.
 const MOST_ROUNDS: usize = 3;
@@ -104,7 +104,13 @@ impl TileLight {
     /// True where a known pixel's light is a guess: extrapolated beyond the samples, or between samples that differ.
     #[inline(always)]
     pub fn is_guess(&self, pixel: usize) -> bool {
-        self.coverage[pixel] < LEAST_COVERAGE || self.jump[pixel] > MOST_JUMP
+        self.is_extrapolated(pixel) || self.jump[pixel] > MOST_JUMP
+    }
+
+    /// True where a known pixel's light is extrapolated beyond the samples.
+    #[inline(always)]
+    pub(super) fn is_extrapolated(&self, pixel: usize) -> bool {
+        self.coverage[pixel] < LEAST_COVERAGE
     }
 
     /// The light of a pixel that is known.

@@ -21,6 +21,7 @@ struct SeenTile {
     corner: [u32; 2],
     t: [f32; TILE_RAYS],
     triangle: [u32; TILE_RAYS],
+    wanted: u64,
     open: u64,
 }
 
@@ -37,7 +38,7 @@ impl ReferenceFrame {
         let start = Instant::now();
         let view = View::new(camera, &tracer.scene().frame, size);
         let tiles = see_tiles(tracer, &view, known);
-        let open: Vec<u32> = tiles.iter().flat_map(|tile| tile.open_pixels(size[0])).collect();
+        let open = open_pixels(&tiles, &view);
         let mut traced: Vec<Option<PixelTrace>> = Vec::new();
         let (rays, complete) = trace_pixels(&open, &mut traced, stop, |pixel, rays| {
             let key = Key::of_pixel(settings.seed, pixel);
@@ -105,12 +106,13 @@ fn see_tiles(tracer: &Tracer, view: &View, known: &LookupSet<'_>) -> Vec<SeenTil
                 let corner = [column * side, row * side];
                 seen.see(tracer, view, corner);
                 lookup.gather(&seen.points, &mut light);
-                let bad = (0..TILE_RAYS).filter(|&i| light.smoothed[i] > MOST_SMOOTHED && light.smoothed[i].is_finite());
+                let bad = (0..TILE_RAYS).filter(|&i| light.smoothed[i] > MOST_SMOOTHED);
                 let bad = bad.fold(0u64, |mask, i| mask | 1 << i);
                 SeenTile {
                     corner,
                     t: seen.hits.t,
                     triangle: seen.hits.triangle,
+                    wanted: seen.points.wanted,
                     open: seen.points.wanted & (!light.known | bad),
                 }
             })
@@ -118,11 +120,53 @@ fn see_tiles(tracer: &Tracer, view: &View, known: &LookupSet<'_>) -> Vec<SeenTil
         .collect()
 }
 
-impl SeenTile {
-    fn open_pixels(&self, width: u32) -> impl Iterator<Item = u32> {
-        let ([x0, y0], open) = (self.corner, self.open);
-        (0..TILE_RAYS as u32).filter(move |i| open >> i & 1 == 1).map(move |i| (y0 + i / 8) * width + x0 + i % 8)
+/// Marks that go around a picture, so that no neighbour lies outside.
+struct Marks {
+    stride: usize,
+    is_open: Vec<bool>,
+}
+
+/// The pixels to be lit, tile by tile: the open ones and those around them, so that a look-up between lit and unlit
+/// pixels finds all its samples in one reference.
+fn open_pixels(tiles: &[SeenTile], view: &View) -> Vec<u32> {
+    let stride = view.size[0] as usize + 2;
+    let mut marks = Marks { stride, is_open: vec![false; stride * (view.size[1] as usize + 2)] };
+    for tile in tiles {
+        for_each_bit(tile.open, |i| marks.mark_around(tile.pixel(i)));
     }
+    let mut open = Vec::new();
+    for tile in tiles {
+        for_each_bit(tile.wanted, |i| {
+            let [x, y] = tile.pixel(i);
+            if marks.is_open[(y as usize + 1) * stride + x as usize + 1] {
+                open.push(y * view.size[0] + x);
+            }
+        });
+    }
+    open
+}
+
+impl Marks {
+    fn mark_around(&mut self, [x, y]: [u32; 2]) {
+        for row in 0..3 {
+            let at = (y as usize + row) * self.stride + x as usize;
+            self.is_open[at..at + 3].fill(true);
+        }
+    }
+}
+
+fn for_each_bit(mut bits: u64, mut f: impl FnMut(u32)) {
+    while bits != 0 {
+        f(bits.trailing_zeros());
+        bits &= bits - 1;
+    }
+}
+
+impl SeenTile {
+    fn pixel(&self, i: u32) -> [u32; 2] {
+        [self.corner[0] + i % 8, self.corner[1] + i / 8]
+    }
+
 
     fn store_hits(&self, frame: &mut ReferenceFrame, tracer: &Tracer) {
         let [width, height] = frame.view.size;

@@ -31,7 +31,7 @@ impl Default for WalkthroughSettings {
             render: RenderSettings::default(),
             placement: PlacementPolicy::default(),
             most_references: 8,
-            cache_bytes: 512 << 20,
+            cache_bytes: 2048 << 20,
         }
     }
 }
