@@ -95,13 +95,14 @@ impl Tracer {
             return if self.bvh.any_near(ray, occluder, |_| true) { Vec3::ZERO } else { Vec3::ONE };
         }
         let mut passed = Vec3::ONE;
-        let blocked = self.bvh.any_near(ray, occluder, |hit| match self.scene.material_of(hit.triangle).kind {
-            MaterialKind::Glass { eta, transmittance } => {
-                passed *= transmittance * self.straight_passage(ray, hit, eta);
-                false
-            }
-            _ => !self.scene.needs.alpha || self.is_covered(hit),
-        });
+        let blocked =
+            self.bvh.any_near(ray, occluder, |hit| match self.scene.material_of(hit.triangle).kind {
+                MaterialKind::Glass { eta, transmittance } => {
+                    passed *= transmittance * self.straight_passage(ray, hit, eta);
+                    false
+                }
+                _ => !self.scene.needs.alpha || self.is_covered(hit),
+            });
         if blocked { Vec3::ZERO } else { passed }
     }
 
