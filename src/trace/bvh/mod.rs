@@ -29,8 +29,8 @@ pub struct Hit {
     pub b2: f32,
 }
 
-/// Children of a node: with eight instead of four a ray visits a third fewer nodes, and AVX tests them in one step.
-/// Where there is only SSE2 they take two and rays are still no slower than with four.
+/// Children of a node: with eight instead of four a ray of the gallery visits a third fewer nodes, which AVX tests in
+/// one step (rays 1.3 to 1.4 times as fast). SSE2 takes two steps, and its rays are slower by a tenth to a sixth.
 const WIDTH: usize = 8;
 
 /// Eight children: their boxes side by side, so that one SIMD step tests them all.

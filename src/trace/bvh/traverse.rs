@@ -67,8 +67,8 @@ impl Bvh {
         (best.triangle != u32::MAX).then_some(best)
     }
 
-    /// Children are visited as they come: two rays of three are not blocked and visit them all, and no order by area,
-    /// by size or by distance saved a hundredth of the nodes.
+    /// Children are visited as they come: two rays of three are not blocked and visit them all, and no order by area
+    /// or by area a triangle saved even a hundredth of the nodes.
     #[inline(always)]
     fn walk_any<S: Simd>(
         &self,
