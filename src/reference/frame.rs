@@ -5,6 +5,7 @@
 //! which is exact relative to the reference's own eye wherever the scene lies and makes a sky pixel a direction
 //! (disparity zero); and the triangle is kept, so that Type 2 pixels know the surface's normal and material.
 
+use super::DisparityTiles;
 use crate::camera::{Camera, View};
 use crate::trace::parallel::{Stop, tile_order, trace_pixels};
 use crate::trace::{PixelTrace, RayCounts, SceneEpoch, TraceSettings, Tracer};
@@ -35,6 +36,7 @@ pub struct ReferenceFrame {
     pub rays: RayCounts,
     diffuse: Vec<Vec3>,
     disparity: Vec<f32>,
+    tiles: DisparityTiles,
     triangle: Vec<u32>,
     reflections: Vec<u8>,
 }
@@ -75,12 +77,14 @@ impl ReferenceFrame {
             rays,
             diffuse: vec![Vec3::ZERO; count],
             disparity: vec![f32::NAN; count],
+            tiles: DisparityTiles::default(),
             triangle: vec![NO_TRIANGLE; count],
             reflections: vec![0; count],
         };
         for (&pixel, traced) in order.iter().zip(traced.iter().flatten()) {
             frame.store(pixel as usize, traced);
         }
+        frame.tiles = DisparityTiles::new(&frame.disparity, size);
         frame.secs = start.elapsed().as_secs_f64();
         Some(frame)
     }
@@ -115,6 +119,11 @@ impl ReferenceFrame {
     /// 1 / depth along the viewing axis in scene units; 0 for the sky, NaN for a pixel not to be used.
     pub fn disparity(&self) -> &[f32] {
         &self.disparity
+    }
+
+    /// The range of disparities in each tile, with which the warp passes over what it cannot need.
+    pub fn tiles(&self) -> &DisparityTiles {
+        &self.tiles
     }
 
     /// First triangle met, [`NO_TRIANGLE`] for the sky.
