@@ -19,8 +19,9 @@ const PIXEL_BITS: u32 = 27;
 /// Pixels a reference may have: 16384 x 8192.
 pub const MAX_REFERENCE_PIXELS: usize = 1 << PIXEL_BITS;
 
-/// Keys of a band at most, 2 MB: with a reference's part they stay in a core's second cache, and several references are
-/// warped there one after the other. A quarter of that costs 5 % for tiles that reach two bands.
+/// Keys of a band at most, 2 MB, so that several references are warped there one after the other from the caches: four
+/// references to 1280x720 take 1.2 to 1.3 ns per pixel in four bands, 2.0 to 2.4 in one. Sixteen bands take 6 to 26 %
+/// more than four, for tiles that reach two.
 const MOST_KEYS_IN_BAND: usize = 1 << 18;
 
 /// Bands for each thread: the parts of a view take unequal times.
