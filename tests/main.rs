@@ -16,3 +16,4 @@ mod save;
 mod tour;
 mod tracing;
 mod walks;
+mod warp;
