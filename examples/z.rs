@@ -28,5 +28,28 @@ fn main() {
         let s = e.stats.secs;
         for (b, v) in best.iter_mut().zip([s.frame, s.warp, s.secondary, s.trace]) { *b = b.min(v); }
     }
+    parts(&tracer, &lookup, &afterimage::View::new(&cam(n + 1), &scene.frame, size));
     println!("frame {:.4} resolve {:.4} secondary {:.4} trace {:.4} {:?} {:?}", best[0], best[1], best[2], best[3], r.frame().stats.types, r.frame().stats.rays);
+}
+#[allow(dead_code)]
+fn parts(tracer: &Tracer, lookup: &LookupSet, view: &afterimage::View) {
+    let mut seen = TileSurfaces::new(view);
+    let mut light = TileLight::NONE;
+    let v = ViewLookup::new(lookup, view, 2);
+    let mut rays = primary_tile(view, [0, 0]);
+    let mut hits = TileHits::NONE;
+    for pass in 0..2 {
+        let mut t = [0f64; 3];
+        for y in (0..720).step_by(8) { for x in (0..1280).step_by(8) {
+            let a = std::time::Instant::now();
+            tracer.closest_in_tile(view, [x, y], &mut rays, &mut hits);
+            let b = std::time::Instant::now();
+            seen.see(tracer, view, [x, y]);
+            let c = std::time::Instant::now();
+            v.gather(&seen.points, &mut light);
+            let d = std::time::Instant::now();
+            t[0] += (b - a).as_secs_f64(); t[1] += (c - b).as_secs_f64(); t[2] += (d - c).as_secs_f64();
+        } }
+        if pass == 1 { println!("one core: hits {:.1} see {:.1} gather {:.1} ns/px", t[0] * 1e9 / 921600.0, t[1] * 1e9 / 921600.0, t[2] * 1e9 / 921600.0); }
+    }
 }

@@ -133,7 +133,7 @@ fn record_of(index: u32, walk: &Walkthrough) -> FrameRecord {
         secondary_secs: stats.secs.secondary,
         trace_secs: stats.secs.trace,
         rays: stats.rays,
-        reference_added: false,
+        reference_added: walk.has_kept_frame(),
         reference_secs: 0.0,
         measurement: None,
     }

@@ -17,8 +17,8 @@ use arrayvec::ArrayVec;
 use fearless_simd::{Simd, SimdBase, SimdMask, dispatch, f32x8, prelude::*, u32x8};
 use glam::Vec3;
 
-/// References gathered from for one group of pixels of a tile.
-const BEST: usize = 3;
+/// References gathered from for one group of pixels of a tile, at most.
+const MOST_BEST: usize = 4;
 
 /// Groups of pixels of a tile that choose references of their own; pixels left over ask every reference.
 const MOST_ROUNDS: usize = 3;
@@ -135,12 +135,13 @@ struct Toward<'a> {
 pub struct ViewLookup<'a> {
     set: &'a LookupSet<'a>,
     view: View,
+    most: usize,
     toward: Vec<Option<Toward<'a>>>,
 }
 
 impl<'a> ViewLookup<'a> {
-    /// Takes the references that may be asked, and the view.
-    pub fn new(set: &'a LookupSet<'a>, view: &View) -> Self {
+    /// Takes the references that may be asked, the view, and how many references a pixel is averaged over at most.
+    pub fn new(set: &'a LookupSet<'a>, view: &View, most: usize) -> Self {
         let step = view.scene_from_pixel.x_axis.length();
         let toward = |reference: &'a LookupReference<'a>| Toward {
             reference,
@@ -149,7 +150,7 @@ impl<'a> ViewLookup<'a> {
             density: (step / reference.step).powi(2),
         };
         let toward = set.references.iter().map(|r| r.as_ref().map(toward)).collect();
-        Self { set, view: *view, toward }
+        Self { set, view: *view, most: most.clamp(1, MOST_BEST), toward }
     }
 
     /// Finds the light of the wanted pixels of a tile.
@@ -195,11 +196,11 @@ impl<'a> ViewLookup<'a> {
     }
 
     /// The references that know a pixel's light, finest first. Where none knows it those that see the place.
-    fn best_references(&self, points: &TilePoints, pixel: usize, asked: SlotMask) -> ArrayVec<u8, BEST> {
+    fn best_references(&self, points: &TilePoints, pixel: usize, asked: SlotMask) -> ArrayVec<u8, MOST_BEST> {
         let directory = self.set.directory;
         let cell = directory.cell_of(self.position(points, pixel));
         let mut mask = directory.mask(cell) & self.set.usable & !asked;
-        let mut best = ArrayVec::<(f32, u8), { BEST + 1 }>::new();
+        let mut best = ArrayVec::<(f32, u8), { MOST_BEST + 1 }>::new();
         while mask != 0 {
             let slot = mask.trailing_zeros() as u8;
             mask &= mask - 1;
@@ -208,7 +209,7 @@ impl<'a> ViewLookup<'a> {
             if rank > 0.0 {
                 let at = best.iter().position(|b| b.0 < rank).unwrap_or(best.len());
                 best.insert(at, (rank, slot));
-                best.truncate(BEST);
+                best.truncate(self.most);
             }
         }
         best.into_iter().map(|(_, slot)| slot).collect()

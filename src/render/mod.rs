@@ -1,8 +1,8 @@
 //! The stages in order, timed: from a pose and the references at hand to a finished frame.
 
 pub mod aov;
-mod exact;
 pub mod frame;
+mod look_up;
 pub mod renderer;
 pub mod walkthrough;
 
@@ -22,9 +22,9 @@ pub enum Mode {
     /// The paper to the letter, for comparison; never improved.
     #[default]
     Paper,
-    /// The surface at every pixel from the references' own pixels, guarded, its light looked up.
+    /// The primary ray's surface at every pixel, its light looked up in the one best reference and never doubted.
     Fast,
-    /// The primary ray's surface at every pixel, its light looked up in the references.
+    /// The primary ray's surface at every pixel, its light averaged over references, and checked where it is a guess.
     Exact,
 }
 

@@ -47,6 +47,7 @@ pub struct Walkthrough {
     wanted: Option<Camera>,
     used: Vec<ReferenceId>,
     references_made: u32,
+    has_kept: bool,
 }
 
 impl Walkthrough {
@@ -62,6 +63,7 @@ impl Walkthrough {
             wanted: None,
             used: Vec::new(),
             references_made: 0,
+            has_kept: false,
         }
     }
 
@@ -133,6 +135,7 @@ impl Walkthrough {
             self.renderer.render(&self.tracer, camera, size, settings, &references, stop);
         }
         let start = Instant::now();
+        self.keep_what_was_lit();
         self.used = match self.settings.render.mode.looks_up() {
             true => self.cache.ids_by_slot(),
             false => selected.iter().map(|r| r.id).collect(),
@@ -144,6 +147,23 @@ impl Walkthrough {
         self.renderer.add_select_secs(select_secs + start.elapsed().as_secs_f64());
         self.previous = Some(*camera);
         self.renderer.frame()
+    }
+
+    /// A looked-up frame that had to light much itself becomes a reference, at the price of a copy.
+    fn keep_what_was_lit(&mut self) {
+        let stats = &self.renderer.frame().stats;
+        let lit = stats.types.percentages().unseen_percent;
+        let settings = &self.settings.render;
+        self.has_kept = settings.mode.looks_up() && stats.is_complete && self.settings.placement.keeps(lit);
+        if self.has_kept {
+            let reference = self.renderer.lit_reference(&self.tracer, settings);
+            self.cache.insert(Arc::new(reference));
+        }
+    }
+
+    /// True where the last frame became a reference.
+    pub fn has_kept_frame(&self) -> bool {
+        self.has_kept
     }
 
     fn decide(&mut self, camera: &Camera, size: [u32; 2]) -> Option<Camera> {
