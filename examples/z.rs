@@ -35,7 +35,7 @@ fn main() {
 fn parts(tracer: &Tracer, lookup: &LookupSet, view: &afterimage::View) {
     let mut seen = TileSurfaces::new(view);
     let mut light = TileLight::NONE;
-    let v = ViewLookup::new(lookup, view, 2);
+    let v = ViewLookup::new(lookup, view, 1);
     let mut rays = primary_tile(view, [0, 0]);
     let mut hits = TileHits::NONE;
     for pass in 0..2 {
