@@ -74,6 +74,11 @@ impl Renderer {
         &self.frame
     }
 
+    /// The last frame, without the rest.
+    pub fn into_frame(self) -> Frame {
+        self.frame
+    }
+
     /// The last frame, to be refined.
     pub(super) fn frame_mut(&mut self) -> &mut Frame {
         &mut self.frame
