@@ -183,3 +183,26 @@ fn degenerate_input_builds_a_shallow_tree() {
     let hit = Bvh::build(&nested).closest(&Ray::new(Vec3::new(0.3, 0.3, -1.0), Vec3::Z), |_| true);
     assert!(hit.is_some_and(|h| (h.t - 1.0).abs() < 1e-6));
 }
+
+#[test]
+fn hits_are_the_same_bits_with_and_without_wide_simd() {
+    let soup = triangle_soup(5000, 0.1, 8);
+    let (wide, narrow) = (Bvh::build(&soup), Bvh::build(&soup).with_baseline_simd());
+    let bits = |bvh: &Bvh, ray: &Ray| {
+        bvh.closest(ray, |_| true).map(|h| (h.triangle, [h.t, h.b1, h.b2].map(f32::to_bits)))
+    };
+    let mut hits = 0;
+    for i in 0..100_000 {
+        let key = Key::of_pixel(9, i);
+        let mut ray = Ray::new(random(key, 0), random(key, 1));
+        // Every third ray is aimed at a vertex, where signs are zero.
+        if i % 3 == 0 {
+            ray.direction = soup[i as usize % soup.len()][0] - ray.origin;
+        }
+        let hit = bits(&wide, &ray);
+        assert_eq!(hit, bits(&narrow, &ray), "ray {i}");
+        assert_eq!(wide.any(&ray, |_| true), narrow.any(&ray, |_| true), "ray {i}");
+        hits += u32::from(hit.is_some());
+    }
+    assert!(hits > 10_000, "only {hits} rays hit anything");
+}

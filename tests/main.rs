@@ -19,3 +19,4 @@ mod tiles;
 mod tour;
 mod tracing;
 mod walks;
+mod warp;

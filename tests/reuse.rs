@@ -19,7 +19,7 @@ fn reference(tracer: &Tracer, camera: &Camera) -> ReferenceFrame {
     ReferenceFrame::trace(tracer, camera, SIZE, &TRACE, NEVER).unwrap()
 }
 
-fn moved(camera: &Camera, forward_m: f64, turn: f64) -> Camera {
+pub(crate) fn moved(camera: &Camera, forward_m: f64, turn: f64) -> Camera {
     Camera { eye: camera.eye + camera.forward() * forward_m, yaw: camera.yaw + turn, ..*camera }
 }
 
@@ -60,7 +60,7 @@ fn paper_without_references_is_the_full_tracer_bit_for_bit() {
 }
 
 /// Serial, and too simple to be wrong: every sample in order, a plain comparison.
-fn warp_slowly(references: &[&ReferenceFrame], view: &View) -> Vec<Option<(usize, u32, f32)>> {
+pub(crate) fn warp_slowly(references: &[&ReferenceFrame], view: &View) -> Vec<Option<(usize, u32, f32)>> {
     let mut nearest: Vec<Option<(usize, u32, f32)>> = vec![None; view.pixel_count()];
     for (slot, reference) in references.iter().enumerate() {
         let warp = PixelWarp::new(&reference.view, view);

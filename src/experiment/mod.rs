@@ -8,6 +8,7 @@ pub mod statistics;
 pub mod throughput;
 pub mod tour;
 pub mod truth;
+pub mod warp_speed;
 
 pub use measure::{MeasureSettings, Measurement};
 pub use record::{FrameRecord, ReferenceRecord, Summary, TourRecord};

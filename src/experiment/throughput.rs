@@ -5,12 +5,11 @@
 //! that is not counted.
 
 use super::statistics::median;
+use super::warp_speed::{WarpSpeed, warp_speed};
 use crate::camera::{Camera, View};
 use crate::math::Ray;
 use crate::math::hash::Key;
 use crate::math::sampling::{cosine_hemisphere, frame_around};
-use crate::reference::ReferenceFrame;
-use crate::reproject::WarpBuffer;
 use crate::trace::parallel::{NEVER, Stop, tile_order, trace_pixels};
 use crate::trace::{Bvh, RayCounts, SurfacePoint, TraceSettings, Tracer};
 use rayon::prelude::*;
@@ -49,10 +48,8 @@ pub struct Throughput {
     pub shadow_mrays_per_sec: f64,
     pub diffuse_mrays_per_sec: f64,
     /// Steps 1 and 2 of the paper.
-    pub warp_ns_per_reference_pixel: f64,
-    /// Its time over that of moving its bytes at the speed of a plain read.
-    pub warp_over_memory_floor: f64,
-    pub memory_gb_per_sec: f64,
+    #[serde(flatten)]
+    pub warp: WarpSpeed,
     /// All of a first hit's diffuse light, shadow rays included; divide by the threads for one thread's.
     pub shade_us_per_pixel: f64,
     pub build_secs: f64,
@@ -103,7 +100,7 @@ pub fn measure_throughput(
     go_on("shadow rays").then(|| result.shadow_mrays_per_sec = any_rate(bvh, &shadow))?;
     go_on("diffuse rays").then(|| result.diffuse_mrays_per_sec = closest_rate(bvh, &diffuse))?;
     go_on("shading").then(|| result.shade_us_per_pixel = shade_us(tracer, &points, &settings.trace))?;
-    go_on("the warp").then(|| time_warp(tracer, settings, &mut result))?;
+    go_on("the warp").then(|| result.warp = warp_speed(tracer, settings))?;
     go_on("building").then(|| result.build_secs = build_secs(tracer))?;
     let closest = primary.into_iter().chain(diffuse).collect();
     Some((result, RayDump { closest, any: shadow }))
@@ -134,9 +131,15 @@ impl RayDump {
 }
 
 /// The median seconds of a task, after a round that is not counted.
-fn median_secs(mut task: impl FnMut()) -> f64 {
+pub(super) fn median_secs(task: impl FnMut()) -> f64 {
+    median_secs_after(|| (), task)
+}
+
+/// The same, with something done before each round that is not timed.
+pub(super) fn median_secs_after(mut before: impl FnMut(), mut task: impl FnMut()) -> f64 {
     task();
     let timed = (0..ROUNDS).map(|_| {
+        before();
         let start = Instant::now();
         task();
         start.elapsed().as_secs_f64()
@@ -203,40 +206,6 @@ fn shade_us(tracer: &Tracer, points: &[(u32, SurfacePoint)], trace: &TraceSettin
         black_box(&shaded);
     });
     secs * 1e6 / points.len().max(1) as f64
-}
-
-/// Bytes a warp must move: a disparity read; per target pixel a key cleared, read and written.
-const WARP_BYTES_PER_PIXEL: f64 = 4.0 + 3.0 * 8.0;
-
-/// Warps a reference of the view to an eye that went on by a hundredth of the scene's diagonal and turned by 3 degrees.
-fn time_warp(tracer: &Tracer, settings: &ThroughputSettings, result: &mut Throughput) {
-    let few = TraceSettings { samples: 1, bounces: 0, ..settings.trace };
-    let Some(reference) = ReferenceFrame::trace(tracer, &settings.camera, settings.size, &few, NEVER) else {
-        return;
-    };
-    let [low, high] = tracer.scene().bounds_m;
-    let step = settings.camera.forward() * ((high - low).length() * 0.01);
-    let yaw = settings.camera.yaw + 3f64.to_radians();
-    let moved = Camera { eye: settings.camera.eye + step, yaw, ..settings.camera };
-    let view = View::new(&moved, &tracer.scene().frame, settings.size);
-    let mut warped = WarpBuffer::default();
-    let secs = median_secs(|| warped.warp(&[&reference], &view));
-    let pixels = view.pixel_count() as f64;
-    result.memory_gb_per_sec = read_bytes_per_sec() / 1e9;
-    result.warp_ns_per_reference_pixel = secs * 1e9 / pixels;
-    let floor_secs = pixels * WARP_BYTES_PER_PIXEL / (result.memory_gb_per_sec * 1e9);
-    result.warp_over_memory_floor = secs / floor_secs;
-}
-
-/// The speed of reading memory in order on all threads.
-fn read_bytes_per_sec() -> f64 {
-    // Larger than any cache.
-    let numbers = vec![1u64; 32 << 20];
-    let secs = median_secs(|| {
-        let sum = |chunk: &[u64]| chunk.iter().fold(0u64, |a, b| a.wrapping_add(*b));
-        black_box(numbers.par_chunks(1 << 16).map(sum).reduce(|| 0, u64::wrapping_add));
-    });
-    size_of_val(numbers.as_slice()) as f64 / secs
 }
 
 fn build_secs(tracer: &Tracer) -> f64 {

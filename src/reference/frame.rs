@@ -8,6 +8,7 @@
 //! light older references already know are not lit again.
 
 use super::light::{LightScale, UNLIT};
+use super::DisparityTiles;
 use crate::camera::{Camera, View};
 use crate::trace::parallel::{Stop, tile_order, trace_pixels};
 use crate::trace::{PixelTrace, RayCounts, SceneEpoch, SurfacePoint, TraceSettings, Tracer};
@@ -37,6 +38,7 @@ pub struct ReferenceFrame {
     /// Rays it took.
     pub rays: RayCounts,
     disparity: Vec<f32>,
+    tiles: DisparityTiles,
     triangle: Vec<u32>,
     light: Vec<u32>,
     light_scale: LightScale,
@@ -78,6 +80,7 @@ impl ReferenceFrame {
             frame.store(pixel as usize, traced);
         }
         (frame.rays, frame.is_dense) = (rays, true);
+        frame.bound_tiles();
         frame.secs = start.elapsed().as_secs_f64();
         Some(frame)
     }
@@ -100,6 +103,7 @@ impl ReferenceFrame {
             secs: 0.0,
             rays: RayCounts::default(),
             disparity: vec![f32::NAN; count],
+            tiles: DisparityTiles::default(),
             triangle: vec![NO_TRIANGLE; count],
             light: vec![UNLIT; count],
             light_scale: LightScale::for_largest(largest),
@@ -116,6 +120,11 @@ impl ReferenceFrame {
         }
         self.store_light(pixel, traced.light);
         self.store_hit(pixel, traced.hit.map(|hit| (hit.t, hit.triangle)), traced.reflections);
+    }
+
+    /// To be called once all hits are stored.
+    pub(super) fn bound_tiles(&mut self) {
+        self.tiles = DisparityTiles::new(&self.disparity, self.view.size);
     }
 
     pub(super) fn store_light(&mut self, pixel: usize, light: Vec3) {
@@ -194,6 +203,11 @@ impl ReferenceFrame {
     /// 1 / depth along the viewing axis in scene units; 0 for the sky, NaN for a pixel not to be used.
     pub fn disparity(&self) -> &[f32] {
         &self.disparity
+    }
+
+    /// The range of disparities in each tile, with which the warp passes over what it cannot need.
+    pub fn tiles(&self) -> &DisparityTiles {
+        &self.tiles
     }
 
     /// First triangle met, [`NO_TRIANGLE`] for the sky.

@@ -2,6 +2,7 @@
 
 pub mod cache;
 pub mod directory;
+pub mod disparity_tiles;
 pub mod frame;
 pub mod light;
 pub mod lookup;
@@ -11,12 +12,13 @@ pub mod placement;
 pub mod sparse;
 mod tile_surfaces;
 
+pub use cache::{CachedReference, KnownLight, ReferenceCache, ReferenceId};
 pub use directory::Directory;
+pub use disparity_tiles::DisparityTiles;
+pub use frame::ReferenceFrame;
 pub use lookup::LookupSet;
 pub use lookup_tile::{TileLight, TilePoints, ViewLookup};
-pub use cache::{CachedReference, KnownLight, ReferenceCache, ReferenceId};
-pub use frame::ReferenceFrame;
-pub use pixel_warp::PixelWarp;
+pub use pixel_warp::{PixelWarp, RowWarp};
+pub use placement::{Observation, PlacementPolicy};
 pub use sparse::open_percent;
 pub use tile_surfaces::TileSurfaces;
-pub use placement::{Observation, PlacementPolicy};

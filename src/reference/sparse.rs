@@ -57,6 +57,7 @@ impl ReferenceFrame {
         for (&pixel, traced) in open.iter().zip(traced.iter().flatten()) {
             frame.store_light(pixel as usize, traced.light);
         }
+        frame.bound_tiles();
         frame.rays = rays;
         frame.rays.primary += u64::from(size[0]) * u64::from(size[1]);
         frame.secs = start.elapsed().as_secs_f64();

@@ -88,19 +88,21 @@ impl Tracer {
     /// The share of light that passes along a shadow ray, per channel.
     ///
     /// Glass does not block: it dims by what each of its surfaces lets through, without bending the ray. Caustics are
-    /// left out and windows light their room. `occluder` is shared by rays towards one light from one point.
+    /// left out and windows light their room. `occluder` is shared by rays towards one light from one point; with three
+    /// sheets of glass in a row it may decide in which order they are multiplied.
     pub fn transmittance(&self, ray: &Ray, occluder: &mut Occluder) -> Vec3 {
         if !self.scene.needs.alpha && !self.scene.needs.glass {
             return if self.bvh.any_near(ray, occluder, |_| true) { Vec3::ZERO } else { Vec3::ONE };
         }
         let mut passed = Vec3::ONE;
-        let blocked = self.bvh.any(ray, |hit| match self.scene.material_of(hit.triangle).kind {
-            MaterialKind::Glass { eta, transmittance } => {
-                passed *= transmittance * self.straight_passage(ray, hit, eta);
-                false
-            }
-            _ => !self.scene.needs.alpha || self.is_covered(hit),
-        });
+        let blocked =
+            self.bvh.any_near(ray, occluder, |hit| match self.scene.material_of(hit.triangle).kind {
+                MaterialKind::Glass { eta, transmittance } => {
+                    passed *= transmittance * self.straight_passage(ray, hit, eta);
+                    false
+                }
+                _ => !self.scene.needs.alpha || self.is_covered(hit),
+            });
         if blocked { Vec3::ZERO } else { passed }
     }
 
@@ -126,7 +128,7 @@ impl Tracer {
     /// Where a ray meets a triangle, whatever else it meets: the same bits as [`Self::closest`] has for it.
     pub fn hit_on_triangle(&self, ray: &Ray, triangle: u32) -> Option<Hit> {
         (triangle != u32::MAX)
-            .then(|| super::bvh::intersect_triangle(ray, triangle, self.scene.corners(triangle)))
+            .then(|| self.bvh.on_triangle(ray, triangle, self.scene.corners(triangle)))
             .flatten()
     }
 

@@ -3,7 +3,6 @@
 use super::Tracer;
 use super::bvh::{RayTile, TILE_RAYS, TILE_SIDE, TileHits};
 use crate::camera::View;
-use crate::math::simd;
 use glam::Vec3;
 
 impl Tracer {
@@ -13,7 +12,7 @@ impl Tracer {
         *tile = primary_tile(view, [x0, y0]);
         let accepts_all = !self.scene().needs.alpha;
         let accept = |_: usize, hit: &_| self.is_covered(hit);
-        self.bvh().closest_in_tile(simd::level(), tile, accepts_all, accept, hits);
+        self.bvh().closest_in_tile(tile, accepts_all, accept, hits);
     }
 }
 

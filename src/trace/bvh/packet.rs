@@ -7,8 +7,8 @@
 
 use super::Hit;
 use crate::math::Ray;
+use fearless_simd::{f32x4, prelude::*};
 use glam::Vec3;
-use wide::f32x4;
 
 /// Corners of up to four triangles, transposed: `corners[corner][axis][lane]`.
 #[repr(C, align(32))]
@@ -21,24 +21,29 @@ pub(super) struct TrianglePacket {
 const _: () = assert!(size_of::<TrianglePacket>() == 160);
 
 /// A ray prepared once for all triangles it will meet.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct ShearedRay {
-    origin: [f32x4; 3],
+#[derive(Clone, Copy)]
+pub(super) struct ShearedRay<S: Simd> {
+    origin: [f32x4<S>; 3],
     /// The permuted axes; the last is the direction's largest.
     axes: [usize; 3],
-    shear: [f32x4; 3],
+    shear: [f32x4<S>; 3],
 }
 
-impl ShearedRay {
-    pub(super) fn new(ray: &Ray) -> Self {
+impl<S: Simd> ShearedRay<S> {
+    #[inline(always)]
+    pub(super) fn new(simd: S, ray: &Ray) -> Self {
         let d = ray.direction.to_array();
-        let z = largest_axis(d);
-        let (x, y) = ((z + 1) % 3, (z + 2) % 3);
+        // Spelled out, so that the compiler sees that no index is out of bounds.
+        let [x, y, z] = match largest_axis(d) {
+            0 => [1, 2, 0],
+            1 => [2, 0, 1],
+            _ => [0, 1, 2],
+        };
         let inverse = 1.0 / d[z];
         Self {
-            origin: ray.origin.to_array().map(f32x4::splat),
+            origin: splat3(simd, ray.origin.to_array()),
             axes: [x, y, z],
-            shear: [d[x] * inverse, d[y] * inverse, inverse].map(f32x4::splat),
+            shear: splat3(simd, [d[x] * inverse, d[y] * inverse, inverse]),
         }
     }
 }
@@ -47,13 +52,18 @@ impl ShearedRay {
 #[inline(always)]
 pub(super) fn largest_axis(d: [f32; 3]) -> usize {
     let magnitude = d.map(f32::abs);
-    if magnitude[0] > magnitude[1] {
-        if magnitude[0] > magnitude[2] { 0 } else { 2 }
+    if magnitude[0] > magnitude[1].max(magnitude[2]) {
+        0
     } else if magnitude[1] > magnitude[2] {
         1
     } else {
         2
     }
+}
+
+#[inline(always)]
+fn splat3<S: Simd>(simd: S, [x, y, z]: [f32; 3]) -> [f32x4<S>; 3] {
+    [f32x4::splat(simd, x), f32x4::splat(simd, y), f32x4::splat(simd, z)]
 }
 
 /// What the test of a packet leaves: which lanes are hit, and where.
@@ -72,10 +82,16 @@ impl PacketHits {
 }
 
 /// Where a ray meets one triangle, by the arithmetic of the hierarchy: the same bits.
-pub(crate) fn intersect_triangle(ray: &Ray, triangle: u32, corners: [Vec3; 3]) -> Option<Hit> {
+#[inline(always)]
+pub(super) fn intersect_triangle(
+    simd: impl Simd,
+    ray: &Ray,
+    triangle: u32,
+    corners: [Vec3; 3],
+) -> Option<Hit> {
     let mut packet = TrianglePacket::EMPTY;
     packet.set(0, triangle, corners);
-    let hits = packet.intersect(&ShearedRay::new(ray), ray.t_max);
+    let hits = packet.intersect(&ShearedRay::new(simd, ray), ray.t_max);
     (hits.mask & 1 != 0).then(|| hits.hit(0, &packet))
 }
 
@@ -102,48 +118,60 @@ impl TrianglePacket {
         self.triangles[lane]
     }
 
+    /// A corner seen from the ray's origin, in the permuted and sheared space.
+    #[inline(always)]
+    fn sheared<S: Simd>(&self, corner: usize, ray: &ShearedRay<S>) -> [f32x4<S>; 3] {
+        let [x, y, z] = ray.axes;
+        let z = self.relative(corner, z, ray);
+        [
+            self.relative(corner, x, ray) - ray.shear[0] * z,
+            self.relative(corner, y, ray) - ray.shear[1] * z,
+            z,
+        ]
+    }
+
+    #[inline(always)]
+    fn relative<S: Simd>(&self, corner: usize, axis: usize, ray: &ShearedRay<S>) -> f32x4<S> {
+        let origin = ray.origin[axis];
+        f32x4::load_array_ref(origin.simd, &self.corners[corner][axis]) - origin
+    }
+
     /// Tests all four against a ray, hits beyond `t_max` left out (one at `t_max` is kept, for ties).
     #[inline(always)]
-    pub(super) fn intersect(&self, ray: &ShearedRay, t_max: f32) -> PacketHits {
-        let [kx, ky, kz] = ray.axes;
-        let [sx, sy, sz] = ray.shear;
-        let sheared = |corner: usize| {
-            let c = &self.corners[corner];
-            let z = f32x4::new(c[kz]) - ray.origin[kz];
-            let x = f32x4::new(c[kx]) - ray.origin[kx] - sx * z;
-            let y = f32x4::new(c[ky]) - ray.origin[ky] - sy * z;
-            (x, y, z)
-        };
-        let (ax, ay, az) = sheared(0);
-        let (bx, by, bz) = sheared(1);
-        let (cx, cy, cz) = sheared(2);
+    pub(super) fn intersect<S: Simd>(&self, ray: &ShearedRay<S>, t_max: f32) -> PacketHits {
+        let simd = ray.origin[0].simd;
+        let [ax, ay, az] = self.sheared(0, ray);
+        let [bx, by, bz] = self.sheared(1, ray);
+        let [cx, cy, cz] = self.sheared(2, ray);
         let mut u = cx * by - cy * bx;
         let mut v = ax * cy - ay * cx;
         let mut w = bx * ay - by * ax;
-        let zero = f32x4::ZERO;
-        let undecided = (u.simd_eq(zero) | v.simd_eq(zero) | w.simd_eq(zero)).to_bitmask();
-        if undecided != 0 {
-            u = decide_in_f64(u, [cx, by, cy, bx]);
-            v = decide_in_f64(v, [ax, cy, ay, cx]);
-            w = decide_in_f64(w, [bx, ay, by, ax]);
-        }
-        let negative = u.simd_lt(zero) | v.simd_lt(zero) | w.simd_lt(zero);
-        let positive = u.simd_gt(zero) | v.simd_gt(zero) | w.simd_gt(zero);
-        let det = u + v + w;
-        let inside = !(negative & positive) & det.simd_ne(zero);
+        let zero = f32x4::splat(simd, 0.0);
+        let (least, most) = (u.min(v).min(w), u.max(v).max(w));
+        // False for NaN (an empty lane, a broken ray).
+        let mut inside = least.simd_ge(zero) | most.simd_le(zero);
         if inside.to_bitmask() == 0 {
             return PacketHits { mask: 0, t: [0.0; 4], b1: [0.0; 4], b2: [0.0; 4] };
         }
-        let inverse = f32x4::ONE / det;
-        let t = (u * az + v * bz + w * cz) * sz * inverse;
-        let ahead = t.simd_gt(zero) & t.simd_le(f32x4::splat(t_max));
-        // A NaN (an empty lane, a broken ray) passes `inside` but not `ahead`.
-        let valid = inside & ahead;
+        // A zero beside two different signs decides nothing.
+        let undecided = least.simd_eq(zero) | most.simd_eq(zero);
+        if undecided.to_bitmask() != 0 {
+            u = decide_in_f64(u, [cx, by, cy, bx]);
+            v = decide_in_f64(v, [ax, cy, ay, cx]);
+            w = decide_in_f64(w, [bx, ay, by, ax]);
+            let (least, most) = (u.min(v).min(w), u.max(v).max(w));
+            inside = least.simd_ge(zero) | most.simd_le(zero);
+        }
+        let det = u + v + w;
+        let inverse = f32x4::splat(simd, 1.0) / det;
+        let t = (u * az + v * bz + w * cz) * ray.shear[2] * inverse;
+        let ahead = t.simd_gt(zero) & t.simd_le(f32x4::splat(simd, t_max));
+        let valid = inside & ahead & !det.simd_eq(zero);
         PacketHits {
-            mask: valid.to_bitmask(),
-            t: t.to_array(),
-            b1: (v * inverse).to_array(),
-            b2: (w * inverse).to_array(),
+            mask: valid.to_bitmask() as u32,
+            t: t.into(),
+            b1: (v * inverse).into(),
+            b2: (w * inverse).into(),
         }
     }
 }
@@ -151,9 +179,7 @@ impl TrianglePacket {
 /// `a * b - c * d` where the f32 result is zero: the products are exact in f64, so the sign is right. Other lanes keep
 /// theirs, so that a result never depends on which triangles share a packet.
 #[cold]
-fn decide_in_f64(rounded: f32x4, factors: [f32x4; 4]) -> f32x4 {
-    let rounded = rounded.to_array();
-    let [a, b, c, d] = factors.map(f32x4::to_array);
+fn decide_in_f64<S: Simd>(rounded: f32x4<S>, [a, b, c, d]: [f32x4<S>; 4]) -> f32x4<S> {
     let exact = |i: usize| (f64::from(a[i]) * f64::from(b[i]) - f64::from(c[i]) * f64::from(d[i])) as f32;
-    f32x4::new(std::array::from_fn(|i| if rounded[i] == 0.0 { exact(i) } else { rounded[i] }))
+    f32x4::from_fn(rounded.simd, |i| if rounded[i] == 0.0 { exact(i) } else { rounded[i] })
 }

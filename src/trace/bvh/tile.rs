@@ -11,7 +11,7 @@ use super::packet::TrianglePacket;
 use super::traverse::{STACK, nearest_first};
 use super::{Bvh, Child, Hit, Node};
 use arrayvec::ArrayVec;
-use fearless_simd::{Level, Simd, SimdBase, SimdMask, dispatch, f32x4, f32x8, prelude::*, u32x8};
+use fearless_simd::{Simd, SimdBase, SimdMask, dispatch, f32x4, f32x8, prelude::*, u32x8};
 use glam::Vec3;
 
 /// Side of a tile in pixels.
@@ -76,7 +76,6 @@ impl Bvh {
     /// always does, and spares the asking.
     pub fn closest_in_tile(
         &self,
-        level: Level,
         tile: &RayTile,
         accepts_all: bool,
         accept: impl Fn(usize, &Hit) -> bool,
@@ -87,9 +86,9 @@ impl Bvh {
             return;
         }
         if accepts_all {
-            dispatch!(level, simd => self.tile_of_any_axes::<_, false>(simd, tile, &accept, hits));
+            dispatch!(self.level, simd => self.tile_of_any_axes::<_, false>(simd, tile, &accept, hits));
         } else {
-            dispatch!(level, simd => self.tile_of_any_axes::<_, true>(simd, tile, &accept, hits));
+            dispatch!(self.level, simd => self.tile_of_any_axes::<_, true>(simd, tile, &accept, hits));
         }
     }
 
@@ -168,6 +167,7 @@ struct Walk<'a, S: Simd> {
 #[derive(Clone, Copy)]
 struct SidePlane<S: Simd> {
     normal: [f32x4<S>; 3],
+    wide_normal: [f32x8<S>; 3],
     /// Index into [`Node::bounds`] of the box's outermost plane along the normal, by axis.
     outermost: [usize; 3],
 }
@@ -177,6 +177,7 @@ impl<S: Simd> Walk<'_, S> {
     fn run<const ASKS: bool>(&mut self, accept: &impl Fn(usize, &Hit) -> bool) {
         let simd = self.simd;
         let origin = self.tile.origin.to_array().map(|o| f32x4::splat(simd, o));
+        let wide_origin = self.tile.origin.to_array().map(|o| f32x8::splat(simd, o));
         let sides = self.side_planes();
         let forward = side_plane(simd, -self.tile.forward);
         let mut farthest = self.farthest();
@@ -192,11 +193,11 @@ impl<S: Simd> Walk<'_, S> {
                     break;
                 }
                 let node = &self.bvh.nodes[child.0 as usize];
-                let near = extent(simd, node, origin, &forward);
-                let near = -near * f32x4::splat(simd, DEPTH_SLACK);
-                let mut met = near.simd_le(f32x4::splat(simd, farthest));
+                let near = extent(simd, node, &wide_origin, &forward);
+                let near = -near * f32x8::splat(simd, DEPTH_SLACK);
+                let mut met = near.simd_le(f32x8::splat(simd, farthest));
                 for side in &sides {
-                    met &= extent(simd, node, origin, side).simd_ge(f32x4::splat(simd, 0.0));
+                    met &= extent(simd, node, &wide_origin, side).simd_ge(f32x8::splat(simd, 0.0));
                 }
                 let mask = met.to_bitmask() as u32;
                 if mask == 0 {
@@ -350,18 +351,18 @@ fn side_plane<S: Simd>(simd: S, normal: Vec3) -> SidePlane<S> {
     let n = normal.to_array();
     SidePlane {
         normal: n.map(|x| f32x4::splat(simd, x)),
+        wide_normal: n.map(|x| f32x8::splat(simd, x)),
         outermost: std::array::from_fn(|axis| 2 * axis + usize::from(n[axis] > 0.0)),
     }
 }
 
 /// How far each child's box reaches along a plane's normal.
 #[inline(always)]
-fn extent<S: Simd>(simd: S, node: &Node, origin: [f32x4<S>; 3], plane: &SidePlane<S>) -> f32x4<S> {
-    let term = |axis: usize| {
-        let bound = f32x4::load_array_ref(simd, &node.bounds[plane.outermost[axis]]);
-        (bound - origin[axis]) * plane.normal[axis]
-    };
-    term(0) + term(1) + term(2)
+fn extent<S: Simd>(simd: S, node: &Node, origin: &[f32x8<S>; 3], plane: &SidePlane<S>) -> f32x8<S> {
+    let x = f32x8::load_array_ref(simd, &node.bounds[plane.outermost[0]]) - origin[0];
+    let y = f32x8::load_array_ref(simd, &node.bounds[plane.outermost[1]]) - origin[1];
+    let z = f32x8::load_array_ref(simd, &node.bounds[plane.outermost[2]]) - origin[2];
+    x * plane.wide_normal[0] + y * plane.wide_normal[1] + z * plane.wide_normal[2]
 }
 
 #[inline(always)]

@@ -1,57 +1,23 @@
 //! Walks the tree along a ray.
-//!
-//! Source of the box test: Ize, "Robust BVH Ray Traversal", JCGT 2013: the far distance is widened by the rounding
-//! error of its own computation, so that no box is missed whose content is hit.
 
 use super::build::MAX_DEPTH;
-use super::packet::{ShearedRay, TrianglePacket};
-use super::{Bvh, Child, Hit, Node};
+use super::packet::{ShearedRay, TrianglePacket, intersect_triangle};
+use super::slab::SlabRay;
+use super::{Bvh, Child, Hit, Node, WIDTH};
 use crate::math::Ray;
 use arrayvec::ArrayVec;
-use wide::f32x4;
+use fearless_simd::{Simd, dispatch};
+use glam::Vec3;
 
-/// Three siblings a level, and the root.
-pub(super) const STACK: usize = 3 * MAX_DEPTH + 1;
+/// A node's children but one at every level, and the root.
+pub(super) const STACK: usize = (WIDTH - 1) * MAX_DEPTH + 1;
 
-/// 1 + 2 gamma(3), the bound on the relative error of `(bound - origin) * inverse`.
-const FAR_SLACK: f32 = 1.000_000_4;
+/// The packet that blocked the last ray of a bundle.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Occluder(Option<u32>);
 
-/// A ray prepared for box tests.
-struct SlabRay {
-    origin: [f32x4; 3],
-    inverse: [f32x4; 3],
-    /// Index into [`Node::bounds`] of the plane met first, per axis; the other is `^ 1`.
-    near: [usize; 3],
-}
-
-impl SlabRay {
-    fn new(ray: &Ray) -> Self {
-        // A zero component would make 0 * inf = NaN for an origin in the plane; 2^-80 has a finite inverse and
-        // bends the ray by less than any rounding.
-        const TINY: f32 = f32::from_bits((127 - 80) << 23);
-        let safe = |d: f32| if d.abs() < TINY { TINY.copysign(d) } else { d };
-        let inverse = ray.direction.to_array().map(|d| 1.0 / safe(d));
-        Self {
-            origin: ray.origin.to_array().map(f32x4::splat),
-            inverse: inverse.map(f32x4::splat),
-            near: std::array::from_fn(|axis| 2 * axis + usize::from(inverse[axis] < 0.0)),
-        }
-    }
-
-    /// Which children the ray meets before `t_max`, and where it enters them.
-    #[inline(always)]
-    fn children(&self, node: &Node, t_max: f32) -> (u32, f32x4) {
-        let plane = |axis: usize, which: usize| {
-            (f32x4::new(node.bounds[which]) - self.origin[axis]) * self.inverse[axis]
-        };
-        let [nx, ny, nz] = self.near;
-        let enter = plane(0, nx).fast_max(plane(1, ny)).fast_max(plane(2, nz)).fast_max(f32x4::ZERO);
-        let leave = plane(0, nx ^ 1).fast_min(plane(1, ny ^ 1)).fast_min(plane(2, nz ^ 1));
-        let leave = (leave * f32x4::splat(FAR_SLACK)).fast_min(f32x4::splat(t_max));
-        (enter.simd_le(leave).to_bitmask(), enter)
-    }
-}
-
+// The walks are compiled once for every level of SIMD, and all they call must be inlined into them: a function left
+// outside would be compiled for the least processor, and passing vectors to it costs more than what it does.
 impl Bvh {
     /// The nearest triangle along the ray for which `accept(hit)` holds.
     ///
@@ -59,7 +25,29 @@ impl Bvh {
     /// shape of the tree.
     #[inline]
     pub fn closest(&self, ray: &Ray, accept: impl Fn(&Hit) -> bool) -> Option<Hit> {
-        let (slab, sheared) = (SlabRay::new(ray), ShearedRay::new(ray));
+        dispatch!(self.level, simd => self.walk_closest(simd, ray, accept))
+    }
+
+    /// True where some triangle for which `accept(hit)` holds lies before the ray's end.
+    pub fn any(&self, ray: &Ray, accept: impl FnMut(&Hit) -> bool) -> bool {
+        self.any_near(ray, &mut Occluder::default(), accept)
+    }
+
+    /// The same for one of a bundle of rays: what blocked the last one is tested first, and `occluder` is kept up to
+    /// date. The answer does not depend on it.
+    #[inline]
+    pub fn any_near(&self, ray: &Ray, occluder: &mut Occluder, accept: impl FnMut(&Hit) -> bool) -> bool {
+        dispatch!(self.level, simd => self.walk_any(simd, ray, occluder, accept))
+    }
+
+    /// Where a ray meets one triangle, whatever else it meets: the bits that [`Self::closest`] has for it.
+    pub fn on_triangle(&self, ray: &Ray, triangle: u32, corners: [Vec3; 3]) -> Option<Hit> {
+        dispatch!(self.level, simd => intersect_triangle(simd, ray, triangle, corners))
+    }
+
+    #[inline(always)]
+    fn walk_closest<S: Simd>(&self, simd: S, ray: &Ray, accept: impl Fn(&Hit) -> bool) -> Option<Hit> {
+        let (slab, sheared) = (SlabRay::new(simd, ray), ShearedRay::new(simd, ray));
         let mut best = Hit { t: ray.t_max, triangle: u32::MAX, b1: 0.0, b2: 0.0 };
         let mut stack = ArrayVec::<(Child, f32), STACK>::new();
         let mut next = self.root;
@@ -70,7 +58,7 @@ impl Bvh {
                 let node = &self.nodes[next.0 as usize];
                 let (mask, enter) = slab.children(node, best.t);
                 if mask != 0 {
-                    next = nearest_first(node, mask, enter.to_array(), &mut stack);
+                    next = nearest_first(node, mask, enter, &mut stack);
                     continue;
                 }
             }
@@ -85,16 +73,17 @@ impl Bvh {
         (best.triangle != u32::MAX).then_some(best)
     }
 
-    /// True where some triangle for which `accept(hit)` holds lies before the ray's end.
-    pub fn any(&self, ray: &Ray, accept: impl FnMut(&Hit) -> bool) -> bool {
-        self.any_near(ray, &mut Occluder::default(), accept)
-    }
-
-    /// The same for one of a bundle of rays: what blocked the last one is tested first, and `occluder` is kept up to
-    /// date. The answer does not depend on it.
-    #[inline]
-    pub fn any_near(&self, ray: &Ray, occluder: &mut Occluder, mut accept: impl FnMut(&Hit) -> bool) -> bool {
-        let sheared = ShearedRay::new(ray);
+    /// Children are visited as they come: two rays of three are not blocked and visit them all, and no order by area
+    /// or by area a triangle saved even a hundredth of the nodes.
+    #[inline(always)]
+    fn walk_any<S: Simd>(
+        &self,
+        simd: S,
+        ray: &Ray,
+        occluder: &mut Occluder,
+        mut accept: impl FnMut(&Hit) -> bool,
+    ) -> bool {
+        let sheared = ShearedRay::new(simd, ray);
         let last = occluder.0.take();
         if let Some(packet) = last
             && any_in_packet(&self.packets[packet as usize], &sheared, ray.t_max, &mut accept)
@@ -102,7 +91,7 @@ impl Bvh {
             occluder.0 = last;
             return true;
         }
-        let slab = SlabRay::new(ray);
+        let slab = SlabRay::new(simd, ray);
         let mut stack = ArrayVec::<Child, STACK>::new();
         if self.root != Child::NONE {
             stack.push(self.root);
@@ -130,14 +119,10 @@ impl Bvh {
     }
 }
 
-/// The packet that blocked the last ray of a bundle.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Occluder(Option<u32>);
-
 #[inline(always)]
 fn any_in_packet(
     packet: &TrianglePacket,
-    ray: &ShearedRay,
+    ray: &ShearedRay<impl Simd>,
     t_max: f32,
     accept: &mut impl FnMut(&Hit) -> bool,
 ) -> bool {
@@ -156,7 +141,7 @@ fn any_in_packet(
 #[inline(always)]
 fn closest_in_packet(
     packet: &TrianglePacket,
-    ray: &ShearedRay,
+    ray: &ShearedRay<impl Simd>,
     best: &mut Hit,
     accept: &impl Fn(&Hit) -> bool,
 ) {
@@ -179,7 +164,7 @@ fn closest_in_packet(
 pub(super) fn nearest_first(
     node: &Node,
     mut mask: u32,
-    enter: [f32; 4],
+    enter: [f32; WIDTH],
     stack: &mut ArrayVec<(Child, f32), STACK>,
 ) -> Child {
     let first = mask.trailing_zeros() as usize;
