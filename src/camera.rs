@@ -129,6 +129,18 @@ impl View {
         }
     }
 
+    /// The same view with every pixel's ray through another point of the pixel: so many pixels right of its centre and
+    /// down.
+    #[must_use]
+    pub fn shifted(&self, [right, down]: [f64; 2]) -> Self {
+        if [right, down] == [0.0; 2] {
+            return *self;
+        }
+        let mut m = self.scene_from_pixel_f64;
+        m.z_axis += m.x_axis * right + m.y_axis * down;
+        Self { scene_from_pixel: m.as_mat3(), scene_from_pixel_f64: m, ..*self }
+    }
+
     /// Number of pixels.
     pub fn pixel_count(&self) -> usize {
         self.size[0] as usize * self.size[1] as usize

@@ -40,6 +40,8 @@ pub mod scene;
 pub mod trace;
 
 pub use camera::{Camera, View};
-pub use render::{Frame, Mode, ReferenceJob, RenderSettings, Renderer, Walkthrough, WalkthroughSettings};
+pub use render::{
+    Frame, Mode, RefineState, ReferenceJob, RenderSettings, Renderer, Walkthrough, WalkthroughSettings,
+};
 pub use scene::Scene;
 pub use trace::Tracer;

@@ -1,6 +1,7 @@
 //! Small scenes of known content.
 
-use afterimage::scene::{Material, MaterialId, Scene, SceneBuilder};
+use afterimage::camera_path::{CameraKey, CameraPath};
+use afterimage::scene::{Encoding, Material, MaterialId, Scene, SceneBuilder, Texture, TextureRef};
 use afterimage::{Camera, Tracer};
 use glam::{DVec3, Vec2, Vec3};
 use std::sync::Arc;
@@ -67,4 +68,26 @@ pub(crate) fn room_tracer(mirror: bool, glass: bool) -> Tracer {
 /// Looks into the room from its end.
 pub(crate) fn room_camera() -> Camera {
     Camera::look_at(dvec(0.2, 1.5, 3.5), dvec(-0.2, 1.2, -4.0), 65.0)
+}
+
+/// Leaves cut out of three sheets by a texture, in the open, under a lamp.
+pub(crate) fn leafy_scene() -> Scene {
+    let mut b = SceneBuilder::new("leaves");
+    let texel = |i: u32| {
+        let (x, y) = (i % 16, i / 16);
+        let is_leaf = (x / 3 + y / 5) % 2 == 0 || (x * y) % 7 == 3;
+        [90, (100 + 8 * x) as u8, 40, if is_leaf { 255 } else { 0 }]
+    };
+    let texels = (0..256).map(texel).collect();
+    let texture = b.add_texture(Texture { width: 16, height: 16, texels, encoding: Encoding::Srgb });
+    let map = Some(TextureRef::plain(texture));
+    let leaf = Material { diffuse_texture: map, alpha_texture: map, ..Material::diffuse("leaf", Vec3::ONE) };
+    let leaf = b.add_material(leaf);
+    for (i, z) in [(0, 0.0), (1, -0.4), (2, -1.3)] {
+        quad(&mut b, dvec(-1.5 + 0.2 * f64::from(i), 0.0, z), dvec(3.0, 0.0, 0.1), dvec(0.0, 2.2, 0.0), leaf);
+    }
+    b.point_lights.push((dvec(0.5, 1.8, 3.0), Vec3::splat(20.0)));
+    let key = |x: f64, z: f64| CameraKey { eye: dvec(x, 1.1, z), at: dvec(0.1, 1.0, 0.0) };
+    b.walk = Some(CameraPath { fov_y_deg: 60.0, frames: 300, keyframes: vec![key(0.0, 2.2), key(0.8, 1.5)] });
+    b.finish().unwrap()
 }

@@ -1,5 +1,6 @@
 //! A finished frame: what the window shows, files keep and experiments record.
 
+use super::refine::RefineState;
 use crate::camera::{Camera, View};
 use crate::reproject::{PixelMap, TypeCounts};
 use crate::trace::RayCounts;
@@ -60,6 +61,8 @@ pub struct FrameStats {
     pub warped_pixels: usize,
     /// False where the frame was stopped before every pixel was done.
     pub is_complete: bool,
+    /// How far the picture was refined at rest; times and types are those of the frame before it.
+    pub refined: RefineState,
 }
 
 impl Frame {

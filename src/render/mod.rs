@@ -3,10 +3,12 @@
 pub mod aov;
 pub mod frame;
 mod look_up;
+pub mod refine;
 pub mod renderer;
 pub mod walkthrough;
 
 pub use frame::{Frame, FrameStats, StageSecs};
+pub use refine::{RefineState, render_antialiased};
 pub use renderer::Renderer;
 pub use walkthrough::{ReferenceJob, Walkthrough, WalkthroughSettings};
 
@@ -37,6 +39,11 @@ impl Mode {
             Self::Fast => "fast",
             Self::Exact => "exact",
         }
+    }
+
+    /// True for the modes whose picture is refined at rest: the paper's stays as the paper has it.
+    pub fn refines(self) -> bool {
+        self != Self::Paper
     }
 
     /// True for the modes that look light up surface point by surface point, and whose references are sparse.

@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use std::time::Instant;
 
 /// The pass of each pixel of a square of four by four: Bayer's dispersed order.
-const DISPERSED: [usize; 16] = [0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5];
+pub(super) const DISPERSED: [usize; 16] = [0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5];
 
 /// Renders frames; keeps its buffers from one to the next.
 #[derive(Debug)]
@@ -72,6 +72,16 @@ impl Renderer {
     /// The last frame.
     pub fn frame(&self) -> &Frame {
         &self.frame
+    }
+
+    /// The last frame, without the rest.
+    pub fn into_frame(self) -> Frame {
+        self.frame
+    }
+
+    /// The last frame, to be refined.
+    pub(super) fn frame_mut(&mut self) -> &mut Frame {
+        &mut self.frame
     }
 
     /// Whether frames may be shown before they are complete: the work is then spread over the picture, which costs some

@@ -2,6 +2,7 @@
 //!
 //! The window and the headless tour run the same walk; they differ only in when a wished reference is traced.
 
+use super::refine::{PASSES, RefineState, Refinement};
 use super::{Frame, Mode, RenderSettings, Renderer};
 use crate::camera::{Camera, View};
 use crate::reference::{
@@ -48,6 +49,10 @@ pub struct Walkthrough {
     used: Vec<ReferenceId>,
     references_made: u32,
     has_kept: bool,
+    /// What the last frame was made with.
+    rendered: RenderSettings,
+    /// Of the last frame's pose, from the first [`Self::refine`] on.
+    refinement: Option<Refinement>,
 }
 
 impl Walkthrough {
@@ -64,6 +69,8 @@ impl Walkthrough {
             used: Vec::new(),
             references_made: 0,
             has_kept: false,
+            rendered: settings.render,
+            refinement: None,
         }
     }
 
@@ -77,6 +84,7 @@ impl Walkthrough {
         self.tracer = tracer;
         self.cache = ReferenceCache::new(self.tracer.scene(), self.settings.cache_bytes);
         (self.previous, self.wanted) = (None, None);
+        self.refinement = None;
     }
 
     /// The references.
@@ -120,6 +128,7 @@ impl Walkthrough {
     /// Renders the next frame; afterwards [`Self::wanted_reference`] tells whether the policy wants a new reference.
     pub fn render(&mut self, camera: &Camera, size: [u32; 2], stop: Stop<'_>) -> &Frame {
         let start = Instant::now();
+        self.keep_refinement(camera, size);
         let view = View::new(camera, &self.tracer.scene().frame, size);
         let selected = match self.settings.render.mode {
             Mode::Full | Mode::Fast | Mode::Exact => Vec::new(),
@@ -145,7 +154,10 @@ impl Walkthrough {
         self.cache.note_contributions(&shares);
         self.wanted = self.decide(camera, size);
         self.renderer.add_select_secs(select_secs + start.elapsed().as_secs_f64());
-        self.previous = Some(*camera);
+        (self.previous, self.rendered) = (Some(*camera), self.settings.render);
+        if let Some(refinement) = &self.refinement {
+            refinement.write_to(self.renderer.frame_mut());
+        }
         self.renderer.frame()
     }
 
@@ -164,6 +176,37 @@ impl Walkthrough {
     /// True where the last frame became a reference.
     pub fn has_kept_frame(&self) -> bool {
         self.has_kept
+    }
+
+    /// Goes on refining the last frame's picture, until it has converged or `stop` says so: for a camera at rest.
+    /// Pixels that are done show what they are so far, the others what they showed before. Work that was stopped is
+    /// taken up again, also after another [`Self::render`] of the same pose; any other pose drops it and its memory.
+    pub fn refine(&mut self, stop: Stop<'_>) -> RefineState {
+        let (render, frame) = (self.settings.render, self.renderer.frame());
+        let (camera, size, stats) = (frame.camera, frame.view.size, frame.stats);
+        if !render.mode.refines() || frame.radiance.is_empty() {
+            return RefineState { is_complete: true, ..RefineState::default() };
+        }
+        self.keep_refinement(&camera, size);
+        let is_untouched = stats.is_complete && stats.refined == RefineState::default();
+        let is_full = render.mode == Mode::Full && self.rendered == render && is_untouched;
+        let refinement = self.refinement.get_or_insert_with(|| {
+            let mut new = Refinement::new(&self.tracer, &camera, size, &render.trace, PASSES);
+            if is_full {
+                new.take_first_pass(self.renderer.frame());
+            }
+            new
+        });
+        refinement.run(&self.tracer, stop);
+        refinement.write_to(self.renderer.frame_mut());
+        refinement.state()
+    }
+
+    /// Drops the refinement of another pose or other settings.
+    fn keep_refinement(&mut self, camera: &Camera, size: [u32; 2]) {
+        let render = &self.settings.render;
+        let is_wanted = |r: &Refinement| render.mode.refines() && r.is_of(&self.tracer, camera, size, &render.trace);
+        self.refinement = self.refinement.take().filter(is_wanted);
     }
 
     fn decide(&mut self, camera: &Camera, size: [u32; 2]) -> Option<Camera> {

@@ -21,7 +21,7 @@ pub enum PixelType {
     Gap = 3,
     /// Type 3, traced, then looked up.
     Disoccluded = 4,
-    /// Type 3, looked up but a guess, so lit with few rays.
+    /// Type 3, traced and looked up, but the look-up is a guess, so lit with few rays.
     Uncertain = 5,
 }
 
@@ -52,11 +52,13 @@ pub struct TypeCounts {
     pub disoccluded: usize,
     /// Type 3, traced and shaded.
     pub unseen: usize,
-    /// Type 3, lit with few rays.
+    /// Type 3, traced and looked up, then lit with few rays.
     pub uncertain: usize,
 }
 
-/// [`TypeCounts`] as percentages, with the names of the command line's contract.
+/// [`TypeCounts`] as percentages, with the names of the command line's contract: types 1 to 3 sum to 100, and gap,
+/// disoccluded and unseen sum to type 3. Uncertain pixels are traced and looked up too, so they are a part of the
+/// disoccluded ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[allow(missing_docs, reason = "the names say it")]
 pub struct TypePercentages {
@@ -96,7 +98,7 @@ impl TypeCounts {
             type2_percent: percent(self.secondary),
             type3_percent: percent(self.type3()),
             gap_percent: percent(self.gap),
-            disoccluded_percent: percent(self.disoccluded),
+            disoccluded_percent: percent(self.disoccluded + self.uncertain),
             unseen_percent: percent(self.unseen),
             uncertain_percent: percent(self.uncertain),
         }

@@ -1,7 +1,7 @@
 //! What a picture's file says of itself: enough to make it again.
 
 use afterimage::raster::color::ToneMap;
-use afterimage::{Camera, RenderSettings, Scene};
+use afterimage::{Camera, Mode, RefineState, RenderSettings, Scene};
 use glam::DVec3;
 
 /// What a picture was made from.
@@ -17,6 +17,8 @@ pub(crate) struct Made<'a> {
     pub(crate) settings: &'a RenderSettings,
     /// False where it was stopped early.
     pub(crate) is_complete: bool,
+    /// How far it was refined.
+    pub(crate) refined: RefineState,
     /// In stops.
     pub(crate) exposure_ev: f32,
     /// From radiance to display.
@@ -28,22 +30,23 @@ pub(crate) fn notes(made: &Made<'_>) -> Vec<(&'static str, String)> {
     let c = made.camera;
     let (eye, at) = (c.eye, c.eye + c.forward());
     let list = |v: DVec3| format!("{},{},{}", v.x, v.y, v.z);
-    let trace = &made.settings.trace;
     vec![
         ("Software", format!("afterimage {}", env!("CARGO_PKG_VERSION"))),
         ("Scene", format!("{} {}", made.scene_name, made.scene.hash)),
         ("Pose", format!("--eye {} --look-at {} --fov-y {}", list(eye), list(at), c.fov_y.to_degrees())),
-        (
-            "Settings",
-            format!(
-                "--mode {} --samples {} --bounces {} --seed {}",
-                made.settings.mode.name(),
-                trace.samples,
-                trace.bounces,
-                trace.seed
-            ),
-        ),
+        ("Settings", settings(made)),
+        ("Refined", format!("{} of {} passes", made.refined.pass, made.refined.of)),
         ("Complete", if made.is_complete { "yes" } else { "no" }.to_owned()),
         ("Tone map", format!("{} at {} EV", made.tone_map.name(), made.exposure_ev)),
     ]
+}
+
+/// As flags. What has converged is what the full tracer makes with anti-aliasing.
+fn settings(made: &Made<'_>) -> String {
+    let (trace, refined) = (&made.settings.trace, made.refined);
+    let has_converged = refined.is_complete && refined.of > 0;
+    let mode = if has_converged { Mode::Full } else { made.settings.mode };
+    let antialias = if has_converged { format!(" --antialias {}", refined.of) } else { String::new() };
+    let (samples, bounces, seed) = (trace.samples, trace.bounces, trace.seed);
+    format!("--mode {} --samples {samples} --bounces {bounces} --seed {seed}{antialias}", mode.name())
 }

@@ -8,15 +8,17 @@ use super::{interrupt, memory, output};
 use crate::notes::{Made, notes};
 use afterimage::camera::Camera;
 use afterimage::raster::save::{Channel, save_exr, save_png};
-use afterimage::reference::ReferenceFrame;
+use afterimage::reference::{ReferenceCache, ReferenceFrame};
 use afterimage::render::aov::{Aov, display_picture, types_picture};
+use afterimage::render::render_antialiased;
 use afterimage::reproject::warp::MAX_REFERENCES;
 use afterimage::trace::TraceSettings;
-use afterimage::{Frame, Renderer};
+use afterimage::{Frame, Mode, Renderer, Tracer};
 use clap::Args;
 use glam::DVec3;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 #[derive(Args, Debug)]
 pub(crate) struct RenderArgs {
@@ -29,6 +31,10 @@ pub(crate) struct RenderArgs {
     #[arg(long = "reference", value_name = "EX,EY,EZ:LX,LY,LZ", value_parser = eye_and_target)]
     #[arg(allow_hyphen_values = true)]
     references: Vec<[DVec3; 2]>,
+    /// Traces every pixel in full, with so many rays through different points of it: smooth edges.
+    #[arg(long, value_name = "N", conflicts_with = "references")]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=4096))]
+    antialias: Option<u32>,
     /// Writes the type of every pixel: Type 1 #0072B2, Type 2 #F0E442, Type 3 #D55E00.
     #[arg(long, value_name = "FILE.png", value_parser = png)]
     types: Option<PathBuf>,
@@ -66,19 +72,44 @@ fn aov(text: &str) -> Result<Aov, String> {
 }
 
 pub(crate) fn run(args: &RenderArgs, flags: &Flags) -> Result<(), Failure> {
+    let mode = if args.antialias.is_some() { Mode::Full } else { flags.mode };
+    let flags = &Flags { mode, ..flags.clone() };
     check(args, flags)?;
     let loaded = load(args.scene.as_deref(), flags)?;
     let camera = camera(flags, loaded.scene())?;
     let references = trace_references(args, flags, &loaded, camera.fov_y.to_degrees())?;
-    let borrowed: Vec<&ReferenceFrame> = references.iter().collect();
-    let mut renderer = Renderer::default();
-    let stop = interrupt::is_cancelled;
-    let frame = renderer.render(&loaded.tracer, &camera, flags.size(), &flags.render(), &borrowed, &stop);
+    let frame = &render(args, flags, &loaded.tracer, &camera, &references);
     // A picture that was stopped is kept too; its notes and the result say so.
     write_files(args, flags, &loaded, frame)?;
-    let object = object(flags, &loaded, frame, &references);
+    let object = object(args, flags, &loaded, frame, &references);
     output::result(flags.json, &object, || table(args, frame, &references));
     if frame.stats.is_complete { loaded.verdict(flags) } else { Err(Failure::Interrupted) }
+}
+
+/// The picture, in the way its mode makes it.
+fn render(
+    args: &RenderArgs,
+    flags: &Flags,
+    tracer: &Tracer,
+    camera: &Camera,
+    references: &[Arc<ReferenceFrame>],
+) -> Frame {
+    let (size, settings, stop) = (flags.size(), flags.render(), interrupt::is_cancelled);
+    if let Some(rays) = args.antialias {
+        return render_antialiased(tracer, camera, size, &settings, rays, &stop);
+    }
+    let mut renderer = Renderer::default();
+    if settings.mode.looks_up() {
+        let mut cache = ReferenceCache::new(tracer.scene(), usize::MAX);
+        for reference in references {
+            cache.insert(Arc::clone(reference));
+        }
+        renderer.render_by_lookup(tracer, camera, size, &settings, &cache.lookup(tracer.epoch()), &stop);
+    } else {
+        let references: Vec<&ReferenceFrame> = references.iter().map(|r| &**r).collect();
+        renderer.render(tracer, camera, size, &settings, &references, &stop);
+    }
+    renderer.into_frame()
 }
 
 /// What can be refused before the scene is loaded.
@@ -110,13 +141,13 @@ fn trace_references(
     flags: &Flags,
     loaded: &Loaded,
     fov_y: f64,
-) -> Result<Vec<ReferenceFrame>, Failure> {
+) -> Result<Vec<Arc<ReferenceFrame>>, Failure> {
     let trace = |(number, [eye, at]): (u64, &[DVec3; 2])| {
         let seed = flags.seed.wrapping_add(number << 32);
         let settings = TraceSettings { seed, ..flags.trace() };
         let camera = Camera::look_at(*eye, *at, fov_y);
         let stop = interrupt::is_cancelled;
-        ReferenceFrame::trace(&loaded.tracer, &camera, flags.size(), &settings, &stop)
+        ReferenceFrame::trace(&loaded.tracer, &camera, flags.size(), &settings, &stop).map(Arc::new)
     };
     (1..).zip(&args.references).map(trace).collect::<Option<Vec<_>>>().ok_or(Failure::Interrupted)
 }
@@ -158,12 +189,19 @@ pub(super) fn file_notes(flags: &Flags, loaded: &Loaded, frame: &Frame) -> Vec<(
         camera: &frame.camera,
         settings: &flags.render(),
         is_complete: frame.stats.is_complete,
+        refined: frame.stats.refined,
         exposure_ev: flags.exposure_ev(),
         tone_map: flags.tone_map,
     })
 }
 
-fn object(flags: &Flags, loaded: &Loaded, frame: &Frame, references: &[ReferenceFrame]) -> Value {
+fn object(
+    args: &RenderArgs,
+    flags: &Flags,
+    loaded: &Loaded,
+    frame: &Frame,
+    references: &[Arc<ReferenceFrame>],
+) -> Value {
     let (stats, secs) = (&frame.stats, &frame.stats.secs);
     let mut rays = stats.rays;
     references.iter().for_each(|r| rays += r.rays);
@@ -172,6 +210,7 @@ fn object(flags: &Flags, loaded: &Loaded, frame: &Frame, references: &[Reference
         "mode": flags.mode.name(),
         "size": flags.size(),
         "samples": flags.trace().samples,
+        "antialias": args.antialias,
         "bounces": flags.trace().bounces,
         "seed": flags.seed,
         "threads": rayon::current_num_threads(),
@@ -195,11 +234,11 @@ fn object(flags: &Flags, loaded: &Loaded, frame: &Frame, references: &[Reference
 }
 
 /// Not `sum`, which makes -0 of nothing.
-fn total_secs(references: &[ReferenceFrame]) -> f64 {
+fn total_secs(references: &[Arc<ReferenceFrame>]) -> f64 {
     references.iter().fold(0.0, |sum, r| sum + r.secs)
 }
 
-fn table(args: &RenderArgs, frame: &Frame, references: &[ReferenceFrame]) -> String {
+fn table(args: &RenderArgs, frame: &Frame, references: &[Arc<ReferenceFrame>]) -> String {
     let (types, secs) = (frame.stats.types.percentages(), &frame.stats.secs);
     let [w, h] = frame.view.size;
     let reference_secs = total_secs(references);

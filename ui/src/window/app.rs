@@ -136,7 +136,9 @@ impl App {
         let trouble = std::mem::take(&mut *locked(&self.trouble));
         trouble.into_iter().for_each(|text| self.state.notify(Severity::Error, text));
         if self.threads.take_frame(&mut self.state.frame) {
-            self.state.record();
+            if self.state.frame.as_ref().is_some_and(|f| !f.is_refinement) {
+                self.state.record();
+            }
             self.state.meter();
             if let (Some(graphics), Some(frame)) = (&self.graphics, &self.state.frame) {
                 viewport::upload(graphics, frame);
@@ -260,7 +262,11 @@ impl App {
             () if self.moved.elapsed() < MOTION_TIME && !self.state.shows_hint => Work::Moving,
             () if !is_newest => Work::Filling,
             () if self.threads.is_adding_reference() => Work::AddingReference,
-            () => Work::Complete,
+            () => match frame.map(|f| f.stats.refined) {
+                Some(refined) if refined.of > 0 && refined.is_complete => Work::Converged,
+                Some(refined) if refined.of > 0 => Work::Refining,
+                _ => Work::Complete,
+            },
         }
     }
 

@@ -47,6 +47,8 @@ pub struct PublishedFrame {
     pub suppliers: Vec<u8>,
     /// Times and counts.
     pub stats: FrameStats,
+    /// The same frame as the one before it, its picture refined.
+    pub is_refinement: bool,
     /// All references held, oldest first.
     pub references: Vec<ReferenceInfo>,
     /// Memory that references hold, and may hold.
@@ -68,6 +70,7 @@ impl PublishedFrame {
             types: Vec::new(),
             suppliers: Vec::new(),
             stats: FrameStats::default(),
+            is_refinement: false,
             references: Vec::new(),
             cache_bytes: [0, 0],
             metered_ev: None,
@@ -77,7 +80,7 @@ impl PublishedFrame {
 
     /// Takes over a rendered frame on the current thread pool, keeping allocations.
     pub fn fill(&mut self, frame: &Frame, used: &[ReferenceId], generation: u64) {
-        self.generation = generation;
+        (self.generation, self.is_refinement) = (generation, false);
         (self.camera, self.size, self.stats) = (frame.camera, frame.view.size, frame.stats);
         frame.radiance.par_iter().map(|&c| rgb9e5(c)).collect_into_vec(&mut self.radiance);
         self.types.clear();

@@ -8,7 +8,7 @@ mod worker;
 use super::frames::{Exchange, PublishedFrame, locked};
 use super::reference_thread::{self, Outcome};
 use afterimage::reference::ReferenceId;
-use afterimage::{Camera, RenderSettings, Scene, Tracer, WalkthroughSettings};
+use afterimage::{Camera, RefineState, RenderSettings, Scene, Tracer, WalkthroughSettings};
 use crossbeam_channel::{Receiver, unbounded};
 use glam::Vec3;
 use std::io;
@@ -64,6 +64,8 @@ pub struct Picture {
     pub settings: RenderSettings,
     /// False where it was taken as it was, while paused.
     pub is_complete: bool,
+    /// How far it was refined at rest.
+    pub refined: RefineState,
 }
 
 /// What the threads have to say beside frames.
@@ -162,6 +164,7 @@ impl RenderThread {
             asked: None,
             wants_picture: false,
             rendered: None,
+            converged: None,
             added: Vec::new(),
         };
         let name = "afterimage-frames".to_owned();

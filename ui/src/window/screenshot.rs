@@ -60,6 +60,7 @@ fn png_bytes(picture: &Picture, development: Development) -> anyhow::Result<Vec<
         camera: &picture.camera,
         settings: &picture.settings,
         is_complete: picture.is_complete,
+        refined: picture.refined,
         exposure_ev,
         tone_map,
     });
@@ -70,7 +71,7 @@ fn png_bytes(picture: &Picture, development: Development) -> anyhow::Result<Vec<
 mod tests {
     use super::*;
     use afterimage::scene::SceneBuilder;
-    use afterimage::{Camera, RenderSettings};
+    use afterimage::{Camera, RefineState, RenderSettings};
     use glam::{DVec3, Vec2, Vec3};
     use std::sync::Arc;
 
@@ -86,6 +87,7 @@ mod tests {
             camera: Camera::look_at(DVec3::Z, DVec3::ZERO, 60.0),
             settings: RenderSettings::default(),
             is_complete: true,
+            refined: RefineState::default(),
         }
     }
 

@@ -54,6 +54,8 @@ pub enum Work {
     Filling,
     AddingReference,
     Complete,
+    Refining,
+    Converged,
 }
 
 impl Work {
@@ -67,6 +69,8 @@ impl Work {
             Self::Filling => "filling",
             Self::AddingReference => "adding a reference",
             Self::Complete => "complete",
+            Self::Refining => "refining",
+            Self::Converged => "converged",
         }
     }
 }
@@ -330,6 +334,17 @@ impl State {
         });
         while self.history.front().is_some_and(|s| now - s.at > HISTORY) {
             self.history.pop_front();
+        }
+    }
+
+    /// What the renderer is doing, and how far it is.
+    pub fn work_text(&self) -> String {
+        match (self.work, &self.frame) {
+            (Work::Refining, Some(frame)) => {
+                let refined = frame.stats.refined;
+                format!("{} {}/{}", self.work.word(), refined.pass, refined.of)
+            }
+            (work, _) => work.word().to_owned(),
         }
     }
 

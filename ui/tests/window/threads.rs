@@ -2,7 +2,9 @@
 
 use super::small_room;
 use afterimage::reference::PlacementPolicy;
-use afterimage::{Camera, Tracer, WalkthroughSettings};
+use afterimage::render::render_antialiased;
+use afterimage::trace::parallel::NEVER;
+use afterimage::{Camera, Mode, Tracer, WalkthroughSettings};
 use afterimage_ui::window::frames::PublishedFrame;
 use afterimage_ui::window::render_thread::{Message, Order, Picture, RenderThread, Wish};
 use crossbeam_channel::{Receiver, unbounded};
@@ -121,6 +123,51 @@ fn nothing_is_rendered_without_pixels_or_while_paused() {
     let generation = bench.thread.wish(bench.wish(1.0));
     bench.wait_for(generation);
     assert_eq!(bench.shown.as_ref().map(|f| f.camera), Some(bench.wish(1.0).camera));
+}
+
+#[test]
+fn a_picture_at_rest_converges_and_then_costs_nothing() {
+    let mut bench = Bench::new();
+    let mut wish = bench.wish(0.0);
+    wish.settings.render.mode = Mode::Exact;
+    let generation = bench.thread.wish(wish);
+    bench.wait_for(generation);
+    while !bench.shown.as_ref().is_some_and(|f| f.stats.refined.is_complete) {
+        if !bench.thread.take_frame(&mut bench.shown) {
+            bench.bell.recv_timeout(DEADLINE).expect("the thread goes on");
+        }
+        assert_eq!(bench.shown.as_ref().map(|f| f.generation), Some(generation));
+    }
+    let passes = bench.shown.as_ref().map_or(0, |f| f.stats.refined.of);
+    let (camera, render) = (&wish.camera, &wish.settings.render);
+    let expected = render_antialiased(&bench.tracer, camera, wish.size, render, passes, NEVER);
+    let picture = bench.picture();
+    assert!(picture.radiance == expected.radiance && picture.refined.is_complete);
+    // The thread has been round its loop for the picture, and had nothing more to show.
+    assert!(!bench.thread.take_frame(&mut bench.shown));
+    assert_eq!(bench.thread.frames_rendered(), 1);
+}
+
+#[test]
+fn a_change_ends_the_refining() {
+    let mut bench = Bench::new();
+    let mut slow = bench.wish(0.0);
+    slow.settings.render.mode = Mode::Exact;
+    (slow.size, slow.settings.render.trace.samples) = ([256, 256], 16);
+    bench.thread.wish(slow);
+    let refined = |bench: &Bench| bench.shown.as_ref().map_or_else(Default::default, |f| f.stats.refined);
+    while refined(&bench).of == 0 {
+        bench.bell.recv_timeout(DEADLINE).expect("the thread says something");
+        bench.thread.take_frame(&mut bench.shown);
+    }
+    let quick = Wish { size: [16, 16], ..slow };
+    let generation = bench.thread.wish(quick);
+    while bench.shown.as_ref().is_some_and(|f| f.generation < generation) {
+        assert!(!refined(&bench).is_complete, "the old picture was brought to its end");
+        bench.bell.recv_timeout(DEADLINE).expect("the thread says something");
+        bench.thread.take_frame(&mut bench.shown);
+    }
+    assert_eq!(bench.shown.as_ref().map(|f| f.size), Some([16, 16]));
 }
 
 #[test]

@@ -42,13 +42,13 @@ pub fn hint(ui: &Ui, viewport: egui::Rect) {
 fn state_line(ui: &mut Ui, state: &State) {
     ui.horizontal(|ui| {
         let color = match state.work {
-            Work::Complete => Color32::from_rgb(0x6C, 0xD0, 0x8A),
+            Work::Complete | Work::Converged => Color32::from_rgb(0x6C, 0xD0, 0x8A),
             Work::Paused => Color32::from_rgb(0xF0, 0xE4, 0x42),
             _ => Color32::from_rgb(0x7C, 0xBF, 0xEF),
         };
         let (rect, _) = ui.allocate_exact_size(egui::vec2(9.0, 14.0), egui::Sense::hover());
         ui.painter().circle_filled(rect.center(), 4.0, color);
-        ui.label(RichText::new(state.work.word()).color(TEXT).strong());
+        ui.label(RichText::new(state.work_text()).color(TEXT).strong());
     });
 }
 

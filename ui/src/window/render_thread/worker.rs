@@ -1,7 +1,7 @@
 //! The work of the thread that makes frames: takes wishes in, renders, asks for references, hands pictures out.
 
 use super::{Message, Order, Picture, Shared, Wake, Wish};
-use crate::window::frames::locked;
+use crate::window::frames::{PublishedFrame, locked};
 use crate::window::reference_thread::{Job, Outcome};
 use afterimage::reference::ReferenceId;
 use afterimage::{Camera, Walkthrough};
@@ -10,12 +10,16 @@ use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, PoisonError};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// The window and a software rasteriser's threads go first: on two cores without a graphics card the window came
 /// round every 300 ms while the gallery was rendered, and every 75 ms since. References stay equal to frames: the
 /// frames after them are the cheaper.
 const NICENESS: i32 = 10;
+
+/// A picture at rest is shown anew after so long: often enough to be seen converging, seldom enough that drawing it is
+/// little beside tracing it. Whatever changes ends the work at once.
+const REFINE_TIME: Duration = Duration::from_millis(200);
 
 /// Lowers the priority of the calling thread.
 pub(in crate::window) fn give_way() {
@@ -53,6 +57,8 @@ pub(super) struct Worker {
     pub(super) wants_picture: bool,
     /// The generation of the last frame, `None` where it is to be made again.
     pub(super) rendered: Option<u64>,
+    /// The generation whose picture has converged.
+    pub(super) converged: Option<u64>,
     pub(super) added: Vec<(ReferenceId, Instant)>,
 }
 
@@ -61,6 +67,8 @@ impl Worker {
         while let Some(generation) = self.wait() {
             if self.can_render() && self.rendered != Some(generation) {
                 self.render(generation);
+            } else if self.can_refine(generation) {
+                self.refine(generation);
             }
             self.request_reference();
             self.hand_out_picture();
@@ -85,7 +93,9 @@ impl Worker {
                 && self.walk.is_some()
                 && wish.is_some_and(|w| !w.is_paused && !w.size.contains(&0));
             let has_news = inbox.wish.is_some() || !inbox.orders.is_empty() || !inbox.outcomes.is_empty();
-            if is_due || has_news {
+            // Settings of a new wish are taken in before anything is refined.
+            let can_refine = !is_due && inbox.wish.is_none() && self.can_refine(generation);
+            if is_due || has_news || can_refine {
                 self.wish = wish;
                 inbox.wish = None;
                 let (orders, outcomes) =
@@ -101,6 +111,13 @@ impl Worker {
 
     fn can_render(&self) -> bool {
         self.walk.is_some() && self.wish.is_some_and(|w| !w.is_paused && !w.size.contains(&0))
+    }
+
+    /// True where the last frame is still wanted and its picture has not converged. A reference in the making goes first:
+    /// the next frames are the cheaper for it.
+    fn can_refine(&self, generation: u64) -> bool {
+        let is_shown = self.rendered == Some(generation) && self.converged != Some(generation);
+        is_shown && self.job.is_none() && self.asked.is_none() && self.can_render()
     }
 
     fn carry_out(&mut self, order: Order) {
@@ -176,12 +193,50 @@ impl Worker {
         }));
         self.rendered = Some(generation);
         shared.frames_rendered.fetch_add(1, Ordering::AcqRel);
+        self.publish(made.map(|()| Some(published)));
+    }
+
+    /// Goes on with the picture of the last frame for a while.
+    fn refine(&mut self, generation: u64) {
+        let Some(walk) = &mut self.walk else { return };
+        let start = Instant::now();
+        let shared = &*self.shared;
+        let is_useless = || {
+            let is_stale = shared.generation.load(Ordering::Relaxed) != generation;
+            is_stale || shared.quit.load(Ordering::Relaxed) || shared.abandon.load(Ordering::Relaxed)
+        };
+        let stop = || is_useless() || start.elapsed() >= REFINE_TIME;
+        let mut published = shared.exchange.spare();
+        let added = &self.added;
+        let made = catch_unwind(AssertUnwindSafe(|| {
+            self.pool.install(|| {
+                let state = walk.refine(&stop);
+                if is_useless() || state.of == 0 {
+                    return (state, None);
+                }
+                published.fill(walk.frame(), walk.used(), generation);
+                published.list(walk.cache(), walk.used(), added);
+                published.is_refinement = true;
+                (state, Some(published))
+            })
+        }));
+        let has_converged = made.as_ref().map_or(true, |(state, _)| state.is_complete);
+        self.converged = has_converged.then_some(generation);
+        self.publish(made.map(|(_, published)| published));
+    }
+
+    /// Shows what was made. After a panic the walk begins anew.
+    fn publish(&mut self, made: std::thread::Result<Option<PublishedFrame>>) {
         match made {
-            Ok(()) if !shared.abandon.load(Ordering::Acquire) => shared.exchange.publish(published),
-            Ok(()) => {}
+            Ok(Some(published)) if !self.shared.abandon.load(Ordering::Acquire) => {
+                self.shared.exchange.publish(published);
+            }
+            Ok(_) => {}
             Err(panic) => {
                 // Its buffers may be half-written; the scene is not.
-                *walk = Walkthrough::new(walk.tracer().clone(), wish.settings).showing_unfinished();
+                if let (Some(walk), Some(wish)) = (&mut self.walk, self.wish) {
+                    *walk = Walkthrough::new(walk.tracer().clone(), wish.settings).showing_unfinished();
+                }
                 let text = panic_text(&*panic);
                 self.say(Message::Failed(format!("rendering failed: {text}")));
             }
@@ -230,6 +285,7 @@ impl Worker {
             camera: frame.camera,
             settings: walk.settings().render,
             is_complete: frame.stats.is_complete,
+            refined: frame.stats.refined,
         }));
         (self.wake)();
     }
@@ -264,7 +320,6 @@ mod tests {
     use afterimage::{Mode, Tracer, WalkthroughSettings};
     use crossbeam_channel::{Receiver, unbounded};
     use glam::{DVec3, Vec2, Vec3};
-    use std::time::Duration;
 
     fn worker() -> (Worker, Receiver<Job>, Receiver<Message>) {
         let mut builder = SceneBuilder::new("square");
@@ -294,6 +349,7 @@ mod tests {
             asked: None,
             wants_picture: false,
             rendered: None,
+            converged: None,
             added: Vec::new(),
         };
         (worker, sent, said)

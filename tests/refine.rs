@@ -1,0 +1,199 @@
+//! Convergence at rest: the same bits however it was interrupted.
+
+use crate::rooms::{room_camera, room_tracer};
+use afterimage::math::hash::Key;
+use afterimage::reference::PlacementPolicy;
+use afterimage::render::{refine::PASSES, render_antialiased};
+use afterimage::trace::TraceSettings;
+use afterimage::trace::parallel::NEVER;
+use afterimage::{Camera, Frame, Mode, RenderSettings, Renderer, Tracer, Walkthrough, WalkthroughSettings};
+use glam::Vec3;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Neither side a multiple of a tile's.
+const SIZE: [u32; 2] = [45, 27];
+const PIXELS: usize = 45 * 27;
+const TRACE: TraceSettings = TraceSettings { samples: 1, bounces: 0, seed: 9 };
+
+fn settings(mode: Mode) -> RenderSettings {
+    RenderSettings { mode, trace: TRACE }
+}
+
+fn tracer() -> Arc<Tracer> {
+    Arc::new(room_tracer(true, true))
+}
+
+/// A walk that has rendered a frame from a reference a step away.
+fn walk_at_rest(tracer: &Arc<Tracer>, mode: Mode) -> Walkthrough {
+    let settings = WalkthroughSettings {
+        render: settings(mode),
+        placement: PlacementPolicy::None,
+        ..WalkthroughSettings::default()
+    };
+    let mut walk = Walkthrough::new(tracer.clone(), settings);
+    let step_back = Camera { eye: room_camera().eye - room_camera().forward() * 0.2, ..room_camera() };
+    let reference = walk.reference_job(step_back, SIZE).trace(NEVER).unwrap();
+    walk.insert(reference).unwrap();
+    walk.render(&room_camera(), SIZE, NEVER);
+    walk
+}
+
+fn full(tracer: &Tracer) -> Frame {
+    Renderer::default().render(tracer, &room_camera(), SIZE, &settings(Mode::Full), &[], NEVER).clone()
+}
+
+fn converged(tracer: &Tracer) -> Frame {
+    render_antialiased(tracer, &room_camera(), SIZE, &settings(Mode::Full), PASSES, NEVER)
+}
+
+/// Refines until so many pixels are done.
+fn refine_pixels(walk: &mut Walkthrough, pixels: usize) -> afterimage::RefineState {
+    let left = AtomicUsize::new(pixels);
+    let stop = || left.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |n| n.checked_sub(1)).is_err();
+    walk.refine(&stop)
+}
+
+fn pool(threads: usize) -> rayon::ThreadPool {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap()
+}
+
+#[test]
+fn after_the_first_pass_the_picture_is_the_full_tracers() {
+    let tracer = tracer();
+    let full = full(&tracer);
+    let mut walk = walk_at_rest(&tracer, Mode::Exact);
+    assert!(walk.frame().radiance != full.radiance, "the frame before was looked up");
+    let types = walk.frame().types.clone();
+    let state = refine_pixels(&mut walk, PIXELS);
+    assert_eq!((state.pass, state.of, state.is_complete), (1, PASSES, false));
+    let frame = walk.frame();
+    assert!(frame.radiance == full.radiance && frame.triangle == full.triangle);
+    assert!(frame.disparity == full.disparity);
+    assert!(frame.types == types, "what was reused is still shown");
+    assert_eq!(frame.stats.refined, state);
+    let once = render_antialiased(&tracer, &room_camera(), SIZE, &settings(Mode::Full), 1, NEVER);
+    assert!(once.radiance == full.radiance && once.triangle == full.triangle && once.stats.is_complete);
+    assert_eq!(once.stats.rays, full.stats.rays);
+}
+
+#[test]
+fn it_converges_to_the_antialiased_picture_however_it_is_interrupted() {
+    let tracer = tracer();
+    let converged = converged(&tracer);
+    for (threads, mode, seed) in [(1, Mode::Exact, 1), (4, Mode::Exact, 2), (3, Mode::Full, 3)] {
+        pool(threads).install(|| {
+            let mut walk = walk_at_rest(&tracer, mode);
+            let mut rounds = 0;
+            loop {
+                let before = walk.frame().radiance.clone();
+                let pixels = (Key::of_pixel(seed, rounds).pair()[0] * 3000.0) as usize;
+                let state = refine_pixels(&mut walk, pixels);
+                let changed = before.iter().zip(&walk.frame().radiance).filter(|(a, b)| a != b).count();
+                assert!(changed <= pixels, "{changed} pixels changed, {pixels} were traced");
+                rounds += 1;
+                if state.is_complete {
+                    break;
+                }
+                assert!(rounds < 1000);
+            }
+            assert!(walk.frame().radiance == converged.radiance, "{threads} threads");
+            assert!(rounds > 8, "{rounds} rounds");
+            // What has converged stays, and costs nothing.
+            let asked = AtomicUsize::new(0);
+            let state = walk.refine(&|| asked.fetch_add(1, Ordering::Relaxed) > 0);
+            assert!(state.is_complete && asked.into_inner() == 0);
+        });
+    }
+    let sharp = full(&tracer);
+    let differs = converged.radiance.iter().zip(&sharp.radiance).filter(|(a, b)| a != b).count();
+    assert!(differs * 2 > PIXELS, "{differs} pixels changed by anti-aliasing");
+}
+
+#[test]
+fn antialiasing_has_the_same_bits_at_any_number_of_threads_and_smooths() {
+    let tracer = tracer();
+    let trace = TraceSettings { samples: 16, ..TRACE };
+    let render = |passes: u32| {
+        let settings = RenderSettings { mode: Mode::Full, trace };
+        render_antialiased(&tracer, &room_camera(), SIZE, &settings, passes, NEVER)
+    };
+    let [one, four] = [1, 4].map(|threads| pool(threads).install(|| render(PASSES)));
+    assert!(one.radiance == four.radiance && one.stats.rays == four.stats.rays);
+    // As a screen shows it: the lamp's edge alone would outweigh all else.
+    let truth = downsampled(&tracer);
+    let error = |radiance: &[Vec3]| -> f32 {
+        let square = |(a, b): (&Vec3, &Vec3)| (a.min(Vec3::ONE) - b.min(Vec3::ONE)).length_squared();
+        (truth.iter().zip(radiance).map(square).sum::<f32>() / PIXELS as f32).sqrt()
+    };
+    let [before, after] = [error(&render(1).radiance), error(&one.radiance)];
+    assert!(after * 2.0 < before, "an error of {before} became {after}");
+}
+
+/// Each pixel as the mean of the pixels of a picture sixteen times as wide and high.
+fn downsampled(tracer: &Tracer) -> Vec<Vec3> {
+    let large = SIZE.map(|s| s * 16);
+    let mut renderer = Renderer::default();
+    let frame = renderer.render(tracer, &room_camera(), large, &settings(Mode::Full), &[], NEVER);
+    let mut small = vec![Vec3::ZERO; PIXELS];
+    for (pixel, radiance) in frame.radiance.iter().enumerate() {
+        let (x, y) = (pixel % large[0] as usize / 16, pixel / large[0] as usize / 16);
+        small[y * SIZE[0] as usize + x] += *radiance / 256.0;
+    }
+    small
+}
+
+#[test]
+fn a_new_reference_at_rest_takes_nothing_back() {
+    let tracer = tracer();
+    let mut walk = walk_at_rest(&tracer, Mode::Exact);
+    refine_pixels(&mut walk, 2 * PIXELS + PIXELS / 3);
+    let before = walk.frame().radiance.clone();
+    let reference = walk.reference_job(room_camera(), SIZE).trace(NEVER).unwrap();
+    walk.insert(reference).unwrap();
+    let frame = walk.render(&room_camera(), SIZE, NEVER);
+    assert!(frame.radiance == before);
+    assert_eq!((frame.stats.refined.pass, frame.stats.references_used), (2, 2));
+    walk.refine(NEVER);
+    assert!(walk.frame().radiance == converged(&tracer).radiance);
+}
+
+#[test]
+fn every_change_starts_anew() {
+    let tracer = tracer();
+    let turned = Camera { yaw: room_camera().yaw + 1e-6, ..room_camera() };
+    let more = WalkthroughSettings {
+        render: RenderSettings { mode: Mode::Exact, trace: TraceSettings { samples: 2, ..TRACE } },
+        ..WalkthroughSettings::default()
+    };
+    let changes: [&dyn Fn(&mut Walkthrough); 4] = [
+        &|walk| assert!(walk.render(&turned, SIZE, NEVER).stats.is_complete),
+        &|walk| assert!(walk.render(&room_camera(), [44, 27], NEVER).stats.is_complete),
+        &|walk| walk.set_settings(more),
+        &|walk| walk.set_tracer(Arc::new(room_tracer(true, true))),
+    ];
+    for change in changes {
+        let mut walk = walk_at_rest(&tracer, Mode::Exact);
+        assert_eq!(refine_pixels(&mut walk, 3 * PIXELS).pass, 3);
+        change(&mut walk);
+        assert_eq!(refine_pixels(&mut walk, 0).pass, 0);
+    }
+}
+
+#[test]
+fn the_papers_picture_is_left_as_it_is() {
+    let mut walk = walk_at_rest(&tracer(), Mode::Paper);
+    let before = walk.frame().radiance.clone();
+    assert!(walk.refine(NEVER).is_complete);
+    assert!(walk.frame().radiance == before);
+}
+
+#[test]
+fn a_stopped_picture_says_so_and_has_no_holes() {
+    let asked = AtomicUsize::new(0);
+    let stop = || asked.fetch_add(1, Ordering::Relaxed) >= PIXELS / 2;
+    let frame = render_antialiased(&tracer(), &room_camera(), SIZE, &settings(Mode::Full), PASSES, &stop);
+    assert!(!frame.stats.is_complete);
+    let lit = frame.radiance.iter().filter(|r| r.max_element() > 0.0).count();
+    assert!(lit * 10 > 9 * PIXELS, "{lit} of {PIXELS} pixels show something");
+}
