@@ -41,7 +41,7 @@ pub mod trace;
 
 pub use camera::{Camera, View};
 pub use render::{
-    Frame, Mode, RefineState, ReferenceJob, RenderSettings, Renderer, Walkthrough, WalkthroughSettings,
+    Frame, Mode, ReferenceJob, RefineState, RenderSettings, Renderer, Walkthrough, WalkthroughSettings,
 };
 pub use scene::Scene;
 pub use trace::Tracer;

@@ -11,6 +11,7 @@ mod layers;
 mod lights;
 mod lookup;
 mod metrics;
+mod needs;
 mod refine;
 mod reuse;
 mod rooms;

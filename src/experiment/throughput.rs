@@ -11,7 +11,7 @@ use crate::math::Ray;
 use crate::math::hash::Key;
 use crate::math::sampling::{cosine_hemisphere, frame_around};
 use crate::trace::parallel::{NEVER, Stop, tile_order, trace_pixels};
-use crate::trace::{Bvh, RayCounts, SurfacePoint, TraceSettings, Tracer};
+use crate::trace::{Bvh, RayCounts, SurfacePoint, TILE_SIDE, TileHits, TraceSettings, Tracer, primary_tile};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::hint::black_box;
@@ -45,6 +45,8 @@ pub struct Throughput {
     pub triangles: usize,
     pub threads: usize,
     pub primary_mrays_per_sec: f64,
+    /// The same rays in tiles of eight by eight, as the modes that look up trace them.
+    pub primary_tile_mrays_per_sec: f64,
     pub shadow_mrays_per_sec: f64,
     pub diffuse_mrays_per_sec: f64,
     /// Steps 1 and 2 of the paper.
@@ -97,6 +99,7 @@ pub fn measure_throughput(
         ..Throughput::default()
     };
     go_on("primary rays").then(|| result.primary_mrays_per_sec = closest_rate(bvh, &primary))?;
+    go_on("tiles of primary rays").then(|| result.primary_tile_mrays_per_sec = tile_rate(tracer, &view))?;
     go_on("shadow rays").then(|| result.shadow_mrays_per_sec = any_rate(bvh, &shadow))?;
     go_on("diffuse rays").then(|| result.diffuse_mrays_per_sec = closest_rate(bvh, &diffuse))?;
     go_on("shading").then(|| result.shade_us_per_pixel = shade_us(tracer, &points, &settings.trace))?;
@@ -165,6 +168,25 @@ fn closest_rate(bvh: &Bvh, rays: &[Ray]) -> f64 {
 
 fn any_rate(bvh: &Bvh, rays: &[Ray]) -> f64 {
     rate_of(rays, |ray| bvh.any(ray, |_| true))
+}
+
+/// Rays in tiles, cut-out texels tested; those beyond the picture's edge are not counted.
+fn tile_rate(tracer: &Tracer, view: &View) -> f64 {
+    let side = TILE_SIDE as u32;
+    let [columns, rows] = view.size.map(|s| s.div_ceil(side));
+    let secs = median_secs(|| {
+        let hits = |row: u32| {
+            let (mut rays, mut hits) = (primary_tile(view, [0, 0]), TileHits::NONE);
+            (0..columns)
+                .filter(|column| {
+                    tracer.closest_in_tile(view, [column * side, row * side], &mut rays, &mut hits);
+                    hits.hit(0).is_some()
+                })
+                .count()
+        };
+        black_box((0..rows).into_par_iter().map(hits).sum::<usize>());
+    });
+    view.pixel_count() as f64 / secs / 1e6
 }
 
 /// The surface points that primary rays meet, with their pixels.

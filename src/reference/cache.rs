@@ -148,8 +148,7 @@ impl ReferenceCache {
     /// Least contribution first, then the longest unused.
     fn evict(&mut self) {
         // One slot is kept free for the next.
-        while self.entries.len() > 1
-            && (self.bytes() > self.budget_bytes || self.entries.len() >= MOST_SLOTS)
+        while self.entries.len() > 1 && (self.bytes() > self.budget_bytes || self.entries.len() >= MOST_SLOTS)
         {
             let rank = |e: &CachedReference| (e.contribution, e.last_used);
             let candidates = &self.entries[..self.entries.len() - 1];

@@ -7,8 +7,8 @@
 //! only the arriving light is stored, so that textures are never resampled. A reference may be sparse: pixels whose
 //! light older references already know are not lit again.
 
-use super::light::{LightScale, UNLIT};
 use super::DisparityTiles;
+use super::light::{LightScale, UNLIT};
 use crate::camera::{Camera, View};
 use crate::trace::parallel::{Stop, tile_order, trace_pixels};
 use crate::trace::{PixelTrace, RayCounts, SceneEpoch, SurfacePoint, TraceSettings, Tracer};
@@ -86,12 +86,7 @@ impl ReferenceFrame {
     }
 
     /// A reference that knows nothing yet.
-    pub(super) fn empty(
-        tracer: &Tracer,
-        camera: &Camera,
-        view: View,
-        settings: &TraceSettings,
-    ) -> Self {
+    pub(super) fn empty(tracer: &Tracer, camera: &Camera, view: View, settings: &TraceSettings) -> Self {
         let count = view.pixel_count();
         let needs = tracer.scene().needs;
         Self {

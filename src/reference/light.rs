@@ -43,7 +43,8 @@ impl LightScale {
             return 0;
         }
         let mut exponent = 0;
-        while exponent < LARGEST_EXPONENT as u32 && (largest / self.step(exponent)).round() > LARGEST_MANTISSA {
+        while exponent < LARGEST_EXPONENT as u32 && (largest / self.step(exponent)).round() > LARGEST_MANTISSA
+        {
             exponent += 1;
         }
         let mantissa = |x: f32| (x / self.step(exponent)).round().clamp(0.0, LARGEST_MANTISSA) as u32;
@@ -69,7 +70,8 @@ mod tests {
         for brightest in [1e-20f32, 1e-3, 1.0, 37.5, 65_000.0, 3e30] {
             let scale = LightScale::for_largest(brightest);
             for i in 0..2000u32 {
-                let share = |k: u32| (i.wrapping_mul(2_654_435_761).wrapping_add(k * 977) % 1009) as f32 / 1008.0;
+                let share =
+                    |k: u32| (i.wrapping_mul(2_654_435_761).wrapping_add(k * 977) % 1009) as f32 / 1008.0;
                 let fall = 2f32.powi(-((i % 20) as i32));
                 let light = Vec3::new(share(1), share(2), share(3)) * brightest * fall;
                 let error = (scale.unpack(scale.pack(light)) - light).abs().max_element();

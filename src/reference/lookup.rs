@@ -5,11 +5,11 @@
 //! Shading with Reverse Reprojection Caching", Graphics Hardware 2007. We differ: several references are averaged,
 //! the finer ones counting more, and what is gathered is the arriving light alone.
 
+use super::ReferenceFrame;
+use super::cache::CachedReference;
 use super::directory::{Directory, MOST_SLOTS, PackedNormal, SlotMask};
 use super::frame::NEAREST_DEPTH;
 use super::light::{LightScale, UNLIT};
-use super::ReferenceFrame;
-use super::cache::CachedReference;
 use crate::trace::SceneEpoch;
 use glam::{Mat3, Vec3};
 

@@ -78,7 +78,8 @@ impl PlacementPolicy {
             Self::Threshold { percent } => (seen.open_percent > percent).then_some(seen.camera),
             Self::Predictive { percent } if seen.is_sparse => {
                 let ahead = ahead(seen, tracer);
-                (seen.camera != seen.previous && foresee(&ahead) > SPARSE_WORTH_PERCENT.min(percent)).then_some(ahead)
+                (seen.camera != seen.previous && foresee(&ahead) > SPARSE_WORTH_PERCENT.min(percent))
+                    .then_some(ahead)
             }
             Self::Predictive { percent } => {
                 if seen.open_percent <= percent {

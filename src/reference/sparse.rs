@@ -2,13 +2,12 @@
 //!
 //! Each sample is traced once and resampled once, when a frame looks it up: a sparse reference copies no light.
 
-use super::lookup_tile::{TileLight, ViewLookup};
 use super::tile_surfaces::inside_mask;
-use super::{LookupSet, ReferenceFrame, TileSurfaces};
+use super::{LookupSet, ReferenceFrame, TileLight, TileSurfaces, ViewLookup};
 use crate::camera::{Camera, View};
+use crate::math::hash::Key;
 use crate::trace::parallel::{Stop, trace_pixels};
 use crate::trace::{TILE_RAYS, TILE_SIDE, TraceSettings, Tracer};
-use crate::math::hash::Key;
 use glam::Vec3;
 use rayon::prelude::*;
 use std::time::Instant;
@@ -182,7 +181,6 @@ impl SeenTile {
     fn pixel(&self, i: u32) -> [u32; 2] {
         [self.corner[0] + i % 8, self.corner[1] + i / 8]
     }
-
 
     fn store_hits(&self, frame: &mut ReferenceFrame, tracer: &Tracer) {
         let [width, height] = frame.view.size;

@@ -56,7 +56,8 @@ impl TileSurfaces {
         self.points.wanted = 0;
         let inside = inside_mask(view, corner);
         let scene = tracer.scene();
-        let mut facet = Facet { triangle: u32::MAX, material: MaterialId(0), reflects: false, normal: Vec3::Y };
+        let mut facet =
+            Facet { triangle: u32::MAX, material: MaterialId(0), reflects: false, normal: Vec3::Y };
         for ray in 0..TILE_RAYS {
             let triangle = self.hits.triangle[ray];
             self.points.disparity[ray] = 1.0 / self.hits.t[ray];

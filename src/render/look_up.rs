@@ -177,7 +177,8 @@ impl Renderer {
     pub(super) fn lit_reference(&self, tracer: &Tracer, settings: &RenderSettings) -> ReferenceFrame {
         let frame = &self.frame;
         let depths = frame.disparity.iter().map(|d| 1.0 / d);
-        let hits = depths.zip(&frame.triangle).map(|(t, &triangle)| (triangle != u32::MAX).then_some((t, triangle)));
+        let hits =
+            depths.zip(&frame.triangle).map(|(t, &triangle)| (triangle != u32::MAX).then_some((t, triangle)));
         let lights = self.traced.iter().flatten().map(|t| t.light);
         let (camera, size) = (&frame.camera, frame.view.size);
         let trace = shading_of_unseen(settings);

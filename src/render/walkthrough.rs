@@ -32,7 +32,7 @@ impl Default for WalkthroughSettings {
             render: RenderSettings::default(),
             placement: PlacementPolicy::default(),
             most_references: 8,
-            cache_bytes: 2048 << 20,
+            cache_bytes: 1024 << 20,
         }
     }
 }
@@ -205,7 +205,8 @@ impl Walkthrough {
     /// Drops the refinement of another pose or other settings.
     fn keep_refinement(&mut self, camera: &Camera, size: [u32; 2]) {
         let render = &self.settings.render;
-        let is_wanted = |r: &Refinement| render.mode.refines() && r.is_of(&self.tracer, camera, size, &render.trace);
+        let is_wanted =
+            |r: &Refinement| render.mode.refines() && r.is_of(&self.tracer, camera, size, &render.trace);
         self.refinement = self.refinement.take().filter(is_wanted);
     }
 

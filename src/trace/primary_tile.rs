@@ -1,7 +1,7 @@
 //! What a tile of neighbouring pixels sees.
 
-use super::{Hit, Tracer};
 use super::bvh::{RayTile, TILE_RAYS, TILE_SIDE, TileHits};
+use super::{Hit, Tracer};
 use crate::camera::View;
 use crate::scene::MaterialKind;
 use glam::Vec3;

@@ -62,12 +62,7 @@ impl TileHits {
     /// What one of the rays meets.
     pub fn hit(&self, ray: usize) -> Option<Hit> {
         let triangle = self.triangle[ray];
-        (triangle != u32::MAX).then(|| Hit {
-            t: self.t[ray],
-            triangle,
-            b1: self.b1[ray],
-            b2: self.b2[ray],
-        })
+        (triangle != u32::MAX).then(|| Hit { t: self.t[ray], triangle, b1: self.b1[ray], b2: self.b2[ray] })
     }
 }
 

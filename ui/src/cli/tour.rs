@@ -38,7 +38,7 @@ pub(crate) struct TourArgs {
     #[arg(long, value_name = "PERCENT", default_value = "5", value_parser = percent)]
     pub(super) threshold: f64,
     /// Memory for references.
-    #[arg(long, value_name = "MB", default_value_t = 512)]
+    #[arg(long, value_name = "MB", default_value_t = 1024)]
     #[arg(value_parser = clap::value_parser!(u64).range(1..=1 << 20))]
     pub(super) cache_mb: u64,
     /// References a frame uses at most.

@@ -1,0 +1,174 @@
+//! The look-up for the pixels that one view sees, tile by tile: which references serve a tile best, and what they know.
+
+use super::PixelWarp;
+use super::directory::{ALIKE_COSINE, MOST_SLOTS, SlotMask};
+use super::gather::Toward;
+use super::lookup::{LookupReference, LookupSet};
+use super::tile_light::{TileLight, TilePoints};
+use crate::camera::View;
+use crate::math::simd;
+use crate::trace::{TILE_RAYS, TILE_SIDE};
+use arrayvec::ArrayVec;
+use fearless_simd::{Simd, dispatch};
+use glam::Vec3;
+
+/// References gathered from for one group of pixels of a tile, at most.
+const MOST_BEST: usize = 4;
+
+/// Times that a tile chooses references, each time for a pixel that those before do not cover; pixels that none of
+/// them knows then ask every reference.
+const MOST_ROUNDS: usize = 4;
+
+/// The references chosen for a place: the next tile most likely sees it too.
+#[derive(Clone, Debug)]
+pub(super) struct Choice {
+    cell: u32,
+    normal: Vec3,
+    best: ArrayVec<u8, MOST_BEST>,
+}
+
+/// A look-up set made ready for the pixels of one view.
+#[derive(Debug)]
+pub struct ViewLookup<'a> {
+    set: &'a LookupSet<'a>,
+    view: View,
+    most: usize,
+    toward: Vec<Option<Toward<'a>>>,
+}
+
+impl<'a> ViewLookup<'a> {
+    /// Takes the references that may be asked, the view, and how many references a pixel is averaged over at most.
+    pub fn new(set: &'a LookupSet<'a>, view: &View, most: usize) -> Self {
+        let step = view.scene_from_pixel.x_axis.length();
+        let toward = |reference: &'a LookupReference<'a>| Toward {
+            reference,
+            warp: PixelWarp::new(view, &reference.frame.view),
+            eye_offset: view.eye_relative_to(&reference.frame.view),
+            density: (step / reference.step).powi(2),
+        };
+        let toward = set.references.iter().map(|r| r.as_ref().map(toward)).collect();
+        Self { set, view: *view, most: most.clamp(1, MOST_BEST), toward }
+    }
+
+    /// Finds the light of the wanted pixels of a tile.
+    pub fn gather(&self, points: &TilePoints, found: &mut TileLight) {
+        *found = TileLight { choice: found.choice.take(), ..TileLight::NONE };
+        if self.set.usable == 0 || points.wanted == 0 {
+            return;
+        }
+        let mut asked: SlotMask = 0;
+        for round in 0..MOST_ROUNDS {
+            let open = points.wanted & !found.covered;
+            if open == 0 {
+                break;
+            }
+            let pixel = middle_bit(open);
+            let best = match round {
+                0 => self.choice_near(points, pixel, &mut found.choice),
+                _ => self.best_references(points, pixel, asked),
+            };
+            if best.is_empty() {
+                break;
+            }
+            best.iter().for_each(|&slot| asked |= 1 << slot);
+            dispatch!(simd::level(), simd => self.gather_from(simd, &best, points, open, found));
+        }
+        found.divide_by_weight();
+        self.gather_leftovers(points, found);
+    }
+
+    /// The best references for a pixel, or those of the tile before where it saw the same place turned alike.
+    fn choice_near(
+        &self,
+        points: &TilePoints,
+        pixel: usize,
+        choice: &mut Option<Choice>,
+    ) -> ArrayVec<u8, MOST_BEST> {
+        let cell = self.set.directory.cell_of(self.position(points, pixel));
+        let normal = points.normal_at(pixel);
+        if let Some(last) = choice.as_ref()
+            && last.cell == cell
+            && last.normal.dot(normal) > ALIKE_COSINE
+        {
+            return last.best.clone();
+        }
+        let best = self.best_references(points, pixel, 0);
+        *choice = Some(Choice { cell, normal, best: best.clone() });
+        best
+    }
+
+    /// Pixels that the tile's best references do not know ask all of their cell's.
+    fn gather_leftovers(&self, points: &TilePoints, found: &mut TileLight) {
+        let mut open = points.wanted & !found.known;
+        while open != 0 {
+            let pixel = open.trailing_zeros() as usize;
+            open &= open - 1;
+            if let Some(light) = self.set.light_at(
+                self.position(points, pixel),
+                points.normal_at(pixel),
+                points.triangle[pixel],
+            ) {
+                (found.light[0][pixel], found.light[1][pixel], found.light[2][pixel]) = light.into();
+                found.known |= 1 << pixel;
+            }
+        }
+    }
+
+    fn position(&self, points: &TilePoints, pixel: usize) -> Vec3 {
+        let (x, y) = ((pixel % TILE_SIDE) as f32, (pixel / TILE_SIDE) as f32);
+        let [x0, y0] = points.corner.map(|c| c as f32);
+        self.view.eye + self.view.direction_of_point(x0 + x + 0.5, y0 + y + 0.5) / points.disparity[pixel]
+    }
+
+    /// The references that know a pixel's light, finest first. Where none knows it those that see the place.
+    fn best_references(&self, points: &TilePoints, pixel: usize, asked: SlotMask) -> ArrayVec<u8, MOST_BEST> {
+        let directory = self.set.directory;
+        let cell = directory.cell_of(self.position(points, pixel));
+        let mut mask = directory.mask(cell) & self.set.usable & !asked;
+        let mut best = ArrayVec::<(f32, u8), { MOST_BEST + 1 }>::new();
+        while mask != 0 {
+            let slot = mask.trailing_zeros() as u8;
+            mask &= mask - 1;
+            let Some(toward) = &self.toward[slot as usize] else { continue };
+            let rank = toward.rank(points, pixel);
+            if rank > 0.0 {
+                let at = best.iter().position(|b| b.0 < rank).unwrap_or(best.len());
+                best.insert(at, (rank, slot));
+                best.truncate(self.most);
+            }
+        }
+        best.into_iter().map(|(_, slot)| slot).collect()
+    }
+
+    /// Adds the light of some references to the pixels that are open.
+    #[inline(always)]
+    fn gather_from<S: Simd>(
+        &self,
+        simd: S,
+        slots: &[u8],
+        points: &TilePoints,
+        open: u64,
+        found: &mut TileLight,
+    ) {
+        for row in (0..TILE_SIDE).filter(|row| open >> (8 * row) & 0xff != 0) {
+            for &slot in slots {
+                if let Some(toward) = &self.toward[slot as usize] {
+                    toward.gather_row(simd, slot, row, points, open, found);
+                }
+            }
+        }
+        for pixel in (0..TILE_RAYS).filter(|pixel| open >> pixel & 1 == 1) {
+            // Who asks one reference only takes what it finds.
+            let is_enough = found.weight[pixel] > 0.0 && (self.most == 1 || !found.is_extrapolated(pixel));
+            found.covered |= u64::from(is_enough) << pixel;
+        }
+    }
+}
+
+/// The set bit nearest to the middle of the word, about: the upper of the lower half.
+fn middle_bit(bits: u64) -> usize {
+    let low = bits & 0x0000_000f_ffff_ffff;
+    if low != 0 { 63 - low.leading_zeros() as usize } else { bits.trailing_zeros() as usize }
+}
+
+const _: () = assert!(MOST_SLOTS <= 256, "a slot fits a byte");
