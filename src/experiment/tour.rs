@@ -135,7 +135,7 @@ fn record_of(index: u32, walk: &Walkthrough) -> FrameRecord {
         audit_secs: stats.secs.audit,
         audit: stats.audit,
         rays: stats.rays,
-        reference_added: false,
+        reference_added: walk.has_kept_frame(),
         reference_secs: 0.0,
         measurement: None,
     }

@@ -32,7 +32,7 @@ pub struct Directory {
 pub struct PackedNormal([i8; 4]);
 
 /// Cosine of eight degrees: triangles that turn less from one to the next lend each other light.
-const ALIKE_COSINE: f32 = 0.99;
+pub(super) const ALIKE_COSINE: f32 = 0.99;
 
 impl PackedNormal {
     fn of([a, b, c]: [Vec3; 3]) -> Self {

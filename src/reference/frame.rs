@@ -74,24 +74,23 @@ impl ReferenceFrame {
         if !complete {
             return None;
         }
-        let largest = traced.iter().flatten().map(|t| finite_or_zero(t.light)).fold(0.0, f32::max);
-        let mut frame = Self::empty(tracer, camera, view, settings, largest);
+        let mut frame = Self::empty(tracer, camera, view, settings);
         for (&pixel, traced) in order.iter().zip(traced.iter().flatten()) {
-            frame.store(pixel as usize, traced);
+            frame.store_hit(pixel as usize, traced.hit.map(|hit| (hit.t, hit.triangle)), traced.reflections);
         }
+        frame.store_lights(&order, traced.iter().flatten().map(|t| t.light));
         (frame.rays, frame.is_dense) = (rays, true);
         frame.bound_tiles();
         frame.secs = start.elapsed().as_secs_f64();
         Some(frame)
     }
 
-    /// A reference that knows nothing yet, whose brightest light will be `largest`.
+    /// A reference that knows nothing yet.
     pub(super) fn empty(
         tracer: &Tracer,
         camera: &Camera,
         view: View,
         settings: &TraceSettings,
-        largest: f32,
     ) -> Self {
         let count = view.pixel_count();
         let needs = tracer.scene().needs;
@@ -106,20 +105,11 @@ impl ReferenceFrame {
             tiles: DisparityTiles::default(),
             triangle: vec![NO_TRIANGLE; count],
             light: vec![UNLIT; count],
-            light_scale: LightScale::for_largest(largest),
+            light_scale: LightScale::for_largest(1.0),
             reflections: if needs.mirror || needs.glass { vec![0; count] } else { Vec::new() },
             lit: 0,
             is_dense: false,
         }
-    }
-
-    /// A pixel that must not be reused keeps a disparity of NaN, which no comparison in the warp lets through.
-    pub(super) fn store(&mut self, pixel: usize, traced: &PixelTrace) {
-        if !traced.light.is_finite() {
-            return;
-        }
-        self.store_light(pixel, traced.light);
-        self.store_hit(pixel, traced.hit.map(|hit| (hit.t, hit.triangle)), traced.reflections);
     }
 
     /// To be called once all hits are stored.
@@ -127,10 +117,19 @@ impl ReferenceFrame {
         self.tiles = DisparityTiles::new(&self.disparity, self.view.size);
     }
 
-    pub(super) fn store_light(&mut self, pixel: usize, light: Vec3) {
-        if light.is_finite() {
-            self.light[pixel] = self.light_scale.pack(light);
-            self.lit += 1;
+    /// The light of the pixels listed. One whose light is not a number must not be reused: it loses its disparity, and
+    /// no comparison lets a disparity of NaN through.
+    pub(super) fn store_lights(&mut self, pixels: &[u32], lights: impl Iterator<Item = Vec3> + Clone) {
+        let largest = lights.clone().filter(|l| l.is_finite()).map(Vec3::max_element).fold(0.0, f32::max);
+        self.light_scale = LightScale::for_largest(largest);
+        for (&pixel, light) in pixels.iter().zip(lights) {
+            let pixel = pixel as usize;
+            if light.is_finite() {
+                self.light[pixel] = self.light_scale.pack(light);
+                self.lit += 1;
+            } else {
+                self.disparity[pixel] = f32::NAN;
+            }
         }
     }
 
@@ -240,8 +239,4 @@ impl ReferenceFrame {
     pub fn offset_from_eye(&self, pixel: u32) -> Vec3 {
         self.view.direction_of_pixel(pixel) / self.disparity[pixel as usize]
     }
-}
-
-fn finite_or_zero(light: Vec3) -> f32 {
-    if light.is_finite() { light.max_element() } else { 0.0 }
 }

@@ -5,7 +5,7 @@
 //! is decided in disparity, which over a plane is linear in picture coordinates.
 
 use super::PixelWarp;
-use super::directory::{MOST_SLOTS, SlotMask};
+use super::directory::{ALIKE_COSINE, MOST_SLOTS, SlotMask};
 use super::light::UNLIT;
 use super::lookup::{
     DEPTH_ROUNDING, LEAST_WEIGHT, LookupReference, LookupSet, MOST_MAGNIFICATION, PLANE_TOLERANCE,
@@ -17,11 +17,12 @@ use arrayvec::ArrayVec;
 use fearless_simd::{Simd, SimdBase, SimdMask, dispatch, f32x8, prelude::*, u32x8};
 use glam::Vec3;
 
-/// References gathered from for one group of pixels of a tile.
-const BEST: usize = 3;
+/// References gathered from for one group of pixels of a tile, at most.
+const MOST_BEST: usize = 4;
 
-/// Groups of pixels of a tile that choose references of their own; pixels left over ask every reference.
-const MOST_ROUNDS: usize = 3;
+/// Times that a tile chooses references, each time for a pixel that those before do not cover; pixels that none of
+/// them knows then ask every reference.
+const MOST_ROUNDS: usize = 4;
 
 /// Light that less than this share of bilinear weight was found for is extrapolated: the nearest samples lie beyond an
 /// edge, and what shadow falls along the edge is not known.
@@ -70,6 +71,9 @@ pub struct TileLight {
     best_weight: [f32; TILE_RAYS],
     /// Bit per pixel whose light was found.
     pub known: u64,
+    /// Bit per pixel whose light was interpolated, so that no other reference need be asked.
+    covered: u64,
+    choice: Option<Choice>,
 }
 
 impl TilePoints {
@@ -99,7 +103,17 @@ impl TileLight {
         slot: [0; TILE_RAYS],
         best_weight: [0.0; TILE_RAYS],
         known: 0,
+        covered: 0,
+        choice: None,
     };
+
+    fn divide_by_weight(&mut self) {
+        for pixel in (0..TILE_RAYS).filter(|&pixel| self.weight[pixel] > 0.0) {
+            let inverse = 1.0 / self.weight[pixel];
+            self.light.iter_mut().for_each(|channel| channel[pixel] *= inverse);
+            self.known |= 1 << pixel;
+        }
+    }
 
     /// True where a known pixel's light is a guess: extrapolated beyond the samples, or between samples that differ.
     #[inline(always)]
@@ -119,6 +133,14 @@ impl TileLight {
     }
 }
 
+/// The references chosen for a place: the next tile most likely sees it too.
+#[derive(Clone, Debug)]
+struct Choice {
+    cell: u32,
+    normal: Vec3,
+    best: ArrayVec<u8, MOST_BEST>,
+}
+
 /// How a view's pixels meet one reference.
 #[derive(Debug)]
 struct Toward<'a> {
@@ -135,12 +157,13 @@ struct Toward<'a> {
 pub struct ViewLookup<'a> {
     set: &'a LookupSet<'a>,
     view: View,
+    most: usize,
     toward: Vec<Option<Toward<'a>>>,
 }
 
 impl<'a> ViewLookup<'a> {
-    /// Takes the references that may be asked, and the view.
-    pub fn new(set: &'a LookupSet<'a>, view: &View) -> Self {
+    /// Takes the references that may be asked, the view, and how many references a pixel is averaged over at most.
+    pub fn new(set: &'a LookupSet<'a>, view: &View, most: usize) -> Self {
         let step = view.scene_from_pixel.x_axis.length();
         let toward = |reference: &'a LookupReference<'a>| Toward {
             reference,
@@ -149,30 +172,54 @@ impl<'a> ViewLookup<'a> {
             density: (step / reference.step).powi(2),
         };
         let toward = set.references.iter().map(|r| r.as_ref().map(toward)).collect();
-        Self { set, view: *view, toward }
+        Self { set, view: *view, most: most.clamp(1, MOST_BEST), toward }
     }
 
     /// Finds the light of the wanted pixels of a tile.
     pub fn gather(&self, points: &TilePoints, found: &mut TileLight) {
-        *found = TileLight::NONE;
+        *found = TileLight { choice: found.choice.take(), ..TileLight::NONE };
         if self.set.usable == 0 || points.wanted == 0 {
             return;
         }
         let mut asked: SlotMask = 0;
-        for _ in 0..MOST_ROUNDS {
-            let open = points.wanted & !found.known;
+        for round in 0..MOST_ROUNDS {
+            let open = points.wanted & !found.covered;
             if open == 0 {
                 break;
             }
             let pixel = middle_bit(open);
-            let best = self.best_references(points, pixel, asked);
+            let best = match round {
+                0 => self.choice_near(points, pixel, &mut found.choice),
+                _ => self.best_references(points, pixel, asked),
+            };
             if best.is_empty() {
                 break;
             }
             best.iter().for_each(|&slot| asked |= 1 << slot);
             dispatch!(simd::level(), simd => self.gather_from(simd, &best, points, open, found));
         }
+        found.divide_by_weight();
         self.gather_leftovers(points, found);
+    }
+
+    /// The best references for a pixel, or those of the tile before where it saw the same place turned alike.
+    fn choice_near(
+        &self,
+        points: &TilePoints,
+        pixel: usize,
+        choice: &mut Option<Choice>,
+    ) -> ArrayVec<u8, MOST_BEST> {
+        let cell = self.set.directory.cell_of(self.position(points, pixel));
+        let normal = points.normal_at(pixel);
+        if let Some(last) = choice.as_ref()
+            && last.cell == cell
+            && last.normal.dot(normal) > ALIKE_COSINE
+        {
+            return last.best.clone();
+        }
+        let best = self.best_references(points, pixel, 0);
+        *choice = Some(Choice { cell, normal, best: best.clone() });
+        best
     }
 
     /// Pixels that the tile's best references do not know ask all of their cell's.
@@ -195,11 +242,11 @@ impl<'a> ViewLookup<'a> {
     }
 
     /// The references that know a pixel's light, finest first. Where none knows it those that see the place.
-    fn best_references(&self, points: &TilePoints, pixel: usize, asked: SlotMask) -> ArrayVec<u8, BEST> {
+    fn best_references(&self, points: &TilePoints, pixel: usize, asked: SlotMask) -> ArrayVec<u8, MOST_BEST> {
         let directory = self.set.directory;
         let cell = directory.cell_of(self.position(points, pixel));
         let mut mask = directory.mask(cell) & self.set.usable & !asked;
-        let mut best = ArrayVec::<(f32, u8), { BEST + 1 }>::new();
+        let mut best = ArrayVec::<(f32, u8), { MOST_BEST + 1 }>::new();
         while mask != 0 {
             let slot = mask.trailing_zeros() as u8;
             mask &= mask - 1;
@@ -208,7 +255,7 @@ impl<'a> ViewLookup<'a> {
             if rank > 0.0 {
                 let at = best.iter().position(|b| b.0 < rank).unwrap_or(best.len());
                 best.insert(at, (rank, slot));
-                best.truncate(BEST);
+                best.truncate(self.most);
             }
         }
         best.into_iter().map(|(_, slot)| slot).collect()
@@ -232,11 +279,9 @@ impl<'a> ViewLookup<'a> {
             }
         }
         for pixel in (0..TILE_RAYS).filter(|pixel| open >> pixel & 1 == 1) {
-            if found.weight[pixel] > 0.0 {
-                let inverse = 1.0 / found.weight[pixel];
-                found.light.iter_mut().for_each(|channel| channel[pixel] *= inverse);
-                found.known |= 1 << pixel;
-            }
+            // Who asks one reference only takes what it finds.
+            let is_enough = found.weight[pixel] > 0.0 && (self.most == 1 || !found.is_extrapolated(pixel));
+            found.covered |= u64::from(is_enough) << pixel;
         }
     }
 }

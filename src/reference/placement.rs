@@ -73,11 +73,10 @@ impl PlacementPolicy {
     pub fn decide(&self, seen: &Observation, tracer: &Tracer, foresee: Foresight<'_>) -> Option<Camera> {
         match *self {
             Self::None => None,
+            // What a frame had to light itself it keeps; see `keeps`.
+            Self::Threshold { .. } if seen.is_sparse => None,
             Self::Threshold { percent } => (seen.open_percent > percent).then_some(seen.camera),
             Self::Predictive { percent } if seen.is_sparse => {
-                if seen.open_percent > percent {
-                    return Some(seen.camera);
-                }
                 let ahead = ahead(seen, tracer);
                 (seen.camera != seen.previous && foresee(&ahead) > SPARSE_WORTH_PERCENT.min(percent)).then_some(ahead)
             }
@@ -93,6 +92,15 @@ impl PlacementPolicy {
                 }
                 (seen.open_percent > worth).then_some(seen.camera)
             }
+        }
+    }
+
+    /// Whether a frame that lit this percentage of its pixels itself is kept as a sparse reference.
+    pub fn keeps(&self, lit_percent: f64) -> bool {
+        match *self {
+            Self::None => false,
+            Self::Threshold { percent } => lit_percent > percent,
+            Self::Predictive { percent } => lit_percent > percent.min(SPARSE_WORTH_PERCENT),
         }
     }
 

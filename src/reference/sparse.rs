@@ -7,8 +7,9 @@ use super::tile_surfaces::inside_mask;
 use super::{LookupSet, ReferenceFrame, TileSurfaces};
 use crate::camera::{Camera, View};
 use crate::trace::parallel::{Stop, trace_pixels};
-use crate::trace::{PixelTrace, TILE_RAYS, TILE_SIDE, TraceSettings, Tracer};
+use crate::trace::{TILE_RAYS, TILE_SIDE, TraceSettings, Tracer};
 use crate::math::hash::Key;
+use glam::Vec3;
 use rayon::prelude::*;
 use std::time::Instant;
 
@@ -39,29 +40,43 @@ impl ReferenceFrame {
         let view = View::new(camera, &tracer.scene().frame, size);
         let tiles = see_tiles(tracer, &view, known);
         let open = open_pixels(&tiles, &view);
-        let mut traced: Vec<Option<PixelTrace>> = Vec::new();
-        let (rays, complete) = trace_pixels(&open, &mut traced, stop, |pixel, rays| {
-            let key = Key::of_pixel(settings.seed, pixel);
-            rays.primary += 1;
+        let mut frame = Self::empty(tracer, camera, view, settings);
+        tiles.iter().for_each(|tile| tile.store_hits(&mut frame, tracer));
+        let mut lights: Vec<Option<Vec3>> = Vec::new();
+        let (rays, complete) = trace_pixels(&open, &mut lights, stop, |pixel, rays| {
             let ray = Tracer::primary_ray(&view, pixel);
-            tracer.shade_hit(&ray, tracer.closest(&ray), settings, key, rays).0
+            let hit = tracer.hit_on_triangle(&ray, frame.triangle()[pixel as usize]);
+            tracer.shade_hit(&ray, hit, settings, Key::of_pixel(settings.seed, pixel), rays).0.light
         });
         if !complete {
             return None;
         }
-        let largest = traced.iter().flatten().map(|t| t.light.max_element()).filter(|l| l.is_finite());
-        let mut frame = Self::empty(tracer, camera, view, settings, largest.fold(0.0, f32::max));
-        for tile in &tiles {
-            tile.store_hits(&mut frame, tracer);
-        }
-        for (&pixel, traced) in open.iter().zip(traced.iter().flatten()) {
-            frame.store_light(pixel as usize, traced.light);
-        }
-        frame.bound_tiles();
+        frame.store_lights(&open, lights.iter().copied().flatten());
         frame.rays = rays;
-        frame.rays.primary += u64::from(size[0]) * u64::from(size[1]);
+        frame.rays.primary += view.pixel_count() as u64;
         frame.secs = start.elapsed().as_secs_f64();
         Some(frame)
+    }
+
+    /// A reference of what a frame lit itself: the pixels listed, with their light. `hits` tells distance and triangle
+    /// of every pixel.
+    pub fn from_lit_pixels(
+        tracer: &Tracer,
+        camera: &Camera,
+        size: [u32; 2],
+        settings: &TraceSettings,
+        hits: impl Iterator<Item = Option<(f32, u32)>>,
+        pixels: &[u32],
+        lights: impl Iterator<Item = Vec3> + Clone,
+    ) -> Self {
+        let view = View::new(camera, &tracer.scene().frame, size);
+        let mut frame = Self::empty(tracer, camera, view, settings);
+        for (pixel, hit) in hits.enumerate() {
+            let specular = hit.is_some_and(|(_, t)| tracer.scene().material_of(t).is_specular());
+            frame.store_hit(pixel, hit, u32::from(specular));
+        }
+        frame.store_lights(pixels, lights);
+        frame
     }
 }
 
@@ -71,7 +86,7 @@ const JUDGED_STEP: usize = 4;
 /// The share of a view's pixels, in percent, whose light is not known: what a sparse reference there would trace.
 /// Estimated from a sixteenth of the tiles.
 pub fn open_percent(tracer: &Tracer, view: &View, known: &LookupSet<'_>) -> f64 {
-    let lookup = ViewLookup::new(known, view);
+    let lookup = ViewLookup::new(known, view, 1);
     let side = TILE_SIDE as u32;
     let [columns, rows] = view.size.map(|s| s.div_ceil(side));
     let middle = |count: u32| (JUDGED_STEP as u32 / 2).min(count.saturating_sub(1));
@@ -83,7 +98,7 @@ pub fn open_percent(tracer: &Tracer, view: &View, known: &LookupSet<'_>) -> f64 
             let (mut open, mut all) = (0, 0);
             for column in (middle(columns)..columns).step_by(JUDGED_STEP) {
                 let corner = [column * side, row * side];
-                seen.see(tracer, view, corner);
+                seen.see_behind_glass(tracer, view, corner);
                 lookup.gather(&seen.points, &mut light);
                 open += (seen.points.wanted & !light.known).count_ones();
                 all += inside_mask(view, corner).count_ones();
@@ -95,7 +110,7 @@ pub fn open_percent(tracer: &Tracer, view: &View, known: &LookupSet<'_>) -> f64 
 }
 
 fn see_tiles(tracer: &Tracer, view: &View, known: &LookupSet<'_>) -> Vec<SeenTile> {
-    let lookup = ViewLookup::new(known, view);
+    let lookup = ViewLookup::new(known, view, 1);
     let side = TILE_SIDE as u32;
     let [columns, rows] = view.size.map(|s| s.div_ceil(side));
     (0..rows)
@@ -105,7 +120,7 @@ fn see_tiles(tracer: &Tracer, view: &View, known: &LookupSet<'_>) -> Vec<SeenTil
             let lookup = &lookup;
             (0..columns).map(move |column| {
                 let corner = [column * side, row * side];
-                seen.see(tracer, view, corner);
+                seen.see_behind_glass(tracer, view, corner);
                 lookup.gather(&seen.points, &mut light);
                 let bad = (0..TILE_RAYS).filter(|&i| light.smoothed[i] > MOST_SMOOTHED);
                 let bad = bad.fold(0u64, |mask, i| mask | 1 << i);

@@ -41,6 +41,17 @@ impl TileSurfaces {
     /// Finds what the tile whose top left pixel is `corner` sees. Pixels beyond the picture's edge want no light.
     pub fn see(&mut self, tracer: &Tracer, view: &View, corner: [u32; 2]) {
         tracer.closest_in_tile(view, corner, &mut self.rays, &mut self.hits);
+        self.describe(tracer, view, corner);
+    }
+
+    /// The same as if clear glass were not there: what a sparse reference keeps, so that things in a glass case are known
+    /// to those who look through it.
+    pub fn see_behind_glass(&mut self, tracer: &Tracer, view: &View, corner: [u32; 2]) {
+        tracer.closest_behind_glass_in_tile(view, corner, &mut self.rays, &mut self.hits);
+        self.describe(tracer, view, corner);
+    }
+
+    fn describe(&mut self, tracer: &Tracer, view: &View, corner: [u32; 2]) {
         self.points.corner = corner;
         self.points.wanted = 0;
         let inside = inside_mask(view, corner);

@@ -2,8 +2,8 @@
 
 pub mod aov;
 pub mod audit;
-mod exact;
 pub mod frame;
+mod look_up;
 pub mod refine;
 pub mod renderer;
 pub mod walkthrough;
@@ -26,9 +26,9 @@ pub enum Mode {
     /// The paper to the letter, for comparison; never improved.
     #[default]
     Paper,
-    /// The surface at every pixel from the references' own pixels, guarded, its light looked up.
+    /// The primary ray's surface at every pixel, its light looked up in the one best reference and never doubted.
     Fast,
-    /// The primary ray's surface at every pixel, its light looked up in the references.
+    /// The primary ray's surface at every pixel, its light averaged over references, and checked where it is a guess.
     Exact,
 }
 

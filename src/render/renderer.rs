@@ -1,7 +1,7 @@
 //! One frame: warp, classify, finish each list.
 
 use super::frame::{Frame, NO_SUPPLIER};
-use super::exact::Band;
+use super::look_up::Band;
 use super::{Mode, RenderSettings};
 use crate::camera::{Camera, View};
 use crate::math::hash::Key;
@@ -124,7 +124,7 @@ impl Renderer {
         self.finish(start)
     }
 
-    /// Renders a view in mode `exact`, with the light of whatever references are at hand.
+    /// Renders a view in mode `fast` or `exact`, with the light of whatever references are at hand.
     pub fn render_by_lookup(
         &mut self,
         tracer: &Tracer,
@@ -135,7 +135,7 @@ impl Renderer {
         stop: Stop<'_>,
     ) -> &Frame {
         let start = self.begin(tracer, camera, size);
-        self.render_exact(tracer, settings, lookup, stop);
+        self.render_looked_up(tracer, settings, lookup, stop);
         self.finish(start)
     }
 

@@ -53,6 +53,7 @@ pub struct Walkthrough {
     wanted: Option<Camera>,
     used: Vec<ReferenceId>,
     references_made: u32,
+    has_kept: bool,
     /// What the last frame was made with.
     rendered: RenderSettings,
     /// While frames are checked.
@@ -74,6 +75,7 @@ impl Walkthrough {
             wanted: None,
             used: Vec::new(),
             references_made: 0,
+            has_kept: false,
             rendered: settings.render,
             auditor: None,
             refinement: None,
@@ -150,6 +152,7 @@ impl Walkthrough {
             self.renderer.render(&self.tracer, camera, size, settings, &references, stop);
         }
         let start = Instant::now();
+        self.keep_what_was_lit();
         self.used = match self.settings.render.mode.looks_up() {
             true => self.cache.ids_by_slot(),
             false => selected.iter().map(|r| r.id).collect(),
@@ -184,6 +187,23 @@ impl Walkthrough {
             stats.secs.audit = secs;
             stats.secs.frame += secs;
         }
+    }
+
+    /// A looked-up frame that had to light much itself becomes a reference, at the price of a copy.
+    fn keep_what_was_lit(&mut self) {
+        let stats = &self.renderer.frame().stats;
+        let lit = stats.types.percentages().unseen_percent;
+        let settings = &self.settings.render;
+        self.has_kept = settings.mode.looks_up() && stats.is_complete && self.settings.placement.keeps(lit);
+        if self.has_kept {
+            let reference = self.renderer.lit_reference(&self.tracer, settings);
+            self.cache.insert(Arc::new(reference));
+        }
+    }
+
+    /// True where the last frame became a reference.
+    pub fn has_kept_frame(&self) -> bool {
+        self.has_kept
     }
 
     /// Goes on refining the last frame's picture, until it has converged or `stop` says so: for a camera at rest.

@@ -62,13 +62,22 @@ impl Texture {
 
 /// The fraction of a coordinate, 0 for one that is not finite: a broken file must not reach an index.
 fn wrap(t: f32) -> f32 {
-    if t.is_finite() { t - t.floor() } else { 0.0 }
+    // Beyond 2^23 a number has no fraction; below, conversion is exact and much faster than a call to `floor`.
+    const WHOLE_FROM: f32 = 8_388_608.0;
+    if t.abs() < WHOLE_FROM { t - floor(t) } else { 0.0 }
+}
+
+/// The largest whole number not above `t`, for numbers that fit an i32.
+fn floor(t: f32) -> f32 {
+    let toward_zero = t as i32 as f32;
+    if toward_zero > t { toward_zero - 1.0 } else { toward_zero }
 }
 
 /// The two texels beside a coordinate and the weight of the second.
 fn neighbours(t: f32, count: u32) -> (u32, u32, f32) {
     let at = wrap(t) * count as f32 - 0.5;
-    let low = at.floor();
-    let first = (low as i64).rem_euclid(i64::from(count)) as u32;
-    (first, (first + 1) % count, at - low)
+    let low = floor(at);
+    let first = if low < 0.0 { count - 1 } else { (low as u32).min(count - 1) };
+    let second = if first + 1 == count { 0 } else { first + 1 };
+    (first, second, at - low)
 }

@@ -1,18 +1,38 @@
 //! What a tile of neighbouring pixels sees.
 
-use super::Tracer;
+use super::{Hit, Tracer};
 use super::bvh::{RayTile, TILE_RAYS, TILE_SIDE, TileHits};
 use crate::camera::View;
+use crate::scene::MaterialKind;
 use glam::Vec3;
 
 impl Tracer {
     /// The nearest surface through each pixel centre of the tile whose top left pixel is (x0, y0): what
     /// [`Self::closest`] finds, several times as fast. Rays beyond the picture's edge are traced as well.
-    pub fn closest_in_tile(&self, view: &View, [x0, y0]: [u32; 2], tile: &mut RayTile, hits: &mut TileHits) {
-        *tile = primary_tile(view, [x0, y0]);
-        let accepts_all = !self.scene().needs.alpha;
-        let accept = |_: usize, hit: &_| self.is_covered(hit);
-        self.bvh().closest_in_tile(tile, accepts_all, accept, hits);
+    pub fn closest_in_tile(&self, view: &View, corner: [u32; 2], tile: &mut RayTile, hits: &mut TileHits) {
+        *tile = primary_tile(view, corner);
+        self.bvh().closest_in_tile(tile, !self.scene().needs.alpha, |_, hit| self.is_covered(hit), hits);
+    }
+
+    /// The same, as if surfaces of glass that scatter nothing were not there.
+    pub fn closest_behind_glass_in_tile(
+        &self,
+        view: &View,
+        corner: [u32; 2],
+        tile: &mut RayTile,
+        hits: &mut TileHits,
+    ) {
+        if !self.scene().needs.glass {
+            return self.closest_in_tile(view, corner, tile, hits);
+        }
+        *tile = primary_tile(view, corner);
+        let is_there = |_: usize, hit: &Hit| !self.is_clear_glass(hit.triangle) && self.is_covered(hit);
+        self.bvh().closest_in_tile(tile, false, is_there, hits);
+    }
+
+    fn is_clear_glass(&self, triangle: u32) -> bool {
+        let material = self.scene().material_of(triangle);
+        matches!(material.kind, MaterialKind::Glass { .. }) && material.diffuse == Vec3::ZERO
     }
 }
 

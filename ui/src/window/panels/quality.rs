@@ -89,8 +89,8 @@ fn choice<T: PartialEq + Copy>(
 }
 
 fn mode_row(ui: &mut Ui, q: &mut Quality, d: &Quality) {
-    let help = "exact: every pixel shows the surface its ray meets, its light looked up in the references.\n\
-                fast: surfaces come from the references too, where their pixels agree.\n\
+    let help = "exact: light looked up in several references, checked where it is a guess.\n\
+                fast: light looked up in the one best reference.\n\
                 paper: reference images are reused as in the paper, errors included.\n\
                 full: every pixel is traced, for comparison.";
     row(ui, "Mode", help, &mut q.walk.render.mode, d.walk.render.mode, |ui, v| {

@@ -1,0 +1,341 @@
+//! Modes `fast` and `exact`: every pixel shows the surface its primary ray meets, in light looked up in the references.
+//!
+//! The hits are found for tiles of pixels together, which costs a fifth of a ray each, so nothing has to be guessed about
+//! visibility; what the references save is the shading. Where the look-up itself is a guess, `exact` traces a few rays
+//! to see whether it is a bad one; `fast` takes it as it is.
+
+use super::frame::NO_SUPPLIER;
+use super::renderer::Renderer;
+use super::{Mode, RenderSettings};
+use crate::camera::View;
+use crate::math::hash::Key;
+use crate::reference::{LookupSet, ReferenceFrame, TileLight, TileSurfaces, ViewLookup};
+use crate::reproject::PixelType;
+use crate::trace::parallel::{Stop, trace_pixels};
+use crate::trace::{Hit, PixelTrace, RayCounts, SurfacePoint, TILE_RAYS, TILE_SIDE, TraceSettings, Tracer};
+use glam::Vec3;
+use rayon::prelude::*;
+use std::time::Instant;
+
+/// A guess is checked with so many times fewer rays than a pixel is shaded with.
+const PROBE_SHARE: u32 = 8;
+
+/// If it turns out bad, so many times fewer are added. Together 10 of 16: their noise on the few pixels that this
+/// happens to weighs less than what averaging takes from the others.
+const REPAIR_SHARE: u32 = 2;
+
+/// A guess is bad where the probe is off by more than this share of the brighter of the two.
+const BAD_GUESS: f32 = 0.15;
+
+/// References that a pixel is averaged over at most: noise falls with their number, time grows.
+const REFERENCES_EXACT: usize = 2;
+const REFERENCES_FAST: usize = 1;
+
+/// `fast` shades what no reference knows with so many times fewer rays; the next reference has it right.
+const UNSEEN_SHARE_FAST: u32 = 4;
+
+/// What eight rows of pixels leave to do.
+#[derive(Debug, Default)]
+pub(super) struct Band {
+    secondary: Vec<u32>,
+    unseen: Vec<u32>,
+    uncertain: Vec<u32>,
+}
+
+/// The rows of a frame that one band writes.
+struct BandRows<'a> {
+    radiance: &'a mut [Vec3],
+    disparity: &'a mut [f32],
+    triangle: &'a mut [u32],
+    types: &'a mut [PixelType],
+    supplier: &'a mut [u8],
+}
+
+/// What a pixel left open is finished with.
+#[derive(Clone, Copy)]
+struct Finish<'a> {
+    tracer: &'a Tracer,
+    view: &'a View,
+    lookup: &'a LookupSet<'a>,
+    settings: &'a TraceSettings,
+}
+
+impl Renderer {
+    pub(super) fn render_looked_up(
+        &mut self,
+        tracer: &Tracer,
+        settings: &RenderSettings,
+        lookup: &LookupSet<'_>,
+        stop: Stop<'_>,
+    ) {
+        let start = Instant::now();
+        self.frame.stats.references_used = lookup.len();
+        self.resolve(tracer, lookup, settings.mode);
+        self.frame.stats.secs.warp = start.elapsed().as_secs_f64();
+        self.look_up_secondary(tracer, settings, lookup, stop);
+        self.shade_open(tracer, settings, lookup, stop);
+    }
+
+    /// Hits and look-ups of all pixels; lists what is left.
+    fn resolve(&mut self, tracer: &Tracer, lookup: &LookupSet<'_>, mode: Mode) {
+        let view = self.frame.view;
+        let most = if mode == Mode::Fast { REFERENCES_FAST } else { REFERENCES_EXACT };
+        let lookup = ViewLookup::new(lookup, &view, most);
+        let [width, height] = view.size.map(|s| s as usize);
+        let band = (width * TILE_SIDE).max(1);
+        self.bands.resize_with(height.div_ceil(TILE_SIDE), Band::default);
+        let frame = &mut self.frame;
+        (
+            frame.radiance.par_chunks_mut(band),
+            frame.disparity.par_chunks_mut(band),
+            frame.triangle.par_chunks_mut(band),
+            frame.types.par_chunks_mut(band),
+            frame.supplier.par_chunks_mut(band),
+            self.bands.par_iter_mut(),
+        )
+            .into_par_iter()
+            .enumerate()
+            .for_each(|(row, (radiance, disparity, triangle, types, supplier, band))| {
+                let rows = BandRows { radiance, disparity, triangle, types, supplier };
+                band.resolve(tracer, &view, &lookup, mode, row as u32 * TILE_SIDE as u32, rows);
+            });
+        self.gather_lists();
+        self.frame.stats.rays.primary += view.pixel_count() as u64;
+    }
+
+    fn gather_lists(&mut self) {
+        self.secondary.clear();
+        self.unseen.clear();
+        self.uncertain.clear();
+        for band in &self.bands {
+            self.secondary.extend_from_slice(&band.secondary);
+            self.unseen.extend_from_slice(&band.unseen);
+            self.uncertain.extend_from_slice(&band.uncertain);
+        }
+    }
+
+    /// Type 2: one ray a bounce; what it meets is looked up, and shaded only where no reference saw it.
+    fn look_up_secondary(
+        &mut self,
+        tracer: &Tracer,
+        settings: &RenderSettings,
+        lookup: &LookupSet<'_>,
+        stop: Stop<'_>,
+    ) {
+        let start = Instant::now();
+        let frame = &self.frame;
+        let finish = Finish { tracer, view: &frame.view, lookup, settings: &settings.trace };
+        let (rays, complete) = trace_pixels(&self.secondary, &mut self.specular, stop, |pixel, rays| {
+            let direction = frame.view.direction_of_pixel(pixel);
+            match finish.point(pixel, frame.triangle[pixel as usize]) {
+                Some(point) => finish.specular(&point, direction, pixel, rays),
+                None => Vec3::ZERO,
+            }
+        });
+        for (&pixel, specular) in self.secondary.iter().zip(&self.specular) {
+            self.frame.radiance[pixel as usize] += specular.unwrap_or(Vec3::ZERO);
+        }
+        self.frame.stats.rays += rays;
+        self.frame.stats.is_complete &= complete;
+        self.frame.stats.secs.secondary = start.elapsed().as_secs_f64();
+    }
+
+    /// Guesses are checked, pixels that no reference knows are shaded. The latter come last: their light is what
+    /// [`Self::lit_reference`] keeps.
+    fn shade_open(
+        &mut self,
+        tracer: &Tracer,
+        settings: &RenderSettings,
+        lookup: &LookupSet<'_>,
+        stop: Stop<'_>,
+    ) {
+        let start = Instant::now();
+        let trace = shading_of_unseen(settings);
+        for (list, is_guess) in [(&self.uncertain, true), (&self.unseen, false)] {
+            let frame = &self.frame;
+            let finish = Finish { tracer, view: &frame.view, lookup, settings: &trace };
+            let (rays, complete) = trace_pixels(list, &mut self.traced, stop, |pixel, rays| {
+                let at = pixel as usize;
+                match is_guess {
+                    true => finish.check(pixel, frame.triangle[at], frame.radiance[at], rays),
+                    false => finish.shade(pixel, frame.triangle[at], rays),
+                }
+            });
+            for (&pixel, traced) in list.iter().zip(&self.traced) {
+                if let Some(traced) = traced {
+                    self.frame.radiance[pixel as usize] = traced.radiance;
+                }
+            }
+            self.frame.stats.rays += rays;
+            self.frame.stats.is_complete &= complete;
+        }
+        self.frame.stats.secs.trace = start.elapsed().as_secs_f64();
+    }
+
+    /// What the last looked-up frame lit itself, as a reference, so that no frame after it has to. Only of a frame that is
+    /// complete.
+    pub(super) fn lit_reference(&self, tracer: &Tracer, settings: &RenderSettings) -> ReferenceFrame {
+        let frame = &self.frame;
+        let depths = frame.disparity.iter().map(|d| 1.0 / d);
+        let hits = depths.zip(&frame.triangle).map(|(t, &triangle)| (triangle != u32::MAX).then_some((t, triangle)));
+        let lights = self.traced.iter().flatten().map(|t| t.light);
+        let (camera, size) = (&frame.camera, frame.view.size);
+        let trace = shading_of_unseen(settings);
+        ReferenceFrame::from_lit_pixels(tracer, camera, size, &trace, hits, &self.unseen, lights)
+    }
+}
+
+fn shading_of_unseen(settings: &RenderSettings) -> TraceSettings {
+    let fewer = if settings.mode == Mode::Fast { UNSEEN_SHARE_FAST } else { 1 };
+    TraceSettings { samples: (settings.trace.samples / fewer).max(1), ..settings.trace }
+}
+
+impl Finish<'_> {
+    /// Where a pixel's ray meets the triangle it is known to see.
+    fn hit(&self, pixel: u32, triangle: u32) -> Option<Hit> {
+        self.tracer.hit_on_triangle(&Tracer::primary_ray(self.view, pixel), triangle)
+    }
+
+    fn point(&self, pixel: u32, triangle: u32) -> Option<SurfacePoint> {
+        let hit = self.hit(pixel, triangle)?;
+        Some(self.tracer.surface(&Tracer::primary_ray(self.view, pixel), &hit))
+    }
+
+    /// Shades a pixel in full, but for the light that its mirrors and glass show.
+    fn shade(&self, pixel: u32, triangle: u32, rays: &mut RayCounts) -> PixelTrace {
+        let key = Key::of_pixel(self.settings.seed, pixel);
+        let mut traced = self.shade_with(pixel, triangle, self.settings.samples, key, rays);
+        traced.radiance += self.specular_of(pixel, triangle, rays);
+        traced
+    }
+
+    /// Checks the guess of a pixel's diffuse radiance with a few rays; with more it is replaced where it is bad.
+    fn check(&self, pixel: u32, triangle: u32, guess: Vec3, rays: &mut RayCounts) -> PixelTrace {
+        let key = Key::of_pixel(self.settings.seed, pixel);
+        let [few, more] = [PROBE_SHARE, REPAIR_SHARE].map(|share| (self.settings.samples / share).max(1));
+        let mut traced = self.shade_with(pixel, triangle, few, key, rays);
+        let brighter = traced.radiance.max(guess).max_element();
+        if (traced.radiance - guess).abs().max_element() > BAD_GUESS * brighter {
+            let repair = self.shade_with(pixel, triangle, more, key.with(REPAIR), rays).radiance;
+            traced.radiance = traced.radiance.lerp(repair, more as f32 / (few + more) as f32);
+        } else {
+            traced.radiance = guess;
+        }
+        traced.radiance += self.specular_of(pixel, triangle, rays);
+        traced
+    }
+
+    fn shade_with(
+        &self,
+        pixel: u32,
+        triangle: u32,
+        samples: u32,
+        key: Key,
+        rays: &mut RayCounts,
+    ) -> PixelTrace {
+        let settings = TraceSettings { samples, ..*self.settings };
+        let ray = Tracer::primary_ray(self.view, pixel);
+        self.tracer.shade_hit(&ray, self.hit(pixel, triangle), &settings, key, rays).0
+    }
+
+    fn specular_of(&self, pixel: u32, triangle: u32, rays: &mut RayCounts) -> Vec3 {
+        if !self.tracer.scene().material_of(triangle).is_specular() {
+            return Vec3::ZERO;
+        }
+        let direction = self.view.direction_of_pixel(pixel);
+        self.point(pixel, triangle).map_or(Vec3::ZERO, |point| self.specular(&point, direction, pixel, rays))
+    }
+
+    /// The specular radiance of a point, with the light of all that it mirrors or lets through looked up.
+    fn specular(&self, point: &SurfacePoint, direction: Vec3, pixel: u32, rays: &mut RayCounts) -> Vec3 {
+        let (tracer, scene) = (self.tracer, self.tracer.scene());
+        let key = Key::of_pixel(self.settings.seed, pixel);
+        tracer.specular_radiance_by(point, direction, rays, |next, share, number, rays| {
+            let albedo = next.albedo(scene);
+            if albedo != Vec3::ZERO
+                && let Some(light) = self.lookup.light_at(next.position, next.geometric_normal, next.triangle)
+            {
+                return scene.materials[next.material.0 as usize].emission + albedo * light;
+            }
+            tracer.diffuse_radiance(next, share, self.settings, Tracer::specular_key(key, number), rays)
+        })
+    }
+}
+
+/// Dimension of the random numbers of a repair.
+const REPAIR: u32 = 3 << 24;
+
+impl Band {
+    fn resolve(
+        &mut self,
+        tracer: &Tracer,
+        view: &View,
+        lookup: &ViewLookup<'_>,
+        mode: Mode,
+        y0: u32,
+        mut rows: BandRows<'_>,
+    ) {
+        self.secondary.clear();
+        self.unseen.clear();
+        self.uncertain.clear();
+        let (mut seen, mut light) = (TileSurfaces::new(view), TileLight::NONE);
+        for x0 in (0..view.size[0]).step_by(TILE_SIDE) {
+            seen.see(tracer, view, [x0, y0]);
+            lookup.gather(&seen.points, &mut light);
+            for ray in 0..TILE_RAYS {
+                let (x, y) = (x0 + (ray % TILE_SIDE) as u32, (ray / TILE_SIDE) as u32);
+                if x < view.size[0] && y0 + y < view.size[1] {
+                    let at = (y * view.size[0] + x) as usize;
+                    let kind = write_pixel(tracer, &seen, &light, ray, at, mode, &mut rows);
+                    self.list(kind, y0 * view.size[0] + at as u32);
+                }
+            }
+        }
+    }
+
+    fn list(&mut self, kind: PixelType, pixel: u32) {
+        match kind {
+            PixelType::Secondary => self.secondary.push(pixel),
+            PixelType::Unseen => self.unseen.push(pixel),
+            PixelType::Uncertain => self.uncertain.push(pixel),
+            _ => {}
+        }
+    }
+}
+
+/// Writes what is known of a pixel and returns what is left to do about it.
+#[inline(always)]
+fn write_pixel(
+    tracer: &Tracer,
+    seen: &TileSurfaces,
+    light: &TileLight,
+    ray: usize,
+    at: usize,
+    mode: Mode,
+    rows: &mut BandRows<'_>,
+) -> PixelType {
+    let triangle = seen.hits.triangle[ray];
+    (rows.triangle[at], rows.disparity[at], rows.supplier[at]) =
+        (triangle, seen.points.disparity[ray], NO_SUPPLIER);
+    let kind = if triangle == u32::MAX {
+        rows.radiance[at] = tracer.sky(seen.direction(ray));
+        PixelType::Reused
+    } else {
+        let material = &tracer.scene().materials[seen.material[ray].0 as usize];
+        rows.radiance[at] = material.emission;
+        let (is_wanted, is_known) = (seen.points.wanted >> ray & 1 == 1, light.known >> ray & 1 == 1);
+        if is_known {
+            let hit = Hit { t: 0.0, triangle, b1: seen.hits.b1[ray], b2: seen.hits.b2[ray] };
+            rows.radiance[at] += tracer.albedo(&hit) * light.at(ray);
+            rows.supplier[at] = light.slot[ray];
+        }
+        match () {
+            () if is_wanted && !is_known => PixelType::Unseen,
+            () if is_known && mode == Mode::Exact && light.is_guess(ray) => PixelType::Uncertain,
+            () if material.is_specular() => PixelType::Secondary,
+            () => PixelType::Reused,
+        }
+    };
+    rows.types[at] = kind;
+    kind
+}
