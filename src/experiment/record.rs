@@ -5,6 +5,7 @@
 use super::measure::Measurement;
 use super::statistics::{median, percentile};
 use crate::camera::Camera;
+use crate::render::AuditEstimate;
 use crate::reproject::classify::TypePercentages;
 use crate::trace::RayCounts;
 use serde::Serialize;
@@ -56,7 +57,11 @@ pub struct FrameRecord {
     pub secondary_secs: f64,
     /// Type 3.
     pub trace_secs: f64,
-    /// Rays by purpose.
+    /// Checking pixels.
+    pub audit_secs: f64,
+    /// What checks say of this frame and those before it, where frames are checked.
+    pub audit: Option<AuditEstimate>,
+    /// Rays by purpose; those of checks left out.
     pub rays: RayCounts,
     /// A reference was traced after this frame.
     pub reference_added: bool,

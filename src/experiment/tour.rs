@@ -132,6 +132,8 @@ fn record_of(index: u32, walk: &Walkthrough) -> FrameRecord {
         warp_secs: stats.secs.warp,
         secondary_secs: stats.secs.secondary,
         trace_secs: stats.secs.trace,
+        audit_secs: stats.secs.audit,
+        audit: stats.audit,
         rays: stats.rays,
         reference_added: walk.has_kept_frame(),
         reference_secs: 0.0,

@@ -145,6 +145,14 @@ impl ReferenceCache {
         true
     }
 
+    /// Makes a reference forget the light of a square of its pixels, because it is wrong; the next frames trace what was
+    /// seen there, and the next references light it anew. False where it held none there. A frame or a reference in the
+    /// making that uses it goes on with what it was.
+    pub fn forget_light(&mut self, id: ReferenceId, corner: [u32; 2], side: u32) -> bool {
+        let entry = self.entries.iter_mut().find(|e| e.id == id);
+        entry.is_some_and(|entry| Arc::make_mut(&mut entry.frame).forget_light(corner, side) > 0)
+    }
+
     /// Least contribution first, then the longest unused.
     fn evict(&mut self) {
         // One slot is kept free for the next.

@@ -70,8 +70,16 @@ impl Directory {
     /// The cell of a point in scene space; points outside belong to the nearest cell.
     #[inline(always)]
     pub(super) fn cell_of(&self, position: Vec3) -> u32 {
-        let at = ((position - self.low) * self.cells_per_unit).max(Vec3::ZERO).as_uvec3();
-        let at = at.min(self.dimensions - 1);
+        self.index(self.coordinates(position))
+    }
+
+    #[inline(always)]
+    fn coordinates(&self, position: Vec3) -> UVec3 {
+        ((position - self.low) * self.cells_per_unit).max(Vec3::ZERO).as_uvec3().min(self.dimensions - 1)
+    }
+
+    #[inline(always)]
+    fn index(&self, at: UVec3) -> u32 {
         (at.z * self.dimensions.y + at.y) * self.dimensions.x + at.x
     }
 
@@ -84,19 +92,33 @@ impl Directory {
     /// Enters a reference's lit pixels under a slot.
     pub(super) fn add(&mut self, frame: &ReferenceFrame, slot: usize) {
         let width = frame.view.size[0].max(1);
+        let step = frame.view.scene_from_pixel.x_axis.length();
         let cells: Vec<Vec<u32>> = (0..frame.view.size[1])
             .into_par_iter()
             .map(|y| {
-                let mut cells: Vec<u32> = (y * width..(y + 1) * width)
-                    .filter(|&pixel| frame.has_light(pixel) && frame.disparity()[pixel as usize] > 0.0)
-                    .map(|pixel| self.cell_of(frame.view.eye + frame.offset_from_eye(pixel)))
-                    .collect();
+                let mut cells = Vec::new();
+                let lit = (y * width..(y + 1) * width).filter(|&pixel| frame.has_light(pixel));
+                for pixel in lit.filter(|&pixel| frame.disparity()[pixel as usize] > 0.0) {
+                    let position = frame.view.eye + frame.offset_from_eye(pixel);
+                    let reach = Vec3::splat(step / frame.disparity()[pixel as usize]);
+                    self.cells_between(position - reach, position + reach, &mut cells);
+                }
                 cells.dedup();
                 cells
             })
             .collect();
         for cell in cells.into_iter().flatten() {
             self.masks[cell as usize] |= 1 << slot;
+        }
+    }
+
+    /// Appends the cells that a box touches: as far as a sample may be looked up from, the distance to the next one.
+    fn cells_between(&self, low: Vec3, high: Vec3, cells: &mut Vec<u32>) {
+        let (low, high) = (self.coordinates(low), self.coordinates(high));
+        for z in low.z..=high.z {
+            for y in low.y..=high.y {
+                cells.extend((low.x..=high.x).map(|x| self.index(UVec3::new(x, y, z))));
+            }
         }
     }
 

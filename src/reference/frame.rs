@@ -23,7 +23,7 @@ pub const NO_TRIANGLE: u32 = u32::MAX;
 pub const NEAREST_DEPTH: f32 = 1.0 / 1024.0;
 
 /// A traced picture that lends its pixels to other views. Structure of arrays, row-major.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct ReferenceFrame {
     /// Where it was taken.
     pub camera: Camera,
@@ -126,6 +126,21 @@ impl ReferenceFrame {
                 self.disparity[pixel] = f32::NAN;
             }
         }
+    }
+
+    /// Forgets the light of a square of pixels; returns how many had some.
+    pub(super) fn forget_light(&mut self, [x0, y0]: [u32; 2], side: u32) -> usize {
+        let [width, height] = self.view.size;
+        let mut forgotten = 0;
+        for y in y0..(y0 + side).min(height) {
+            for x in x0..(x0 + side).min(width) {
+                let word = &mut self.light[(y * width + x) as usize];
+                forgotten += usize::from(std::mem::replace(word, UNLIT) != UNLIT);
+            }
+        }
+        self.lit = self.lit.saturating_sub(forgotten);
+        self.is_dense &= forgotten == 0;
+        forgotten
     }
 
     /// What a pixel sees, by distance and triangle, without its light.

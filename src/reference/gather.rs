@@ -194,10 +194,10 @@ impl<S: Simd> Gathered<S> {
     #[inline(always)]
     fn take(&mut self, k: usize, agrees: mask32x8<S>, light: [f32x8<S>; 3], weight: f32x8<S>, simd: S) {
         let zero = f32x8::splat(simd, 0.0);
-        for c in 0..3 {
-            self.sum[c] = self.sum[c] + agrees.select(light[c], zero) * weight;
+        for (sum, light) in self.sum.iter_mut().zip(light) {
+            *sum += agrees.select(light, zero) * weight;
         }
-        self.total = self.total + weight;
+        self.total += weight;
         let brightest = light[0].max(light[1]).max(light[2]);
         self.least = agrees.select(self.least.min(brightest), self.least);
         self.most = agrees.select(self.most.max(brightest), self.most);

@@ -1,5 +1,6 @@
 //! A finished frame: what the window shows, files keep and experiments record.
 
+use super::audit::statistics::AuditEstimate;
 use super::refine::RefineState;
 use crate::camera::{Camera, View};
 use crate::reproject::{PixelMap, TypeCounts};
@@ -42,6 +43,8 @@ pub struct StageSecs {
     pub secondary: f64,
     /// Type 3, or every pixel of the full tracer.
     pub trace: f64,
+    /// Checking a few pixels, where that is asked for.
+    pub audit: f64,
     /// From start to end.
     pub frame: f64,
 }
@@ -63,6 +66,8 @@ pub struct FrameStats {
     pub is_complete: bool,
     /// How far the picture was refined at rest; times and types are those of the frame before it.
     pub refined: RefineState,
+    /// What checks say of this frame and those before it; `None` where nothing is checked.
+    pub audit: Option<AuditEstimate>,
 }
 
 impl Frame {

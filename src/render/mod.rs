@@ -1,12 +1,14 @@
 //! The stages in order, timed: from a pose and the references at hand to a finished frame.
 
 pub mod aov;
+pub mod audit;
 pub mod frame;
 mod look_up;
 pub mod refine;
 pub mod renderer;
 pub mod walkthrough;
 
+pub use audit::statistics::AuditEstimate;
 pub use frame::{Frame, FrameStats, StageSecs};
 pub use refine::{RefineState, render_antialiased};
 pub use renderer::Renderer;

@@ -2,6 +2,7 @@
 //!
 //! The window and the headless tour run the same walk; they differ only in when a wished reference is traced.
 
+use super::audit::{Audited, Auditor};
 use super::refine::{PASSES, RefineState, Refinement};
 use super::{Frame, Mode, RenderSettings, Renderer};
 use crate::camera::{Camera, View};
@@ -24,6 +25,9 @@ pub struct WalkthroughSettings {
     pub most_references: usize,
     /// Memory for references, bytes.
     pub cache_bytes: usize,
+    /// Whether a few pixels of every looked-up frame are traced in full as well, to know how good it is and to find
+    /// references that are wrong. How many depends on the clock.
+    pub audits: bool,
 }
 
 impl Default for WalkthroughSettings {
@@ -33,6 +37,7 @@ impl Default for WalkthroughSettings {
             placement: PlacementPolicy::default(),
             most_references: 8,
             cache_bytes: 1024 << 20,
+            audits: false,
         }
     }
 }
@@ -51,6 +56,8 @@ pub struct Walkthrough {
     has_kept: bool,
     /// What the last frame was made with.
     rendered: RenderSettings,
+    /// While frames are checked.
+    auditor: Option<Auditor>,
     /// Of the last frame's pose, from the first [`Self::refine`] on.
     refinement: Option<Refinement>,
 }
@@ -70,6 +77,7 @@ impl Walkthrough {
             references_made: 0,
             has_kept: false,
             rendered: settings.render,
+            auditor: None,
             refinement: None,
         }
     }
@@ -84,7 +92,7 @@ impl Walkthrough {
         self.tracer = tracer;
         self.cache = ReferenceCache::new(self.tracer.scene(), self.settings.cache_bytes);
         (self.previous, self.wanted) = (None, None);
-        self.refinement = None;
+        (self.refinement, self.auditor) = (None, None);
     }
 
     /// The references.
@@ -154,11 +162,31 @@ impl Walkthrough {
         self.cache.note_contributions(&shares);
         self.wanted = self.decide(camera, size);
         self.renderer.add_select_secs(select_secs + start.elapsed().as_secs_f64());
+        self.audit();
         (self.previous, self.rendered) = (Some(*camera), self.settings.render);
         if let Some(refinement) = &self.refinement {
             refinement.write_to(self.renderer.frame_mut());
         }
         self.renderer.frame()
+    }
+
+    /// Checks a few pixels of the last frame, where that is asked for.
+    fn audit(&mut self) {
+        let settings = &self.settings;
+        if !settings.audits || !settings.render.mode.looks_up() {
+            self.auditor = None;
+            return;
+        }
+        let auditor = self.auditor.get_or_insert_default();
+        let frame = self.renderer.frame();
+        if frame.stats.is_complete {
+            let (tracer, trace) = (&*self.tracer, &settings.render.trace);
+            let (secs, estimate) = auditor.audit(&Audited { tracer, frame, trace }, &mut self.cache);
+            let stats = &mut self.renderer.frame_mut().stats;
+            stats.audit = Some(estimate);
+            stats.secs.audit = secs;
+            stats.secs.frame += secs;
+        }
     }
 
     /// A looked-up frame that had to light much itself becomes a reference, at the price of a copy.

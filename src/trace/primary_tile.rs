@@ -41,10 +41,10 @@ pub fn primary_tile(view: &View, [x0, y0]: [u32; 2]) -> RayTile {
     let (x0, y0, side) = (x0 as f32, y0 as f32, TILE_SIDE as f32);
     let corner = |dx: f32, dy: f32| view.direction_of_point(x0 + dx * side, y0 + dy * side);
     let mut directions = [[0.0; TILE_RAYS]; 3];
-    for ray in 0..TILE_RAYS {
+    let [dx, dy, dz] = &mut directions;
+    for (ray, ((dx, dy), dz)) in dx.iter_mut().zip(dy).zip(dz).enumerate() {
         let (x, y) = ((ray % TILE_SIDE) as f32, (ray / TILE_SIDE) as f32);
-        let d = view.direction_of_point(x0 + x + 0.5, y0 + y + 0.5);
-        (directions[0][ray], directions[1][ray], directions[2][ray]) = (d.x, d.y, d.z);
+        (*dx, *dy, *dz) = view.direction_of_point(x0 + x + 0.5, y0 + y + 0.5).into();
     }
     RayTile {
         origin: view.eye,

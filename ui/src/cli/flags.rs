@@ -13,7 +13,8 @@ pub(crate) struct Flags {
     /// Picture size in pixels; 1280x720.
     #[arg(long = "size", global = true, value_name = "WxH", value_parser = size)]
     pub(crate) given_size: Option<[u32; 2]>,
-    /// How frames are made: `full` traces every pixel, `paper` reuses references.
+    /// How frames are made: `full` traces every pixel, `paper` reuses references as the paper does, `fast` and `exact`
+    /// look light up in them.
     #[arg(long, global = true, value_name = "full|paper|fast|exact", default_value = "paper", value_parser = mode)]
     pub(crate) mode: Mode,
     /// Shadow rays per light and pixel; 16, in the window 4.

@@ -48,6 +48,9 @@ pub(crate) struct TourArgs {
     /// Writes every frame, and its types, to images/.
     #[arg(long)]
     pub(super) pictures: bool,
+    /// Checks a few pixels of every looked-up frame by tracing them; they take up to a twentieth of its time.
+    #[arg(long)]
+    pub(super) audit: bool,
     /// Measures errors and the full tracer's time on some frames.
     #[arg(long)]
     pub(super) measure: bool,
@@ -129,6 +132,7 @@ fn settings(args: &TourArgs, flags: &Flags, walk: &CameraPath) -> TourSettings {
         placement,
         most_references: args.most_references.into(),
         cache_bytes: usize::try_from(args.cache_mb << 20).unwrap_or(usize::MAX),
+        audits: args.audit,
     };
     TourSettings { walkthrough, size: flags.size(), frames, measure }
 }

@@ -60,6 +60,7 @@ impl Default for WindowRequest {
         let settings = WalkthroughSettings {
             render: RenderSettings { trace, ..RenderSettings::default() },
             placement: PlacementPolicy::default(),
+            audits: true,
             ..WalkthroughSettings::default()
         };
         Self {

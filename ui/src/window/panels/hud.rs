@@ -2,6 +2,7 @@
 
 use super::super::state::{State, Work};
 use super::swatch;
+use afterimage::render::AuditEstimate;
 use egui::{Color32, RichText, Ui};
 
 /// Light enough to read on the darkest and the brightest picture, over the panel's own dark ground.
@@ -59,6 +60,9 @@ fn frame_rows(ui: &mut Ui, state: &State) {
     line(ui, "select + warp", format!("{} ms", ms(secs.select + secs.warp)));
     line(ui, "secondary", format!("{} ms", ms(secs.secondary)));
     line(ui, "trace", format!("{} ms", ms(secs.trace)));
+    if let Some(audit) = &frame.stats.audit {
+        line(ui, "audit", audit_text(audit));
+    }
     let rays = &frame.stats.rays;
     let count = rays.primary + rays.shadow + rays.secondary + rays.indirect;
     line(ui, "rays", format!("{:.1} M/s", count as f64 / secs.frame.max(1e-9) / 1e6));
@@ -67,6 +71,15 @@ fn frame_rows(ui: &mut Ui, state: &State) {
     let [bytes, limit] = frame.cache_bytes.map(|b| b as f64 / f64::from(1 << 20));
     line(ui, "cache", format!("{bytes:.0} of {limit:.0} MB"));
     line(ui, "picture", format!("{} x {}", frame.size[0], frame.size[1]));
+}
+
+/// `43.1 dB +-0.8 (95 %)`: the picture against a converged one, as its checks have it.
+fn audit_text(audit: &AuditEstimate) -> String {
+    match (audit.psnr_db, audit.plus_minus_db(), audit.psnr_low_db) {
+        (Some(db), Some(bound), _) => format!("{db:.1} dB \u{b1}{bound:.1} (95 %)"),
+        (_, _, Some(low)) => format!("over {low:.0} dB (95 %)"),
+        _ => "checking".to_owned(),
+    }
 }
 
 fn type_rows(ui: &mut Ui, state: &State) {

@@ -89,10 +89,13 @@ fn choice<T: PartialEq + Copy>(
 }
 
 fn mode_row(ui: &mut Ui, q: &mut Quality, d: &Quality) {
-    let help =
-        "paper: reference images are reused, as in the paper. full: every pixel is traced, for comparison.";
+    let help = "exact: light looked up in several references, checked where it is a guess.\n\
+                fast: light looked up in the one best reference.\n\
+                paper: reference images are reused as in the paper, errors included.\n\
+                full: every pixel is traced, for comparison.";
     row(ui, "Mode", help, &mut q.walk.render.mode, d.walk.render.mode, |ui, v| {
-        choice(ui, "mode", v, &[(Mode::Paper, "paper"), (Mode::Full, "full")])
+        let modes = [Mode::Exact, Mode::Fast, Mode::Paper, Mode::Full];
+        choice(ui, "mode", v, &modes.map(|mode| (mode, mode.name())))
     });
 }
 
