@@ -100,7 +100,9 @@ impl Directory {
                 let lit = (y * width..(y + 1) * width).filter(|&pixel| frame.has_light(pixel));
                 for pixel in lit.filter(|&pixel| frame.disparity()[pixel as usize] > 0.0) {
                     let position = frame.view.eye + frame.offset_from_eye(pixel);
-                    let reach = Vec3::splat(step / frame.disparity()[pixel as usize]);
+                    // One cell at most: the cost must stay bounded, however coarse the sample.
+                    let reach = (step / frame.disparity()[pixel as usize]).min(1.0 / self.cells_per_unit);
+                    let reach = Vec3::splat(reach);
                     self.cells_between(position - reach, position + reach, &mut cells);
                 }
                 cells.dedup();
