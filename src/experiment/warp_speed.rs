@@ -20,9 +20,9 @@ pub struct WarpSpeed {
     pub warp_ns_per_reference_pixel_one_core: f64,
     /// On one core, with nothing of it left in the caches: as in a frame, where tracing lies between two warps.
     pub warp_from_memory_ns_per_reference_pixel_one_core: f64,
-    /// That over the time of [`stream`] on one core.
+    /// That over the time of a stream on one core.
     pub warp_over_memory_floor: f64,
-    /// The speed of [`stream`] on all threads, bytes read and written together.
+    /// The speed of a stream on all threads, bytes read and written together.
     pub memory_gb_per_sec: f64,
     /// The same on one core.
     pub memory_gb_per_sec_one_core: f64,

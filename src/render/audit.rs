@@ -4,7 +4,7 @@
 //! Each is traced twice with random numbers of its own, so that the noise of the check does not count as an error of the
 //! picture (see [`statistics`]). Where a pixel looks wrong it is traced with
 //! many samples, and the references whose light there is off are looked at; a part of a reference that is at fault
-//! forgets its light ([`blame`]). Times decide how many pixels are checked, so an audited walk may differ from
+//! forgets its light (`blame`). Times decide how many pixels are checked, so an audited walk may differ from
 //! run to run where a reference is at fault; elsewhere a picture does not depend on being checked.
 
 mod blame;

@@ -2,7 +2,7 @@
 //!
 //! Source: the paper, section 3, steps 1 and 2. We differ: ties go to the lower sample, so that the result does not
 //! depend on the order of threads. The picture is cut into bands of rows and each thread takes one at a time, alone
-//! ([`super::band`]); a tile of a reference is looked at for those bands only that it can reach ([`super::reach`]).
+//! (`band`); a tile of a reference is looked at for those bands only that it can reach (`reach`).
 
 use super::band::Band;
 use super::reach::Source;
