@@ -10,6 +10,7 @@ use crate::trace::Tracer;
 use crate::trace::parallel::Stop;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
 
 /// What a tour is made with.
 #[derive(Clone, Debug, PartialEq)]
@@ -150,15 +151,18 @@ fn add_reference(
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Option<ReferenceRecord> {
     let camera = walk.wanted_reference()?;
+    // Entering it into the cache counts as well.
+    let start = Instant::now();
     let reference = walk.reference_job(camera, settings.size).trace(stop)?;
-    let record = ReferenceRecord {
+    let mut record = ReferenceRecord {
         reference: number,
         after_frame: frame,
         pose: Pose::from(&camera),
-        secs: reference.secs,
+        secs: 0.0,
         rays: reference.rays,
         bytes: reference.bytes(),
     };
     walk.insert(reference)?;
+    record.secs = start.elapsed().as_secs_f64();
     Some(record)
 }

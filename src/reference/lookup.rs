@@ -1,4 +1,4 @@
-//! The light arriving at a surface point, from every reference that saw the point.
+//! The light arriving at a surface point, from references that saw the point.
 //!
 //! The reverse of the warp: the point is projected into a reference, and of the four samples around it those that lie
 //! on the point's own surface are gathered with bilinear weights. Source: Nehab et al., "Accelerating Real-Time
@@ -162,7 +162,7 @@ impl<'a> LookupSet<'a> {
     }
 
     /// The light arriving at a point in scene space with a unit normal on the side that is asked for, as the radiance of
-    /// a white surface: the mean over all references that see it, weighted by the square of their sample density.
+    /// a white surface: the mean over the first three references that see it, weighted by the square of their sample density.
     /// `None` where no reference does.
     pub fn light_at(&self, position: Vec3, normal: Vec3, triangle: u32) -> Option<Vec3> {
         let mut mask = self.directory.mask(self.directory.cell_of(position)) & self.usable;

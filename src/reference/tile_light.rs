@@ -42,7 +42,7 @@ pub struct TileLight {
     pub jump: [f32; TILE_RAYS],
     /// By how much they differ times how much of it interpolation smooths away: the least of the references asked.
     pub smoothed: [f32; TILE_RAYS],
-    /// The slot that served best.
+    /// The slot that served best; 255 where none of those the tile chose knows the pixel.
     pub slot: [u8; TILE_RAYS],
     pub(super) best_weight: [f32; TILE_RAYS],
     /// Bit per pixel whose light was found.
@@ -76,7 +76,7 @@ impl TileLight {
         coverage: [0.0; TILE_RAYS],
         jump: [0.0; TILE_RAYS],
         smoothed: [f32::INFINITY; TILE_RAYS],
-        slot: [0; TILE_RAYS],
+        slot: [u8::MAX; TILE_RAYS],
         best_weight: [0.0; TILE_RAYS],
         known: 0,
         covered: 0,

@@ -8,6 +8,7 @@ use super::frame::NO_SUPPLIER;
 use super::renderer::Renderer;
 use super::{Mode, RenderSettings};
 use crate::camera::View;
+use crate::math::Ray;
 use crate::math::hash::Key;
 use crate::reference::{LookupSet, ReferenceFrame, TileLight, TileSurfaces, ViewLookup};
 use crate::reproject::PixelType;
@@ -69,6 +70,7 @@ impl Renderer {
         stop: Stop<'_>,
     ) {
         let start = Instant::now();
+        self.knows_hits = true;
         self.frame.stats.references_used = lookup.len();
         self.resolve(tracer, lookup, settings.mode);
         self.frame.stats.secs.warp = start.elapsed().as_secs_f64();
@@ -112,6 +114,9 @@ impl Renderer {
             self.unseen.extend_from_slice(&band.unseen);
             self.uncertain.extend_from_slice(&band.uncertain);
         }
+        if self.spreads_work {
+            self.spread_unseen();
+        }
     }
 
     /// Type 2: one ray a bounce; what it meets is looked up, and shaded only where no reference saw it.
@@ -126,11 +131,7 @@ impl Renderer {
         let frame = &self.frame;
         let finish = Finish { tracer, view: &frame.view, lookup, settings: &settings.trace };
         let (rays, complete) = trace_pixels(&self.secondary, &mut self.specular, stop, |pixel, rays| {
-            let direction = frame.view.direction_of_pixel(pixel);
-            match finish.point(pixel, frame.triangle[pixel as usize]) {
-                Some(point) => finish.specular(&point, direction, pixel, rays),
-                None => Vec3::ZERO,
-            }
+            finish.specular_of(pixel, frame.triangle[pixel as usize], rays)
         });
         for (&pixel, specular) in self.secondary.iter().zip(&self.specular) {
             self.frame.radiance[pixel as usize] += specular.unwrap_or(Vec3::ZERO);
@@ -192,59 +193,49 @@ fn shading_of_unseen(settings: &RenderSettings) -> TraceSettings {
 }
 
 impl Finish<'_> {
-    /// Where a pixel's ray meets the triangle it is known to see.
-    fn hit(&self, pixel: u32, triangle: u32) -> Option<Hit> {
-        self.tracer.hit_on_triangle(&Tracer::primary_ray(self.view, pixel), triangle)
+    /// The ray of a pixel, and where it meets the triangle it is known to see.
+    fn hit(&self, pixel: u32, triangle: u32) -> (Ray, Option<Hit>) {
+        let ray = Tracer::primary_ray(self.view, pixel);
+        (ray, self.tracer.hit_on_triangle(&ray, triangle))
     }
 
-    fn point(&self, pixel: u32, triangle: u32) -> Option<SurfacePoint> {
-        let hit = self.hit(pixel, triangle)?;
-        Some(self.tracer.surface(&Tracer::primary_ray(self.view, pixel), &hit))
+    /// The light that a pixel's mirror or glass shows.
+    fn specular_of(&self, pixel: u32, triangle: u32, rays: &mut RayCounts) -> Vec3 {
+        let (ray, hit) = self.hit(pixel, triangle);
+        let point = hit.map(|hit| self.tracer.surface(&ray, &hit));
+        point.map_or(Vec3::ZERO, |point| self.specular(&point, ray.direction, pixel, rays))
     }
 
-    /// Shades a pixel in full, but for the light that its mirrors and glass show.
+    /// Shades a pixel; what its mirror or glass shows is looked up.
     fn shade(&self, pixel: u32, triangle: u32, rays: &mut RayCounts) -> PixelTrace {
+        let (ray, hit) = self.hit(pixel, triangle);
         let key = Key::of_pixel(self.settings.seed, pixel);
-        let mut traced = self.shade_with(pixel, triangle, self.settings.samples, key, rays);
-        traced.radiance += self.specular_of(pixel, triangle, rays);
+        let (mut traced, point) = self.tracer.shade_hit(&ray, hit, self.settings, key, rays);
+        if let Some(point) = point.filter(|point| self.tracer.is_specular(point)) {
+            traced.radiance += self.specular(&point, ray.direction, pixel, rays);
+        }
         traced
     }
 
     /// Checks the guess of a pixel's diffuse radiance with a few rays; with more it is replaced where it is bad.
     fn check(&self, pixel: u32, triangle: u32, guess: Vec3, rays: &mut RayCounts) -> PixelTrace {
+        let (ray, hit) = self.hit(pixel, triangle);
         let key = Key::of_pixel(self.settings.seed, pixel);
-        let [few, more] = [PROBE_SHARE, REPAIR_SHARE].map(|share| (self.settings.samples / share).max(1));
-        let mut traced = self.shade_with(pixel, triangle, few, key, rays);
+        let [few, more] = [PROBE_SHARE, REPAIR_SHARE]
+            .map(|share| TraceSettings { samples: (self.settings.samples / share).max(1), ..*self.settings });
+        let (mut traced, point) = self.tracer.shade_hit(&ray, hit, &few, key, rays);
         let brighter = traced.radiance.max(guess).max_element();
         if (traced.radiance - guess).abs().max_element() > BAD_GUESS * brighter {
-            let repair = self.shade_with(pixel, triangle, more, key.with(REPAIR), rays).radiance;
-            traced.radiance = traced.radiance.lerp(repair, more as f32 / (few + more) as f32);
+            let (repair, _) = self.tracer.shade_hit(&ray, hit, &more, key.with(REPAIR), rays);
+            let share = more.samples as f32 / (few.samples + more.samples) as f32;
+            traced.radiance = traced.radiance.lerp(repair.radiance, share);
         } else {
             traced.radiance = guess;
         }
-        traced.radiance += self.specular_of(pixel, triangle, rays);
-        traced
-    }
-
-    fn shade_with(
-        &self,
-        pixel: u32,
-        triangle: u32,
-        samples: u32,
-        key: Key,
-        rays: &mut RayCounts,
-    ) -> PixelTrace {
-        let settings = TraceSettings { samples, ..*self.settings };
-        let ray = Tracer::primary_ray(self.view, pixel);
-        self.tracer.shade_hit(&ray, self.hit(pixel, triangle), &settings, key, rays).0
-    }
-
-    fn specular_of(&self, pixel: u32, triangle: u32, rays: &mut RayCounts) -> Vec3 {
-        if !self.tracer.scene().material_of(triangle).is_specular() {
-            return Vec3::ZERO;
+        if let Some(point) = point.filter(|point| self.tracer.is_specular(point)) {
+            traced.radiance += self.specular(&point, ray.direction, pixel, rays);
         }
-        let direction = self.view.direction_of_pixel(pixel);
-        self.point(pixel, triangle).map_or(Vec3::ZERO, |point| self.specular(&point, direction, pixel, rays))
+        traced
     }
 
     /// The specular radiance of a point, with the light of all that it mirrors or lets through looked up.
@@ -330,11 +321,14 @@ fn write_pixel(
             rows.radiance[at] += tracer.albedo(&hit) * light.at(ray);
             rows.supplier[at] = light.slot[ray];
         }
-        match () {
-            () if is_wanted && !is_known => PixelType::Unseen,
-            () if is_known && mode == Mode::Exact && light.is_guess(ray) => PixelType::Uncertain,
-            () if material.is_specular() => PixelType::Secondary,
-            () => PixelType::Reused,
+        if is_wanted && !is_known {
+            PixelType::Unseen
+        } else if is_known && mode == Mode::Exact && light.is_guess(ray) {
+            PixelType::Uncertain
+        } else if material.is_specular() {
+            PixelType::Secondary
+        } else {
+            PixelType::Reused
         }
     };
     rows.types[at] = kind;

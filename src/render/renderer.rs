@@ -29,7 +29,9 @@ pub struct Renderer {
     pub(super) secondary: Vec<u32>,
     pub(super) unseen: Vec<u32>,
     pub(super) uncertain: Vec<u32>,
-    spreads_work: bool,
+    pub(super) spreads_work: bool,
+    /// True where the hits of pixels that are not shaded are right all the same.
+    pub(super) knows_hits: bool,
     passes: [Vec<u32>; 16],
     pub(super) traced: Vec<Option<PixelTrace>>,
     pub(super) specular: Vec<Option<Vec3>>,
@@ -50,6 +52,7 @@ impl Default for Renderer {
             unseen: Vec::new(),
             uncertain: Vec::new(),
             spreads_work: false,
+            knows_hits: false,
             passes: Default::default(),
             traced: Vec::new(),
             specular: Vec::new(),
@@ -66,7 +69,7 @@ impl Renderer {
     pub const BYTES_PER_PIXEL: usize = size_of::<Option<PixelTrace>>() // traced
         + size_of::<Option<Vec3>>() // specular
         + size_of::<u64>() // warped
-        + 3 * size_of::<u32>() // order, secondary, unseen
+        + 7 * size_of::<u32>() // order; secondary, unseen, uncertain, of the frame and of its bands
         + size_of::<Vec3>() + size_of::<f32>() + size_of::<u32>() + 2; // the frame
 
     /// The last frame.
@@ -136,6 +139,9 @@ impl Renderer {
     ) -> &Frame {
         let start = self.begin(tracer, camera, size);
         self.render_looked_up(tracer, settings, lookup, stop);
+        if !self.frame.stats.is_complete {
+            self.fill_undone();
+        }
         self.finish(start)
     }
 
@@ -143,6 +149,7 @@ impl Renderer {
         let start = Instant::now();
         self.frame.reset(camera, &View::new(camera, &tracer.scene().frame, size));
         self.frame.stats.is_complete = true;
+        self.knows_hits = false;
         if self.order_size != size {
             self.order = tile_order(size);
             self.order_size = size;
@@ -178,19 +185,27 @@ impl Renderer {
     /// The pixels of Types 2 and 3, tile by tile. Where unfinished frames are shown, those of Type 3 come in sixteen
     /// passes instead, each spread over the whole picture, so that a frame stopped before its end is known evenly.
     fn list_work(&mut self) {
-        let width = self.frame.view.size[0];
-        self.passes.iter_mut().for_each(Vec::clear);
         for &pixel in &self.order {
             match self.frame.types[pixel as usize] {
                 PixelType::Secondary => self.secondary.push(pixel),
-                PixelType::Unseen if !self.spreads_work => self.unseen.push(pixel),
-                PixelType::Unseen => {
-                    let (x, y) = (pixel % width % 4, pixel / width % 4);
-                    self.passes[DISPERSED[(4 * y + x) as usize]].push(pixel);
-                }
+                PixelType::Unseen => self.unseen.push(pixel),
                 _ => {}
             }
         }
+        if self.spreads_work {
+            self.spread_unseen();
+        }
+    }
+
+    /// Brings the pixels of Type 3 into sixteen passes, each spread over the whole picture.
+    pub(super) fn spread_unseen(&mut self) {
+        let width = self.frame.view.size[0];
+        self.passes.iter_mut().for_each(Vec::clear);
+        for &pixel in &self.unseen {
+            let (x, y) = (pixel % width % 4, pixel / width % 4);
+            self.passes[DISPERSED[(4 * y + x) as usize]].push(pixel);
+        }
+        self.unseen.clear();
         self.passes.iter().for_each(|pass| self.unseen.extend_from_slice(pass));
     }
 
@@ -204,7 +219,8 @@ impl Renderer {
         for (&pixel, traced) in self.unseen.iter().zip(&self.traced) {
             let pixel = pixel as usize;
             self.is_known[pixel] = traced.is_some();
-            if traced.is_none() {
+            // Modes that look up know what is seen there all the same.
+            if traced.is_none() && !self.knows_hits {
                 (self.frame.disparity[pixel], self.frame.triangle[pixel]) = (0.0, NO_TRIANGLE);
             }
         }

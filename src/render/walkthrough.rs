@@ -144,9 +144,9 @@ impl Walkthrough {
         };
         let select_secs = start.elapsed().as_secs_f64();
         let references: Vec<&ReferenceFrame> = selected.iter().map(|r| &*r.frame).collect();
-        let lookup = self.cache.lookup(self.tracer.epoch());
         let settings = &self.settings.render;
         if settings.mode.looks_up() {
+            let lookup = self.cache.lookup(self.tracer.epoch());
             self.renderer.render_by_lookup(&self.tracer, camera, size, settings, &lookup, stop);
         } else {
             self.renderer.render(&self.tracer, camera, size, settings, &references, stop);
