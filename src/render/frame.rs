@@ -37,7 +37,7 @@ pub struct Frame {
 pub struct StageSecs {
     /// Choosing references, and judging afterwards what they gave and whether another is wanted.
     pub select: f64,
-    /// Warp and classification, with the copying of Type 1.
+    /// Warp and classification, with the copying of Type 1; in modes that look up, primary hits and look-ups.
     pub warp: f64,
     /// Type 2.
     pub secondary: f64,

@@ -25,7 +25,7 @@ const PROBE_SHARE: u32 = 8;
 /// happens to weighs less than what averaging takes from the others.
 const REPAIR_SHARE: u32 = 2;
 
-/// A guess is bad where the probe is off by more than this share of the brighter of the two.
+/// A guess is bad where the probe is off by more than this share of the brighter of the two. Not varied yet.
 const BAD_GUESS: f32 = 0.15;
 
 /// References that a pixel is averaged over at most: noise falls with their number, time grows.
