@@ -11,6 +11,7 @@ pub mod parallel;
 pub mod pixel;
 pub mod primary;
 mod primary_tile;
+mod probe;
 pub mod specular;
 mod surface;
 
@@ -19,4 +20,5 @@ pub use light_grid::{LightCuts, LightGrid};
 pub use pixel::{PixelTrace, RayCounts, TraceSettings};
 pub use primary::{SceneEpoch, Tracer};
 pub use primary_tile::primary_tile;
+pub use probe::Probe;
 pub use surface::SurfacePoint;

@@ -6,7 +6,9 @@ use super::keymap::Keyboard;
 use super::load::{Loader, SceneSource};
 use super::panels;
 use super::render_thread::{Message, Order, RenderThread, Wake, Wish};
+use super::playback::Playback;
 use super::state::{SceneInfo, Severity, State, Work};
+use super::walking::Obstacles;
 use super::{screenshot, viewport};
 use afterimage::{Camera, Tracer};
 use crossbeam_channel::{Receiver, Sender, unbounded};
@@ -43,8 +45,13 @@ pub struct App {
     graphics: Option<RenderState>,
     trouble: Arc<Mutex<Vec<String>>>,
     sent: Option<Wish>,
-    viewport_size: [u32; 2],
+    pub(super) viewport_size: [u32; 2],
     moved: Instant,
+    pub(super) obstacles: Option<Obstacles>,
+    /// Where the pointer is over the viewport: right and up from its centre, -1..1.
+    pub(super) cursor: Option<[f64; 2]>,
+    /// The pointer is held in the window.
+    pub(super) has_grab: bool,
 }
 
 impl App {
@@ -85,6 +92,9 @@ impl App {
             sent: None,
             viewport_size: [0, 0],
             moved: Instant::now(),
+            obstacles: None,
+            cursor: None,
+            has_grab: false,
             request,
         };
         let scene = app.request.scene.clone().unwrap_or_else(SceneSource::default_builtin);
@@ -182,6 +192,11 @@ impl App {
         let is_model = matches!(scene.source, SceneSource::File { .. });
         self.state.scene = Some(scene);
         self.state.history.clear();
+        self.obstacles = Some(Obstacles::new(tracer.clone()));
+        if !is_reload {
+            self.state.playback = Playback::of_scene(tracer.scene().walk.clone());
+            (self.state.recording, self.state.renaming) = (None, None);
+        }
         let generation = self.threads.order(Order::SetTracer(tracer));
         if !is_reload {
             let given = self.request.settings.render.trace.bounces;
@@ -272,7 +287,7 @@ impl App {
 
     fn viewport(&mut self, ui: &mut egui::Ui) -> egui::Response {
         let rect = ui.available_rect_before_wrap();
-        let response = ui.allocate_rect(rect, egui::Sense::drag());
+        let response = ui.allocate_rect(rect, egui::Sense::click_and_drag());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "3D viewport"));
         let points_to_pixels = ui.ctx().pixels_per_point();
         self.viewport_size =

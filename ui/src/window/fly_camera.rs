@@ -1,5 +1,6 @@
-//! Flying: how keys, drags and the wheel move the camera. World metres, no roll.
+//! Flying and walking: how keys, drags and the wheel move the camera. World metres, no roll.
 
+use super::walking::{Obstacles, Walker};
 use afterimage::Camera;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -29,8 +30,11 @@ const FOV_DEGREES: std::ops::RangeInclusive<f64> = 10.0..=130.0;
 /// take three strokes.
 const TURN_PER_HEIGHT: f64 = 2.5;
 
-/// How long a change of view is eased, in seconds.
-const EASE_SECS: f64 = 0.4;
+/// How long a change of view is eased, in seconds: the first for a small one, the second for a large one.
+const EASE_SECS: [f64; 2] = [0.2, 0.7];
+
+/// A change of view over so many metres, or half a turn, is a large one.
+const LARGE_CHANGE_M: f64 = 6.0;
 
 /// A frame of the window that took longer moves no further than this, in seconds: after a hitch nobody wants to find
 /// himself behind the next wall.
@@ -49,11 +53,32 @@ pub struct Motion {
     pub factor: f64,
 }
 
+/// How one moves.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Gait {
+    /// Through everything, in all directions.
+    #[default]
+    Fly,
+    /// On the floor, past obstacles.
+    Walk,
+}
+
+/// How a view changes to another one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ViewChange {
+    /// Over a moment, so that a person keeps the bearings.
+    #[default]
+    Eased,
+    /// For people whom motion makes ill.
+    AtOnce,
+}
+
 #[derive(Clone, Copy, Debug)]
 struct Ease {
     from: Camera,
     to: Camera,
     elapsed_secs: f64,
+    secs: f64,
 }
 
 /// A camera that is flown.
@@ -62,12 +87,39 @@ pub struct FlyCamera {
     camera: Camera,
     speed_m_per_s: f64,
     ease: Option<Ease>,
+    view_change: ViewChange,
+    gait: Gait,
+    walker: Walker,
+    is_settling: bool,
 }
 
 impl FlyCamera {
-    /// Starts at a pose, with the default speed.
+    /// Starts at a pose, flying at the default speed.
     pub fn new(camera: Camera) -> Self {
-        Self { camera, speed_m_per_s: DEFAULT_SPEED, ease: None }
+        Self {
+            camera,
+            speed_m_per_s: DEFAULT_SPEED,
+            ease: None,
+            view_change: ViewChange::default(),
+            gait: Gait::default(),
+            walker: Walker::default(),
+            is_settling: false,
+        }
+    }
+
+    /// How it moves.
+    pub fn gait(&self) -> Gait {
+        self.gait
+    }
+
+    /// Changes how it moves. A walker falls to the floor.
+    pub fn set_gait(&mut self, gait: Gait) {
+        (self.gait, self.walker) = (gait, Walker::default());
+    }
+
+    /// How views change from now on.
+    pub fn set_view_change(&mut self, view_change: ViewChange) {
+        self.view_change = view_change;
     }
 
     /// Where it is.
@@ -98,27 +150,53 @@ impl FlyCamera {
 
     /// Is there after a short, smooth flight, so that a person keeps the bearings.
     pub fn ease_to(&mut self, camera: Camera) {
-        self.ease = Some(Ease { from: self.camera, to: camera, elapsed_secs: 0.0 });
-    }
-
-    /// True while a change of view is under way.
-    pub fn is_easing(&self) -> bool {
-        self.ease.is_some()
-    }
-
-    /// Lets time pass. A person's own motion ends an eased one.
-    pub fn advance(&mut self, motion: &Motion, secs: f64) {
-        let m = self.camera.world_from_camera();
-        let way = m.x_axis * motion.right + DVec3::Y * motion.up - m.z_axis * motion.forward;
-        if let Some(direction) = way.try_normalize() {
-            self.ease = None;
-            let secs = secs.clamp(0.0, LONGEST_STEP_SECS);
-            self.camera.eye += direction * (self.speed_m_per_s * motion.factor * secs);
+        if self.view_change == ViewChange::AtOnce {
+            return self.jump_to(camera);
         }
+        let secs = ease_secs(&self.camera, &camera);
+        self.ease = Some(Ease { from: self.camera, to: camera, elapsed_secs: 0.0, secs });
+    }
+
+    /// True while the camera moves by itself: a change of view is under way, or it falls or climbs.
+    pub fn is_easing(&self) -> bool {
+        self.ease.is_some() || self.is_settling
+    }
+
+    /// Lets time pass. A person's own motion ends an eased one. Without obstacles a walker moves level.
+    pub fn advance(&mut self, motion: &Motion, secs: f64, obstacles: Option<&Obstacles>) {
+        let way = self.way(motion);
+        if way != DVec3::ZERO {
+            self.ease = None;
+        }
+        let step_secs = secs.clamp(0.0, LONGEST_STEP_SECS);
         if let Some(mut ease) = self.ease {
             ease.elapsed_secs += secs;
             self.camera = ease.now();
-            self.ease = (ease.elapsed_secs < EASE_SECS).then_some(ease);
+            self.ease = (ease.elapsed_secs < ease.secs).then_some(ease);
+        } else {
+            self.travel(way * (self.speed_m_per_s * motion.factor * step_secs), step_secs, obstacles);
+        }
+    }
+
+    /// The direction of a motion, unit or zero; level for a walker.
+    fn way(&self, motion: &Motion) -> DVec3 {
+        let m = self.camera.world_from_camera();
+        match self.gait {
+            Gait::Fly => m.x_axis * motion.right + DVec3::Y * motion.up - m.z_axis * motion.forward,
+            Gait::Walk => m.x_axis * motion.right + m.x_axis.cross(DVec3::NEG_Y) * motion.forward,
+        }
+        .normalize_or_zero()
+    }
+
+    fn travel(&mut self, way: DVec3, secs: f64, obstacles: Option<&Obstacles>) {
+        self.is_settling = false;
+        match (self.gait, obstacles) {
+            (Gait::Walk, Some(obstacles)) => {
+                let before = self.camera.eye;
+                self.camera.eye = self.walker.step(obstacles, before, way, secs);
+                self.is_settling = self.camera.eye.y != before.y;
+            }
+            _ => self.camera.eye += way,
         }
     }
 
@@ -133,11 +211,14 @@ impl FlyCamera {
         self.camera.pitch = (self.camera.pitch - drag[1] * turn).clamp(-FRAC_PI_2, FRAC_PI_2);
     }
 
-    /// Moves along a direction by notches of the wheel.
-    pub fn dolly(&mut self, direction: DVec3, notches: f64, factor: f64) {
+    /// Moves along a direction by notches of the wheel; a walker along its level part.
+    pub fn dolly(&mut self, direction: DVec3, notches: f64, factor: f64, obstacles: Option<&Obstacles>) {
+        let level = DVec3::new(direction.x, 0.0, direction.z);
+        let direction = if self.gait == Gait::Walk { level } else { direction };
         if let Some(direction) = direction.try_normalize() {
             self.ease = None;
-            self.camera.eye += direction * (notches * factor * self.speed_m_per_s * DOLLY_SECS);
+            let way = direction * (notches * factor * self.speed_m_per_s * DOLLY_SECS);
+            self.travel(way, DOLLY_SECS, obstacles);
         }
     }
 
@@ -165,7 +246,7 @@ impl FlyCamera {
 
 impl Ease {
     fn now(&self) -> Camera {
-        let t = (self.elapsed_secs / EASE_SECS).clamp(0.0, 1.0);
+        let t = (self.elapsed_secs / self.secs).clamp(0.0, 1.0);
         let t = t * t * (3.0 - 2.0 * t);
         let (a, b) = (&self.from, &self.to);
         if t >= 1.0 {
@@ -180,20 +261,16 @@ impl Ease {
     }
 }
 
+/// How long a change takes, by how large it is.
+fn ease_secs(from: &Camera, to: &Camera) -> f64 {
+    let turn = wrap(to.yaw - from.yaw).abs().max((to.pitch - from.pitch).abs()) / PI;
+    let way = from.eye.distance(to.eye) / LARGE_CHANGE_M;
+    EASE_SECS[0] + (EASE_SECS[1] - EASE_SECS[0]) * way.max(turn).clamp(0.0, 1.0)
+}
+
 /// An angle in -pi..pi: the shorter way round.
 fn wrap(angle: f64) -> f64 {
     (angle + PI).rem_euclid(TAU) - PI
-}
-
-/// A pose as flags of `afterimage render`.
-pub fn pose_flags(camera: &Camera) -> String {
-    let list = |v: DVec3| format!("{:.4},{:.4},{:.4}", v.x, v.y, v.z);
-    format!(
-        "--eye {} --look-at {} --fov-y {:.3}",
-        list(camera.eye),
-        list(camera.eye + camera.forward()),
-        camera.fov_y.to_degrees()
-    )
 }
 
 #[cfg(test)]
@@ -208,7 +285,7 @@ mod tests {
     fn a_second_forward_is_the_speed_in_metres() {
         let mut fly = at_origin();
         for _ in 0..10 {
-            fly.advance(&Motion { forward: 1.0, factor: 1.0, ..Motion::default() }, 0.1);
+            fly.advance(&Motion { forward: 1.0, factor: 1.0, ..Motion::default() }, 0.1, None);
         }
         assert!((fly.camera().eye - DVec3::new(0.0, 0.0, -DEFAULT_SPEED)).length() < 1e-9);
     }
@@ -216,7 +293,7 @@ mod tests {
     #[test]
     fn diagonals_are_no_faster_and_a_hitch_does_not_fly_through_walls() {
         let mut fly = at_origin();
-        fly.advance(&Motion { forward: 1.0, right: 1.0, factor: 1.0, ..Motion::default() }, 100.0);
+        fly.advance(&Motion { forward: 1.0, right: 1.0, factor: 1.0, ..Motion::default() }, 100.0, None);
         assert!((fly.camera().eye.length() - DEFAULT_SPEED * LONGEST_STEP_SECS).abs() < 1e-9);
     }
 
@@ -235,9 +312,9 @@ mod tests {
         fly.jump_to(Camera { yaw: 3.0, ..*fly.camera() });
         let target = Camera { yaw: -3.0, eye: DVec3::ONE, ..*fly.camera() };
         fly.ease_to(target);
-        fly.advance(&Motion::default(), EASE_SECS / 2.0);
+        fly.advance(&Motion::default(), EASE_SECS[0] / 2.0, None);
         assert!(fly.camera().yaw > 3.0, "turned the long way: {}", fly.camera().yaw);
-        fly.advance(&Motion::default(), EASE_SECS);
+        fly.advance(&Motion::default(), EASE_SECS[1], None);
         assert_eq!(*fly.camera(), target);
         assert!(!fly.is_easing());
     }
@@ -247,7 +324,7 @@ mod tests {
         let mut fly = at_origin();
         fly.ease_to(Camera { eye: DVec3::splat(100.0), ..*fly.camera() });
         fly.look([0.1, 0.0]);
-        fly.advance(&Motion::default(), 1.0);
+        fly.advance(&Motion::default(), 1.0, None);
         assert_eq!(fly.camera().eye, DVec3::ZERO);
     }
 
@@ -265,14 +342,30 @@ mod tests {
     #[test]
     fn the_wheel_moves_towards_the_cursor() {
         let mut fly = at_origin();
-        fly.dolly(fly.direction_through(1.0, 0.0, 2.0), 1.0, 1.0);
+        fly.dolly(fly.direction_through(1.0, 0.0, 2.0), 1.0, 1.0, None);
         assert!(fly.camera().eye.x > 0.0 && fly.camera().eye.z < 0.0);
     }
 
     #[test]
-    fn a_pose_reads_as_flags() {
-        let camera = Camera::look_at(DVec3::new(1.0, 2.0, 3.0), DVec3::new(1.0, 2.0, 0.0), 60.0);
-        let flags = "--eye 1.0000,2.0000,3.0000 --look-at 1.0000,2.0000,2.0000 --fov-y 60.000";
-        assert_eq!(pose_flags(&camera), flags);
+    fn small_changes_are_quick_large_ones_slower_and_none_is_eased_where_motion_is_unwanted() {
+        let mut fly = at_origin();
+        let secs = |to: Camera| ease_secs(&at_origin().camera, &to);
+        assert_eq!(secs(*fly.camera()), EASE_SECS[0]);
+        assert_eq!(secs(Camera { eye: DVec3::X * 1e3, ..*fly.camera() }), EASE_SECS[1]);
+        assert!((EASE_SECS[0]..EASE_SECS[1]).contains(&secs(Camera { yaw: 1.0, ..*fly.camera() })));
+        fly.set_view_change(ViewChange::AtOnce);
+        let target = Camera { eye: DVec3::ONE, ..*fly.camera() };
+        fly.ease_to(target);
+        assert_eq!((*fly.camera(), fly.is_easing()), (target, false));
+    }
+
+    #[test]
+    fn a_walker_who_looks_down_still_goes_ahead() {
+        let mut fly = at_origin();
+        fly.set_gait(Gait::Walk);
+        fly.look([0.0, 0.2]);
+        fly.advance(&Motion { forward: 1.0, up: 1.0, factor: 1.0, ..Motion::default() }, 0.1, None);
+        let eye = fly.camera().eye;
+        assert!((eye - DVec3::new(0.0, 0.0, -0.1 * DEFAULT_SPEED)).length() < 1e-9, "{eye}");
     }
 }

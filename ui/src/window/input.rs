@@ -1,13 +1,17 @@
 //! Keys, drags, wheel and dropped files as motion and commands.
 
+use super::aim;
 use super::app::App;
-use super::fly_camera::{Motion, SPEED_FACTOR};
+use super::fly_camera::{Gait, Motion, SPEED_FACTOR};
 use super::keymap::{Action, Pressed};
 use super::load::SceneSource;
 use super::panels::legend;
-use super::state::{Command, Options};
+use super::state::{Command, Options, Severity};
 use super::viewport::{Coloring, Heatmap};
-use egui::{Context, Event, MouseWheelUnit, PointerButton, Response};
+use afterimage::trace::Probe;
+use egui::{
+    Context, CursorGrab, Event, MouseWheelUnit, PointerButton, Pos2, Response, Vec2, ViewportCommand,
+};
 
 /// A wheel that reports points instead of notches moves so many points a notch.
 const POINTS_PER_NOTCH: f32 = 50.0;
@@ -22,8 +26,8 @@ impl App {
         let (events, dropped) = ctx.input(|i| (i.raw.events.clone(), i.raw.dropped_files.clone()));
         let pressed = self.keyboard.update(&events, typing);
         let mut commands: Vec<Command> = pressed.into_iter().flat_map(|p| self.command_of(p)).collect();
-        if !typing && events.contains(&Event::Copy) {
-            commands.push(Command::CopyPose);
+        if !typing {
+            commands.extend(events.iter().filter_map(clipboard_command));
         }
         if let Some(file) = dropped.first().filter(|f| !f.path().as_os_str().is_empty()) {
             commands.push(Command::Open(SceneSource::file(file.path())));
@@ -34,10 +38,21 @@ impl App {
     fn command_of(&self, Pressed { action, chord }: Pressed) -> Option<Command> {
         let (o, mut q) = (self.state.options, self.state.quality);
         Some(match action {
-            Action::Home => Command::GoToView(0),
+            Action::ToggleWalk => Command::SetGait(match self.state.fly.gait() {
+                Gait::Fly => Gait::Walk,
+                Gait::Walk => Gait::Fly,
+            }),
+            Action::Focus => self.look_at_cursor(),
+            Action::FrameAll => {
+                let bounds = self.obstacles.as_ref()?.tracer().scene().bounds_m;
+                Command::EaseTo(aim::framing(bounds, self.state.fly.camera(), self.aspect()))
+            }
+            Action::AddPathKey => Command::AddPathKey,
+            Action::PlayPath => Command::PlayPath,
+            Action::SaveView => Command::SaveView(chord as u8 + 1),
             Action::NextView => Command::StepView(1),
             Action::PreviousView => Command::StepView(-1),
-            Action::GoToView => Command::GoToView(chord),
+            Action::GoToView => Command::GoToKey(chord as u8 + 1),
             Action::Level => Command::Level,
             Action::NarrowFov => Command::ChangeFov(-1.0),
             Action::WidenFov => Command::ChangeFov(1.0),
@@ -66,15 +81,28 @@ impl App {
             // Who grabs the picture no longer types.
             ctx.memory_mut(|m| m.focused().into_iter().for_each(|id| m.surrender_focus(id)));
         }
-        let height = f64::from(viewport.rect.height().max(1.0));
-        if [PointerButton::Primary, PointerButton::Secondary].into_iter().any(|b| viewport.dragged_by(b)) {
-            let drag = viewport.drag_delta();
-            self.state.fly.look([f64::from(drag.x) / height, f64::from(drag.y) / height]);
-        }
         let (secs, factor) = ctx.input(|i| (f64::from(i.stable_dt), speed_factor(i.modifiers)));
+        self.play(secs);
+        self.grab(ctx, viewport);
+        let height = f64::from(viewport.rect.height().max(1.0));
+        let drag = look_drag(ctx, viewport);
+        self.state.fly.look([f64::from(drag.x) / height, f64::from(drag.y) / height]);
+        self.cursor = viewport.hover_pos().filter(|_| viewport.contains_pointer()).map(|at| unit(viewport, at));
         if viewport.contains_pointer() {
             self.wheel(ctx, viewport, factor);
         }
+        if viewport.double_clicked()
+            && let Some(at) = viewport.interact_pointer_pos()
+        {
+            self.go_there(unit(viewport, at));
+        }
+        self.fly(ctx, secs, factor);
+        if let Some(recording) = &mut self.state.recording {
+            recording.note(self.state.fly.camera(), secs);
+        }
+    }
+
+    fn fly(&mut self, ctx: &Context, secs: f64, factor: f64) {
         let keys = &self.keyboard;
         let motion = Motion {
             right: keys.axis(Action::Right, Action::Left),
@@ -82,11 +110,57 @@ impl App {
             forward: keys.axis(Action::Forward, Action::Back),
             factor,
         };
-        self.state.fly.advance(&motion, secs);
         let is_flying = [motion.right, motion.up, motion.forward] != [0.0; 3];
-        if is_flying || self.state.fly.is_easing() {
+        if is_flying {
+            self.state.playback.is_playing = false;
+        }
+        self.state.fly.advance(&motion, secs, self.obstacles.as_ref());
+        if is_flying || self.state.fly.is_easing() || self.state.playback.is_playing {
             ctx.request_repaint();
         }
+    }
+
+    /// Lets the camera path play.
+    fn play(&mut self, secs: f64) {
+        if let Some(camera) = self.state.playback.advance(secs) {
+            self.state.fly.jump_to(camera);
+        }
+    }
+
+    /// Holds the pointer in the window while the right button looks around, where the system can.
+    fn grab(&mut self, ctx: &Context, viewport: &Response) {
+        let wants = viewport.dragged_by(PointerButton::Secondary);
+        if wants != self.has_grab {
+            self.has_grab = wants;
+            let grab = if wants { grab_mode() } else { CursorGrab::None };
+            ctx.send_viewport_cmd(ViewportCommand::CursorGrab(grab));
+            ctx.send_viewport_cmd(ViewportCommand::CursorVisible(!wants));
+        }
+    }
+
+    /// What is seen at a point of the viewport, right and up from its centre in -1..1.
+    pub(super) fn probe_at(&self, [x, y]: [f64; 2]) -> Option<Probe> {
+        let direction = self.state.fly.direction_through(x, y, self.aspect());
+        self.obstacles.as_ref()?.tracer().probe(self.state.fly.camera().eye, direction, f64::INFINITY)
+    }
+
+    fn go_there(&mut self, at: [f64; 2]) {
+        if let Some(probe) = self.probe_at(at) {
+            self.state.fly.ease_to(aim::gone_to(&probe, self.state.fly.camera()));
+        }
+    }
+
+    fn look_at_cursor(&self) -> Command {
+        match self.probe_at(self.cursor.unwrap_or([0.0, 0.0])) {
+            Some(probe) => Command::EaseTo(aim::focused_on(&probe, self.state.fly.camera())),
+            None => Command::Say(Severity::Info, "there is nothing under the cursor to look at".to_owned()),
+        }
+    }
+
+    /// Width over height of the viewport.
+    pub(super) fn aspect(&self) -> f64 {
+        let [width, height] = self.viewport_size.map(f64::from);
+        width / height.max(1.0)
     }
 
     fn wheel(&mut self, ctx: &Context, viewport: &Response, factor: f64) {
@@ -99,15 +173,55 @@ impl App {
             self.state.fly.change_speed(notches);
             return;
         }
-        let (rect, fly) = (viewport.rect, &mut self.state.fly);
-        let at = at.unwrap_or(rect.center()) - rect.center();
-        let half = rect.size() / 2.0;
-        let direction = fly.direction_through(
-            f64::from(at.x / half.x.max(1.0)),
-            f64::from(-at.y / half.y.max(1.0)),
-            f64::from(rect.aspect_ratio()),
-        );
-        fly.dolly(direction, notches, factor);
+        let at = at.unwrap_or(viewport.rect.center());
+        let ([x, y], fly) = (unit(viewport, at), &mut self.state.fly);
+        let direction = fly.direction_through(x, y, f64::from(viewport.rect.aspect_ratio()));
+        fly.dolly(direction, notches, factor, self.obstacles.as_ref());
+    }
+}
+
+/// A point of the viewport as parts of its half size, right and up from the centre.
+fn unit(viewport: &Response, at: Pos2) -> [f64; 2] {
+    let (from_centre, half) = (at - viewport.rect.center(), viewport.rect.size() / 2.0);
+    [f64::from(from_centre.x / half.x.max(1.0)), f64::from(-from_centre.y / half.y.max(1.0))]
+}
+
+/// How far the pointer was dragged to look around since the last frame, in points. Motion before egui was sure that it
+/// is no click counts too.
+fn look_drag(ctx: &Context, viewport: &Response) -> Vec2 {
+    if ![PointerButton::Primary, PointerButton::Secondary].into_iter().any(|b| viewport.dragged_by(b)) {
+        return Vec2::ZERO;
+    }
+    ctx.input(|i| {
+        let held = i.pointer.secondary_down().then(|| i.pointer.motion()).flatten();
+        match (held, i.pointer.press_origin(), i.pointer.latest_pos()) {
+            (Some(motion), ..) => motion * grabbed_motion_scale() / i.pixels_per_point(),
+            (None, Some(origin), Some(at)) if viewport.drag_started() => at - origin,
+            _ => i.pointer.delta(),
+        }
+    })
+}
+
+/// X11 cannot lock the pointer in its place, only keep it in the window (winit#3094).
+fn grab_mode() -> CursorGrab {
+    if is_x11() { CursorGrab::Confined } else { CursorGrab::Locked }
+}
+
+/// X11 reports the raw motion of a confined pointer twice (winit#3773).
+fn grabbed_motion_scale() -> f32 {
+    if is_x11() { 0.5 } else { 1.0 }
+}
+
+fn is_x11() -> bool {
+    let has_wayland = ["WAYLAND_DISPLAY", "WAYLAND_SOCKET"].iter().any(|name| std::env::var_os(name).is_some());
+    cfg!(target_os = "linux") && !has_wayland
+}
+
+fn clipboard_command(event: &Event) -> Option<Command> {
+    match event {
+        Event::Copy => Some(Command::CopyPose),
+        Event::Paste(text) => Some(Command::PastePose(text.clone())),
+        _ => None,
     }
 }
 

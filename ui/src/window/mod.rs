@@ -2,6 +2,7 @@
 //!
 //! The window's thread only reads input and shows the newest finished frame; it never waits for the renderer.
 
+mod aim;
 pub mod app;
 mod apply;
 pub mod fly_camera;
@@ -10,11 +11,14 @@ mod input;
 pub mod keymap;
 pub mod load;
 pub mod panels;
+pub mod playback;
+pub mod pose_text;
 mod reference_thread;
 pub mod render_thread;
 pub mod screenshot;
 pub mod state;
 pub mod viewport;
+pub mod walking;
 
 use afterimage::raster::color::ToneMap;
 use afterimage::reference::PlacementPolicy;

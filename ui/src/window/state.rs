@@ -1,13 +1,14 @@
 //! What the window knows and shows. Panels read it and return [`Command`]s; only the app changes it.
 
-use super::fly_camera::FlyCamera;
+use super::fly_camera::{FlyCamera, Gait, ViewChange};
 use super::frames::PublishedFrame;
 use super::load::{Progress, SceneSource};
+use super::playback::{Playback, Recording};
 use super::screenshot::Development;
 use super::viewport::{Coloring, Heatmap, Presentation};
 use afterimage::raster::color::ToneMap;
 use afterimage::reference::ReferenceId;
-use afterimage::scene::{NamedView, Warning};
+use afterimage::scene::Warning;
 use afterimage::{Camera, Tracer, WalkthroughSettings};
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
@@ -103,6 +104,17 @@ const INFO_TIME: Duration = Duration::from_secs(8);
 /// So many notices are kept.
 const MOST_NOTICES: usize = 4;
 
+/// A view that can be gone back to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SavedView {
+    /// What the user calls it.
+    pub name: String,
+    /// Where it looks from.
+    pub camera: Camera,
+    /// The number of the key that goes there, 1 to 9.
+    pub key: Option<u8>,
+}
+
 /// The scene as the panels show it.
 #[derive(Clone, Debug)]
 pub struct SceneInfo {
@@ -111,7 +123,7 @@ pub struct SceneInfo {
     /// Where it came from.
     pub source: SceneSource,
     /// Saved views, the start view first.
-    pub views: Vec<NamedView>,
+    pub views: Vec<SavedView>,
     /// What was doubtful in its files.
     pub warnings: Vec<Warning>,
     /// Triangles.
@@ -127,12 +139,17 @@ impl SceneInfo {
         Self {
             name: scene.name.clone(),
             source,
-            views: scene.views.clone(),
+            views: scene.views.iter().enumerate().map(saved_view).collect(),
             warnings: scene.warnings.clone(),
             triangles: scene.triangles.len(),
             lights: scene.lights.len(),
         }
     }
+}
+
+fn saved_view((i, view): (usize, &afterimage::scene::NamedView)) -> SavedView {
+    let key = u8::try_from(i + 1).ok().filter(|key| *key <= 9);
+    SavedView { name: view.name.clone(), camera: view.camera, key }
 }
 
 /// One frame in the plots.
@@ -166,6 +183,8 @@ pub struct Options {
     pub shows_help: bool,
     /// Nothing is rendered.
     pub is_paused: bool,
+    /// How views change.
+    pub view_change: ViewChange,
 }
 
 /// All of it.
@@ -205,6 +224,12 @@ pub struct State {
     pub software_adapter: Option<String>,
     /// The saved view gone to last.
     pub view_index: usize,
+    /// The camera path.
+    pub playback: Playback,
+    /// The walk that is being recorded.
+    pub recording: Option<Recording>,
+    /// The name of a saved view that is being changed: which, and what is typed.
+    pub renaming: Option<(usize, String)>,
     next_notice: u64,
 }
 
@@ -223,6 +248,20 @@ pub enum Command {
     SetFovDegrees(f64),
     EaseTo(Camera),
     GoToView(usize),
+    GoToKey(u8),
+    SaveView(u8),
+    AddView,
+    RemoveView(usize),
+    Rename(Option<(usize, String)>),
+    FinishRenaming,
+    PastePose(String),
+    SetGait(Gait),
+    AddPathKey,
+    RemovePathKey(usize),
+    SetPlayback(Playback),
+    PlayPath,
+    ToggleRecording,
+    Say(Severity, String),
     StepView(isize),
     Level,
     ChangeFov(f64),
@@ -254,6 +293,7 @@ impl State {
                 shows_statistics: true,
                 shows_help: false,
                 is_paused: false,
+                view_change: ViewChange::default(),
             },
             fly: FlyCamera::new(camera),
             scene: None,
@@ -269,6 +309,9 @@ impl State {
             window_ms: 0.0,
             software_adapter: None,
             view_index: 0,
+            playback: Playback::default(),
+            recording: None,
+            renaming: None,
             next_notice: 0,
         }
     }

@@ -196,9 +196,9 @@ fn a_broken_path_is_said_and_the_scene_stays() {
 fn saved_views_are_reached_by_number_and_in_turn() {
     let mut harness = app();
     let views = harness.state().state().scene.as_ref().expect("a scene").views.clone();
-    for (key, view) in [(Key::Num2, 1), (Key::L, 2), (Key::Home, 0)] {
+    for (key, view) in [(Key::Num2, 1), (Key::L, 2), (Key::Num1, 0)] {
         harness.key_press(key);
-        harness.run_steps(40);
+        harness.run_steps(60);
         assert_eq!(*harness.state().state().fly.camera(), views[view].camera);
     }
 }

@@ -1,6 +1,7 @@
 //! The real app with its real threads on a small scene, driven by events.
 
 mod driving;
+mod moving;
 mod pixels;
 mod room;
 mod threads;

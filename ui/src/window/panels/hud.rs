@@ -1,5 +1,6 @@
 //! The figures over the viewport.
 
+use super::super::fly_camera::Gait;
 use super::super::state::{State, Work};
 use super::swatch;
 use afterimage::render::AuditEstimate;
@@ -24,7 +25,8 @@ pub fn show(ui: &mut Ui, state: &State) {
         egui::Grid::new("hud").num_columns(2).min_col_width(76.0).show(ui, |ui| {
             frame_rows(ui, state);
             line(ui, "window", format!("{:.0} ms", state.window_ms));
-            line(ui, "speed", format!("{} m/s", three_digits(state.fly.speed_m_per_s())));
+            let gait = if state.fly.gait() == Gait::Walk { "walking" } else { "flying" };
+            line(ui, gait, format!("{} m/s", three_digits(state.fly.speed_m_per_s())));
         });
         type_rows(ui, state);
     });

@@ -1,5 +1,6 @@
 //! The bar at the top.
 
+use super::super::fly_camera::Gait;
 use super::super::keymap::{Action, keys_of};
 use super::super::load::SceneSource;
 use super::super::state::{Command, Options, State};
@@ -54,11 +55,19 @@ fn scene_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 
 fn view_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     for (i, view) in state.scene.iter().flat_map(|s| s.views.iter().enumerate()) {
-        if item(ui, &format!("{}  {}", i + 1, view.name), None) {
+        let key = view.key.map_or(String::new(), |key| format!("{key}  "));
+        if item(ui, &format!("{key}{}", view.name), None) {
             commands.push(Command::GoToView(i));
         }
     }
     ui.separator();
+    let (gait, other) = match state.fly.gait() {
+        Gait::Fly => ("Walk", Gait::Walk),
+        Gait::Walk => ("Fly", Gait::Fly),
+    };
+    if item(ui, gait, Some(Action::ToggleWalk)) {
+        commands.push(Command::SetGait(other));
+    }
     if item(ui, "Level", Some(Action::Level)) {
         commands.push(Command::Level);
     }

@@ -5,10 +5,12 @@ pub mod hud;
 pub mod legend;
 pub mod menu;
 pub mod notices;
+pub mod path;
 pub mod plots;
 pub mod quality;
 pub mod references;
 pub mod report;
+pub mod views;
 
 use super::state::{Command, State};
 use egui::{Color32, RichText, Ui};
@@ -38,6 +40,8 @@ pub fn side(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     egui::ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
         ui.spacing_mut().item_spacing.y = 5.0;
         section(ui, "Scene", |ui| report::show(ui, state, commands));
+        section(ui, "Views", |ui| views::show(ui, state, commands));
+        closed_section(ui, "Camera path", |ui| path::show(ui, state, commands));
         section(ui, "Pixel types", |ui| legend::show(ui, state, commands));
         section(ui, "Quality", |ui| quality::show(ui, state, commands));
         section(ui, "References", |ui| references::show(ui, state, commands));
@@ -46,11 +50,27 @@ pub fn side(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 }
 
 fn section(ui: &mut Ui, title: &str, contents: impl FnOnce(&mut Ui)) {
-    egui::CollapsingHeader::new(RichText::new(title).strong()).default_open(true).show_unindented(ui, |ui| {
+    collapsing(ui, egui::CollapsingHeader::new(RichText::new(title).strong()).default_open(true), contents);
+}
+
+/// What is not needed by everyone is opened by whoever does.
+fn closed_section(ui: &mut Ui, title: &str, contents: impl FnOnce(&mut Ui)) {
+    collapsing(ui, egui::CollapsingHeader::new(RichText::new(title).strong()), contents);
+}
+
+fn collapsing(ui: &mut Ui, header: egui::CollapsingHeader, contents: impl FnOnce(&mut Ui)) {
+    header.show_unindented(ui, |ui| {
         ui.add_space(2.0);
         contents(ui);
         ui.add_space(6.0);
     });
+}
+
+/// A small picture of a pose, grey until it is there.
+pub fn thumbnail(ui: &mut Ui, state: &State, camera: &afterimage::Camera) {
+    let (rect, _) = ui.allocate_exact_size(egui::vec2(72.0, 45.0), egui::Sense::hover());
+    ui.painter().rect_filled(rect, 3.0, Color32::from_gray(70));
+    let _ = (state, camera);
 }
 
 /// A small square of a type's colour, hatched for Type 3.

@@ -1,6 +1,7 @@
 //! Everything that trades time for quality, with units and a way back.
 
-use super::super::state::{Command, Quality, State};
+use super::super::fly_camera::ViewChange;
+use super::super::state::{Command, Options, Quality, State};
 use afterimage::Mode;
 use afterimage::raster::color::ToneMap;
 use afterimage::reference::PlacementPolicy;
@@ -201,6 +202,13 @@ fn camera_rows(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     row(ui, "Field of view", "Vertical.", &mut fov, 60.0, |ui, v| {
         ui.add(Slider::new(v, 10.0..=130.0).clamping(KEEP).fixed_decimals(0).suffix("°"))
     });
+    let mut is_reduced = state.options.view_change == ViewChange::AtOnce;
+    let help = "Views change at once instead of over a moment.";
+    row(ui, "Reduce motion", help, &mut is_reduced, false, |ui, v| ui.checkbox(v, ""));
+    let view_change = if is_reduced { ViewChange::AtOnce } else { ViewChange::Eased };
+    if view_change != state.options.view_change {
+        commands.push(Command::SetOptions(Options { view_change, ..state.options }));
+    }
     // Degrees and radians round; a reset of what is 60 already is none.
     if (fov - shown).abs() > 1e-6 {
         commands.push(Command::SetFovDegrees(fov));

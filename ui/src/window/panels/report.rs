@@ -13,7 +13,6 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         ui.weak("No scene yet.");
     }
     path_field(ui, state, commands);
-    views(ui, state, commands);
     warnings(ui, state, commands);
 }
 
@@ -33,19 +32,6 @@ fn path_field(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         }
         if ui.button("...").accessible_name("Browse for a model").on_hover_text("Browse").clicked() {
             commands.push(Command::Browse);
-        }
-    });
-}
-
-fn views(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let Some(scene) = state.scene.as_ref().filter(|s| s.views.len() > 1) else { return };
-    ui.horizontal_wrapped(|ui| {
-        ui.label("Views");
-        for (i, view) in scene.views.iter().enumerate() {
-            let help = if i < 9 { format!("Key {}", i + 1) } else { "Saved view".to_owned() };
-            if ui.small_button(&view.name).on_hover_text(help).clicked() {
-                commands.push(Command::GoToView(i));
-            }
         }
     });
 }

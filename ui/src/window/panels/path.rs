@@ -1,0 +1,63 @@
+//! The camera path: its keys, a timeline, and the recording of a walk.
+
+use super::super::keymap::{Action, keys_of};
+use super::super::playback::Playback;
+use super::super::state::{Command, State};
+use egui::{Slider, Ui};
+
+/// Shows timeline, keys and recording.
+pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let playback = &state.playback;
+    let count = playback.path.keyframes.len();
+    let whose = if playback.is_own { "Your path" } else { "The scene's walk" };
+    ui.weak(format!("{whose}: {count} keys, {:.1} s, {:.1} m", playback.secs(), playback.path.length_m()));
+    ui.horizontal_wrapped(|ui| {
+        let play = if playback.is_playing { "Pause path" } else { "Play path" };
+        let hover = |action| format!("Key {}", keys_of(action));
+        let button = ui.add_enabled(count > 0, egui::Button::new(play));
+        if button.on_hover_text(hover(Action::PlayPath)).clicked() {
+            commands.push(Command::PlayPath);
+        }
+        if ui.button("Add key").on_hover_text(hover(Action::AddPathKey)).clicked() {
+            commands.push(Command::AddPathKey);
+        }
+        let mut loops = playback.loops;
+        if ui.checkbox(&mut loops, "Loop").changed() {
+            commands.push(Command::SetPlayback(Playback { loops, ..playback.clone() }));
+        }
+    });
+    timeline(ui, playback, commands);
+    if playback.is_own {
+        keys(ui, playback, commands);
+    }
+    let text = match &state.recording {
+        None => "Record walk".to_owned(),
+        Some(recording) => format!("Stop and save walk ({:.0} s)", recording.secs()),
+    };
+    let help = "Records where you go, as a file for `afterimage tour --path` and the experiments";
+    if ui.button(text).on_hover_text(help).clicked() {
+        commands.push(Command::ToggleRecording);
+    }
+}
+
+fn timeline(ui: &mut Ui, playback: &Playback, commands: &mut Vec<Command>) {
+    let label = ui.label("Time");
+    let mut at_secs = playback.at_secs;
+    ui.spacing_mut().slider_width = (ui.available_width() - 70.0).max(60.0);
+    let slider = Slider::new(&mut at_secs, 0.0..=playback.secs()).fixed_decimals(1).suffix(" s");
+    if ui.add_enabled(!playback.path.keyframes.is_empty(), slider).labelled_by(label.id).changed() {
+        commands.push(Command::SetPlayback(Playback { at_secs, is_playing: false, ..playback.clone() }));
+    }
+}
+
+fn keys(ui: &mut Ui, playback: &Playback, commands: &mut Vec<Command>) {
+    ui.horizontal_wrapped(|ui| {
+        for i in 0..playback.path.keyframes.len() {
+            let button = ui.small_button(format!("{} x", i + 1));
+            let button = button.accessible_name(format!("Delete path key {}", i + 1));
+            if button.on_hover_text("Delete this key").clicked() {
+                commands.push(Command::RemovePathKey(i));
+            }
+        }
+    });
+}

@@ -1,0 +1,223 @@
+//! Walking, going, saved views, the camera path.
+
+use super::*;
+use afterimage::Camera;
+use afterimage::camera_path::CameraPath;
+use afterimage_ui::window::fly_camera::{Gait, ViewChange};
+use egui::{Key, Modifiers, vec2};
+
+fn camera(harness: &Harness<'static, App>) -> Camera {
+    *harness.state().state().fly.camera()
+}
+
+/// Steps until an eased change of view is over.
+fn arrive(harness: &mut Harness<'static, App>) {
+    harness.step();
+    for _ in 0..120 {
+        if !harness.state().state().fly.is_easing() {
+            return;
+        }
+        harness.step();
+    }
+    panic!("the camera never arrives");
+}
+
+fn ctrl(harness: &mut Harness<'static, App>, key: Key) {
+    harness.key_press_modifiers(Modifiers::COMMAND, key);
+    harness.step();
+}
+
+#[test]
+fn g_walks_on_the_floor_and_a_wall_stops() {
+    let mut harness = app();
+    harness.key_press(Key::E);
+    harness.key_press(Key::G);
+    arrive(&mut harness);
+    assert_eq!(harness.state().state().fly.gait(), Gait::Walk);
+    assert!(harness.query_by_label("walking").is_some(), "the figures say so");
+    assert!((camera(&harness).eye.y - 1.6).abs() < 1e-3, "{:?}", camera(&harness));
+    harness.key_down(Key::S);
+    harness.run_steps(120);
+    harness.key_up(Key::S);
+    harness.step();
+    let eye = camera(&harness).eye;
+    assert!((2.5..3.0).contains(&eye.z) && (eye.y - 1.6).abs() < 1e-3, "the wall stands at 3 m: {eye}");
+    harness.key_press(Key::G);
+    harness.step();
+    assert_eq!(harness.state().state().fly.gait(), Gait::Fly);
+}
+
+#[test]
+fn home_shows_the_whole_model() {
+    let mut harness = app();
+    harness.key_press(Key::Home);
+    arrive(&mut harness);
+    let eye = camera(&harness).eye;
+    assert!(eye.y > 3.0 && eye.length() > 6.0, "outside and above: {eye}");
+}
+
+#[test]
+fn f_looks_at_what_is_under_the_cursor() {
+    let mut harness = app();
+    let before = camera(&harness);
+    harness.hover_at(viewport_centre(&harness) + vec2(120.0, 0.0));
+    harness.step();
+    harness.key_press(Key::F);
+    arrive(&mut harness);
+    assert!(camera(&harness).yaw < before.yaw, "turned to the right");
+}
+
+#[test]
+fn a_double_click_goes_to_the_floor() {
+    let mut harness = app();
+    let at = viewport_centre(&harness) + vec2(-60.0, 200.0);
+    harness.hover_at(at);
+    harness.step();
+    for _ in 0..2 {
+        harness.drag_at(at);
+        harness.step();
+        harness.drop_at(at);
+        harness.step();
+    }
+    arrive(&mut harness);
+    let (eye, start) = (camera(&harness).eye, *small_room().start());
+    assert!((eye.y - 1.6).abs() < 1e-6 && eye.distance(start.eye) > 0.3, "{eye}");
+}
+
+#[test]
+fn a_view_is_saved_under_a_number_renamed_and_deleted() {
+    let mut harness = app();
+    harness.key_down(Key::D);
+    harness.run_steps(20);
+    harness.key_up(Key::D);
+    harness.step();
+    let here = camera(&harness);
+    ctrl(&mut harness, Key::Num7);
+    harness.key_press(Key::Num1);
+    arrive(&mut harness);
+    assert!(camera(&harness) != here);
+    harness.key_press(Key::Num7);
+    arrive(&mut harness);
+    assert_eq!(camera(&harness), here);
+    harness.get_by_label("Rename view 7").scroll_to_me();
+    harness.run_steps(2);
+    harness.get_by_label("Rename view 7").click();
+    harness.run_steps(3);
+    harness.get_by_label("Name of the view").type_text(" of the lamp");
+    harness.step();
+    harness.key_press(Key::Enter);
+    harness.run_steps(3);
+    let names = |harness: &Harness<'static, App>| -> Vec<String> {
+        harness.state().state().scene.iter().flat_map(|s| &s.views).map(|v| v.name.clone()).collect()
+    };
+    assert_eq!(names(&harness).last().map(String::as_str), Some("view 7 of the lamp"));
+    harness.get_by_label("Delete view 7 of the lamp").click();
+    harness.run_steps(2);
+    assert_eq!(names(&harness).len(), 3);
+}
+
+#[test]
+fn a_number_without_a_view_says_how_to_save_one() {
+    let mut harness = app();
+    harness.key_press(Key::Num8);
+    harness.run_steps(2);
+    assert!(harness.state().state().notices[0].text.contains("Ctrl+8"));
+}
+
+#[test]
+fn ctrl_v_takes_a_pose() {
+    let mut harness = app();
+    harness.event(egui::Event::Paste("render --eye 1,1.5,2 --look-at 0,1.5,2 --fov-y 50".to_owned()));
+    arrive(&mut harness);
+    let c = camera(&harness);
+    assert!((c.eye - glam::DVec3::new(1.0, 1.5, 2.0)).length() < 1e-9 && c.forward().x < -0.999);
+    harness.event(egui::Event::Paste("a shopping list".to_owned()));
+    harness.run_steps(2);
+    assert!(harness.state().state().notices.iter().any(|n| n.text.contains("no --eye")));
+}
+
+#[test]
+fn j_levels_and_brackets_change_the_field_of_view() {
+    let mut harness = app();
+    assert!(camera(&harness).pitch != 0.0);
+    harness.key_press(Key::J);
+    arrive(&mut harness);
+    assert_eq!(camera(&harness).pitch, 0.0);
+    let fov = camera(&harness).fov_y;
+    harness.key_press(Key::CloseBracket);
+    harness.step();
+    assert!(camera(&harness).fov_y > fov);
+    harness.key_press(Key::OpenBracket);
+    harness.key_press(Key::OpenBracket);
+    harness.step();
+    assert!(camera(&harness).fov_y < fov);
+}
+
+#[test]
+fn k_sets_keys_and_space_plays_them() {
+    let mut harness = app();
+    let start = camera(&harness);
+    harness.key_press(Key::K);
+    harness.key_press(Key::Num2);
+    arrive(&mut harness);
+    let end = camera(&harness);
+    harness.key_press(Key::K);
+    harness.step();
+    assert_eq!(harness.state().state().playback.path.keyframes.len(), 2);
+    harness.key_press(Key::Space);
+    harness.run_steps(3);
+    assert!(harness.state().state().playback.is_playing);
+    assert!(camera(&harness).eye.distance(start.eye) < 0.3, "from its first key");
+    harness.key_press(Key::Space);
+    harness.step();
+    assert!(!harness.state().state().playback.is_playing);
+    harness.key_press(Key::Space);
+    for _ in 0..2000 {
+        harness.step();
+        if !harness.state().state().playback.is_playing {
+            break;
+        }
+    }
+    assert!(camera(&harness).eye.distance(end.eye) < 1e-6, "to its last");
+}
+
+#[test]
+fn a_recorded_walk_is_a_file_that_the_tour_reads() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut harness = app_saving_to(folder.path().to_owned());
+    let press = |harness: &mut Harness<'static, App>, label: &str| {
+        harness.get_by_label_contains(label).scroll_to_me();
+        harness.run_steps(3);
+        harness.get_by_label_contains(label).click();
+        harness.run_steps(2);
+    };
+    press(&mut harness, "Camera path");
+    harness.run_steps(20);
+    press(&mut harness, "Record walk");
+    harness.key_down(Key::A);
+    harness.run_steps(60);
+    harness.key_up(Key::A);
+    let end = camera(&harness);
+    press(&mut harness, "Stop and save walk");
+    step_until(&mut harness, "a message", |app| app.state().notices.iter().any(|n| n.text.contains("saved")));
+    let text = std::fs::read_to_string(folder.path().join("afterimage-room-walk-0001.json")).expect("a file");
+    let walk: CameraPath = serde_json::from_str(&text).expect("a walk");
+    assert!(walk.keyframes.len() > 5 && walk.frames > 20);
+    let last = walk.camera(walk.frames - 1, walk.frames).expect("its end");
+    assert!(last.eye.distance(end.eye) < 0.3, "{last:?} {end:?}");
+}
+
+#[test]
+fn without_motion_views_change_at_once() {
+    let mut harness = app();
+    let label = "Reduce motion";
+    harness.get_by_label(label).scroll_to_me();
+    harness.run_steps(3);
+    harness.get_by_label(label).click();
+    harness.run_steps(2);
+    assert_eq!(harness.state().state().options.view_change, ViewChange::AtOnce);
+    harness.key_press(Key::Num3);
+    harness.step();
+    let views = &harness.state().state().scene.as_ref().expect("a scene").views;
+    assert_eq!(camera(&harness), views[2].camera);
+}
