@@ -330,7 +330,7 @@ fn turn_in_place(camera: &Camera) -> CameraPath {
 }
 
 /// SHA-256 of what decides a picture. Views, walk and warnings do not.
-fn hash_of(scene: &Scene) -> String {
+pub(super) fn hash_of(scene: &Scene) -> String {
     let mut sha = Sha256::new();
     sha.update(bytemuck::cast_slice(&scene.positions));
     sha.update(bytemuck::cast_slice(&scene.normals));

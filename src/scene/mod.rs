@@ -4,15 +4,18 @@
 
 pub mod builder;
 pub mod builtin;
+mod edit;
 pub mod import;
 mod lights;
 pub mod material;
 pub mod needs;
+pub mod solar;
 mod solids;
 pub mod texture;
 
 pub use crate::camera::SceneFrame;
 pub use builder::{SceneBuilder, SceneError, Warning};
+pub use edit::Daylight;
 pub use lights::Light;
 pub(crate) use lights::point_on_mesh;
 pub use material::{Material, MaterialKind, TextureRef};

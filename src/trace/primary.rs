@@ -16,7 +16,8 @@ use std::time::Instant;
 #[derive(Debug)]
 pub struct Tracer {
     scene: Arc<Scene>,
-    bvh: Bvh,
+    /// Shared with tracers of the same geometry under other light.
+    bvh: Arc<Bvh>,
     lights: LightGrid,
     epoch: SceneEpoch,
     build_secs: f64,
@@ -35,10 +36,29 @@ impl Tracer {
         let start = Instant::now();
         let corners: Vec<[Vec3; 3]> =
             (0..scene.triangles.len() as u32).into_par_iter().map(|t| scene.corners(t)).collect();
-        let bvh = Bvh::build(&corners);
+        let bvh = Arc::new(Bvh::build(&corners));
         let epoch = SceneEpoch(NEXT_EPOCH.fetch_add(1, Ordering::Relaxed));
         let lights = LightGrid::new(&scene);
         Self { scene, bvh, lights, epoch, build_secs: start.elapsed().as_secs_f64() }
+    }
+
+    /// A tracer of a scene whose triangles are those of this one: only materials or lights differ. The hierarchy is
+    /// shared.
+    ///
+    /// # Panics
+    /// Where the numbers of triangles differ.
+    #[must_use]
+    pub fn with_same_geometry(&self, scene: Arc<Scene>) -> Self {
+        assert_eq!(
+            scene.triangles.len(),
+            self.scene.triangles.len(),
+            "another geometry needs another hierarchy"
+        );
+        let start = Instant::now();
+        let epoch = SceneEpoch(NEXT_EPOCH.fetch_add(1, Ordering::Relaxed));
+        let lights = LightGrid::new(&scene);
+        let build_secs = start.elapsed().as_secs_f64();
+        Self { scene, bvh: self.bvh.clone(), lights, epoch, build_secs }
     }
 
     /// The scene.

@@ -93,8 +93,7 @@ mod tests {
             let c = framing(bounds, &camera(), aspect);
             let camera_from_world = c.world_from_camera().transpose();
             for i in 0..8 {
-                let corner =
-                    DVec3::new(bounds[i & 1].x, bounds[i >> 1 & 1].y, bounds[i >> 2 & 1].z) - c.eye;
+                let corner = DVec3::new(bounds[i & 1].x, bounds[i >> 1 & 1].y, bounds[i >> 2 & 1].z) - c.eye;
                 let p = camera_from_world * corner;
                 let tan = (c.fov_y / 2.0).tan();
                 assert!(p.z < 0.0 && (p.y / -p.z).abs() <= tan && (p.x / -p.z).abs() <= tan * aspect);

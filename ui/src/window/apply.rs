@@ -1,17 +1,11 @@
 //! Commands as deeds: the only place where a panel's or a key's wish changes anything.
 
 use super::app::{App, News};
-use super::fly_camera::Gait;
 use super::load::SceneSource;
-use super::pose_text::{pose_flags, pose_of_flags};
-use super::playback::Recording;
+use super::pose_text::pose_flags;
 use super::render_thread::Order;
-use super::screenshot;
-use super::state::{Command, SavedView, Severity};
-use afterimage::camera_path::CameraPath;
-use afterimage::raster::save::write_new_atomically;
+use super::state::{Command, Severity};
 use egui::{Context, ViewportCommand};
-use std::path::PathBuf;
 
 impl App {
     /// Does what was asked for.
@@ -34,40 +28,8 @@ impl App {
             Command::SetSpeed(speed) => state.fly.set_speed(speed),
             Command::SetFovDegrees(degrees) => state.fly.set_fov_degrees(degrees),
             Command::EaseTo(camera) => state.fly.ease_to(camera),
-            Command::GoToView(index) => self.go_to_view(index),
-            Command::GoToKey(key) => self.go_to_key(key),
-            Command::SaveView(key) => self.save_view(Some(key)),
-            Command::AddView => self.save_view(None),
-            Command::RemoveView(index) => {
-                state.scene.iter_mut().for_each(|s| drop(s.views.remove(index)));
-                state.renaming = None;
-            }
-            Command::Rename(renaming) => state.renaming = renaming,
-            Command::FinishRenaming => self.finish_renaming(),
-            Command::PastePose(text) => match pose_of_flags(&text, state.fly.camera()) {
-                Ok(camera) => state.fly.ease_to(camera),
-                Err(cause) => state.notify(Severity::Error, format!("the clipboard holds no pose: {cause}")),
-            },
-            Command::SetGait(gait) => {
-                state.fly.set_gait(gait);
-                let text = if gait == Gait::Walk { "walking" } else { "flying" };
-                state.notify(Severity::Info, text.to_owned());
-            }
-            Command::AddPathKey => {
-                state.playback.add_key(state.fly.camera());
-                let count = state.playback.path.keyframes.len();
-                state.notify(Severity::Info, format!("key {count} of the camera path was set here"));
-            }
-            Command::RemovePathKey(index) => state.playback.remove_key(index),
-            Command::SetPlayback(playback) => {
-                state.playback = playback;
-                let camera = state.playback.camera();
-                camera.into_iter().for_each(|camera| state.fly.jump_to(camera));
-            }
-            Command::PlayPath => state.playback.toggle(),
-            Command::ToggleRecording => self.toggle_recording(),
+            Command::Moving(moving) => self.move_on(moving),
             Command::Say(severity, text) => state.notify(severity, text),
-            Command::StepView(step) => self.step_view(step),
             Command::Level => state.fly.level(),
             Command::ChangeFov(steps) => state.fly.change_fov(steps),
             Command::AskToClear => state.asks_to_clear = true,
@@ -100,70 +62,6 @@ impl App {
         self.threads.order(order);
     }
 
-    fn go_to_view(&mut self, index: usize) {
-        let view = self.state.scene.as_ref().and_then(|s| s.views.get(index));
-        if let Some(camera) = view.map(|v| v.camera) {
-            self.state.view_index = index;
-            self.state.fly.ease_to(camera);
-        }
-    }
-
-    fn go_to_key(&mut self, key: u8) {
-        let views = self.state.scene.iter().flat_map(|s| s.views.iter());
-        match views.enumerate().find(|(_, v)| v.key == Some(key)).map(|(index, _)| index) {
-            Some(index) => self.go_to_view(index),
-            None => self.state.notify(Severity::Info, format!("no view is saved as {key}; Ctrl+{key} saves one")),
-        }
-    }
-
-    /// Saves the pose under a key, or as one more view without any.
-    fn save_view(&mut self, key: Option<u8>) {
-        let camera = *self.state.fly.camera();
-        let Some(scene) = &mut self.state.scene else { return };
-        let taken = scene.views.iter_mut().position(|v| key.is_some() && v.key == key);
-        let (index, verb) = match taken {
-            Some(index) => {
-                scene.views[index].camera = camera;
-                (index, "replaced")
-            }
-            None => {
-                let name = format!("view {}", key.map_or(scene.views.len() + 1, usize::from));
-                scene.views.push(SavedView { name, camera, key });
-                (scene.views.len() - 1, "saved")
-            }
-        };
-        self.state.view_index = index;
-        let name = scene.views[index].name.clone();
-        let text = key.map_or(format!("{name} was {verb}"), |key| format!("{name} was {verb}; key {key} goes there"));
-        self.state.notify(Severity::Info, text);
-    }
-
-    fn finish_renaming(&mut self) {
-        let Some((index, name)) = self.state.renaming.take() else { return };
-        let view = self.state.scene.as_mut().and_then(|s| s.views.get_mut(index));
-        if let Some(view) = view.filter(|_| !name.trim().is_empty()) {
-            name.trim().clone_into(&mut view.name);
-        }
-    }
-
-    /// Begins to record a walk, or ends it and saves it beside the pictures.
-    fn toggle_recording(&mut self) {
-        let Some(recording) = self.state.recording.take() else {
-            self.state.recording = Some(Recording::default());
-            return;
-        };
-        match recording.finish() {
-            None => self.state.notify(Severity::Info, "nobody moved; there is no walk to save".to_owned()),
-            Some(walk) => self.save_walk(walk),
-        }
-    }
-
-    fn save_walk(&mut self, walk: CameraPath) {
-        let stem = format!("{}-walk", screenshot::stem(self.state.scene.as_ref().map_or("walk", |s| &s.name)));
-        let folders = self.request.pictures.clone().map_or_else(screenshot::default_folders, |f| vec![f]);
-        self.in_background("afterimage-save", move || News::Saved(save_walk(&walk, &stem, &folders)));
-    }
-
     /// Does something slow on a thread of its own.
     pub(super) fn in_background(&mut self, name: &str, work: impl FnOnce() -> News + Send + 'static) {
         let (news, wake) = (self.news.0.clone(), self.wake.clone());
@@ -174,14 +72,6 @@ impl App {
         };
         if let Err(error) = std::thread::Builder::new().name(name.to_owned()).spawn(work) {
             self.state.notify(Severity::Error, format!("a thread cannot be started: {error}"));
-        }
-    }
-
-    fn step_view(&mut self, step: isize) {
-        let count = self.state.scene.as_ref().map_or(0, |s| s.views.len());
-        if count > 0 {
-            let next = (self.state.view_index as isize + step).rem_euclid(count as isize);
-            self.go_to_view(next as usize);
         }
     }
 
@@ -214,19 +104,6 @@ impl App {
             self.state.notify(Severity::Error, format!("the file dialog cannot be started: {error}"));
         }
     }
-}
-
-/// Writes a walk into the first folder that takes it, as `tour --path` reads it.
-fn save_walk(walk: &CameraPath, stem: &str, folders: &[PathBuf]) -> anyhow::Result<PathBuf> {
-    let text = serde_json::to_string_pretty(walk)? + "\n";
-    let mut result = Err(anyhow::anyhow!("there is no folder to save the walk in"));
-    for folder in folders {
-        result = write_new_atomically(folder, stem, "json", text.as_bytes()).map_err(Into::into);
-        if result.is_ok() {
-            break;
-        }
-    }
-    result
 }
 
 impl App {

@@ -6,7 +6,7 @@ use super::fly_camera::{Gait, Motion, SPEED_FACTOR};
 use super::keymap::{Action, Pressed};
 use super::load::SceneSource;
 use super::panels::legend;
-use super::state::{Command, Options, Severity};
+use super::state::{Command, Moving, Options, Severity};
 use super::viewport::{Coloring, Heatmap};
 use afterimage::trace::Probe;
 use egui::{
@@ -38,21 +38,21 @@ impl App {
     fn command_of(&self, Pressed { action, chord }: Pressed) -> Option<Command> {
         let (o, mut q) = (self.state.options, self.state.quality);
         Some(match action {
-            Action::ToggleWalk => Command::SetGait(match self.state.fly.gait() {
+            Action::ToggleWalk => Command::Moving(Moving::SetGait(match self.state.fly.gait() {
                 Gait::Fly => Gait::Walk,
                 Gait::Walk => Gait::Fly,
-            }),
+            })),
             Action::Focus => self.look_at_cursor(),
             Action::FrameAll => {
                 let bounds = self.obstacles.as_ref()?.tracer().scene().bounds_m;
                 Command::EaseTo(aim::framing(bounds, self.state.fly.camera(), self.aspect()))
             }
-            Action::AddPathKey => Command::AddPathKey,
-            Action::PlayPath => Command::PlayPath,
-            Action::SaveView => Command::SaveView(chord as u8 + 1),
-            Action::NextView => Command::StepView(1),
-            Action::PreviousView => Command::StepView(-1),
-            Action::GoToView => Command::GoToKey(chord as u8 + 1),
+            Action::AddPathKey => Command::Moving(Moving::AddPathKey),
+            Action::PlayPath => Command::Moving(Moving::PlayPath),
+            Action::SaveView => Command::Moving(Moving::SaveView(chord as u8 + 1)),
+            Action::NextView => Command::Moving(Moving::StepView(1)),
+            Action::PreviousView => Command::Moving(Moving::StepView(-1)),
+            Action::GoToView => Command::Moving(Moving::GoToKey(chord as u8 + 1)),
             Action::Level => Command::Level,
             Action::NarrowFov => Command::ChangeFov(-1.0),
             Action::WidenFov => Command::ChangeFov(1.0),
@@ -87,7 +87,8 @@ impl App {
         let height = f64::from(viewport.rect.height().max(1.0));
         let drag = look_drag(ctx, viewport);
         self.state.fly.look([f64::from(drag.x) / height, f64::from(drag.y) / height]);
-        self.cursor = viewport.hover_pos().filter(|_| viewport.contains_pointer()).map(|at| unit(viewport, at));
+        self.cursor =
+            viewport.hover_pos().filter(|_| viewport.contains_pointer()).map(|at| unit(viewport, at));
         if viewport.contains_pointer() {
             self.wheel(ctx, viewport, factor);
         }
@@ -213,14 +214,15 @@ fn grabbed_motion_scale() -> f32 {
 }
 
 fn is_x11() -> bool {
-    let has_wayland = ["WAYLAND_DISPLAY", "WAYLAND_SOCKET"].iter().any(|name| std::env::var_os(name).is_some());
+    let has_wayland =
+        ["WAYLAND_DISPLAY", "WAYLAND_SOCKET"].iter().any(|name| std::env::var_os(name).is_some());
     cfg!(target_os = "linux") && !has_wayland
 }
 
 fn clipboard_command(event: &Event) -> Option<Command> {
     match event {
         Event::Copy => Some(Command::CopyPose),
-        Event::Paste(text) => Some(Command::PastePose(text.clone())),
+        Event::Paste(text) => Some(Command::Moving(Moving::PastePose(text.clone()))),
         _ => None,
     }
 }

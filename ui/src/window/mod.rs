@@ -10,6 +10,7 @@ pub mod frames;
 mod input;
 pub mod keymap;
 pub mod load;
+mod moving;
 pub mod panels;
 pub mod playback;
 pub mod pose_text;

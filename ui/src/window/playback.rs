@@ -43,8 +43,7 @@ impl Playback {
 
     /// Adds a key at a pose; the first one replaces the scene's walk.
     pub fn add_key(&mut self, camera: &Camera) {
-        let mut keyframes =
-            if self.is_own { std::mem::take(&mut self.path.keyframes) } else { Vec::new() };
+        let mut keyframes = if self.is_own { std::mem::take(&mut self.path.keyframes) } else { Vec::new() };
         keyframes.push(key_of(camera));
         *self = Self { path: path_of(keyframes, camera), is_own: true, loops: self.loops, ..Self::default() };
         self.at_secs = self.secs();

@@ -247,22 +247,8 @@ pub enum Command {
     SetSpeed(f64),
     SetFovDegrees(f64),
     EaseTo(Camera),
-    GoToView(usize),
-    GoToKey(u8),
-    SaveView(u8),
-    AddView,
-    RemoveView(usize),
-    Rename(Option<(usize, String)>),
-    FinishRenaming,
-    PastePose(String),
-    SetGait(Gait),
-    AddPathKey,
-    RemovePathKey(usize),
-    SetPlayback(Playback),
-    PlayPath,
-    ToggleRecording,
+    Moving(Moving),
     Say(Severity, String),
-    StepView(isize),
     Level,
     ChangeFov(f64),
     AddReference,
@@ -276,6 +262,27 @@ pub enum Command {
     Dismiss(u64),
     FullScreen,
     Escape,
+}
+
+/// What a control asks for of views, paths and the way one moves.
+#[derive(Clone, Debug)]
+#[allow(missing_docs, reason = "the names say it")]
+pub enum Moving {
+    GoToView(usize),
+    GoToKey(u8),
+    StepView(isize),
+    SaveView(u8),
+    AddView,
+    RemoveView(usize),
+    Rename(Option<(usize, String)>),
+    FinishRenaming,
+    PastePose(String),
+    SetGait(Gait),
+    AddPathKey,
+    RemovePathKey(usize),
+    SetPlayback(Playback),
+    PlayPath,
+    ToggleRecording,
 }
 
 impl State {

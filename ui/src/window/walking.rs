@@ -69,6 +69,12 @@ impl Obstacles {
         &self.tracer
     }
 
+    /// How far off a distance may be, metres: rays are f32 in scene space, whose diagonal is up to 1024 units.
+    fn rounding_m(&self) -> f64 {
+        const ULPS: f64 = 4.0;
+        ULPS * 1024.0 * f64::from(f32::EPSILON) / self.tracer.scene().frame.units_per_metre
+    }
+
     /// The nearest obstacle: its distance in metres and its normal.
     fn nearest(&self, from: DVec3, direction: DVec3, reach_m: f64) -> Option<(f64, DVec3)> {
         let scene = self.tracer.scene();
@@ -150,7 +156,11 @@ impl Walker {
             self.fall_m_per_s = 0.0;
             return eye;
         };
-        if floor >= feet.y {
+        if (floor - feet.y).abs() <= obstacles.rounding_m() {
+            self.fall_m_per_s = 0.0;
+            return eye;
+        }
+        if floor > feet.y {
             self.fall_m_per_s = 0.0;
             let rise = (floor - feet.y).min(climb_m);
             let room = obstacles.nearest(eye, DVec3::Y, rise + CROWN_M);
@@ -187,9 +197,9 @@ fn slide(obstacles: &Obstacles, eye: DVec3, way: DVec3) -> DVec3 {
 
 /// The part of a way that does not lead into the wall ahead.
 fn along_wall(obstacles: &Obstacles, eye: DVec3, way: DVec3) -> DVec3 {
-    let ahead = HEIGHTS_M.into_iter().filter_map(|height| {
-        obstacles.nearest(eye + DVec3::Y * (height - EYE_HEIGHT_M), way, way.length())
-    });
+    let ahead = HEIGHTS_M
+        .into_iter()
+        .filter_map(|height| obstacles.nearest(eye + DVec3::Y * (height - EYE_HEIGHT_M), way, way.length()));
     let wall = ahead.filter(|(_, n)| is_wall(*n)).min_by(|a, b| a.0.total_cmp(&b.0));
     let Some((_, normal)) = wall else { return eye };
     let out = DVec3::new(normal.x, 0.0, normal.z).normalize_or_zero();

@@ -3,7 +3,7 @@
 use super::super::fly_camera::Gait;
 use super::super::keymap::{Action, keys_of};
 use super::super::load::SceneSource;
-use super::super::state::{Command, Options, State};
+use super::super::state::{Command, Moving, Options, State};
 use afterimage::scene::builtin;
 use egui::{Button, Ui};
 
@@ -57,7 +57,7 @@ fn view_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     for (i, view) in state.scene.iter().flat_map(|s| s.views.iter().enumerate()) {
         let key = view.key.map_or(String::new(), |key| format!("{key}  "));
         if item(ui, &format!("{key}{}", view.name), None) {
-            commands.push(Command::GoToView(i));
+            commands.push(Command::Moving(Moving::GoToView(i)));
         }
     }
     ui.separator();
@@ -66,7 +66,7 @@ fn view_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         Gait::Walk => ("Fly", Gait::Fly),
     };
     if item(ui, gait, Some(Action::ToggleWalk)) {
-        commands.push(Command::SetGait(other));
+        commands.push(Command::Moving(Moving::SetGait(other)));
     }
     if item(ui, "Level", Some(Action::Level)) {
         commands.push(Command::Level);

@@ -2,7 +2,7 @@
 
 use super::super::keymap::{Action, keys_of};
 use super::super::playback::Playback;
-use super::super::state::{Command, State};
+use super::super::state::{Command, Moving, State};
 use egui::{Slider, Ui};
 
 /// Shows timeline, keys and recording.
@@ -16,14 +16,14 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let hover = |action| format!("Key {}", keys_of(action));
         let button = ui.add_enabled(count > 0, egui::Button::new(play));
         if button.on_hover_text(hover(Action::PlayPath)).clicked() {
-            commands.push(Command::PlayPath);
+            commands.push(Command::Moving(Moving::PlayPath));
         }
         if ui.button("Add key").on_hover_text(hover(Action::AddPathKey)).clicked() {
-            commands.push(Command::AddPathKey);
+            commands.push(Command::Moving(Moving::AddPathKey));
         }
         let mut loops = playback.loops;
         if ui.checkbox(&mut loops, "Loop").changed() {
-            commands.push(Command::SetPlayback(Playback { loops, ..playback.clone() }));
+            commands.push(Command::Moving(Moving::SetPlayback(Playback { loops, ..playback.clone() })));
         }
     });
     timeline(ui, playback, commands);
@@ -36,7 +36,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     };
     let help = "Records where you go, as a file for `afterimage tour --path` and the experiments";
     if ui.button(text).on_hover_text(help).clicked() {
-        commands.push(Command::ToggleRecording);
+        commands.push(Command::Moving(Moving::ToggleRecording));
     }
 }
 
@@ -46,7 +46,11 @@ fn timeline(ui: &mut Ui, playback: &Playback, commands: &mut Vec<Command>) {
     ui.spacing_mut().slider_width = (ui.available_width() - 70.0).max(60.0);
     let slider = Slider::new(&mut at_secs, 0.0..=playback.secs()).fixed_decimals(1).suffix(" s");
     if ui.add_enabled(!playback.path.keyframes.is_empty(), slider).labelled_by(label.id).changed() {
-        commands.push(Command::SetPlayback(Playback { at_secs, is_playing: false, ..playback.clone() }));
+        commands.push(Command::Moving(Moving::SetPlayback(Playback {
+            at_secs,
+            is_playing: false,
+            ..playback.clone()
+        })));
     }
 }
 
@@ -56,7 +60,7 @@ fn keys(ui: &mut Ui, playback: &Playback, commands: &mut Vec<Command>) {
             let button = ui.small_button(format!("{} x", i + 1));
             let button = button.accessible_name(format!("Delete path key {}", i + 1));
             if button.on_hover_text("Delete this key").clicked() {
-                commands.push(Command::RemovePathKey(i));
+                commands.push(Command::Moving(Moving::RemovePathKey(i)));
             }
         }
     });

@@ -1,7 +1,7 @@
 //! Saved views: a list to go to, name and delete.
 
 use super::super::keymap::{Action, keys_of};
-use super::super::state::{Command, SavedView, State};
+use super::super::state::{Command, Moving, SavedView, State};
 use egui::{Key, RichText, Ui};
 
 /// Shows the list.
@@ -12,7 +12,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     };
     let help = format!("Also {}, under a number", keys_of(Action::SaveView));
     if ui.button("Save this view").on_hover_text(help).clicked() {
-        commands.push(Command::AddView);
+        commands.push(Command::Moving(Moving::AddView));
     }
     egui::ScrollArea::vertical().id_salt("views").max_height(LIST_HEIGHT).show(ui, |ui| {
         for (i, view) in scene.views.iter().enumerate() {
@@ -36,20 +36,20 @@ fn entry(ui: &mut Ui, state: &State, i: usize, view: &SavedView, commands: &mut 
                     let name = RichText::new(format!("{key}{}", view.name));
                     let name = if is_last { name.strong() } else { name };
                     if ui.button(name).on_hover_text("Go there").clicked() {
-                        commands.push(Command::GoToView(i));
+                        commands.push(Command::Moving(Moving::GoToView(i)));
                     }
                 }
             }
             ui.horizontal(|ui| {
                 let rename = ui.small_button("Rename").accessible_name(format!("Rename {}", view.name));
                 if rename.clicked() {
-                    commands.push(Command::Rename(Some((i, view.name.clone()))));
+                    commands.push(Command::Moving(Moving::Rename(Some((i, view.name.clone())))));
                 }
                 // Something must be left to go back to.
                 let can_go = state.scene.as_ref().is_some_and(|s| s.views.len() > 1);
                 let delete = ui.add_enabled(can_go, egui::Button::new("Delete").small());
                 if delete.accessible_name(format!("Delete {}", view.name)).clicked() {
-                    commands.push(Command::RemoveView(i));
+                    commands.push(Command::Moving(Moving::RemoveView(i)));
                 }
             });
         });
@@ -61,11 +61,15 @@ fn name_field(ui: &mut Ui, i: usize, text: &str, commands: &mut Vec<Command>) {
     let field = ui.add(egui::TextEdit::singleline(&mut name).desired_width(130.0));
     let field = field.accessible_name("Name of the view");
     if field.changed() {
-        commands.push(Command::Rename(Some((i, name))));
+        commands.push(Command::Moving(Moving::Rename(Some((i, name)))));
     }
     if field.lost_focus() {
         let gives_up = ui.input(|input| input.key_pressed(Key::Escape));
-        commands.push(if gives_up { Command::Rename(None) } else { Command::FinishRenaming });
+        commands.push(if gives_up {
+            Command::Moving(Moving::Rename(None))
+        } else {
+            Command::Moving(Moving::FinishRenaming)
+        });
     } else if !field.has_focus() {
         field.request_focus();
     }
