@@ -6,7 +6,7 @@
 mod report;
 mod views;
 
-use super::run::{Cell, Effort, Experiment, Lab, LabError, LabSettings, RunRecord};
+use super::run::{Cell, CellOutcome, Effort, Experiment, Lab, LabError, LabSettings, RunRecord};
 use super::trial::{References, Trial, truth_of};
 use crate::camera::Camera;
 use crate::raster::color::ToneMap;
@@ -53,7 +53,7 @@ fn cells(_: &Lab<'_>) -> Vec<Cell> {
     CELLS.into_iter().map(cell).collect()
 }
 
-fn run_cell(lab: &Lab<'_>, cell: &RunRecord) -> Result<Option<Vec<RunRecord>>, LabError> {
+fn run_cell(lab: &Lab<'_>, cell: &RunRecord) -> CellOutcome {
     let (mode, count) = mode_and_references(cell)?;
     let views = views(lab)?;
     let Some(references) = References::trace(lab, &views.references[..count], &lab.settings.trace()) else {

@@ -2,7 +2,7 @@
 
 use super::errors::Errors;
 use super::measure::{TRUTH_SEED, see_through_percent};
-use super::run::{Lab, LabError, RunRecord};
+use super::run::{CellOutcome, Lab, RunRecord};
 use super::truth::{TruthRequest, truth};
 use crate::camera::Camera;
 use crate::reference::{ReferenceCache, ReferenceFrame};
@@ -80,12 +80,7 @@ impl Trial<'_> {
     ///
     /// # Errors
     /// [`LabError::Compare`] for a frame without pixels.
-    pub fn measure(
-        &self,
-        lab: &Lab<'_>,
-        truth: &[Vec3],
-        renderer: &mut Renderer,
-    ) -> Result<Option<Vec<RunRecord>>, LabError> {
+    pub fn measure(&self, lab: &Lab<'_>, truth: &[Vec3], renderer: &mut Renderer) -> CellOutcome {
         let mut records = Vec::new();
         for repetition in 0..=lab.settings.repetitions {
             let Some(frame) = self.render(lab, renderer) else { return Ok(None) };

@@ -52,10 +52,13 @@ pub struct Experiment {
     /// What is to be done.
     pub cells: fn(&Lab<'_>) -> Vec<Cell>,
     /// Does one of them. `None` after a stop.
-    pub run_cell: fn(&Lab<'_>, &RunRecord) -> Result<Option<Vec<RunRecord>>, LabError>,
+    pub run_cell: fn(&Lab<'_>, &RunRecord) -> CellOutcome,
     /// What the records say.
     pub report: fn(&Identity, &[RunRecord]) -> Report,
 }
+
+/// What a cell left. `None` after a stop.
+pub type CellOutcome = Result<Option<Vec<RunRecord>>, LabError>;
 
 /// How long a run may take.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -141,7 +141,7 @@ fn beside_the_paper(columns: &[Column]) -> Table {
     let (full, one, two) = (ours("full", 0), ours("paper", 1), ours("paper", 2));
     let value = |v: Option<f64>| v.map_or(Value::Null, Value::from);
     let mut rows = Vec::new();
-    for t in 0..3 {
+    for (t, printed_ms) in PAPER_MS_PER_PIXEL.into_iter().enumerate() {
         let number = t + 1;
         let mut row = |name: String, paper: [f64; 2], of: &dyn Fn(&Column) -> Option<f64>| {
             let [a, b] = paper.map(Value::from);
@@ -164,7 +164,7 @@ fn beside_the_paper(columns: &[Column]) -> Table {
             [0, 1].map(|i| derived_ms(&PAPER[i], t)),
             &|c| c.ms_per_pixel[t],
         );
-        row(format!("Type {number}, ms per pixel as printed"), [PAPER_MS_PER_PIXEL[t]; 2], &|_| None);
+        row(format!("Type {number}, ms per pixel as printed"), [printed_ms; 2], &|_| None);
     }
     let secs = |c: Option<&Column>| value(c.map(|c| c.frame_secs));
     let speedup = |c: Option<&Column>| value(full.zip(c).map(|(f, c)| f.frame_secs / c.frame_secs));
