@@ -8,6 +8,7 @@ mod builtin;
 mod bvh;
 mod golden;
 mod import;
+mod lab;
 mod layers;
 mod lights;
 mod lookup;

@@ -43,7 +43,7 @@ pub struct Measurement {
 pub const DEPTH_TOLERANCE: f32 = 0.01;
 
 /// The truth's random numbers must not be those of the pictures measured against it.
-const TRUTH_SEED: u64 = 0x7275_7468_0000_0001;
+pub(super) const TRUTH_SEED: u64 = 0x7275_7468_0000_0001;
 
 /// Why a frame was not measured.
 #[derive(Debug, thiserror::Error)]

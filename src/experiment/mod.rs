@@ -1,12 +1,17 @@
-//! Runs that are recorded: the measured walk, and the speed of the parts.
+//! Runs that are recorded: the measured walk, the speed of the parts, and the experiments of [`run`], which also tells
+//! how to add one.
 //!
-//! One record, many exporters: CSV and JSON derive from the same structures.
+//! One record, many exporters: CSV, JSON, plots and the report derive from the same structures.
 
+pub mod errors;
 pub mod measure;
 pub mod record;
+pub mod run;
 pub mod statistics;
+mod table1;
 pub mod throughput;
 pub mod tour;
+pub mod trial;
 pub mod truth;
 pub mod warp_speed;
 

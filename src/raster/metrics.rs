@@ -77,18 +77,32 @@ pub fn max_abs(a: &[Vec3], b: &[Vec3]) -> f64 {
 /// # Errors
 /// [`CompareError::Flip`] for an empty picture or values that are not finite.
 pub fn flip(a: &[Vec3], truth: &[Vec3], size: [u32; 2]) -> Result<Flip, CompareError> {
-    let picture = |values: &[Vec3]| {
-        let channels: Vec<f32> = values.iter().flat_map(|v| v.to_array()).collect();
-        flip_rs::RgbImage::new(size[0] as usize, size[1] as usize, channels)
-    };
-    let map = picture(truth)
-        .and_then(|truth| flip_rs::ldr_flip(&truth, &picture(a)?, flip_rs::DEFAULT_PPD))
-        .map_err(|e| CompareError::Flip(e.to_string()))?;
-    let mut errors = map.into_pixels();
+    let mut errors = flip_map(a, truth, size)?;
     let mean = errors.iter().map(|&e| f64::from(e)).sum::<f64>() / errors.len() as f64;
     let at = (errors.len() * 95).div_ceil(100).max(1) - 1;
     let (_, p95, _) = errors.select_nth_unstable_by(at, f32::total_cmp);
     Ok(Flip { mean, p95: f64::from(*p95) })
+}
+
+/// FLIP of every pixel, 0..1, seen as in [`flip`].
+///
+/// # Errors
+/// [`CompareError::Flip`] for an empty picture or values that are not finite.
+pub fn flip_map(a: &[Vec3], truth: &[Vec3], [width, height]: [u32; 2]) -> Result<Vec<f32>, CompareError> {
+    let picture = |values: &[Vec3]| {
+        let channels: Vec<f32> = values.iter().flat_map(|v| v.to_array()).collect();
+        flip_rs::RgbImage::new(width as usize, height as usize, channels)
+    };
+    let map = picture(truth)
+        .and_then(|truth| flip_rs::ldr_flip(&truth, &picture(a)?, flip_rs::DEFAULT_PPD))
+        .map_err(|e| CompareError::Flip(e.to_string()))?;
+    Ok(map.into_pixels())
+}
+
+/// Errors in 0..1 as a picture, dark where there is none: the colours of the FLIP tool (Magma).
+pub fn error_picture(errors: &[f32]) -> Vec<[u8; 3]> {
+    let color = |e: &f32| flip_rs::MAGMA[(e.clamp(0.0, 1.0) * 255.0 + 0.5) as usize];
+    errors.iter().map(|e| color(e).map(|c| (c * 255.0 + 0.5) as u8)).collect()
 }
 
 /// Structural similarity of the luma of display values, 1 for equal pictures.

@@ -1,108 +1,236 @@
-//! `afterimage experiment NAME`.
+//! `afterimage experiment NAME`: a run folder, resumed where it was begun, and `merge` for the shards of one.
+
+mod text;
 
 use super::failure::Failure;
 use super::flags::Flags;
-use super::pose::camera;
+use super::progress::Progress;
 use super::scene::{Loaded, load};
-use super::{interrupt, memory, output};
-use afterimage::experiment::throughput::{Throughput, ThroughputSettings, measure_throughput};
-use afterimage::raster::save::write_atomically;
+use super::tour::read_path;
+use super::{interrupt, memory, output, paths, throughput};
+use afterimage::experiment::run::{
+    Effort, Experiment, Lab, LabError, LabEvent, LabSettings, Report, RunFolder, Session, Shard, find, merge,
+    run_cells,
+};
 use clap::Args;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
 #[derive(Args, Debug)]
 pub(crate) struct ExperimentArgs {
-    /// Which one: throughput.
+    /// Which one: table1, throughput; or merge, which joins the folders of shards.
     #[arg(value_parser = name)]
-    name: &'static str,
-    /// A model (.obj) or builtin:NAME; the embedded gallery when absent.
-    scene: Option<String>,
-    /// The folder for summary.json; nothing is written when absent.
+    name: String,
+    /// A model (.obj) or builtin:NAME, the embedded gallery when absent; for merge, the folders.
+    #[arg(value_name = "SCENE")]
+    inputs: Vec<String>,
+    /// The folder of the run. One in which the same run was begun is gone on with; any other is left alone.
     #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    /// Writes the triangles and the rays that were timed, for other programs.
+    pub(super) out: Option<PathBuf>,
+    /// Does every N-th cell only; I or both come from the scheduler's environment in an array job.
+    #[arg(long, value_name = "I/N", allow_hyphen_values = true)]
+    shard: Option<String>,
+    /// Small pictures and few steps: seconds to a few minutes.
+    #[arg(long)]
+    quick: bool,
+    /// Timed repetitions of a frame, after one that does not count.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    repetitions: Option<u32>,
+    /// Views along the walk.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    views: Option<u32>,
+    /// Frames of a walk that is flown.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    frames: Option<u32>,
+    /// A recorded walk (JSON) instead of the scene's own; FILE#NAME takes one of several.
+    #[arg(long, value_name = "FILE[#NAME]")]
+    path: Option<String>,
+    /// Memory for references.
+    #[arg(long, value_name = "MB", value_parser = clap::value_parser!(u64).range(1..=1 << 20))]
+    cache_mb: Option<u64>,
+    /// Shadow rays per light and pixel of the converged pictures that errors are measured against.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
+    truth_samples: Option<u32>,
+    /// Where converged pictures are kept; the user's cache folder when absent.
+    #[arg(long, value_name = "DIR")]
+    truth_cache: Option<PathBuf>,
+    /// throughput: writes the triangles and the rays that were timed, for other programs.
     #[arg(long, value_name = "FILE")]
-    dump_rays: Option<PathBuf>,
+    pub(super) dump_rays: Option<PathBuf>,
 }
 
-fn name(text: &str) -> Result<&'static str, String> {
-    match text {
-        "throughput" => Ok("throughput"),
-        "table1" | "error-time" | "placement" | "stability" | "scaling" | "merge" => {
-            Err(format!("'{text}' comes in a later version; this one has 'throughput'"))
+impl ExperimentArgs {
+    /// The scene named, if one is.
+    pub(super) fn scene(&self) -> Result<Option<&str>, Failure> {
+        match self.inputs.as_slice() {
+            [] => Ok(None),
+            [scene] => Ok(Some(scene)),
+            [_, second, ..] => {
+                Err(Failure::Usage(format!("an experiment takes one scene; '{second}' is a second")))
+            }
         }
-        _ => Err("there is 'throughput'".to_owned()),
     }
+}
+
+const THROUGHPUT: &str = "throughput";
+const MERGE: &str = "merge";
+
+fn name(text: &str) -> Result<String, String> {
+    let names = || afterimage::experiment::run::EXPERIMENTS.iter().map(|e| e.name).chain([THROUGHPUT, MERGE]);
+    if names().any(|n| n == text) {
+        return Ok(text.to_owned());
+    }
+    Err(format!("there are {}", names().collect::<Vec<_>>().join(", ")))
 }
 
 pub(crate) fn run(args: &ExperimentArgs, flags: &Flags) -> Result<(), Failure> {
-    memory::check(flags.pixels(), 1)?;
-    let loaded = load(args.scene.as_deref(), flags)?;
-    let camera = camera(flags, loaded.scene())?;
-    let settings = ThroughputSettings { camera, size: flags.size(), trace: flags.trace() };
-    let stop = interrupt::is_cancelled;
-    let timing = |part: &str| output::say(&format!("timing: {part}"));
-    let (throughput, rays) =
-        measure_throughput(&loaded.tracer, &settings, &stop, timing).ok_or(Failure::Interrupted)?;
-    let object = object(args, flags, &loaded, &throughput);
-    if let Some(path) = &args.dump_rays {
-        write_atomically(path, &rays.to_bytes(&loaded.tracer))?;
+    match find(&args.name) {
+        Some(experiment) => run_one(experiment, args, flags),
+        None if args.name == MERGE => join(args, flags),
+        None => throughput::run(args, flags),
     }
-    if let Some(folder) = &args.out {
-        std::fs::create_dir_all(folder)
-            .map_err(|e| Failure::Failed(format!("cannot make the folder {}: {e}", folder.display())))?;
-        write_atomically(&folder.join("summary.json"), format!("{object:#}\n").as_bytes())?;
-    }
-    output::result(flags.json, &object, || table(&throughput));
-    loaded.verdict(flags)
 }
 
-fn object(args: &ExperimentArgs, flags: &Flags, loaded: &Loaded, throughput: &Throughput) -> Value {
+fn run_one(experiment: &Experiment, args: &ExperimentArgs, flags: &Flags) -> Result<(), Failure> {
+    let out = out(args)?;
+    let shard = Shard::of(args.shard.as_deref(), |name| std::env::var(name).ok())
+        .map_err(|e| Failure::Usage(e.to_string()))?;
+    let recorded = args.path.as_deref().map(read_path).transpose()?;
+    let settings = settings(experiment, args, flags);
+    memory::check(settings.size.map(u64::from).iter().product(), MOST_REFERENCES)?;
+    let loaded = load(args.scene()?, flags)?;
+    let truth_folder = args.truth_cache.clone().or_else(|| paths::cache_folder().map(|c| c.join("truth")));
+    let images = out.join("images");
+    let walk = recorded.as_ref().unwrap_or(&loaded.scene().walk);
+    let lab = Lab {
+        tracer: &loaded.tracer,
+        walk,
+        settings: &settings,
+        truth_folder: truth_folder.as_deref(),
+        images: &images,
+        stop: &interrupt::is_cancelled,
+    };
+    let cells = (experiment.cells)(&lab).len();
+    let identity = lab.identity(experiment, &loaded.name);
+    let mut folder = RunFolder::open(&out, identity, shard, cells, session())?;
+    let done = run_with_progress(experiment, &lab, &mut folder);
+    // What was done is worth its tables, whatever happened to the rest.
+    let report = finish(experiment, &mut folder)?;
+    let is_complete = done?;
+    print(&folder, &report, flags);
+    if !is_complete {
+        return Err(Failure::Interrupted);
+    }
+    verdict(&report, Some(&loaded), flags)
+}
+
+/// References a frame of an experiment uses at most.
+const MOST_REFERENCES: u64 = 8;
+
+fn out(args: &ExperimentArgs) -> Result<PathBuf, Failure> {
+    let missing =
+        || Failure::Usage(format!("experiment {} needs --out DIR, the folder of its run", args.name));
+    args.out.clone().ok_or_else(missing)
+}
+
+fn session() -> Session {
+    Session::now(std::env::args().collect(), option_env!("AFTERIMAGE_COMMIT"))
+}
+
+/// The experiment's own, but for what was asked for.
+fn settings(experiment: &Experiment, args: &ExperimentArgs, flags: &Flags) -> LabSettings {
+    let usual = (experiment.settings)(if args.quick { Effort::Quick } else { Effort::Usual });
+    LabSettings {
+        size: flags.given_size.unwrap_or(usual.size),
+        samples: flags.samples.unwrap_or(usual.samples),
+        bounces: flags.bounces.unwrap_or(usual.bounces),
+        seed: flags.seed,
+        repetitions: args.repetitions.unwrap_or(usual.repetitions),
+        views: args.views.unwrap_or(usual.views),
+        frames: args.frames.unwrap_or(usual.frames),
+        truth_samples: args.truth_samples.unwrap_or(usual.truth_samples),
+        cache_mb: args.cache_mb.unwrap_or(usual.cache_mb),
+        ..usual
+    }
+}
+
+fn run_with_progress(
+    experiment: &Experiment,
+    lab: &Lab<'_>,
+    folder: &mut RunFolder,
+) -> Result<bool, Failure> {
+    let shard = folder.manifest().shard;
+    let total = (0..folder.manifest().cells).filter(|&cell| shard.has(cell)).count();
+    let mut progress = Progress::new(experiment.name, total as u64);
+    let observe = |event: LabEvent<'_>| match event {
+        LabEvent::Begins(cell, done) => progress.at(done as u64, &cell.0.label()),
+        LabEvent::Done(cell, done) => progress.at(done as u64, &cell.0.label()),
+    };
+    Ok(run_cells(experiment, lab, folder, observe)?)
+}
+
+fn finish(experiment: &Experiment, folder: &mut RunFolder) -> Result<Report, Failure> {
+    let report = (experiment.report)(&folder.manifest().identity, &folder.records());
+    folder.export(&report)?;
+    Ok(report)
+}
+
+/// `merge`: the folders of shards become the folder of the whole.
+fn join(args: &ExperimentArgs, flags: &Flags) -> Result<(), Failure> {
+    let out = out(args)?;
+    if args.inputs.is_empty() {
+        return Err(Failure::Usage("merge needs the folders of the shards".to_owned()));
+    }
+    let folders: Vec<PathBuf> = args.inputs.iter().map(PathBuf::from).collect();
+    let mut folder = merge(&folders, &out, session())?;
+    let name = folder.manifest().identity.experiment.clone();
+    let experiment =
+        find(&name).ok_or_else(|| Failure::Failed(format!("this version has no experiment '{name}'")))?;
+    let report = finish(experiment, &mut folder)?;
+    print(&folder, &report, flags);
+    let manifest = folder.manifest();
+    if !manifest.is_complete {
+        output::say(&format!(
+            "warning: {} of {} cells are missing; the same experiment with --out {} does them",
+            manifest.cells - manifest.cells_done,
+            manifest.cells,
+            out.display()
+        ));
+    }
+    verdict(&report, None, flags)
+}
+
+fn print(folder: &RunFolder, report: &Report, flags: &Flags) {
+    let manifest = folder.manifest();
     let mut object = json!({
-        "experiment": args.name,
-        "scene": loaded.name,
-        "scene_hash": loaded.scene().hash,
-        "version": env!("CARGO_PKG_VERSION"),
-        "size": flags.size(),
-        "samples": flags.trace().samples,
-        "seed": flags.seed,
+        "experiment": manifest.identity.experiment,
+        "scene": manifest.identity.scene,
+        "scene_hash": manifest.identity.scene_sha256,
+        "version": manifest.identity.version,
+        "out": folder.path(),
+        "cells": manifest.cells,
+        "cells_done": manifest.cells_done,
+        "is_complete": manifest.is_complete,
     });
-    let figures = serde_json::to_value(throughput).unwrap_or(Value::Null);
-    if let (Some(object), Value::Object(figures)) = (object.as_object_mut(), figures) {
-        object.extend(figures);
+    if let Value::Object(object) = &mut object {
+        object.extend(report.summary.clone());
     }
-    object
+    output::result(flags.json, &object, || text::report(folder, report));
 }
 
-fn table(t: &Throughput) -> String {
-    let rate = |mrays: f64, count: usize| format!("{mrays:.2} Mrays/s ({count} rays)");
-    output::table(&[
-        ("threads", t.threads.to_string()),
-        ("primary", rate(t.primary_mrays_per_sec, t.primary_rays)),
-        ("primary, tiles", rate(t.primary_tile_mrays_per_sec, t.primary_rays)),
-        ("shadow", rate(t.shadow_mrays_per_sec, t.shadow_rays)),
-        ("diffuse", rate(t.diffuse_mrays_per_sec, t.diffuse_rays)),
-        (
-            "warp",
-            format!(
-                "{:.2} ns per reference pixel; on one core {:.2}, from memory {:.2}: {:.1} times its floor at {:.1} GB/s",
-                t.warp.warp_ns_per_reference_pixel,
-                t.warp.warp_ns_per_reference_pixel_one_core,
-                t.warp.warp_from_memory_ns_per_reference_pixel_one_core,
-                t.warp.warp_over_memory_floor,
-                t.warp.memory_gb_per_sec_one_core
-            ),
-        ),
-        ("shading", format!("{:.2} us per pixel", t.shade_us_per_pixel)),
-        (
-            "hierarchy",
-            format!(
-                "{} triangles, {:.1} MB, built in {:.3} s",
-                t.triangles,
-                t.bvh_bytes as f64 / 1e6,
-                t.build_secs
-            ),
-        ),
-    ])
+fn verdict(report: &Report, loaded: Option<&Loaded>, flags: &Flags) -> Result<(), Failure> {
+    match (&report.failure, loaded) {
+        (Some(failure), _) => Err(Failure::Failed(failure.clone())),
+        (None, Some(loaded)) => loaded.verdict(flags),
+        (None, None) => Ok(()),
+    }
+}
+
+impl From<LabError> for Failure {
+    fn from(error: LabError) -> Self {
+        match error {
+            LabError::Scene(error) => error.into(),
+            other => Self::Failed(other.to_string()),
+        }
+    }
 }

@@ -17,6 +17,7 @@ mod progress;
 mod render;
 mod scene;
 mod start;
+mod throughput;
 mod tour;
 
 use crate::window::keymap::help_text;

@@ -186,7 +186,7 @@ fn write_pictures(
 }
 
 /// A walk from `FILE`, or the one called `NAME` from `FILE#NAME`.
-fn read_path(text: &str) -> Result<CameraPath, Failure> {
+pub(super) fn read_path(text: &str) -> Result<CameraPath, Failure> {
     let (file, name) = match text.rsplit_once('#') {
         // A file may have the sign in its own name.
         Some((file, name)) if !Path::new(text).exists() => (file, Some(name)),

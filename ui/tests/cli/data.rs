@@ -177,6 +177,29 @@ fn throughput_answers_with_the_contract() {
 }
 
 #[test]
+fn shards_of_an_experiment_are_joined_to_the_whole() {
+    let bench = Bench::new();
+    let line = "experiment table1 room.obj --quick --size 32x32 --samples 2 --truth-samples 8 --json";
+    let whole = bench.json(&format!("{line} --out whole"));
+    assert_eq!((&whole["cells"], &whole["is_complete"]), (&json!(7), &json!(true)));
+    assert_eq!(whole["columns"].as_array().unwrap().len(), 7);
+    for shard in ["0/2", "1/2"] {
+        bench.json(&format!("{line} --out {} --shard {shard}", shard.replace('/', "of")));
+    }
+    let merged = bench.json("experiment merge 0of2 1of2 --out merged --json");
+    assert_eq!(merged["is_complete"], json!(true));
+    for column in 0..7 {
+        for name in ["type1_percent", "psnr_db", "flip_mean"] {
+            let pointer = format!("/columns/{column}/{name}");
+            assert_eq!(number(&whole, &pointer), number(&merged, &pointer), "{pointer}");
+        }
+    }
+    for name in ["manifest.json", "config.toml", "records.csv", "summary.json", "images/paper-2-types.png"] {
+        assert!(bench.path("merged").join(name).exists(), "{name}");
+    }
+}
+
+#[test]
 fn doctor_always_answers() {
     let bench = Bench::new();
     let answer = bench.json("doctor --json --threads 2");

@@ -36,7 +36,11 @@ fn usage_errors_end_with_two() {
         ("tour room.obj --out run --placement grid", "later version"),
         ("tour room.obj --out run --threshold 101", "0 to 100"),
         ("tour room.obj", "--out"),
-        ("experiment table1 room.obj --out run", "later version"),
+        ("experiment table2 room.obj --out run", "there are table1"),
+        ("experiment table1 room.obj", "--out DIR"),
+        ("experiment table1 room.obj sofa.obj --out run", "sofa.obj"),
+        ("experiment table1 room.obj --out run --shard 5/4", "out of range"),
+        ("experiment merge --out run", "folders of the shards"),
         ("room.obj render -o a.png", "after"),
         ("inspect", "SCENE"),
     ] {
@@ -80,6 +84,9 @@ fn failures_end_with_one() {
         ("tour room.obj --out run --path empty.json", "keyframes"),
         ("tour room.obj --out run --path walks.json#long", "it has: short"),
         ("tour room.obj --out room.mtl", "room.mtl"),
+        ("experiment table1 room.obj --out .", "no run folder"),
+        ("experiment table1 room.obj --out run --path broken.json", "broken.json"),
+        ("experiment merge cache --out run", "no run folder"),
     ] {
         assert_fails(&bench, line, 1, words);
     }

@@ -1,0 +1,70 @@
+//! How far a frame is from the converged picture of its view, as a whole and by the type of its pixels.
+
+use crate::raster::load::display_of;
+use crate::raster::metrics::{CompareError, flip, psnr_db, rel_mse, ssim};
+use crate::render::Frame;
+use glam::Vec3;
+use serde::Serialize;
+
+/// Against the truth.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[allow(missing_docs, reason = "the names are those of `afterimage compare`")]
+pub struct Errors {
+    pub psnr_db: f64,
+    pub rel_mse: f64,
+    pub ssim: f64,
+    pub flip_mean: f64,
+    pub flip_p95: f64,
+    /// Mean squared difference of display values over the pixels of Type 1; 0 where there are none.
+    pub type1_mse: f64,
+    /// The same of Type 2.
+    pub type2_mse: f64,
+    /// The same of Type 3.
+    pub type3_mse: f64,
+    /// The share of the picture's squared error that the pixels of Type 1 have, in percent.
+    pub type1_error_percent: f64,
+    /// The same of Type 2.
+    pub type2_error_percent: f64,
+    /// The same of Type 3.
+    pub type3_error_percent: f64,
+}
+
+impl Errors {
+    /// Of a frame against the linear radiance of its truth. relMSE is of radiance, the rest of display values.
+    ///
+    /// # Errors
+    /// [`CompareError`] for a frame without pixels.
+    pub fn of(frame: &Frame, truth: &[Vec3]) -> Result<Self, CompareError> {
+        let size = frame.view.size;
+        let [shown, right] = [&frame.radiance[..], truth].map(display_of);
+        let flip = flip(&shown, &right, size)?;
+        let [type1, type2, type3] = by_type(frame, &shown, &right);
+        let sum: f64 = type1.0 + type2.0 + type3.0;
+        let mean = |(squared, pixels): (f64, usize)| squared / (3 * pixels.max(1)) as f64;
+        let share = |(squared, _): (f64, usize)| if sum > 0.0 { 100.0 * squared / sum } else { 0.0 };
+        Ok(Self {
+            psnr_db: psnr_db(&shown, &right),
+            rel_mse: rel_mse(&frame.radiance, truth),
+            ssim: ssim(&shown, &right, size),
+            flip_mean: flip.mean,
+            flip_p95: flip.p95,
+            type1_mse: mean(type1),
+            type2_mse: mean(type2),
+            type3_mse: mean(type3),
+            type1_error_percent: share(type1),
+            type2_error_percent: share(type2),
+            type3_error_percent: share(type3),
+        })
+    }
+}
+
+/// Squared differences summed over the pixels of each type, and their number.
+fn by_type(frame: &Frame, shown: &[Vec3], right: &[Vec3]) -> [(f64, usize); 3] {
+    let mut sums = [(0.0, 0); 3];
+    for ((t, a), b) in frame.types.iter().zip(shown).zip(right) {
+        let (squared, pixels) = &mut sums[usize::from(t.number()) - 1];
+        *squared += f64::from((*a - *b).length_squared());
+        *pixels += 1;
+    }
+    sums
+}

@@ -1,0 +1,51 @@
+//! Joining the folders of shards into the folder of the whole.
+
+use super::folder::{RunFolder, read_manifest};
+use super::journal::Journal;
+use super::manifest::{Manifest, Session};
+use super::{LabError, Shard};
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+/// Joins run folders into a new one. Cells that no folder has are left out; the same run without `--shard` into the new
+/// folder does them. A cell that two folders have is taken from the first.
+///
+/// # Errors
+/// [`LabError`] where a folder is none, where two are not of one run, or where `into` holds something else.
+pub fn merge(folders: &[PathBuf], into: &Path, session: Session) -> Result<RunFolder, LabError> {
+    let manifests = folders.iter().map(|f| read_manifest(f)).collect::<Result<Vec<Manifest>, _>>()?;
+    let first = manifests.first().ok_or(LabError::NothingToMerge)?;
+    for (manifest, path) in manifests.iter().zip(folders) {
+        if let Some(difference) = first.identity.difference(&manifest.identity) {
+            let cause = format!("it is of another run than {} ({difference})", folders[0].display());
+            return Err(LabError::Folder { path: path.clone(), cause });
+        }
+    }
+    let mut merged = RunFolder::open(into, first.identity.clone(), Shard::ALL, first.cells, session)?;
+    let mut known: BTreeSet<String> = BTreeSet::new();
+    for folder in folders {
+        for done in Journal::read(folder)? {
+            if known.insert(done.key.clone()) && !merged.has(&done.key) {
+                merged.add(done)?;
+            }
+        }
+        copy_images(&folder.join("images"), &into.join("images"))?;
+    }
+    Ok(merged)
+}
+
+fn copy_images(from: &Path, to: &Path) -> Result<(), LabError> {
+    let entries = match std::fs::read_dir(from) {
+        Ok(entries) => entries,
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(()),
+        Err(error) => return Err(LabError::at(from, error)),
+    };
+    for entry in entries {
+        let entry = entry.map_err(|e| LabError::at(from, e))?;
+        let to = to.join(entry.file_name());
+        if entry.path().is_file() && !to.exists() {
+            std::fs::copy(entry.path(), &to).map_err(|e| LabError::at(&to, e))?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,46 @@
+//! Where Table 1 is seen from.
+
+use super::{Lab, LabError, camera};
+use crate::camera::Camera;
+use crate::camera_path::CameraKey;
+use serde::Deserialize;
+
+/// The view and the references it is made from, best first.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Views {
+    pub(super) target: Camera,
+    pub(super) references: [Camera; 2],
+}
+
+/// Chosen once for the gallery; see the file.
+const CHOSEN: &str = include_str!("../../../assets/experiments/table1.toml");
+
+#[derive(Deserialize)]
+struct ViewFile {
+    scene: String,
+    fov_y_deg: f64,
+    target: CameraKey,
+    references: [CameraKey; 2],
+}
+
+/// How far before and behind the middle of its walk another scene's references stand, as shares of the walk.
+const WALK_SHARES: [f64; 2] = [-0.02, 0.02];
+
+/// Those of the file for the scene it is for; for any other from the middle of its walk.
+pub(super) fn views(lab: &Lab<'_>) -> Result<Views, LabError> {
+    let file: ViewFile =
+        toml::from_str(CHOSEN).map_err(|e| LabError::Unsuitable(format!("the views of table1: {e}")))?;
+    if file.scene == lab.tracer.scene().name {
+        let at = |key: &CameraKey| camera(key, file.fov_y_deg);
+        return Ok(Views { target: at(&file.target), references: file.references.each_ref().map(at) });
+    }
+    /// Steps the walk is divided into, fine enough for the shares.
+    const STEPS: u32 = 1001;
+    let on_walk = |share: f64| {
+        let step = (f64::from(STEPS - 1) * (0.5 + share)).round() as u32;
+        let none = || LabError::Unsuitable("the walk has no key frames; it needs at least one".to_owned());
+        lab.walk.camera(step, STEPS).ok_or_else(none)
+    };
+    let [before, behind] = WALK_SHARES.map(on_walk);
+    Ok(Views { target: on_walk(0.0)?, references: [before?, behind?] })
+}

@@ -1,0 +1,82 @@
+//! `afterimage experiment throughput`: each stage against its floor.
+
+use super::experiment::ExperimentArgs;
+use super::failure::Failure;
+use super::flags::Flags;
+use super::pose::camera;
+use super::scene::{Loaded, load};
+use super::{interrupt, memory, output};
+use afterimage::experiment::throughput::{Throughput, ThroughputSettings, measure_throughput};
+use afterimage::raster::save::write_atomically;
+use serde_json::{Value, json};
+
+pub(crate) fn run(args: &ExperimentArgs, flags: &Flags) -> Result<(), Failure> {
+    memory::check(flags.pixels(), 1)?;
+    let loaded = load(args.scene()?, flags)?;
+    let camera = camera(flags, loaded.scene())?;
+    let settings = ThroughputSettings { camera, size: flags.size(), trace: flags.trace() };
+    let stop = interrupt::is_cancelled;
+    let timing = |part: &str| output::say(&format!("timing: {part}"));
+    let (throughput, rays) =
+        measure_throughput(&loaded.tracer, &settings, &stop, timing).ok_or(Failure::Interrupted)?;
+    let object = object(flags, &loaded, &throughput);
+    if let Some(path) = &args.dump_rays {
+        write_atomically(path, &rays.to_bytes(&loaded.tracer))?;
+    }
+    if let Some(folder) = &args.out {
+        std::fs::create_dir_all(folder)
+            .map_err(|e| Failure::Failed(format!("cannot make the folder {}: {e}", folder.display())))?;
+        write_atomically(&folder.join("summary.json"), format!("{object:#}\n").as_bytes())?;
+    }
+    output::result(flags.json, &object, || table(&throughput));
+    loaded.verdict(flags)
+}
+
+fn object(flags: &Flags, loaded: &Loaded, throughput: &Throughput) -> Value {
+    let mut object = json!({
+        "experiment": "throughput",
+        "scene": loaded.name,
+        "scene_hash": loaded.scene().hash,
+        "version": env!("CARGO_PKG_VERSION"),
+        "size": flags.size(),
+        "samples": flags.trace().samples,
+        "seed": flags.seed,
+    });
+    let figures = serde_json::to_value(throughput).unwrap_or(Value::Null);
+    if let (Some(object), Value::Object(figures)) = (object.as_object_mut(), figures) {
+        object.extend(figures);
+    }
+    object
+}
+
+fn table(t: &Throughput) -> String {
+    let rate = |mrays: f64, count: usize| format!("{mrays:.2} Mrays/s ({count} rays)");
+    output::table(&[
+        ("threads", t.threads.to_string()),
+        ("primary", rate(t.primary_mrays_per_sec, t.primary_rays)),
+        ("primary, tiles", rate(t.primary_tile_mrays_per_sec, t.primary_rays)),
+        ("shadow", rate(t.shadow_mrays_per_sec, t.shadow_rays)),
+        ("diffuse", rate(t.diffuse_mrays_per_sec, t.diffuse_rays)),
+        (
+            "warp",
+            format!(
+                "{:.2} ns per reference pixel; on one core {:.2}, from memory {:.2}: {:.1} times its floor at {:.1} GB/s",
+                t.warp.warp_ns_per_reference_pixel,
+                t.warp.warp_ns_per_reference_pixel_one_core,
+                t.warp.warp_from_memory_ns_per_reference_pixel_one_core,
+                t.warp.warp_over_memory_floor,
+                t.warp.memory_gb_per_sec_one_core
+            ),
+        ),
+        ("shading", format!("{:.2} us per pixel", t.shade_us_per_pixel)),
+        (
+            "hierarchy",
+            format!(
+                "{} triangles, {:.1} MB, built in {:.3} s",
+                t.triangles,
+                t.bvh_bytes as f64 / 1e6,
+                t.build_secs
+            ),
+        ),
+    ])
+}
