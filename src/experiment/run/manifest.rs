@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 /// `manifest.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Manifest {
-    /// The form of the folder: [`FORMAT`].
+    /// The form of the folder; another version of the program may write another.
     pub format: u32,
     /// What was run.
     #[serde(flatten)]
