@@ -187,14 +187,12 @@ fn line(plane: &Plane, points: &[Point]) -> String {
     let mut path = String::new();
     let mut is_broken = true;
     for point in points {
-        match plane.place(point.at) {
-            Some([x, y]) => {
-                let command = if is_broken { 'M' } else { 'L' };
-                let _ = write!(path, "{command}{x:.1} {y:.1}");
-            }
-            None => {}
+        let place = plane.place(point.at);
+        if let Some([x, y]) = place {
+            let command = if is_broken { 'M' } else { 'L' };
+            let _ = write!(path, "{command}{x:.1} {y:.1}");
         }
-        is_broken = plane.place(point.at).is_none();
+        is_broken = place.is_none();
     }
     path
 }
