@@ -34,6 +34,7 @@ impl Bench {
             experiment,
             tracer: Arc::new(room_tracer(true, false)),
             settings,
+            walk: walk(),
             dir: tempfile::tempdir().unwrap(),
         }
     }
