@@ -99,6 +99,7 @@ pub struct LabSettings {
     /// Memory for references.
     pub cache_mb: u64,
     /// Stops that pictures are brought up by before they are shown and compared; see [`Lab::exposure_ev`].
+    #[serde(skip_serializing_if = "Option::is_none")] // TOML knows no nothing
     pub exposure_ev: Option<f32>,
 }
 
