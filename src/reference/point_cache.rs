@@ -89,12 +89,13 @@ pub struct PointCache {
 }
 
 impl PointCache {
-    /// Enters what was traced in an epoch, in the order of the pixels, and empties the list; forgets what is held of another
-    /// epoch. Of several points of a cell the first stays, unless a later one has more samples. Light that is not finite
-    /// is left out.
+    /// Enters what was traced since the last call, in the order of the pixels, and empties the list. Where that call was for
+    /// another epoch, the list is of that one too: it is forgotten with all that is held. Of several points of a cell the
+    /// first stays, unless a later one has more samples. Light that is not finite is left out.
     pub fn enter(&mut self, epoch: SceneEpoch, points: &mut Vec<TracedPoint>) {
-        if self.epoch.replace(epoch) != Some(epoch) {
+        if self.epoch.replace(epoch).is_some_and(|last| last != epoch) {
             self.buckets = Vec::new();
+            points.clear();
         }
         if !points.is_empty() && self.buckets.is_empty() {
             self.buckets = vec![[Entry::NONE; WAYS]; BUCKETS];
@@ -206,7 +207,7 @@ mod tests {
             lent += u32::from(found.is_some());
         }
         assert!((80..=121).contains(&lent), "one cell of 10 by 10 places: {lent}");
-        cache.enter(other, &mut Vec::new());
+        cache.enter(other, &mut vec![TracedPoint { place: at, light, samples: 4, pixel: 0 }]);
         assert_eq!(cache.find(&at, 4), None, "another state of the scene");
     }
 
