@@ -19,7 +19,8 @@ pub(super) const ROWS_ASKED: u64 = 0xff00_ff00_00ff_00ff;
 const ROWS_BETWEEN: [(usize, usize, usize, f32); 4] =
     [(1, 0, 2, 0.5), (3, 2, 5, 1.0 / 3.0), (4, 2, 5, 2.0 / 3.0), (6, 5, 7, 0.5)];
 
-/// Rows are interpolated where the light above and below differs by less than this share.
+/// Rows are interpolated where the light above and below differs by less than this share: less than what sixteen shadow
+/// rays are off by. On two views of the gallery that took 0.4 and 0.7 dB off the error of reused pixels, and the pictures of the error show no row.
 const MOST_STEP: f32 = 1.0 / 32.0;
 
 /// Pixels see one plane where normals differ by less than this, and distances to the plane by less than this share: the
