@@ -151,7 +151,7 @@ fn flown(lab: &Lab<'_>, mode: Mode, trace: TraceSettings) -> CellOutcome {
         ..WalkthroughSettings::default()
     };
     let frames = lab.settings.frames;
-    let settings = TourSettings { walkthrough, size: lab.settings.size, frames, measure: None };
+    let settings = TourSettings { walkthrough, size: lab.settings.size, frames, budget: None, measure: None };
     let measured: Vec<u32> =
         (0..lab.settings.views).map(|v| (view_share(lab, v) * f64::from(frames)) as u32).collect();
     let (cancel, mut records, mut trouble) = (AtomicBool::new(false), Vec::new(), None);
