@@ -79,7 +79,7 @@ impl Trial<'_> {
     /// the same in each. The frame stays in `renderer`. `None` after a stop.
     ///
     /// # Errors
-    /// [`LabError::Compare`](super::run::LabError::Compare) for a frame without pixels.
+    /// [`LabError::Compare`] for a frame without pixels.
     pub fn measure(&self, lab: &Lab<'_>, truth: &[Vec3], renderer: &mut Renderer) -> CellOutcome {
         let mut records = Vec::new();
         for repetition in 0..=lab.settings.repetitions {
