@@ -5,6 +5,7 @@
 mod aim;
 pub mod app;
 mod apply;
+mod editing;
 pub mod fly_camera;
 pub mod frames;
 mod input;
@@ -12,12 +13,16 @@ pub mod keymap;
 pub mod load;
 mod moving;
 pub mod panels;
+pub mod plan;
 pub mod playback;
 pub mod pose_text;
+pub mod projection;
 mod reference_thread;
 pub mod render_thread;
 pub mod screenshot;
+mod seeing;
 pub mod state;
+pub mod thumbnails;
 pub mod viewport;
 pub mod walking;
 
