@@ -38,7 +38,7 @@ fn a_clicked_surface_is_made_a_mirror_and_matte_again() {
     click(&mut harness, -20.0, 180.0);
     let before = edits(harness.state()).now().clone();
     let newest = harness.state().threads().generation();
-    harness.get_by_label("Mirror").click();
+    harness.get_by_label("Mirror").click_accesskit();
     step_until(&mut harness, "the new scene", |app| app.threads().generation() > newest);
     settle(&mut harness);
     assert!(matches!(kind_of_chosen(harness.state()), MaterialKind::Mirror { .. }));
@@ -52,12 +52,12 @@ fn a_clicked_surface_is_made_a_mirror_and_matte_again() {
     harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
     harness.step();
     assert!(matches!(kind_of_chosen(harness.state()), MaterialKind::Mirror { .. }));
-    harness.get_by_label("Glass").click();
+    harness.get_by_label("Glass").click_accesskit();
     harness.step();
     harness.step();
     assert!(matches!(kind_of_chosen(harness.state()), MaterialKind::Glass { .. }));
     step_until(&mut harness, "glass in the scene", |app| scene(app).needs.glass);
-    harness.get_by_label("Undo").click();
+    harness.get_by_label("Undo").click_accesskit();
     step_until(&mut harness, "no glass in the scene", |app| !scene(app).needs.glass);
 }
 
@@ -66,7 +66,7 @@ fn the_old_picture_stays_until_the_new_scene_has_one() {
     let mut harness = app();
     click(&mut harness, 0.0, 180.0);
     let newest = generation(&harness);
-    harness.get_by_label("Mirror").click();
+    harness.get_by_label("Mirror").click_accesskit();
     step_until(&mut harness, "the first picture of the new scene", |app| {
         let frame = app.state().frame.as_ref().expect("never without a picture");
         assert!(frame.stats.is_complete, "nor with half of one");
@@ -77,19 +77,19 @@ fn the_old_picture_stays_until_the_new_scene_has_one() {
 #[test]
 fn the_sun_is_switched_on_and_moved() {
     let mut harness = app();
-    harness.get_by_label("Sun and sky").click();
+    harness.get_by_label("Sun and sky").click_accesskit();
     harness.run_steps(30);
     let lights = scene(harness.state()).lights;
-    harness.get_by_label("Sun").click();
+    harness.get_by_label("Sun").click_accesskit();
     step_until(&mut harness, "one light more", |app| scene(app).lights == lights + 1);
     let direction = |app: &App| edits(app).now().daylight.sun.expect("a sun").0;
     let before = direction(harness.state());
-    harness.get_by_label("By place and time").click();
+    harness.get_by_label("By place and time").click_accesskit();
     harness.run_steps(3);
     let after = direction(harness.state());
     assert!(before.distance(after) > 0.05, "{before} and {after}: another place, another sun");
     assert!(after.z > 0.0, "in the south at noon in Berlin: {after}");
-    harness.get_by_label("Sky").click();
+    harness.get_by_label("Sky").click_accesskit();
     step_until(&mut harness, "a sky", |app| scene(app).needs.sky);
     for _ in 0..3 {
         harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
@@ -108,7 +108,7 @@ fn changes_are_saved_beside_a_model_and_survive_a_reload_before() {
     std::fs::write(&side, "# mine\nunit = \"m\"\n").expect("a file");
     let mut harness = open(WindowRequest { scene: Some(SceneSource::file(&model)), ..request() }, false);
     click(&mut harness, 0.0, 0.0);
-    harness.get_by_label("Mirror").click();
+    harness.get_by_label("Mirror").click_accesskit();
     settle(&mut harness);
     harness.step();
     harness.key_press(Key::F5);
@@ -118,7 +118,7 @@ fn changes_are_saved_beside_a_model_and_survive_a_reload_before() {
     assert!(matches!(kind_of_chosen(harness.state()), MaterialKind::Mirror { .. }));
     step_until(&mut harness, "the mirror", |app| scene(app).needs.mirror);
     harness.step();
-    harness.get_by_label("Save beside the scene").click();
+    harness.get_by_label("Save beside the scene").click_accesskit();
     step_until(&mut harness, "a saved look", |app| !edits(app).is_unsaved());
     let text = std::fs::read_to_string(&side).expect("the file");
     assert!(text.starts_with("# mine\nunit = \"m\"\n") && text.contains("kind = \"mirror\""), "{text}");
@@ -127,14 +127,14 @@ fn changes_are_saved_beside_a_model_and_survive_a_reload_before() {
 #[test]
 fn a_scene_of_the_program_cannot_be_saved_beside_and_says_so() {
     let mut harness = app();
-    harness.get_by_label("Edit").click();
+    harness.get_by_label("Edit").click_accesskit();
     harness.run_steps(2);
     click(&mut harness, 0.0, 180.0);
-    harness.get_by_label("Glass").click();
+    harness.get_by_label("Glass").click_accesskit();
     harness.run_steps(2);
-    harness.get_by_label("Edit").click();
+    harness.get_by_label("Edit").click_accesskit();
     harness.run_steps(2);
-    harness.get_by_label_contains("Save changes beside the scene").click();
+    harness.get_by_label_contains("Save changes beside the scene").click_accesskit();
     harness.run_steps(2);
     let notice = harness.state().state().notices.last().expect("a message");
     assert!(notice.severity == Severity::Error && notice.text.contains("part of the program"), "{notice:?}");
@@ -144,7 +144,7 @@ fn a_scene_of_the_program_cannot_be_saved_beside_and_says_so() {
 fn a_deleted_view_comes_back() {
     let mut harness = app();
     let views = scene(harness.state()).views.clone();
-    harness.get_by_label("Delete mirror").click();
+    harness.get_by_label("Delete mirror").click_accesskit();
     harness.run_steps(2);
     assert_eq!(scene(harness.state()).views.len(), views.len() - 1);
     harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);

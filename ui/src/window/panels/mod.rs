@@ -45,12 +45,12 @@ pub fn side(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     egui::ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
         ui.spacing_mut().item_spacing.y = 5.0;
         section(ui, "Scene", |ui| report::show(ui, state, commands));
-        section(ui, "Plan", |ui| plan::show(ui, state, commands));
         section(ui, "Views", |ui| views::show(ui, state, commands));
+        closed_section(ui, "Camera path", |ui| path::show(ui, state, commands));
         section(ui, "Pixel and distance", |ui| inspector::show(ui, state, commands));
         section(ui, "Material", |ui| material::show(ui, state, commands));
         closed_section(ui, "Sun and sky", |ui| daylight::show(ui, state, commands));
-        closed_section(ui, "Camera path", |ui| path::show(ui, state, commands));
+        section(ui, "Plan", |ui| plan::show(ui, state, commands));
         section(ui, "Pixel types", |ui| legend::show(ui, state, commands));
         section(ui, "Quality", |ui| quality::show(ui, state, commands));
         section(ui, "References", |ui| references::show(ui, state, commands));
