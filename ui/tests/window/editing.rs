@@ -44,7 +44,7 @@ fn a_clicked_surface_is_made_a_mirror_and_matte_again() {
     assert!(matches!(kind_of_chosen(harness.state()), MaterialKind::Mirror { .. }));
     let p = harness.state().state().frame.as_ref().expect("a frame").stats.types.percentages();
     assert!(p.type2_percent > 15.0, "a floor that mirrors is Type 2: {p:?}");
-    harness.get_by_label("\u{25cf} not saved");
+    harness.get_by_label("Changes not saved");
     harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
     harness.step();
     assert_eq!(*edits(harness.state()).now(), before);

@@ -111,6 +111,8 @@ fn the_plan_is_cut_zoomed_and_clicked() {
     assert!((harness.state().state().plan_view.zoom() - 1.5).abs() < 1e-9);
     harness.get_by_label("Follow me").click_accesskit();
     harness.run_steps(2);
+    harness.get_by_label("Plan map").scroll_to_me();
+    harness.run_steps(30);
     // The first reference stands where one is: in the middle of the plan that follows.
     let at = harness.get_by_label("Plan map").rect().center();
     harness.hover_at(at);

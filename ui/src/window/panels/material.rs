@@ -33,7 +33,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 fn choice(ui: &mut Ui, edits: &Edits, chosen: Option<MaterialId>, commands: &mut Vec<Command>) {
     let materials = &edits.now().materials;
     let name = chosen.map_or("none chosen", |id| &materials[id.0 as usize].name);
-    let combo = egui::ComboBox::from_id_salt("material").selected_text(name).width(230.0).truncate();
+    let combo = egui::ComboBox::from_id_salt("chosen material").selected_text(name).width(230.0).truncate();
     let response = combo.show_ui(ui, |ui| {
         // A list of thousands of rows is laid out only where it is seen.
         let height = ui.text_style_height(&egui::TextStyle::Button) + 2.0 * ui.spacing().button_padding.y;
@@ -64,7 +64,9 @@ fn controls(ui: &mut Ui, material: &Material, before: &Material) -> Material {
         }
     });
     ui.spacing_mut().slider_width = 110.0;
-    egui::Grid::new("material").num_columns(2).min_col_width(84.0).show(ui, |ui| match &mut edited.kind {
+    egui::Grid::new("material controls").num_columns(2).min_col_width(84.0).show(ui, |ui| match &mut edited
+        .kind
+    {
         MaterialKind::Diffuse => {
             let name = if material.diffuse_texture.is_some() { "Tint of the picture" } else { "Colour" };
             color_row(ui, name, &mut edited.diffuse);
@@ -151,7 +153,4 @@ fn history(ui: &mut Ui, state: &State, edits: &Edits, commands: &mut Vec<Command
         let can_save = edits.is_unsaved() && is_file;
         button(ui, "Save beside the scene", can_save, help.to_owned(), Editing::SaveBeside);
     });
-    if edits.is_unsaved() {
-        ui.weak("Changed, and not saved.");
-    }
 }

@@ -20,7 +20,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             if state.edits.as_ref().is_some_and(Edits::is_unsaved) {
-                ui.label("\u{25cf} not saved")
+                ui.label("Changes not saved")
                     .on_hover_text("Materials or light were changed: Material panel");
             }
             if let Some(adapter) = &state.software_adapter {

@@ -34,7 +34,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     draw(ui, state, &sheet);
     steer(ui, state, &sheet, &response, commands);
     buttons(ui, state, &sheet, commands);
-    chosen(ui, state, commands);
+    chosen(ui, state, plan, commands);
 }
 
 /// The plan as it lies on the screen: -Z is up, +X right.
@@ -142,12 +142,11 @@ fn steer(ui: &Ui, state: &State, sheet: &Sheet, response: &Response, commands: &
         view.centre_m -= DVec2::new(f64::from(drag.x), f64::from(drag.y)) / sheet.points_per_metre;
         view.follows = false;
     }
-    if let Some(at) = response.hover_pos().filter(|_| response.hovered()) {
-        let scroll = ui.input(|i| i.smooth_scroll_delta.y);
-        if scroll != 0.0 {
-            view = view.zoomed(f64::from(scroll / 200.0).exp2(), sheet.place(at));
-            // The panel must not scroll away under the plan.
-            ui.input_mut(|i| i.smooth_scroll_delta = egui::Vec2::ZERO);
+    if let Some(at) = response.hover_pos() {
+        // Ctrl + wheel, or two fingers: the wheel alone scrolls the panel that the plan lies in.
+        let factor = ui.input(egui::InputState::zoom_delta);
+        if factor != 1.0 {
+            view = view.zoomed(f64::from(factor), sheet.place(at));
         }
     }
     if view != sheet.view {
@@ -182,10 +181,13 @@ fn buttons(ui: &mut Ui, state: &State, sheet: &Sheet, commands: &mut Vec<Command
     }
 }
 
-fn chosen(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+fn chosen(ui: &mut Ui, state: &State, plan: &Plan, commands: &mut Vec<Command>) {
     match references(state).iter().find(|r| state.sight.reference == Some(r.id)) {
         None => {
-            ui.weak("Blue: you. Click a reference to choose it; wheel and drag move the plan.");
+            let height = plan.height_m;
+            ui.weak(format!(
+                "Cut at {height:.1} m. Blue: you; pink: the walk. Click a reference to choose it; drag, or zoom with Ctrl + wheel."
+            ));
         }
         Some(reference) => super::references::entry(ui, state, reference, "chosen reference", commands),
     }

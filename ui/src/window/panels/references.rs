@@ -1,9 +1,10 @@
 //! The references held: what they are worth, where they stand.
 
-use super::super::frames::ReferenceInfo;
+use super::super::frames::{ReferenceInfo, supplier_byte};
 use super::super::keymap::{Action, keys_of};
 use super::super::state::{Command, Options, Seeing, State, Work};
-use egui::{ProgressBar, RichText, Ui};
+use afterimage::reference::ReferenceId;
+use egui::{Color32, ProgressBar, RichText, Ui};
 
 /// Shows buttons and list.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
@@ -69,6 +70,7 @@ pub fn entry(
         super::thumbnail(ui, state, &reference.camera);
         ui.vertical(|ui| {
             ui.horizontal(|ui| {
+                swatch(ui, reference.id);
                 let name = RichText::new(format!("#{number}"));
                 let is_chosen = state.sight.reference == Some(reference.id);
                 let name = if reference.is_used { name.strong() } else { name };
@@ -93,6 +95,23 @@ pub fn entry(
     let [width, height] = reference.size;
     let place = format!("{:.2}, {:.2}, {:.2} m   {width} x {height}", eye.x, eye.y, eye.z);
     ui.label(RichText::new(place).small().weak());
+}
+
+/// A square of the colour that stands for it in the heatmap by reference.
+fn swatch(ui: &mut Ui, id: ReferenceId) {
+    let (rect, response) = ui.allocate_exact_size(egui::vec2(12.0, 12.0), egui::Sense::hover());
+    ui.painter().rect_filled(rect, 2.0, heatmap_color(supplier_byte(id)));
+    response.on_hover_text("Its colour in the heatmap by reference");
+}
+
+/// As `color_of_reference` of present.wgsl has it: hues by the golden ratio.
+fn heatmap_color(supplier: u8) -> Color32 {
+    let hue = (f32::from(supplier) * 0.618_034 + 0.58).fract();
+    let channel = |shift: f32| {
+        let pure = (((hue + shift).fract() * 6.0 - 3.0).abs() - 1.0).clamp(0.0, 1.0);
+        ((1.0 - 0.7 + 0.7 * pure) * 0.9 * 255.0 + 0.5) as u8
+    };
+    Color32::from_rgb(channel(0.0), channel(2.0 / 3.0), channel(1.0 / 3.0))
 }
 
 fn deeds(ui: &mut Ui, reference: &ReferenceInfo, whose: &str, commands: &mut Vec<Command>) {
