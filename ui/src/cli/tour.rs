@@ -5,7 +5,8 @@ use super::flags::Flags;
 use super::progress::Progress;
 use super::render::file_notes;
 use super::scene::{Loaded, load};
-use super::{interrupt, memory, output, paths};
+use super::{interrupt, output, paths};
+use crate::picture::memory;
 use afterimage::camera_path::CameraPath;
 use afterimage::experiment::record::csv;
 use afterimage::experiment::{MeasureSettings, TourEvent, TourRecord, TourSettings, run_tour};
@@ -87,7 +88,7 @@ fn percent(text: &str) -> Result<f64, String> {
 }
 
 pub(crate) fn run(args: &TourArgs, flags: &Flags) -> Result<(), Failure> {
-    memory::check(flags.pixels(), 1)?;
+    memory::check(flags.pixels(), 1).map_err(Failure::Usage)?;
     let recorded = args.path.as_deref().map(read_path).transpose()?;
     make_folder(&args.out)?;
     if args.pictures {

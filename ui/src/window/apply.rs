@@ -13,6 +13,7 @@ impl App {
         let state = &mut self.state;
         match command {
             Command::Open(source) => self.open(source),
+            Command::OpenPath(path) => self.open_path(path),
             Command::Browse => self.browse(),
             Command::CancelLoading => self.loader = None,
             Command::Reload => {
@@ -40,7 +41,7 @@ impl App {
             }
             Command::AddReference => self.order(Order::AddReference(*self.state.fly.camera())),
             Command::Remove(id) => self.order(Order::Remove(id)),
-            Command::Screenshot => self.order(Order::Picture),
+            Command::Picture(command) => self.picture(command),
             Command::CopyPose => {
                 let flags = pose_flags(state.fly.camera());
                 state.notify(Severity::Info, format!("copied {flags}"));
@@ -58,7 +59,7 @@ impl App {
         ctx.request_repaint();
     }
 
-    fn order(&mut self, order: Order) {
+    pub(super) fn order(&mut self, order: Order) {
         self.threads.order(order);
     }
 
@@ -82,6 +83,8 @@ impl App {
             state.asks_to_clear = false;
         } else if state.options.shows_help {
             state.options.shows_help = false;
+        } else if state.picture.is_open {
+            state.picture.is_open = false;
         } else if state.notices.pop().is_none() && ctx.input(|i| i.viewport().fullscreen.unwrap_or(false)) {
             ctx.send_viewport_cmd(ViewportCommand::Fullscreen(false));
         }

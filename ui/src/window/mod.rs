@@ -5,12 +5,14 @@
 mod aim;
 pub mod app;
 mod apply;
+mod export;
 pub mod fly_camera;
 pub mod frames;
 mod input;
 pub mod keymap;
 pub mod load;
 mod moving;
+mod opening;
 pub mod panels;
 pub mod playback;
 pub mod pose_text;

@@ -3,7 +3,7 @@
 use super::super::fly_camera::Gait;
 use super::super::keymap::{Action, keys_of};
 use super::super::load::SceneSource;
-use super::super::state::{Command, Moving, Options, State};
+use super::super::state::{Command, Moving, Options, PictureCommand, State};
 use afterimage::scene::builtin;
 use egui::{Button, Ui};
 
@@ -46,7 +46,10 @@ fn scene_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     }
     ui.separator();
     if item(ui, "Save picture", Some(Action::Screenshot)) {
-        commands.push(Command::Screenshot);
+        commands.push(Command::Picture(PictureCommand::Save));
+    }
+    if item(ui, "Picture settings...", None) {
+        commands.push(Command::Picture(PictureCommand::ShowDialog(true)));
     }
     if item(ui, "Copy pose", Some(Action::CopyPose)) {
         commands.push(Command::CopyPose);

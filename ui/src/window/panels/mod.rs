@@ -6,6 +6,7 @@ pub mod legend;
 pub mod menu;
 pub mod notices;
 pub mod path;
+pub mod picture;
 pub mod plots;
 pub mod quality;
 pub mod references;

@@ -4,6 +4,7 @@ mod command;
 mod history;
 mod notices;
 mod options;
+mod picture;
 mod quality;
 mod scene;
 mod work;
@@ -12,6 +13,7 @@ pub use command::{Command, Moving};
 pub use history::{HISTORY, Sample};
 pub use notices::{Notice, Severity};
 pub use options::Options;
+pub use picture::{Exporting, PictureCommand, PictureFormat, PictureSettings, PictureSize, PictureState};
 pub use quality::{Quality, WINDOW_SAMPLES};
 pub use scene::{SavedView, SceneInfo};
 pub use work::Work;
@@ -67,6 +69,8 @@ pub struct State {
     pub recording: Option<Recording>,
     /// The name of a saved view that is being changed: which, and what is typed.
     pub renaming: Option<(usize, String)>,
+    /// Pictures.
+    pub picture: PictureState,
     next_notice: u64,
 }
 
@@ -104,6 +108,7 @@ impl State {
             playback: Playback::default(),
             recording: None,
             renaming: None,
+            picture: PictureState::default(),
             next_notice: 0,
         }
     }
