@@ -31,7 +31,9 @@ fn bands_have_the_bits_of_the_whole_picture() {
         let (picture, done) = (banded(&tracer, &camera, passes), AtomicU64::new(0));
         let (mut y, mut counted) = (0, Default::default());
         for rows in [0..8, 8..24, 24..37] {
-            let note = |more| drop(done.fetch_add(more, Ordering::Relaxed));
+            let note = |more| {
+                done.fetch_add(more, Ordering::Relaxed);
+            };
             let (band, rays) = picture.render(rows.clone(), NEVER, &note).unwrap();
             counted += rays;
             let part = (y * SIZE[0]) as usize..(rows.end * SIZE[0]) as usize;

@@ -101,7 +101,8 @@ impl Settings {
         match name {
             "mode" => self.mode = Some(flags::mode(text)?),
             "samples" => {
-                self.samples = Some(number(text, |n| (1..=1 << 20).contains(n), "a number from 1 to 1048576")?);
+                self.samples =
+                    Some(number(text, |n| (1..=1 << 20).contains(n), "a number from 1 to 1048576")?);
             }
             "bounces" => self.bounces = Some(number(text, |n| *n <= 64, "a number from 0 to 64")?),
             "seed" => self.seed = Some(number(text, |_| true, "a whole number from 0")?),
@@ -186,7 +187,8 @@ fn table_of(path: &Path, warnings: &mut Vec<String>) -> Option<Table> {
         Ok(text) => text,
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return None,
         Err(error) => {
-            warnings.push(format!("{} cannot be read, so its settings are left aside: {error}", path.display()));
+            warnings
+                .push(format!("{} cannot be read, so its settings are left aside: {error}", path.display()));
             return None;
         }
     };
@@ -197,7 +199,11 @@ fn table_of(path: &Path, warnings: &mut Vec<String>) -> Option<Table> {
 pub(crate) fn broken(path: &Path, text: &str, error: &toml::de::Error) -> String {
     let at = error.span().map_or(0, |span| span.start).min(text.len());
     let line = text.as_bytes()[..at].iter().filter(|b| **b == b'\n').count() + 1;
-    format!("{}, line {line}: {}; the file is left aside until that is mended", path.display(), error.message())
+    format!(
+        "{}, line {line}: {}; the file is left aside until that is mended",
+        path.display(),
+        error.message()
+    )
 }
 
 /// What may have been meant.
@@ -269,7 +275,10 @@ mod tests {
         let (settings, warnings) = load(Some(&user), None, variables(&[("AFTERIMAGE_MODE", "slow")]));
         assert_eq!(settings, Settings { seed: Some(7), ..Settings::default() });
         let said = |words: &str| warnings.iter().any(|w| w.contains(words));
-        assert!(said("did you mean 'samples'?") && said("from 0.5 to 3") && said("a word, a number"), "{warnings:?}");
+        assert!(
+            said("did you mean 'samples'?") && said("from 0.5 to 3") && said("a word, a number"),
+            "{warnings:?}"
+        );
         assert!(said("AFTERIMAGE_MODE") && said("'exact'") && warnings.len() == 4, "{warnings:?}");
     }
 

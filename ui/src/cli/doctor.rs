@@ -4,8 +4,8 @@ use super::failure::Failure;
 use super::flags::Flags;
 use super::{output, paths};
 use serde_json::{Value, json};
-use std::path::Path;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
 
 pub(crate) fn run(flags: &Flags, user_file: Option<&Path>) -> Result<(), Failure> {
     let object = object(user_file);
@@ -128,7 +128,11 @@ fn table(object: &Value) -> String {
             format!(
                 "{}{}",
                 at("/paths/settings"),
-                if object["paths"]["has_settings"] == true { "" } else { " (not there: the program's own hold)" }
+                if object["paths"]["has_settings"] == true {
+                    ""
+                } else {
+                    " (not there: the program's own hold)"
+                }
             ),
         ),
         ("sessions", at("/paths/state")),

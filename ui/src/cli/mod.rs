@@ -10,8 +10,8 @@ pub(crate) mod flags;
 mod inspect;
 mod interrupt;
 mod output;
-pub(crate) mod paths;
 mod papers;
+pub(crate) mod paths;
 mod pose;
 mod progress;
 mod render;
@@ -109,7 +109,8 @@ pub fn run() -> ExitCode {
     let is_given = |id: &str| matches.value_source(id).is_some_and(|s| s != ValueSource::DefaultValue);
     cli.flags.fill_in(&settings, is_given);
     let common = Common { settings, user_file, warnings };
-    let outcome = check(&cli.flags).and_then(|()| start_threads(&cli.flags)).and_then(|()| dispatch(&cli, &common));
+    let outcome =
+        check(&cli.flags).and_then(|()| start_threads(&cli.flags)).and_then(|()| dispatch(&cli, &common));
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {

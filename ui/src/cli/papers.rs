@@ -37,6 +37,6 @@ pub(crate) fn man(command: Command) -> Result<(), Failure> {
 
 /// The list that is checked by the tests.
 pub(crate) fn licences() -> Result<(), Failure> {
-    output::data(include_str!("../../assets/LICENCES.md").trim_end());
+    output::data(include_str!("../../../assets/LICENCES.md").trim_end());
     Ok(())
 }

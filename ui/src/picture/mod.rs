@@ -206,7 +206,9 @@ impl PictureJob {
         let (camera, size, settings) = (&self.camera, self.size, &self.settings);
         if settings.mode.looks_up() {
             let mut cache = ReferenceCache::new(tracer.scene(), usize::MAX);
-            references.iter().for_each(|r| drop(cache.insert(Arc::clone(r))));
+            for reference in references {
+                cache.insert(Arc::clone(reference));
+            }
             renderer.render_by_lookup(tracer, camera, size, settings, &cache.lookup(tracer.epoch()), stop);
         } else {
             let references: Vec<&ReferenceFrame> = references.iter().map(|r| &**r).collect();

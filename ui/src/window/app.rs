@@ -3,6 +3,7 @@
 use super::WindowRequest;
 use super::export::Export;
 use super::frames::locked;
+use super::keeping::Keeping;
 use super::keymap::Keyboard;
 use super::load::{Loader, SceneSource};
 use super::panels;
@@ -32,6 +33,12 @@ pub(super) enum News {
     Chosen(Option<PathBuf>),
     /// Something was saved, or not.
     Saved(anyhow::Result<PathBuf>),
+    /// A session was saved, or not.
+    Session(Result<PathBuf, String>),
+    /// Something was kept for the next start; only failure is told.
+    Kept(Result<(), String>),
+    /// The files of this model have changed.
+    Changed(PathBuf),
     /// The view of a picture was read, or not.
     View(Result<PictureView, String>),
 }
@@ -46,6 +53,8 @@ pub struct App {
     pub(super) wake: Wake,
     pub(super) news: (Sender<News>, Receiver<News>),
     pub(super) is_browsing: bool,
+    /// What outlives the window.
+    pub(super) keeping: Keeping,
     /// The hash of the scene that is expected: a picture of it was opened.
     pub(super) expected_hash: Option<String>,
     /// The picture that is being saved.
@@ -95,6 +104,7 @@ impl App {
             wake,
             news: unbounded(),
             is_browsing: false,
+            keeping: Keeping::default(),
             expected_hash: None,
             export: None,
             graphics: cc.wgpu_render_state.clone(),
@@ -107,6 +117,12 @@ impl App {
             has_grab: false,
             request,
         };
+        app.show_look(&cc.egui_ctx, app.request.look);
+        app.state.settings_file.clone_from(&app.request.settings_file);
+        for warning in std::mem::take(&mut app.request.warnings) {
+            app.state.notify(Severity::Error, warning);
+        }
+        app.begin_keeping();
         let scene = app.request.scene.clone().unwrap_or_else(SceneSource::default_builtin);
         app.open(scene);
         Ok(app)
@@ -151,6 +167,10 @@ impl App {
                 News::Saved(Ok(path)) => {
                     self.state.notify(Severity::Info, format!("saved {}", path.display()));
                 }
+                News::Session(saved) => self.session_saved(saved),
+                News::Kept(Ok(())) => {}
+                News::Kept(Err(message)) => self.state.notify(Severity::Error, message),
+                News::Changed(path) => self.reload_changed(&path),
                 News::View(Ok(view)) => self.go_to_picture(view),
                 News::View(Err(message)) => self.state.notify(Severity::Error, message),
                 News::Saved(Err(error)) => self.state.notify(Severity::Error, format!("{error:#}")),
@@ -223,6 +243,8 @@ impl App {
             let is_metered = is_model && self.request.exposure_ev.is_none();
             self.state.meters_from = is_metered.then_some(generation);
         }
+        let source = self.state.scene.as_ref().map(|s| s.source.clone());
+        source.iter().for_each(|source| self.keep_scene(source));
         self.sent = None;
     }
 
@@ -344,6 +366,12 @@ impl eframe::App for App {
         if self.state.asks_to_clear {
             panels::notices::ask_to_clear(&ctx, &self.state, &mut commands);
         }
+        if self.state.shows_settings {
+            panels::files::settings(&ctx, &self.state, &mut commands);
+        }
+        if self.state.recovery.is_some() {
+            panels::files::ask_to_recover(&ctx, &mut commands);
+        }
         if self.state.picture.is_open {
             panels::picture::show(&ctx, &self.state, &mut commands);
         }
@@ -355,6 +383,9 @@ impl eframe::App for App {
         }
         commands.into_iter().for_each(|command| self.apply(&ctx, command));
         self.send_wish();
+        if let Some(rest) = self.keep_session() {
+            ctx.request_repaint_after(rest);
+        }
         // A word or a message may change without anything else happening.
         if self.state.work == Work::Moving {
             ctx.request_repaint_after(MOTION_TIME);
@@ -366,6 +397,7 @@ impl eframe::App for App {
 
     fn on_exit(&mut self) {
         (self.loader, self.export) = (None, None);
+        self.end_keeping();
         self.threads.stop();
     }
 }

@@ -5,7 +5,7 @@ use super::app::App;
 use super::fly_camera::{Gait, Motion, SPEED_FACTOR};
 use super::keymap::{Action, Pressed};
 use super::panels::legend;
-use super::state::{Command, Moving, Options, PictureCommand, Severity};
+use super::state::{Command, FileCommand, Moving, Options, PictureCommand, Severity};
 use super::viewport::{Coloring, Heatmap};
 use afterimage::trace::Probe;
 use egui::{
@@ -66,6 +66,7 @@ impl App {
             Action::AddReference => Command::AddReference,
             Action::ClearCache => Command::AskToClear,
             Action::Open => Command::Browse,
+            Action::SaveSession => Command::Files(FileCommand::SaveSession),
             Action::Reload => Command::Reload,
             Action::Screenshot => Command::Picture(PictureCommand::Save),
             Action::ScreenshotWithoutBackground => Command::Picture(PictureCommand::SaveWithoutBackground),

@@ -37,6 +37,7 @@ pub enum Action {
     ClearCache,
     Pause,
     Open,
+    SaveSession,
     Reload,
     Screenshot,
     ScreenshotWithoutBackground,
@@ -151,7 +152,8 @@ pub const BINDINGS: &[Binding] = &[
     press(Action::AddReference, &[plain(Key::N)], "add a reference here"),
     press(Action::ClearCache, &[shift(Key::Delete)], "clear all references (asks first)"),
     press(Action::Pause, &[plain(Key::P)], "pause or resume the renderer"),
-    press(Action::Open, &[ctrl(Key::O)], "open a model"),
+    press(Action::Open, &[ctrl(Key::O)], "open a model, a session or a picture's view"),
+    press(Action::SaveSession, &[ctrl(Key::S)], "save the session"),
     press(Action::Reload, &[plain(Key::F5)], "load the scene again"),
     press(Action::Screenshot, &[plain(Key::F12)], "save a picture"),
     press(Action::ScreenshotWithoutBackground, &[ctrl(Key::F12)], "save a picture without the sky"),
@@ -260,7 +262,7 @@ pub const MOUSE: &[(&str, &str)] = &[
     ("Double click", "go there"),
     ("Shift held", "five times as fast"),
     ("Alt held", "five times as slow"),
-    ("Drop a file", "open a model"),
+    ("Drop a file", "open a model, a session or a picture's view"),
 ];
 
 impl Chord {
@@ -494,7 +496,8 @@ mod tests {
 
     #[test]
     fn conflicts_and_mistakes_are_refused_in_one_message() {
-        let error = table("add-reference = 'K'\nadd-refrence = 'B'\nlevel = 'Hyper+J'\nfocus = 7").unwrap_err();
+        let error =
+            table("add-reference = 'K'\nadd-refrence = 'B'\nlevel = 'Hyper+J'\nfocus = 7").unwrap_err();
         for words in [
             "K is bound to both add-reference and add-path-key",
             "did you mean 'add-reference'?",

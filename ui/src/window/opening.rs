@@ -2,6 +2,7 @@
 
 use super::app::{App, News};
 use super::load::SceneSource;
+use super::session::is_session;
 use super::state::Severity;
 use crate::picture::restore::{PictureView, beside, is_picture, read_view};
 use std::path::PathBuf;
@@ -13,6 +14,9 @@ impl App {
             return self.in_background("afterimage-picture", move || {
                 News::View(read_view(&path).map(|view| beside(view, &path)))
             });
+        }
+        if is_session(&path) {
+            return self.open_session(path);
         }
         self.open(SceneSource::file(path));
     }

@@ -1,5 +1,6 @@
 //! What lies round the viewport and over it. A panel reads the state and asks for changes by commands.
 
+pub mod files;
 pub mod help;
 pub mod hud;
 pub mod legend;

@@ -1,6 +1,5 @@
 //! The scene that is shown, the way to another one, and what was doubtful in its files.
 
-use super::super::load::SceneSource;
 use super::super::state::{Command, State};
 use egui::{Color32, RichText, Ui};
 

@@ -1,6 +1,6 @@
 //! What controls ask for: panels and keys make commands, only the app carries them out.
 
-use super::{Options, PictureCommand, Quality, Severity};
+use super::{FileCommand, Look, Options, PictureCommand, Quality, Severity};
 use crate::window::fly_camera::Gait;
 use crate::window::load::SceneSource;
 use crate::window::playback::Playback;
@@ -33,6 +33,9 @@ pub enum Command {
     KeepReferences,
     Remove(ReferenceId),
     Picture(PictureCommand),
+    Files(FileCommand),
+    SetLook(Look),
+    ShowSettings(bool),
     CopyPose,
     CopyText(String),
     Dismiss(u64),
