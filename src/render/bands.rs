@@ -128,7 +128,10 @@ impl BandedPicture<'_> {
                 return None;
             }
             let corner = [index % columns * side, rows.start + index / columns * side];
-            let tile = self.trace_tile(&views, corner);
+            let Some(tile) = self.trace_tile(&views, corner, stop) else {
+                stopped.store(true, Ordering::Relaxed);
+                return None;
+            };
             note(tile.pixels.len() as u64 * u64::from(passes));
             Some(tile)
         };
@@ -136,12 +139,16 @@ impl BandedPicture<'_> {
         Some(self.assembled(view, rows.clone(), &tiles?))
     }
 
-    fn trace_tile(&self, views: &[View], corner: [u32; 2]) -> TracedTile {
+    /// `None` after a stop: with many passes a tile takes a while.
+    fn trace_tile(&self, views: &[View], corner: [u32; 2], stop: Stop<'_>) -> Option<TracedTile> {
         let nothing = Gathered { sum: Vec3::ZERO, hits: 0, disparity: 0.0, triangle: NO_TRIANGLE };
         let places: Vec<usize> = pixels_of_tile(corner, self.size).map(|(_, pixel)| pixel).collect();
         let mut pixels = vec![nothing; places.len()];
         let mut rays = RayCounts::default();
         for (pass, view) in (0..).zip(views) {
+            if stop() {
+                return None;
+            }
             let trace = TraceSettings { seed: seed_of_pass(self.trace.seed, pass), ..self.trace };
             for (gathered, &pixel) in pixels.iter_mut().zip(&places) {
                 let traced = self.tracer.pixel(view, pixel as u32, &trace, &mut rays);
@@ -156,7 +163,7 @@ impl BandedPicture<'_> {
             }
         }
         debug_assert!(pixels.len() <= TILE_RAYS);
-        TracedTile { corner, pixels, rays }
+        Some(TracedTile { corner, pixels, rays })
     }
 
     fn assembled(&self, view: View, rows: Range<u32>, tiles: &[TracedTile]) -> (Band, RayCounts) {

@@ -9,6 +9,7 @@ use super::load::{Loader, SceneSource};
 use super::panels;
 use super::playback::Playback;
 use super::render_thread::{Message, Order, RenderThread, Wake, Wish};
+use super::session::is_session;
 use super::state::{SceneInfo, Severity, State, Work};
 use super::viewport;
 use super::walking::Obstacles;
@@ -117,6 +118,7 @@ impl App {
             has_grab: false,
             request,
         };
+        app.state.picture.settings = app.request.picture.clone();
         app.show_look(&cc.egui_ctx, app.request.look);
         app.state.settings_file.clone_from(&app.request.settings_file);
         for warning in std::mem::take(&mut app.request.warnings) {
@@ -124,7 +126,13 @@ impl App {
         }
         app.begin_keeping();
         let scene = app.request.scene.clone().unwrap_or_else(SceneSource::default_builtin);
-        app.open(scene);
+        match scene {
+            SceneSource::File { path, .. } if is_session(&path) => app.open_session(path),
+            scene => app.open(scene),
+        }
+        if app.loader.is_none() {
+            app.open(SceneSource::default_builtin());
+        }
         Ok(app)
     }
 
@@ -202,7 +210,10 @@ impl App {
                 (self.loader, self.state.loading) = (None, None);
                 match result {
                     Ok(tracer) => self.show_scene(source, tracer),
-                    Err(message) => self.state.notify(Severity::Error, message),
+                    Err(message) => {
+                        self.forget_awaited();
+                        self.state.notify(Severity::Error, message);
+                    }
                 }
             }
         }

@@ -17,7 +17,10 @@ impl App {
             Command::Open(source) => self.open(source),
             Command::OpenPath(path) => self.open_path(path),
             Command::Browse => self.browse(),
-            Command::CancelLoading => self.loader = None,
+            Command::CancelLoading => {
+                self.loader = None;
+                self.forget_awaited();
+            }
             Command::Reload => {
                 let source = state.scene.as_ref().map(|s| s.source.clone());
                 source.into_iter().for_each(|source| self.open(source));

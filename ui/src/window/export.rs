@@ -4,7 +4,7 @@ use super::app::App;
 use super::frames::locked;
 use super::render_thread::{Order, Picture, Wake, give_way, panic_text};
 use super::screenshot;
-use super::state::{Exporting, PictureCommand, PictureFormat, PictureSettings, PictureSize, Severity};
+use super::state::{Exporting, PictureCommand, PictureFormat, PictureSize, Severity};
 use crate::picture::{LONGEST_SIDE, Output, PictureJob, Shows, sequence};
 use afterimage::raster::stream::Target;
 use afterimage::reference::ReferenceFrame;
@@ -106,11 +106,6 @@ impl Drop for Export {
 const CANCELLED: &str = "";
 
 impl App {
-    /// How pictures are saved from now on.
-    pub fn set_picture_settings(&mut self, settings: PictureSettings) {
-        self.state.picture.settings = settings;
-    }
-
     /// Does what was asked for.
     pub(super) fn picture(&mut self, command: PictureCommand) {
         let state = &mut self.state;

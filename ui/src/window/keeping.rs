@@ -6,6 +6,7 @@ use super::load::SceneSource;
 use super::session::{EXTENSION, Session};
 use super::state::{FileCommand, Severity};
 use super::{render_thread::Wake, screenshot};
+use afterimage::Camera;
 use afterimage::raster::save::{write_atomically, write_new_atomically};
 use crossbeam_channel::{RecvTimeoutError, Sender, bounded};
 use std::path::{Path, PathBuf};
@@ -35,6 +36,7 @@ pub(super) struct Keeping {
     pub(super) awaited: Option<Session>,
     /// As it was kept last.
     kept: String,
+    kept_camera: Option<Camera>,
     kept_at: Instant,
     /// Ends the thread that watches the scene's files.
     watch: Option<Sender<()>>,
@@ -43,7 +45,7 @@ pub(super) struct Keeping {
 impl Default for Keeping {
     fn default() -> Self {
         let (file, other, awaited, kept) = (None, Table::new(), None, String::new());
-        Self { file, other, awaited, kept, kept_at: Instant::now(), watch: None }
+        Self { file, other, awaited, kept, kept_camera: None, kept_at: Instant::now(), watch: None }
     }
 }
 
@@ -169,16 +171,19 @@ impl App {
 
     /// Keeps the session for the case of a crash; returns how long it may wait for the next time.
     pub(super) fn keep_session(&mut self) -> Option<Duration> {
-        let folder = self.request.state_folder.clone()?;
+        let folder = self.request.state_folder.as_ref()?;
+        let camera = *self.state.fly.camera();
         let rest = KEEP_EVERY.saturating_sub(self.keeping.kept_at.elapsed());
+        if !rest.is_zero() {
+            return (self.keeping.kept_camera != Some(camera)).then_some(rest);
+        }
+        (self.keeping.kept_camera, self.keeping.kept_at) = (Some(camera), Instant::now());
         let text = Session::of(&self.state, &self.keeping.other)?.text().ok()?;
         if text == self.keeping.kept {
             return None;
         }
-        if !rest.is_zero() {
-            return Some(rest);
-        }
-        (self.keeping.kept, self.keeping.kept_at) = (text.clone(), Instant::now());
+        self.keeping.kept.clone_from(&text);
+        let folder = folder.clone();
         self.in_background("afterimage-keep", move || {
             let written = make_folder(&folder).and_then(|()| {
                 write_atomically(&recovery_file(&folder), text.as_bytes()).map_err(|e| e.to_string())

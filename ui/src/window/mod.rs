@@ -37,7 +37,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 pub use app::App;
 pub use load::SceneSource;
-use state::Look;
+use state::{Look, PictureSettings};
 
 /// What the window is opened with.
 #[derive(Clone, Debug)]
@@ -62,6 +62,8 @@ pub struct WindowRequest {
     pub threads: Option<usize>,
     /// Where pictures are saved; the current folder, or the user's pictures, where nothing is said.
     pub pictures: Option<PathBuf>,
+    /// How pictures are saved at first.
+    pub picture: PictureSettings,
     /// The looks of the window.
     pub look: Look,
     /// Where changed looks are kept; nowhere where nothing is said.
@@ -92,6 +94,7 @@ impl Default for WindowRequest {
             tone_map: ToneMap::default(),
             threads: None,
             pictures: None,
+            picture: PictureSettings::default(),
             look: Look::default(),
             settings_file: None,
             state_folder: None,

@@ -39,10 +39,19 @@ impl App {
             );
             return self.state.notify(Severity::Error, text);
         }
+        if self.state.scene.as_ref().is_some_and(|s| s.source.label() == source.label()) {
+            // Loaded again, one stays where one is.
+            self.state.fly.jump_to(view.camera);
+        }
         self.request.camera = Some(view.camera);
         self.request.exposure_ev = view.exposure_ev.or(self.request.exposure_ev);
         self.expected_hash = Some(view.scene_hash);
         self.open(source);
+    }
+
+    /// The scene that something waited for does not come.
+    pub(super) fn forget_awaited(&mut self) {
+        (self.request.camera, self.expected_hash, self.keeping.awaited) = (None, None, None);
     }
 
     /// Says where a picture's scene has changed since.

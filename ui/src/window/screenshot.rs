@@ -23,7 +23,9 @@ pub fn default_folders() -> Vec<PathBuf> {
 /// A file stem out of a scene's name: nothing that a file system could take amiss.
 pub fn stem(scene_name: &str) -> String {
     let plain = |c: char| if c.is_alphanumeric() || c == '-' || c == '_' { c } else { '-' };
-    let name: String = scene_name.trim_start_matches("builtin:").chars().take(60).map(plain).collect();
+    let name = scene_name.trim_start_matches("builtin:");
+    let name = [".obj", ".gltf", ".glb"].iter().find_map(|end| name.strip_suffix(end)).unwrap_or(name);
+    let name: String = name.chars().take(60).map(plain).collect();
     format!("afterimage-{name}")
 }
 
@@ -34,6 +36,7 @@ mod tests {
     #[test]
     fn a_scene_name_becomes_a_plain_file_name() {
         assert_eq!(stem("builtin:gallery"), "afterimage-gallery");
+        assert_eq!(stem("house.obj"), "afterimage-house");
         assert_eq!(stem("../a b/c"), "afterimage----a-b-c");
     }
 }

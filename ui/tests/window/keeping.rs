@@ -77,6 +77,23 @@ fn a_session_is_saved_and_brought_back() {
 }
 
 #[test]
+fn a_session_is_opened_by_name() {
+    let home = Home::new();
+    let mut harness = home.open();
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::S);
+    said(&mut harness, "afterimage-session.toml");
+    let path = home.path("afterimage-triangle-0001.afterimage-session.toml");
+    let named = || WindowRequest { scene: Some(SceneSource::file(&path)), ..request() };
+    let harness = open(named(), false);
+    assert_eq!(harness.state().state().scene.as_ref().map(|s| s.triangles), Some(1));
+    std::fs::write(&path, "version = 1\nscene\n").expect("a file");
+    let harness = begin(named(), false);
+    let notices = &harness.state().state().notices;
+    assert!(notices.iter().any(|n| n.text.contains("line 2")), "{notices:?}");
+    assert!(harness.state().loading().is_some(), "the gallery is shown instead");
+}
+
+#[test]
 fn a_session_of_another_version_is_said_and_left_alone() {
     let home = Home::new();
     let path = home.path("a.afterimage-session.toml");

@@ -10,9 +10,7 @@ use egui::{Key, Modifiers};
 
 /// The room's app with a picture of this kind asked for by F12.
 fn saving(folder: &std::path::Path, settings: PictureSettings) -> Harness<'static, App> {
-    let mut harness = app_saving_to(folder.to_owned());
-    harness.state_mut().set_picture_settings(settings);
-    harness
+    open(WindowRequest { pictures: Some(folder.to_owned()), picture: settings, ..request() }, false)
 }
 
 fn notice(harness: &mut Harness<'static, App>) -> (Severity, String) {
