@@ -5,6 +5,7 @@
 
 mod audit;
 mod bands;
+mod budget;
 mod builtin;
 mod bvh;
 mod golden;
