@@ -62,7 +62,7 @@ fn a_session_is_saved_and_brought_back() {
     drop(harness);
     let file =
         std::fs::read_dir(home.folder.path()).expect("the folder").filter_map(|e| Some(e.ok()?.path()));
-    let file = file.filter(|p| p.to_string_lossy().ends_with("session.toml")).next().expect("a session");
+    let file = files.find(|p| p.to_string_lossy().ends_with("session.toml")).expect("a session");
     let mut harness = app();
     harness.input_mut().dropped_files.push(Arc::new(driving::Dropped(file)));
     step_until(&mut harness, "the session's scene", |app| {
