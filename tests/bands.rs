@@ -8,7 +8,7 @@ use afterimage::render::aov::{Aov, display_rows_alpha};
 use afterimage::render::bands::{Background, Band, BandedPicture};
 use afterimage::render::render_antialiased;
 use afterimage::trace::parallel::NEVER;
-use afterimage::trace::{TraceSettings, Tracer};
+use afterimage::trace::{RayCounts, TraceSettings, Tracer};
 use afterimage::{Camera, Mode, RenderSettings};
 use glam::{DVec3, Vec3};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -29,7 +29,7 @@ fn bands_have_the_bits_of_the_whole_picture() {
         let rays = whole.stats.rays;
         let whole = Band::from(whole);
         let (picture, done) = (banded(&tracer, &camera, passes), AtomicU64::new(0));
-        let (mut y, mut counted) = (0, Default::default());
+        let (mut y, mut counted) = (0, RayCounts::default());
         for rows in [0..8, 8..24, 24..37] {
             let note = |more| {
                 done.fetch_add(more, Ordering::Relaxed);

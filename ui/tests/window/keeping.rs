@@ -60,7 +60,7 @@ fn a_session_is_saved_and_brought_back() {
         (*state.fly.camera(), state.playback.path.clone())
     };
     drop(harness);
-    let file =
+    let mut files =
         std::fs::read_dir(home.folder.path()).expect("the folder").filter_map(|e| Some(e.ok()?.path()));
     let file = files.find(|p| p.to_string_lossy().ends_with("session.toml")).expect("a session");
     let mut harness = app();
