@@ -2,7 +2,9 @@
 
 mod driving;
 mod editing;
+mod keeping;
 mod moving;
+mod pictures;
 mod pixels;
 mod room;
 mod seeing;

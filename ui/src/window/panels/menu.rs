@@ -3,7 +3,9 @@
 use super::super::fly_camera::Gait;
 use super::super::keymap::{Action, keys_of};
 use super::super::load::SceneSource;
-use super::super::state::{Command, Editing, Edits, Moving, Options, Seeing, State};
+use super::super::state::{
+    Command, Editing, Edits, FileCommand, Moving, Options, PictureCommand, Seeing, State,
+};
 use afterimage::scene::builtin;
 use egui::{Button, Ui};
 
@@ -13,6 +15,9 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         ui.menu_button("Scene", |ui| scene_menu(ui, state, commands));
         ui.menu_button("Edit", |ui| edit_menu(ui, state, commands));
         ui.menu_button("View", |ui| view_menu(ui, state, commands));
+        if item(ui, "Settings", None) {
+            commands.push(Command::ShowSettings(!state.shows_settings));
+        }
         let mut options = state.options;
         if item(ui, "Help", None) {
             options.shows_help = true;
@@ -46,12 +51,19 @@ fn scene_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             }
         }
     });
+    super::files::recent_menu(ui, state, commands);
+    if item(ui, "Save session", Some(Action::SaveSession)) {
+        commands.push(Command::Files(FileCommand::SaveSession));
+    }
     if state.scene.is_some() && item(ui, "Reload", Some(Action::Reload)) {
         commands.push(Command::Reload);
     }
     ui.separator();
     if item(ui, "Save picture", Some(Action::Screenshot)) {
-        commands.push(Command::Screenshot);
+        commands.push(Command::Picture(PictureCommand::Save));
+    }
+    if item(ui, "Picture settings...", None) {
+        commands.push(Command::Picture(PictureCommand::ShowDialog(true)));
     }
     if item(ui, "Copy pose", Some(Action::CopyPose)) {
         commands.push(Command::CopyPose);

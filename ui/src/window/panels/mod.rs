@@ -1,6 +1,7 @@
 //! What lies round the viewport and over it. A panel reads the state and asks for changes by commands.
 
 pub mod daylight;
+pub mod files;
 pub mod help;
 pub mod hud;
 pub mod inspector;
@@ -10,6 +11,7 @@ pub mod menu;
 pub mod notices;
 pub mod overlay;
 pub mod path;
+pub mod picture;
 pub mod plan;
 pub mod plots;
 pub mod quality;

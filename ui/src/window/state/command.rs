@@ -1,6 +1,6 @@
 //! What controls ask for: panels and keys make commands, only the app carries them out.
 
-use super::{Change, Options, Quality, Severity, SunControls};
+use super::{Change, FileCommand, Look, Options, PictureCommand, Quality, Severity, SunControls};
 use crate::window::fly_camera::Gait;
 use crate::window::load::SceneSource;
 use crate::window::plan::PlanView;
@@ -8,12 +8,14 @@ use crate::window::playback::Playback;
 use afterimage::Camera;
 use afterimage::reference::ReferenceId;
 use afterimage::scene::MaterialId;
+use std::path::PathBuf;
 
 /// What a control asks for.
 #[derive(Clone, Debug)]
 #[allow(missing_docs, reason = "the names say it")]
 pub enum Command {
     Open(SceneSource),
+    OpenPath(PathBuf),
     Browse,
     CancelLoading,
     Reload,
@@ -34,7 +36,10 @@ pub enum Command {
     Clear,
     KeepReferences,
     Remove(ReferenceId),
-    Screenshot,
+    Picture(PictureCommand),
+    Files(FileCommand),
+    SetLook(Look),
+    ShowSettings(bool),
     CopyPose,
     CopyText(String),
     Dismiss(u64),

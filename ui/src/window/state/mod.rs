@@ -3,8 +3,10 @@
 mod command;
 mod edits;
 mod history;
+mod look;
 mod notices;
 mod options;
+mod picture;
 mod quality;
 mod scene;
 mod sight;
@@ -14,8 +16,10 @@ mod work;
 pub use command::{Command, Editing, Moving, Seeing};
 pub use edits::{Change, Edits};
 pub use history::{HISTORY, Sample};
+pub use look::{FileCommand, Look};
 pub use notices::{Notice, Severity};
 pub use options::Options;
+pub use picture::{Exporting, PictureCommand, PictureFormat, PictureSettings, PictureSize, PictureState};
 pub use quality::{Quality, WINDOW_SAMPLES};
 pub use scene::{SavedView, SceneInfo};
 pub use sight::{Inspection, Lent, Measure, PixelFacts, Sight, Snap, SnapKind};
@@ -31,6 +35,7 @@ use super::thumbnails::Thumbnails;
 use super::viewport::{Coloring, Heatmap, Presentation};
 use afterimage::{Camera, WalkthroughSettings};
 use std::collections::VecDeque;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// All of it.
@@ -88,6 +93,18 @@ pub struct State {
     pub plan_view: PlanView,
     /// Small pictures of views and references.
     pub thumbnails: Option<Thumbnails>,
+    /// Pictures.
+    pub picture: PictureState,
+    /// The looks of the window.
+    pub look: Look,
+    /// The window of settings is open.
+    pub shows_settings: bool,
+    /// Where settings are kept.
+    pub settings_file: Option<PathBuf>,
+    /// Models that were open before, the newest first.
+    pub recent: Vec<PathBuf>,
+    /// A session that was cut short, to be gone on with or not.
+    pub recovery: Option<PathBuf>,
     next_notice: u64,
 }
 
@@ -131,6 +148,12 @@ impl State {
             plan: None,
             plan_view: PlanView::default(),
             thumbnails: None,
+            picture: PictureState::default(),
+            look: Look::default(),
+            shows_settings: false,
+            settings_file: None,
+            recent: Vec::new(),
+            recovery: None,
             next_notice: 0,
         }
     }
