@@ -1,4 +1,4 @@
-//! Back from a picture to its view: what [`super::notes`] wrote, read again.
+//! Back from a picture to its view: what its notes say, read again.
 
 use crate::window::pose_text::pose_of_flags;
 use afterimage::Camera;
