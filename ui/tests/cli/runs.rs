@@ -115,7 +115,7 @@ fn folders_of_other_runs_are_refused_and_left_as_they_are() {
     refused("experiment merge a b --out merged", "seed 5 there, 0 here");
     assert!(!bench.path("merged").exists(), "nothing is made of shards that do not belong together");
     refused(&format!("{TABLE1} --out a --shard 1/2"), "shard 0/2 there, 1/2 here");
-    refused(&format!("{TABLE1} --out a --shard 0/2 --size 16x16"), "size [32,32] there, [16,16] here");
+    refused(&format!("{TABLE1} --out a --shard 0/2 --bounces 1"), "bounces 0 there, 1 here");
     refused("experiment error-time room.obj --quick --out a", "table1");
     assert_eq!(content(&bench.path("a")), before);
     let manifest = bench.path("a/manifest.json");
