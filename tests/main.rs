@@ -6,6 +6,8 @@
 mod audit;
 mod builtin;
 mod bvh;
+mod corpus;
+mod entry_points;
 mod golden;
 mod import;
 mod lab;

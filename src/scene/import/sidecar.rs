@@ -1,4 +1,4 @@
-//! `<scene>.afterimage.toml` beside a model: what OBJ cannot say, or says wrongly. Metres, world coordinates.
+//! `<scene>.afterimage.toml` beside a model: what a model cannot say, or says wrongly. Metres, world coordinates.
 //!
 //! A broken sidecar is a warning: the model is still worth seeing.
 
@@ -158,8 +158,10 @@ impl Sidecar {
         builder.sky = self.sky.or(builder.sky);
         // A walk's first frame is a better start than a view of the whole model from outside.
         let start = self.start.or_else(|| self.walk.as_ref()?.camera(0, 2));
+        let of_model = std::mem::take(&mut builder.views);
         builder.views.extend(start.map(|camera| NamedView { name: "start".to_owned(), camera }));
         builder.views.extend(self.views);
+        builder.views.extend(of_model);
         builder.walk = self.walk;
     }
 }

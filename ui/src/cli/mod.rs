@@ -40,7 +40,7 @@ fn long_help() -> String {
 #[command(name = "afterimage", version, about, subcommand_precedence_over_arg = true)]
 #[command(after_help = EXIT_CODES, after_long_help = long_help())]
 struct Cli {
-    /// A model (.obj) or builtin:NAME; the embedded gallery when absent. Opens the window.
+    /// A model (.obj, .gltf, .glb) or builtin:NAME; the embedded gallery when absent. Opens the window.
     scene: Option<String>,
     #[command(flatten)]
     flags: Flags,

@@ -94,7 +94,9 @@ impl App {
         }
         let (news, wake) = (self.news.0.clone(), self.wake.clone());
         let work = move || {
-            let dialog = rfd::FileDialog::new().set_title("Open a model").add_filter("Models", &["obj"]);
+            let dialog = rfd::FileDialog::new()
+                .set_title("Open a model")
+                .add_filter("Models", &afterimage::scene::import::EXTENSIONS);
             // The window may be gone.
             let _ = news.send(News::Chosen(dialog.pick_file()));
             wake();
