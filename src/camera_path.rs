@@ -42,16 +42,20 @@ impl CameraPath {
     /// # Errors
     /// What is wrong, for people; where the text is no JSON, with its line.
     pub fn from_json(json: &[u8], name: Option<&str>) -> Result<Self, String> {
+        /// What the parser quotes may be as long as the file.
+        const LONGEST: usize = 200;
+        let said = |e: serde_json::Error| e.to_string().chars().take(LONGEST).collect::<String>();
         let walk: Self = match name {
-            None => serde_json::from_slice(json).map_err(|e| e.to_string())?,
+            None => serde_json::from_slice(json).map_err(said)?,
             Some(name) => {
                 let mut walks: BTreeMap<String, serde_json::Value> =
-                    serde_json::from_slice(json).map_err(|e| e.to_string())?;
+                    serde_json::from_slice(json).map_err(said)?;
                 let found = walks.remove(name).ok_or_else(|| {
                     let names: Vec<&str> = walks.keys().map(String::as_str).collect();
-                    format!("it has no walk '{name}'; it has: {}", names.join(", "))
+                    let names: String = names.join(", ").chars().take(LONGEST).collect();
+                    format!("it has no walk '{name}'; it has: {names}")
                 })?;
-                serde_json::from_value(found).map_err(|e| e.to_string())?
+                serde_json::from_value(found).map_err(said)?
             }
         };
         walk.checked()

@@ -223,7 +223,7 @@ pub(super) struct Tally {
 }
 
 /// Longest quotation of a file in a message: the rest of a broken line helps nobody.
-const QUOTE_CHARS: usize = 60;
+const QUOTE_CHARS: usize = 100;
 
 impl Tally {
     /// Counts a trouble. `detail` is asked for only the first time.
@@ -273,7 +273,8 @@ impl Entry {
     }
 }
 
-fn quote(text: &str) -> String {
+/// A text from a file, short and without control characters.
+pub(super) fn quote(text: &str) -> String {
     let clean = |c: char| if c.is_control() { ' ' } else { c };
     let short: String = text.chars().take(QUOTE_CHARS).map(clean).collect();
     if text.chars().nth(QUOTE_CHARS).is_some() { format!("{short}...") } else { short }

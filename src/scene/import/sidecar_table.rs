@@ -1,5 +1,6 @@
 //! Reading values out of a TOML table with messages that name line, key and remedy.
 
+use crate::scene::builder::is_place;
 use glam::{DVec3, Vec3};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -111,7 +112,7 @@ impl<'t> Section<'t> {
             else {
                 return None;
             };
-            Some(DVec3::new(x, y, z)).filter(|p| p.is_finite())
+            Some(DVec3::new(x, y, z)).filter(|p| is_place(*p))
         })
     }
 

@@ -2,7 +2,7 @@
 
 use super::schema::Root;
 use crate::scene::SceneError;
-use crate::scene::import::report::{Tally, Trouble};
+use crate::scene::import::report::{Tally, Trouble, quote};
 use serde::Deserialize;
 use serde_json::value::RawValue;
 use std::path::Path;
@@ -167,7 +167,7 @@ fn broken(file: &Path, line: u64, cause: String) -> SceneError {
 /// What the parser says, without the place in the part it was given.
 fn without_place(error: &serde_json::Error) -> String {
     let text = error.to_string();
-    text.rsplit_once(" at line ").map_or(text.clone(), |(said, _)| said.to_owned())
+    quote(text.rsplit_once(" at line ").map_or(text.as_str(), |(said, _)| said))
 }
 
 /// The JSON and the binary part of a `.glb`. A length that is not there is cut to what is: what is missing will be

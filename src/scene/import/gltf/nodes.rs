@@ -4,7 +4,7 @@
 use super::document::{Document, Found, List};
 use super::schema::{self, Node};
 use crate::camera::Camera;
-use crate::scene::builder::daylight_sun;
+use crate::scene::builder::{daylight_sun, is_place};
 use crate::scene::import::report::{Tally, Trouble};
 use crate::scene::import::{Phase, Steps};
 use crate::scene::{NamedView, SceneBuilder, SceneError};
@@ -148,7 +148,7 @@ impl Walker<'_, '_> {
         let Some(perspective) = camera.perspective else { return Err(fault(Trouble::ORTHOGRAPHIC)) };
         let (eye, behind) = (world.w_axis.truncate(), world.z_axis.truncate());
         let degrees = perspective.yfov.to_degrees();
-        let looks = behind.try_normalize().filter(|_| eye.is_finite() && degrees > 0.0);
+        let looks = behind.try_normalize().filter(|_| is_place(eye) && degrees > 0.0);
         let back = looks.ok_or_else(|| fault(Trouble::CAMERA))?;
         let name = node.name.clone().or(camera.name).unwrap_or_else(|| format!("camera {index}"));
         Ok(NamedView { name, camera: Camera::look_at(eye, eye - back, degrees) })
@@ -162,7 +162,7 @@ impl Walker<'_, '_> {
         let strength = light.intensity.unwrap_or(1.0);
         let color = DVec3::from_array(light.color.unwrap_or([1.0; 3])) * strength;
         let (at, back) = (world.w_axis.truncate(), world.z_axis.truncate().try_normalize());
-        if !(color.min_element() >= 0.0 && color.max_element() <= BRIGHTEST && at.is_finite()) {
+        if !(color.min_element() >= 0.0 && color.max_element() <= BRIGHTEST && is_place(at)) {
             return Err(note(Trouble::LIGHT));
         }
         let color: Vec3 = color.as_vec3();
