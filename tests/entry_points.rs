@@ -11,10 +11,10 @@ use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
 /// A name and what it does with bytes.
-pub type EntryPoint = (&'static str, fn(&[u8]));
+pub(crate) type EntryPoint = (&'static str, fn(&[u8]));
 
 /// All of them, by the names that the fuzz targets and the corpus have.
-pub const ALL: &[EntryPoint] = &[
+pub(crate) const ALL: &[EntryPoint] = &[
     ("obj", obj),
     ("mtl", mtl),
     ("texture", texture),
@@ -28,18 +28,18 @@ pub const ALL: &[EntryPoint] = &[
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl a\nf 1/1 2/2 3/3\n";
 
 /// A model.
-pub fn obj(bytes: &[u8]) {
+pub(crate) fn obj(bytes: &[u8]) {
     check_load("scene.obj", &[("scene.obj", bytes)]);
 }
 
 /// The material library of a sound model.
-pub fn mtl(bytes: &[u8]) {
+pub(crate) fn mtl(bytes: &[u8]) {
     let obj = format!("mtllib scene.mtl\n{TRIANGLE}usemtl b\nf 1/1 2/2 3/3\n");
     check_load("scene.obj", &[("scene.obj", obj.as_bytes()), ("scene.mtl", bytes)]);
 }
 
 /// The picture of a sound material; the first byte chooses the name it has.
-pub fn texture(bytes: &[u8]) {
+pub(crate) fn texture(bytes: &[u8]) {
     const NAMES: [&str; 6] = ["a.png", "a.jpg", "a.tga", "a.bmp", "a.hdr", "a"];
     let Some((first, bytes)) = bytes.split_first() else { return };
     let name = NAMES[usize::from(*first) % NAMES.len()];
@@ -49,18 +49,18 @@ pub fn texture(bytes: &[u8]) {
 }
 
 /// A glTF model, as text or binary by its first bytes.
-pub fn gltf(bytes: &[u8]) {
+pub(crate) fn gltf(bytes: &[u8]) {
     let name = if bytes.starts_with(b"glTF") { "scene.glb" } else { "scene.gltf" };
     check_load(name, &[(name, bytes)]);
 }
 
 /// The file of settings beside a sound model.
-pub fn sidecar(bytes: &[u8]) {
+pub(crate) fn sidecar(bytes: &[u8]) {
     check_load("scene.obj", &[("scene.obj", TRIANGLE.as_bytes()), ("scene.afterimage.toml", bytes)]);
 }
 
 /// A walk.
-pub fn walk(bytes: &[u8]) {
+pub(crate) fn walk(bytes: &[u8]) {
     for name in [None, Some("a")] {
         let Ok(walk) = CameraPath::from_json(bytes, name) else { continue };
         for frame in [0, 1, walk.frames / 2, walk.frames - 1] {
@@ -71,7 +71,7 @@ pub fn walk(bytes: &[u8]) {
 }
 
 /// The journal and the description of a run.
-pub fn journal(bytes: &[u8]) {
+pub(crate) fn journal(bytes: &[u8]) {
     in_folder(&[("journal.jsonl", bytes), ("manifest.json", bytes)], |folder| {
         let before = Journal::read(folder).expect("a journal is read as far as it is whole");
         let _ = read_manifest(folder);
@@ -85,7 +85,7 @@ pub fn journal(bytes: &[u8]) {
 }
 
 /// A picture that is to be compared.
-pub fn picture(bytes: &[u8]) {
+pub(crate) fn picture(bytes: &[u8]) {
     in_folder(&[("a", bytes)], |folder| {
         let Ok(picture) = Picture::load(&folder.join("a")) else { return };
         assert_eq!(picture.values.len(), (picture.size[0] * picture.size[1]) as usize);
@@ -108,7 +108,7 @@ fn limited() -> ImportOptions {
 }
 
 /// What must hold of every outcome.
-pub fn check(outcome: Result<Scene, SceneError>) {
+pub(crate) fn check(outcome: Result<Scene, SceneError>) {
     match outcome {
         Ok(scene) => check_scene(&scene),
         Err(error) => {

@@ -110,7 +110,7 @@ fn interleaved_normalised_and_sparse_numbers_are_read() {
 fn nodes_place_their_meshes() {
     let mut model = Model::square();
     model.json["nodes"][0] = json!({"translation": [10.0, 0.0, 0.0], "children": [1]});
-    model.push("nodes", json!({"mesh": 0, "scale": [2.0, 3.0, 1.0], "rotation": [0.0, 0.0, 0.7071067811865476, 0.7071067811865476]}));
+    model.push("nodes", json!({"mesh": 0, "scale": [2.0, 3.0, 1.0], "rotation": [0, 0, std::f64::consts::FRAC_1_SQRT_2, std::f64::consts::FRAC_1_SQRT_2]}));
     let scene = model.load();
     assert!((area_m2(&scene) - 6.0).abs() < 1e-5);
     // Turned by a quarter about Z: 2 along +Y, 3 along -X.

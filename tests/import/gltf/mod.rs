@@ -136,8 +136,9 @@ fn base64(bytes: &[u8]) -> String {
     const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let group = |c: &[u8]| {
         let word = u32::from_be_bytes([0, c[0], *c.get(1).unwrap_or(&0), *c.get(2).unwrap_or(&0)]);
-        let digit =
-            |i: usize| if i <= c.len() { DIGITS[(word >> (18 - 6 * i) & 63) as usize] as char } else { '=' };
+        let digit = |i: usize| {
+            if i <= c.len() { DIGITS[((word >> (18 - 6 * i)) & 63) as usize] as char } else { '=' }
+        };
         (0..4).map(digit).collect::<String>()
     };
     bytes.chunks(3).map(group).collect()

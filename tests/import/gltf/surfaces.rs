@@ -186,7 +186,9 @@ fn lights_and_cameras_stand_where_their_nodes_are() {
     // A quarter turn about X: -Z becomes +Y, so the light comes from below.
     let turn = [std::f64::consts::FRAC_1_SQRT_2, 0.0, 0.0, std::f64::consts::FRAC_1_SQRT_2];
     model.node(json!({"rotation": turn, "extensions": light(1)}));
-    (2..5).for_each(|i| drop(model.node(json!({"extensions": light(i)}))));
+    for i in 2..5 {
+        model.node(json!({"extensions": light(i)}));
+    }
     model.push("cameras", json!({"type": "perspective", "perspective": {"yfov": 1.0, "znear": 0.1}}));
     model.push("cameras", json!({"type": "orthographic"}));
     model.node(json!({"name": "hall", "camera": 0, "translation": [5.0, 6.0, 7.0], "rotation": turn}));

@@ -52,7 +52,10 @@ impl<'a> Mesher<'a, '_> {
         let index = places[0].mesh;
         let mesh: schema::Mesh = match self.document.item(List::Meshes, index) {
             Ok(mesh) => mesh,
-            Err(fault) => return Ok(self.document.note(fault, self.tally)),
+            Err(fault) => {
+                self.document.note(fault, self.tally);
+                return Ok(());
+            }
         };
         let name = mesh.name.unwrap_or_else(|| format!("meshes[{index}]"));
         for (i, raw) in mesh.primitives.iter().enumerate() {

@@ -21,7 +21,7 @@ fn base64(text: &str) -> Option<Vec<u8>> {
             b'/' | b'_' => 63,
             _ => return None,
         };
-        held = held << 6 | u32::from(value);
+        held = (held << 6) | u32::from(value);
         bits += 6;
         if bits >= 8 {
             bits -= 8;
