@@ -41,7 +41,8 @@ pub(super) fn materials(
         };
         builder.add_material(material);
     }
-    missing.retain(|name| !sidecar.defines(name));
+    let defined = sidecar.defined();
+    missing.retain(|name| !defined.contains(name.as_str()));
     warn_missing(&missing, import, builder);
     for (library, tally) in shelf.libraries.iter().zip(tallies) {
         builder.warnings.extend(tally.warnings(&library.shown));

@@ -9,16 +9,25 @@ use toml::de::{DeTable, DeValue};
 pub(super) struct Notes<'a> {
     text: &'a str,
     pub(super) said: Vec<(u64, String)>,
+    /// Further ones that were only counted.
+    pub(super) more: u64,
 }
+
+/// Notes on one file: more tell nobody anything, and each costs a count of the lines before it.
+const MOST_NOTES: usize = 100;
 
 impl<'a> Notes<'a> {
     pub(super) fn new(text: &'a str) -> Self {
-        Self { text, said: Vec::new() }
+        Self { text, said: Vec::new(), more: 0 }
     }
 
     /// Notes something about the text from byte `at`.
     pub(super) fn add(&mut self, at: usize, message: String) {
-        self.said.push((self.line(at), message));
+        if self.said.len() < MOST_NOTES {
+            self.said.push((self.line(at), message));
+        } else {
+            self.more += 1;
+        }
     }
 
     pub(super) fn line(&self, at: usize) -> u64 {

@@ -46,7 +46,7 @@ pub(super) fn attach(
     steps: &Steps,
 ) -> Result<(), SceneError> {
     let requests = requests(written);
-    let mut hanger = Hanger { libraries, builder, decoded: HashMap::new(), checker: None };
+    let mut hanger = Hanger { libraries, builder, decoded: HashMap::new(), checker: None, missing: 0 };
     let mut file_of: HashMap<(&str, usize), Option<PathBuf>> = HashMap::new();
     for request in &requests {
         let key = (request.spec.file.as_str(), request.library);
@@ -57,6 +57,10 @@ pub(super) fn attach(
             }
             found.file
         });
+    }
+    if hanger.missing > MISSING_SAID {
+        let message = format!("{} textures in all were not found", hanger.missing);
+        hanger.builder.warn(&libraries[requests[0].library].shown, 0, message);
     }
     let files: Vec<Option<&PathBuf>> =
         requests.iter().map(|r| file_of[&(r.spec.file.as_str(), r.library)].as_ref()).collect();
@@ -123,10 +127,19 @@ struct Hanger<'a> {
     builder: &'a mut SceneBuilder,
     decoded: HashMap<PathBuf, Decoded>,
     checker: Option<TextureId>,
+    /// Textures that were not found.
+    missing: usize,
 }
+
+/// Textures that were not found, each said with every path tried, before the rest is only counted.
+const MISSING_SAID: usize = 100;
 
 impl Hanger<'_> {
     fn warn_missing(&mut self, request: &Request, found: &Found) {
+        self.missing += 1;
+        if self.missing > MISSING_SAID {
+            return;
+        }
         let Request { purpose, spec, material, library } = request;
         let material = &self.builder.materials[*material].name;
         let outside = if found.outside {

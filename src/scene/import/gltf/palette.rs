@@ -25,7 +25,8 @@ const IOR: f64 = 1.5;
 pub(super) struct Palette {
     /// By their number in the file; `None` is for faces without one.
     known: HashMap<Option<usize>, (MaterialId, u32)>,
-    looks: Vec<(MaterialId, Look)>,
+    /// With their numbers in the file.
+    looks: Vec<(usize, MaterialId, Look)>,
 }
 
 /// A texture in use: the number of its image, and how coordinates are changed.
@@ -87,14 +88,14 @@ impl Palette {
         let look = reader.look(&json);
         let uv_set = uv_set(json.pbr_metallic_roughness.base_color_texture.as_ref());
         let id = builder.add_material(Material::diffuse(&name, look.base));
-        self.looks.push((id, look));
+        self.looks.push((index, id, look));
         self.known.insert(Some(index), (id, uv_set));
         (id, uv_set)
     }
 
     /// The images that the materials need.
     pub(super) fn images(&self) -> Vec<usize> {
-        let uses = self.looks.iter().flat_map(|(_, l)| [l.base_use, l.metal_use, l.glow_use]);
+        let uses = self.looks.iter().flat_map(|(_, _, l)| [l.base_use, l.metal_use, l.glow_use]);
         let mut images: Vec<usize> = uses.flatten().map(|u| u.image).collect();
         images.sort_unstable();
         images.dedup();
@@ -111,13 +112,12 @@ impl Palette {
     ) {
         let mut painter =
             Painter { pictures, textures: HashMap::new(), masks: HashMap::new(), checker: None };
-        for (id, look) in &self.looks {
+        for (index, id, look) in &self.looks {
             let name = std::mem::take(&mut builder.materials[id.0 as usize].name);
             let (material, trouble) = painter.material(&name, look, builder);
             builder.materials[id.0 as usize] = material;
             if let Some(trouble) = trouble {
-                let index = self.known.iter().find(|(_, known)| known.0 == *id).and_then(|(index, _)| *index);
-                document.note(document.fault(List::Materials, index.unwrap_or(0), trouble, &name), tally);
+                document.note(document.fault(List::Materials, *index, trouble, &name), tally);
             }
         }
     }
