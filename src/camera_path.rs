@@ -62,14 +62,14 @@ impl CameraPath {
     }
 
     fn checked(self) -> Result<Self, String> {
-        let far = |p: DVec3| !(p.abs().max_element() <= FARTHEST_M);
+        let near = |p: DVec3| p.abs().max_element() <= FARTHEST_M;
         if self.keyframes.is_empty() || !Camera::FOV_Y_DEGREES.contains(&self.fov_y_deg) {
             return Err("a walk needs keyframes, and fov_y_deg from 1 to 170".to_owned());
         }
         if !(1..=Self::MOST_FRAMES).contains(&self.frames) {
             return Err(format!("frames is {}; a walk has from 1 to {}", self.frames, Self::MOST_FRAMES));
         }
-        match self.keyframes.iter().position(|k| far(k.eye) || far(k.at)) {
+        match self.keyframes.iter().position(|k| !near(k.eye) || !near(k.at)) {
             Some(at) => Err(format!("key frame {at} is more than 1e15 m away from the origin")),
             None => Ok(self),
         }

@@ -162,7 +162,8 @@ impl Walker<'_, '_> {
         let strength = light.intensity.unwrap_or(1.0);
         let color = DVec3::from_array(light.color.unwrap_or([1.0; 3])) * strength;
         let (at, back) = (world.w_axis.truncate(), world.z_axis.truncate().try_normalize());
-        if !(color.min_element() >= 0.0 && color.max_element() <= BRIGHTEST && is_place(at)) {
+        let is_possible = color.min_element() >= 0.0 && color.max_element() <= BRIGHTEST;
+        if !is_possible || !is_place(at) {
             return Err(note(Trouble::LIGHT));
         }
         let color: Vec3 = color.as_vec3();
