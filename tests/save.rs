@@ -167,7 +167,7 @@ fn a_disk_that_fills_up_keeps_the_old_files() {
     let path = disk.0.path().join("a.png");
     save_png(&path, [2, 2], &[[7; 3]; 4], &[]).unwrap();
     let old = std::fs::read(&path).unwrap();
-    let error = write_atomically(&path, &[7; 200_000]).unwrap_err().to_string();
+    let error = write_atomically(&path, "7".repeat(200_000).as_bytes()).unwrap_err().to_string();
     assert!(error.contains("a.png") && error.contains("No space left"), "{error}");
     assert_eq!(std::fs::read(&path).unwrap(), old);
     assert_eq!(names(disk.0.path()), ["a.png"], "no temporary file is left");
