@@ -51,7 +51,7 @@ pub enum TourError {
 }
 
 /// Walks along `path` and records every frame. A reference that the policy wants after a frame is traced at once and
-/// serves from the next frame on; before frame 0 there is none. After `cancel` what was done so far is returned.
+/// serves from the next frame on; before frame 0 there are those that the policy wants ahead. After `cancel` what was done so far is returned.
 ///
 /// Frame 0 is rendered once before the walk, unrecorded, so that no frame pays for touching memory first.
 ///
@@ -70,7 +70,8 @@ pub fn run_tour(
     let mut walk = Walkthrough::new(Arc::clone(tracer), settings.walkthrough);
     let warm_up_secs = cameras.first().map_or(0.0, |first| warm_up(&mut walk, first, settings, &stop));
     let mut measurer = settings.measure.clone().map(Measurer::new);
-    let (mut frames, mut references) = (Vec::new(), Vec::new());
+    let mut frames = Vec::new();
+    let mut references = references_ahead(&mut walk, settings, cameras.first(), &stop);
     for (index, camera) in (0..).zip(&cameras) {
         walk.render(camera, settings.size, &stop);
         if !walk.frame().stats.is_complete {
@@ -86,7 +87,9 @@ pub fn run_tour(
         }
         // The last frame's wish would serve nobody.
         if index + 1 < cameras.len() as u32
-            && let Some(added) = add_reference(&mut walk, settings, index, references.len() as u32, &stop)
+            && let Some(pose) = walk.wanted_reference()
+            && let Some(added) =
+                add_reference(&mut walk, settings, index, (references.len() as u32, pose), &stop)
         {
             record.reference_added = true;
             record.reference_secs = added.secs;
@@ -142,21 +145,37 @@ fn record_of(index: u32, walk: &Walkthrough) -> FrameRecord {
     }
 }
 
-/// Traces the reference that the walk wants, if it wants one.
+/// Traces what the policy wants before the first frame.
+fn references_ahead(
+    walk: &mut Walkthrough,
+    settings: &TourSettings,
+    first: Option<&Camera>,
+    stop: Stop<'_>,
+) -> Vec<ReferenceRecord> {
+    let mut references = Vec::new();
+    while let Some(pose) = first.and_then(|camera| walk.wanted_ahead(camera, settings.size)) {
+        let number = references.len() as u32;
+        let Some(added) = add_reference(walk, settings, 0, (number, pose), stop) else { break };
+        references.push(ReferenceRecord { is_ahead: true, ..added });
+    }
+    references
+}
+
+/// Traces a reference of a number at a pose.
 fn add_reference(
     walk: &mut Walkthrough,
     settings: &TourSettings,
     frame: u32,
-    number: u32,
-    stop: &(dyn Fn() -> bool + Sync),
+    (number, camera): (u32, Camera),
+    stop: Stop<'_>,
 ) -> Option<ReferenceRecord> {
-    let camera = walk.wanted_reference()?;
     // Entering it into the cache counts as well.
     let start = Instant::now();
     let reference = walk.reference_job(camera, settings.size).trace(stop)?;
     let mut record = ReferenceRecord {
         reference: number,
         after_frame: frame,
+        is_ahead: false,
         pose: Pose::from(&camera),
         secs: 0.0,
         rays: reference.rays,

@@ -20,7 +20,7 @@ pub use disparity_tiles::DisparityTiles;
 pub use frame::ReferenceFrame;
 pub use lookup::LookupSet;
 pub use pixel_warp::{PixelWarp, RowWarp};
-pub use placement::{Observation, PlacementPolicy};
+pub use placement::{Observation, PlacementPolicy, PlacementRule};
 pub use sparse::open_percent;
 pub use tile_light::{TileLight, TilePoints};
 pub use tile_surfaces::TileSurfaces;
