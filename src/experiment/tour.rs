@@ -5,7 +5,7 @@ use super::record::{FrameRecord, Pose, ReferenceRecord, TourRecord};
 use crate::camera::Camera;
 use crate::camera_path::CameraPath;
 use crate::raster::save::SaveError;
-use crate::render::{Frame, Mode, RenderSettings, Walkthrough, WalkthroughSettings};
+use crate::render::{Mode, RenderSettings, Walkthrough, WalkthroughSettings};
 use crate::trace::Tracer;
 use crate::trace::parallel::Stop;
 use std::sync::Arc;
@@ -29,7 +29,7 @@ pub struct TourSettings {
 #[derive(Debug)]
 pub enum TourEvent<'a> {
     /// A frame is done.
-    Frame(&'a FrameRecord, &'a Frame),
+    Frame(&'a FrameRecord, &'a Walkthrough),
     /// A frame is about to be measured, which takes much longer than the frame.
     Measuring(u32),
     /// Truths cannot be kept; they are traced anew the next time.
@@ -62,25 +62,38 @@ pub fn run_tour(
     path: &CameraPath,
     settings: &TourSettings,
     cancel: &AtomicBool,
+    observe: impl FnMut(TourEvent<'_>),
+) -> Result<TourRecord, TourError> {
+    let stop = || cancel.load(Ordering::Relaxed);
+    fly(tracer, &cameras(path, settings.frames)?, settings, &stop, observe)
+}
+
+/// The same from pose to pose; the number of frames is theirs.
+///
+/// # Errors
+/// [`TourError::Measure`] where a frame cannot be measured.
+pub fn fly(
+    tracer: &Arc<Tracer>,
+    cameras: &[Camera],
+    settings: &TourSettings,
+    stop: Stop<'_>,
     mut observe: impl FnMut(TourEvent<'_>),
 ) -> Result<TourRecord, TourError> {
-    let cameras = cameras(path, settings.frames)?;
-    let stop = || cancel.load(Ordering::Relaxed);
     let trace = settings.walkthrough.render.trace;
     let mut walk = Walkthrough::new(Arc::clone(tracer), settings.walkthrough);
-    let warm_up_secs = cameras.first().map_or(0.0, |first| warm_up(&mut walk, first, settings, &stop));
+    let warm_up_secs = cameras.first().map_or(0.0, |first| warm_up(&mut walk, first, settings, stop));
     let mut measurer = settings.measure.clone().map(Measurer::new);
     let mut frames = Vec::new();
-    let mut references = references_ahead(&mut walk, settings, cameras.first(), &stop);
-    for (index, camera) in (0..).zip(&cameras) {
-        walk.render(camera, settings.size, &stop);
+    let mut references = references_ahead(&mut walk, settings, cameras.first(), stop);
+    for (index, camera) in (0..).zip(cameras) {
+        walk.render(camera, settings.size, stop);
         if !walk.frame().stats.is_complete {
             break;
         }
         let mut record = record_of(index, &walk);
         if let Some(measurer) = measurer.as_mut().filter(|m| m.is_due(index)) {
             observe(TourEvent::Measuring(index));
-            record.measurement = measurer.measure(tracer, walk.frame(), &trace, &stop)?;
+            record.measurement = measurer.measure(tracer, walk.frame(), &trace, stop)?;
             if let Some(error) = measurer.keep_error.take() {
                 observe(TourEvent::TruthNotKept(&error));
             }
@@ -89,13 +102,13 @@ pub fn run_tour(
         if index + 1 < cameras.len() as u32
             && let Some(pose) = walk.wanted_reference()
             && let Some(added) =
-                add_reference(&mut walk, settings, index, (references.len() as u32, pose), &stop)
+                add_reference(&mut walk, settings, index, (references.len() as u32, pose), stop)
         {
             record.reference_added = true;
             record.reference_secs = added.secs;
             references.push(added);
         }
-        observe(TourEvent::Frame(&record, walk.frame()));
+        observe(TourEvent::Frame(&record, &walk));
         frames.push(record);
     }
     let is_complete = frames.len() == cameras.len() && !stop();

@@ -143,12 +143,12 @@ fn fly(
         TourEvent::TruthNotKept(error) => {
             progress.say(&format!("warning: the converged picture is not kept: {error}"));
         }
-        TourEvent::Frame(record, frame) => {
+        TourEvent::Frame(record, walk) => {
             let note =
                 format!("{:.0} ms, Type 3 {:.1} %", record.frame_secs * 1e3, record.types.type3_percent);
             progress.at(u64::from(record.frame) + 1, &note);
             if args.pictures && picture_error.is_none() {
-                picture_error = write_pictures(args, flags, loaded, record.frame, frame).err();
+                picture_error = write_pictures(args, flags, loaded, record.frame, walk.frame()).err();
                 if picture_error.is_some() {
                     cancel.store(true, std::sync::atomic::Ordering::Relaxed);
                 }
