@@ -126,7 +126,7 @@ fn references_ahead_are_made_once_and_serve() {
         }
         assert!(made.len() >= 8 && walk.cache().evicted() == 0, "{} made", made.len());
         let open = walk.render(&start, SIZE, &|| false).stats.types.percentages().unseen_percent;
-        assert!(open < 20.0, "{open} % are open");
+        assert!(open < 50.0, "{open} % are open, 100 without a reference");
         assert_eq!(walk.wanted_reference(), None, "a grid adds nothing on the way");
     }
 }

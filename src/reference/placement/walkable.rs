@@ -68,20 +68,29 @@ fn seeds(scene: &Scene) -> Vec<DVec3> {
 /// The lattice place next to an eye, where one can stand and be seen from the eye.
 fn place_near(tracer: &Tracer, eye: DVec3) -> Option<Standing> {
     let [column, row] = [eye.x, eye.z].map(|c| (c / STEP_M).round() as i32);
-    let above = DVec3::new(f64::from(column) * STEP_M, eye.y, f64::from(row) * STEP_M);
+    let above = lattice_point(column, row, eye.y);
     let is_free = tracer.probe(eye, above - eye, eye.distance(above)).is_none();
     let floor = is_free.then(|| floor_below(tracer, above))??;
-    Some(Standing { column, row, eye: floor + DVec3::Y * EYE_HEIGHT_M })
+    Some(standing(column, row, floor))
 }
 
-/// Floor within a storey below an eye.
-fn floor_below(tracer: &Tracer, eye: DVec3) -> Option<DVec3> {
-    tracer.probe(eye, DVec3::NEG_Y, EYE_HEIGHT_M + STOREY_M).map(|p| p.position_m)
+/// Whoever stands there.
+fn standing(column: i32, row: i32, floor_y: f64) -> Standing {
+    Standing { column, row, eye: lattice_point(column, row, floor_y + EYE_HEIGHT_M) }
+}
+
+fn lattice_point(column: i32, row: i32, y: f64) -> DVec3 {
+    DVec3::new(f64::from(column) * STEP_M, y, f64::from(row) * STEP_M)
+}
+
+/// Height of the floor within a storey below an eye, metres.
+fn floor_below(tracer: &Tracer, eye: DVec3) -> Option<f64> {
+    tracer.probe(eye, DVec3::NEG_Y, EYE_HEIGHT_M + STOREY_M).map(|p| p.position_m.y)
 }
 
 /// A neighbouring place, where one can walk there.
 fn step(tracer: &Tracer, from: &Standing, column: i32, row: i32) -> Option<Standing> {
-    let above = DVec3::new(f64::from(column) * STEP_M, from.eye.y, f64::from(row) * STEP_M);
+    let above = lattice_point(column, row, from.eye.y);
     let way = above - from.eye;
     let floor_y = from.eye.y - EYE_HEIGHT_M;
     let is_clear = CLEAR_HEIGHTS_M.iter().all(|height| {
@@ -89,6 +98,6 @@ fn step(tracer: &Tracer, from: &Standing, column: i32, row: i32) -> Option<Stand
         tracer.probe(start, way, way.length()).is_none()
     });
     let floor = is_clear.then(|| floor_below(tracer, above))??;
-    let is_step = (floor.y - floor_y).abs() <= MOST_RISE_M;
-    is_step.then(|| Standing { column, row, eye: floor + DVec3::Y * EYE_HEIGHT_M })
+    let is_step = (floor - floor_y).abs() <= MOST_RISE_M;
+    is_step.then(|| standing(column, row, floor))
 }
