@@ -130,3 +130,38 @@ fn references_ahead_are_made_once_and_serve() {
         assert_eq!(walk.wanted_reference(), None, "a grid adds nothing on the way");
     }
 }
+
+#[test]
+fn a_power_law_is_found_with_its_uncertainty() {
+    use afterimage::experiment::statistics::power_law;
+    let exact: Vec<[f64; 2]> = [1.0, 2.0, 8.0].map(|x: f64| [x, 3.0 * x.powf(0.7)]).to_vec();
+    let law = power_law(&exact).unwrap();
+    assert!((law.exponent - 0.7).abs() < 1e-12 && law.standard_error < 1e-7, "{law:?}");
+    // By hand: logarithms (0, 0), (1, 2), (2, 2) have slope 1, and lie 1/3, 2/3, 1/3 off: sqrt(2/3 / 1 / 2).
+    let e = std::f64::consts::E;
+    let law = power_law(&[[1.0, 1.0], [e, e * e], [e * e, e * e]]).unwrap();
+    assert!(
+        (law.exponent - 1.0).abs() < 1e-12 && (law.standard_error - (1.0f64 / 3.0).sqrt()).abs() < 1e-12,
+        "{law:?}"
+    );
+    assert_eq!(power_law(&exact[..2]), None);
+    assert_eq!(power_law(&[[1.0, 1.0], [1.0, 2.0], [1.0, 3.0]]), None);
+}
+
+#[test]
+fn statues_behind_the_viewer_leave_the_picture_as_it_is() {
+    use afterimage::render::Renderer;
+    use afterimage::scene::builtin::statue_hall;
+    let picture = |triangles: usize| {
+        let scene = statue_hall(triangles, 2).unwrap();
+        assert!(scene.triangles.len() >= triangles);
+        let tracer = Tracer::new(Arc::new(scene));
+        let settings = RenderSettings { mode: Mode::Full, ..Default::default() };
+        let mut renderer = Renderer::default();
+        let camera = *tracer.scene().start();
+        renderer.render(&tracer, &camera, SIZE, &settings, &[], &|| false).radiance.clone()
+    };
+    let few = picture(0);
+    assert!(few.iter().all(|r| r.is_finite()) && few.iter().any(|r| r.max_element() > 0.05));
+    assert_eq!(few, picture(200_000));
+}

@@ -5,8 +5,10 @@
 
 pub mod errors;
 pub mod measure;
+mod placement;
 pub mod record;
 pub mod run;
+mod scaling;
 pub mod statistics;
 mod table1;
 pub mod throughput;
