@@ -83,7 +83,8 @@ fn a_greedy_reference_shows_what_the_next_frames_do_not_know() {
     let tracer = room_tracer(false, false);
     let camera = Camera::look_at(dvec(0.2, 1.5, 3.0), dvec(0.2, 1.5, 0.0), 60.0);
     let previous = Camera { eye: camera.eye + dvec(0.0, 0.0, 0.2), yaw: camera.yaw - 0.08, ..camera };
-    let seen = Observation { camera, previous, open_percent: 30.0, is_sparse: false, held: 2 };
+    let seen =
+        Observation { camera, previous, open_percent: 30.0, is_sparse: false, was_cut: false, held: 2 };
     // The left third of every picture ahead is open.
     let mut foresee = |_: &Camera, spots: Option<&mut Vec<OpenSpot>>| {
         let spot = |i: u32| OpenSpot {

@@ -124,7 +124,7 @@ fn tour_settings(lab: &Lab<'_>, mode: Mode, placement: PlacementPolicy, frames: 
         truth_samples: lab.settings.truth_samples,
         truth_folder: lab.truth_folder.map(Into::into),
     };
-    TourSettings { walkthrough, size: lab.settings.size, frames, measure: Some(measure) }
+    TourSettings { walkthrough, size: lab.settings.size, frames, budget: None, measure: Some(measure) }
 }
 
 /// The line of a cell.

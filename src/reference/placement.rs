@@ -77,6 +77,8 @@ pub struct Observation {
     pub open_percent: f64,
     /// Whether references light only what older ones do not know.
     pub is_sparse: bool,
+    /// The frame was stopped before its end, so that what it lit is not kept.
+    pub was_cut: bool,
     /// References held.
     pub held: usize,
 }

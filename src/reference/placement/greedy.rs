@@ -55,6 +55,10 @@ fn decide(now: &mut Situation<'_>) -> Option<Camera> {
     if !seen.is_sparse && seen.open_percent <= now.percent {
         return None;
     }
+    // The next frames would be cut there as well.
+    if seen.is_sparse && seen.was_cut && seen.open_percent > worth {
+        return Some(seen.camera);
+    }
     let points = open_points(now);
     if points.iter().map(|p| p.percent).sum::<f64>() <= worth {
         return None;

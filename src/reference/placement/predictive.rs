@@ -24,6 +24,10 @@ fn decide(now: &mut Situation<'_>) -> Option<Camera> {
     if !seen.is_sparse && seen.open_percent <= now.percent {
         return None;
     }
+    // The next frames would be cut there as well.
+    if seen.is_sparse && seen.was_cut && seen.open_percent > worth {
+        return Some(seen.camera);
+    }
     if !seen.is_still() && (seen.is_sparse || seen.held > 0) {
         let ahead = ahead(seen, now.tracer, FRAMES_AHEAD);
         if (now.foresee)(&ahead, None) > worth {
