@@ -29,6 +29,9 @@ const MOST_RISE_M: f64 = STEP_M;
 /// Heights above the floor at which nothing may stand between two places, metres.
 const CLEAR_HEIGHTS_M: [f64; 2] = [0.6, EYE_HEIGHT_M];
 
+/// Half the width of a person, metres: nobody stands nearer than this to what is ahead, nor on its very surface.
+const RADIUS_M: f64 = 0.2;
+
 /// Storeys are told apart by eyes so far above each other, metres.
 const STOREY_M: f64 = 2.0;
 
@@ -95,7 +98,7 @@ fn step(tracer: &Tracer, from: &Standing, column: i32, row: i32) -> Option<Stand
     let floor_y = from.eye.y - EYE_HEIGHT_M;
     let is_clear = CLEAR_HEIGHTS_M.iter().all(|height| {
         let start = DVec3::new(from.eye.x, floor_y + height, from.eye.z);
-        tracer.probe(start, way, way.length()).is_none()
+        tracer.probe(start, way, way.length() + RADIUS_M).is_none()
     });
     let floor = is_clear.then(|| floor_below(tracer, above))??;
     let is_step = (floor - floor_y).abs() <= MOST_RISE_M;
