@@ -9,6 +9,7 @@ mod placement;
 pub mod record;
 pub mod run;
 mod scaling;
+pub mod stage_speed;
 pub mod statistics;
 mod table1;
 pub mod throughput;
