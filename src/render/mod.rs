@@ -3,6 +3,7 @@
 mod ahead;
 pub mod aov;
 pub mod audit;
+pub mod bands;
 mod finish;
 pub mod frame;
 mod look_up;
