@@ -18,6 +18,7 @@ mod lights;
 mod lookup;
 mod metrics;
 mod needs;
+mod placement;
 mod refine;
 mod reuse;
 mod rooms;
