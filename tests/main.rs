@@ -4,9 +4,12 @@
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stderr, reason = "tests")]
 
 mod audit;
+mod bands;
 mod budget;
 mod builtin;
 mod bvh;
+mod corpus;
+mod entry_points;
 mod golden;
 mod import;
 mod lab;
@@ -15,6 +18,7 @@ mod lights;
 mod lookup;
 mod metrics;
 mod needs;
+mod placement;
 mod refine;
 mod reuse;
 mod rooms;

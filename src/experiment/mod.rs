@@ -3,10 +3,13 @@
 //!
 //! One record, many exporters: CSV, JSON, plots and the report derive from the same structures.
 
+mod error_time;
 pub mod errors;
 pub mod measure;
+mod placement;
 pub mod record;
 pub mod run;
+mod scaling;
 pub mod stage_speed;
 pub mod statistics;
 mod table1;

@@ -38,6 +38,51 @@ pub struct Picture {
     pub values: Vec<Vec3>,
 }
 
+/// What a picture says of itself, by name: the notes of [`super::save`]. No pixel is read.
+///
+/// # Errors
+/// [`LoadError`] with the path and the cause.
+pub fn read_notes(path: &Path) -> Result<Vec<(String, String)>, LoadError> {
+    let outcome = catch_unwind(AssertUnwindSafe(|| notes(path)));
+    let outcome = outcome.unwrap_or_else(|_| Err("the decoder failed on it".to_owned()));
+    outcome.map_err(|cause| LoadError { path: path.to_owned(), cause })
+}
+
+fn notes(path: &Path) -> Result<Vec<(String, String)>, String> {
+    let (file, magic) = open(path)?;
+    match magic {
+        PNG => {
+            let reader = png::Decoder::new(file).read_info().map_err(|e| e.to_string())?;
+            let text = |note: &png::text_metadata::ITXtChunk| {
+                note.get_text().ok().map(|text| (note.keyword.clone(), text))
+            };
+            Ok(reader.info().utf8_text.iter().filter_map(text).collect())
+        }
+        EXR => {
+            let meta = exr::meta::MetaData::read_from_buffered(file, false).map_err(|e| e.to_string())?;
+            let attributes = meta.headers.iter().flat_map(|h| h.own_attributes.other.iter());
+            let text = |(name, value): (&exr::prelude::Text, &exr::prelude::AttributeValue)| match value {
+                exr::prelude::AttributeValue::Text(text) => Some((name.to_string(), text.to_string())),
+                _ => None,
+            };
+            Ok(attributes.filter_map(text).collect())
+        }
+        _ => Err("it is neither PNG nor OpenEXR".to_owned()),
+    }
+}
+
+/// How files of these kinds begin.
+const PNG: [u8; 4] = [0x89, b'P', b'N', b'G'];
+const EXR: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
+
+fn open(path: &Path) -> Result<(BufReader<File>, [u8; 4]), String> {
+    let mut file = BufReader::new(open_regular(path)?);
+    let mut magic = [0; 4];
+    file.read_exact(&mut magic).map_err(|_| "it is no picture".to_owned())?;
+    file.seek(SeekFrom::Start(0)).map_err(|e| e.to_string())?;
+    Ok((file, magic))
+}
+
 /// The most pixels read: 8192 squared. A header can claim more than there is memory for.
 const MOST_PIXELS: u64 = 1 << 26;
 
@@ -73,18 +118,45 @@ impl Picture {
 
 /// sRGB in 0..1 of linear radiance, clipped at 1: the tone map `linear` at exposure 0. What is not a number is black.
 pub fn display_of(radiance: &[Vec3]) -> Vec<Vec3> {
+    exposed(radiance, 0.0)
+}
+
+/// The same at another exposure in stops.
+pub fn exposed(radiance: &[Vec3], exposure_ev: f32) -> Vec<Vec3> {
+    let gain = exposure_ev.exp2();
     let encode = |c: f32| srgb_from_linear(if c.is_nan() { 0.0 } else { c.clamp(0.0, 1.0) });
-    radiance.iter().map(|v| Vec3::from(v.to_array().map(encode))).collect()
+    radiance.iter().map(|v| Vec3::from((*v * gain).to_array().map(encode))).collect()
+}
+
+/// The bytes of a regular file of at most `most` bytes: never those of a device or a pipe, which may never end.
+///
+/// # Errors
+/// [`LoadError`] with the path and the cause.
+pub fn read_bounded(path: &Path, most: u64) -> Result<Vec<u8>, LoadError> {
+    let failed = |cause: String| LoadError { path: path.to_owned(), cause };
+    let mut bytes = Vec::new();
+    let file = open_regular(path).map_err(failed)?;
+    file.take(most + 1).read_to_end(&mut bytes).map_err(|e| failed(e.to_string()))?;
+    if bytes.len() as u64 > most {
+        return Err(failed(format!("it is longer than {most} bytes")));
+    }
+    Ok(bytes)
+}
+
+fn open_regular(path: &Path) -> Result<File, String> {
+    // Asked before opening: opening a pipe waits for its writer.
+    let metadata = path.metadata().map_err(|e| e.to_string())?;
+    if !metadata.is_file() {
+        return Err("it is not a regular file".to_owned());
+    }
+    File::open(path).map_err(|e| e.to_string())
 }
 
 fn read(path: &Path) -> Result<Picture, String> {
-    let mut file = BufReader::new(File::open(path).map_err(|e| e.to_string())?);
-    let mut magic = [0; 4];
-    file.read_exact(&mut magic).map_err(|_| "it is no picture".to_owned())?;
-    file.seek(SeekFrom::Start(0)).map_err(|e| e.to_string())?;
+    let (file, magic) = open(path)?;
     match magic {
-        [0x89, b'P', b'N', b'G'] => read_png(file),
-        [0x76, 0x2f, 0x31, 0x01] => read_exr(path),
+        PNG => read_png(file),
+        EXR => read_exr(path),
         _ => Err("it is neither PNG nor OpenEXR".to_owned()),
     }
 }

@@ -1,7 +1,9 @@
 //! The stages in order, timed: from a pose and the references at hand to a finished frame.
 
+mod ahead;
 pub mod aov;
 pub mod audit;
+pub mod bands;
 mod finish;
 pub mod frame;
 mod look_up;

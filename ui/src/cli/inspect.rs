@@ -11,8 +11,8 @@ use serde_json::{Value, json};
 
 #[derive(Args, Debug)]
 pub(crate) struct InspectArgs {
-    /// A model (.obj) or builtin:NAME.
-    scene: String,
+    /// A model (.obj, .gltf, .glb) or builtin:NAME.
+    pub(super) scene: String,
 }
 
 pub(crate) fn run(args: &InspectArgs, flags: &Flags) -> Result<(), Failure> {

@@ -5,13 +5,15 @@ use super::failure::Failure;
 use super::flags::Flags;
 use super::pose::camera;
 use super::scene::{Loaded, load};
-use super::{interrupt, memory, output};
+use super::{interrupt, output};
+use crate::picture::memory;
 use afterimage::experiment::throughput::{Throughput, ThroughputSettings, measure_throughput};
 use afterimage::raster::save::write_atomically;
 use serde_json::{Value, json};
 
+/// Without a folder: one answer, nothing kept.
 pub(crate) fn run(args: &ExperimentArgs, flags: &Flags) -> Result<(), Failure> {
-    memory::check(flags.pixels(), 1)?;
+    memory::check(flags.pixels(), 1).map_err(Failure::Usage)?;
     let loaded = load(args.scene()?, flags)?;
     let camera = camera(flags, loaded.scene())?;
     let settings = ThroughputSettings { camera, size: flags.size(), trace: flags.trace() };
@@ -22,11 +24,6 @@ pub(crate) fn run(args: &ExperimentArgs, flags: &Flags) -> Result<(), Failure> {
     let object = object(flags, &loaded, &throughput);
     if let Some(path) = &args.dump_rays {
         write_atomically(path, &rays.to_bytes(&loaded.tracer))?;
-    }
-    if let Some(folder) = &args.out {
-        std::fs::create_dir_all(folder)
-            .map_err(|e| Failure::Failed(format!("cannot make the folder {}: {e}", folder.display())))?;
-        write_atomically(&folder.join("summary.json"), format!("{object:#}\n").as_bytes())?;
     }
     output::result(flags.json, &object, || table(&throughput));
     loaded.verdict(flags)

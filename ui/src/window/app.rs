@@ -1,15 +1,23 @@
 //! The app: collects input, shows the panels, and is the only one that changes anything.
 
 use super::WindowRequest;
+use super::editing::{Edited, SavedLook};
+use super::export::Export;
 use super::frames::locked;
+use super::keeping::Keeping;
 use super::keymap::Keyboard;
 use super::load::{Loader, SceneSource};
 use super::panels;
+use super::plan::Plan;
 use super::playback::Playback;
 use super::render_thread::{Message, Order, RenderThread, Wake, Wish};
+use super::session::is_session;
 use super::state::{SceneInfo, Severity, State, Work};
+use super::thumbnails::Thumbnails;
+use super::viewport;
 use super::walking::Obstacles;
-use super::{screenshot, viewport};
+use crate::picture::restore::PictureView;
+use afterimage::scene::Look;
 use afterimage::{Camera, Tracer};
 use crossbeam_channel::{Receiver, Sender, unbounded};
 use egui_wgpu::RenderState;
@@ -28,8 +36,22 @@ const LARGEST_EDGE: f32 = 8192.0;
 pub(super) enum News {
     /// The file dialog was closed.
     Chosen(Option<PathBuf>),
-    /// A picture was saved, or not.
+    /// Something was saved, or not.
     Saved(anyhow::Result<PathBuf>),
+    /// The scene with a look that was asked for.
+    Edited(Box<Edited>),
+    /// A look was saved beside its scene, or not.
+    SavedLook(Box<SavedLook>),
+    /// A plan of the so-manieth scene.
+    Plan(u64, Plan),
+    /// A session was saved, or not.
+    Session(Result<PathBuf, String>),
+    /// Something was kept for the next start; only failure is told.
+    Kept(Result<(), String>),
+    /// The files of this model have changed.
+    Changed(PathBuf),
+    /// The view of a picture was read, or not.
+    View(Result<PictureView, String>),
 }
 
 /// The window's app.
@@ -42,9 +64,15 @@ pub struct App {
     pub(super) wake: Wake,
     pub(super) news: (Sender<News>, Receiver<News>),
     pub(super) is_browsing: bool,
+    /// What outlives the window.
+    pub(super) keeping: Keeping,
+    /// The hash of the scene that is expected: a picture of it was opened.
+    pub(super) expected_hash: Option<String>,
+    /// The picture that is being saved.
+    pub(super) export: Option<Export>,
     graphics: Option<RenderState>,
     trouble: Arc<Mutex<Vec<String>>>,
-    sent: Option<Wish>,
+    pub(super) sent: Option<Wish>,
     pub(super) viewport_size: [u32; 2],
     moved: Instant,
     pub(super) obstacles: Option<Obstacles>,
@@ -52,6 +80,14 @@ pub struct App {
     pub(super) cursor: Option<[f64; 2]>,
     /// The pointer is held in the window.
     pub(super) has_grab: bool,
+    /// The look of the scene that is rendered.
+    pub(super) shown_look: Option<Look>,
+    /// A scene of another look is in the making.
+    pub(super) is_editing: bool,
+    /// A plan is in the making.
+    pub(super) is_planning: bool,
+    /// Scenes opened so far.
+    pub(super) scenes_opened: u64,
 }
 
 impl App {
@@ -71,6 +107,7 @@ impl App {
         state.quality.exposure_ev = request.exposure_ev.unwrap_or(state.quality.exposure_ev);
         state.quality.tone_map = request.tone_map;
         state.default_quality = state.quality;
+        state.thumbnails = Some(Thumbnails::start(wake.clone())?);
         if let Some(graphics) = &cc.wgpu_render_state {
             watch(graphics, &trouble, &wake);
             viewport::install(graphics);
@@ -87,6 +124,9 @@ impl App {
             wake,
             news: unbounded(),
             is_browsing: false,
+            keeping: Keeping::default(),
+            expected_hash: None,
+            export: None,
             graphics: cc.wgpu_render_state.clone(),
             trouble,
             sent: None,
@@ -95,10 +135,27 @@ impl App {
             obstacles: None,
             cursor: None,
             has_grab: false,
+            shown_look: None,
+            is_editing: false,
+            is_planning: false,
+            scenes_opened: 0,
             request,
         };
+        app.state.picture.settings = app.request.picture.clone();
+        app.show_look(&cc.egui_ctx, app.request.look);
+        app.state.settings_file.clone_from(&app.request.settings_file);
+        for warning in std::mem::take(&mut app.request.warnings) {
+            app.state.notify(Severity::Error, warning);
+        }
+        app.begin_keeping();
         let scene = app.request.scene.clone().unwrap_or_else(SceneSource::default_builtin);
-        app.open(scene);
+        match scene {
+            SceneSource::File { path, .. } if is_session(&path) => app.open_session(path),
+            scene => app.open(scene),
+        }
+        if app.loader.is_none() {
+            app.open(SceneSource::default_builtin());
+        }
         Ok(app)
     }
 
@@ -121,12 +178,14 @@ impl App {
     }
 
     /// Takes in all that has happened since the last frame of the window.
-    fn poll(&mut self) {
+    fn poll(&mut self, ctx: &egui::Context) {
         self.poll_loader();
+        self.poll_export();
         let messages: Vec<Message> = self.threads.messages().collect();
         for message in messages {
             match message {
-                Message::Picture(picture) => self.save(picture),
+                Message::Lent(lending) => self.show_lent(ctx, &lending),
+                Message::Picture(picture) => self.save_from_references(picture),
                 Message::Failed(text) => self.state.notify(Severity::Error, text),
             }
         }
@@ -135,11 +194,20 @@ impl App {
             match news {
                 News::Chosen(path) => {
                     self.is_browsing = false;
-                    path.into_iter().for_each(|path| self.open(SceneSource::file(path)));
+                    path.into_iter().for_each(|path| self.open_path(path));
                 }
                 News::Saved(Ok(path)) => {
                     self.state.notify(Severity::Info, format!("saved {}", path.display()));
                 }
+                News::Edited(edited) => self.take_edited(*edited),
+                News::SavedLook(saved) => self.take_saved_look(*saved),
+                News::Plan(scene, plan) => self.take_plan(scene, plan),
+                News::Session(saved) => self.session_saved(saved),
+                News::Kept(Ok(())) => {}
+                News::Kept(Err(message)) => self.state.notify(Severity::Error, message),
+                News::Changed(path) => self.reload_changed(&path),
+                News::View(Ok(view)) => self.go_to_picture(view),
+                News::View(Err(message)) => self.state.notify(Severity::Error, message),
                 News::Saved(Err(error)) => self.state.notify(Severity::Error, format!("{error:#}")),
             }
         }
@@ -155,6 +223,8 @@ impl App {
             }
         }
         self.state.expire_notices();
+        self.follow_plan();
+        self.want_thumbnails(ctx);
     }
 
     fn poll_loader(&mut self) {
@@ -169,7 +239,10 @@ impl App {
                 (self.loader, self.state.loading) = (None, None);
                 match result {
                     Ok(tracer) => self.show_scene(source, tracer),
-                    Err(message) => self.state.notify(Severity::Error, message),
+                    Err(message) => {
+                        self.forget_awaited();
+                        self.state.notify(Severity::Error, message);
+                    }
                 }
             }
         }
@@ -179,6 +252,7 @@ impl App {
         let is_reload = self.state.scene.as_ref().is_some_and(|s| s.source.label() == source.label());
         let scene = SceneInfo::new(source, &tracer);
         let (view_index, start) = self.start_pose(&scene);
+        self.compare_hash(&tracer.scene().hash);
         // A scene that was edited is looked at from where one was.
         if !is_reload {
             self.state.fly.jump_to(start);
@@ -193,7 +267,12 @@ impl App {
         self.state.scene = Some(scene);
         self.state.history.clear();
         self.obstacles = Some(Obstacles::new(tracer.clone()));
+        self.scenes_opened += 1;
+        (self.state.plan, self.is_planning) = (None, false);
+        self.state.thumbnails.iter_mut().for_each(|t| t.set_tracer(tracer.clone()));
+        self.begin_edits(tracer.scene(), is_reload);
         if !is_reload {
+            self.state.plan_view = Default::default();
             self.state.playback = Playback::of_scene(tracer.scene().walk.clone());
             (self.state.recording, self.state.renaming) = (None, None);
         }
@@ -209,6 +288,8 @@ impl App {
             let is_metered = is_model && self.request.exposure_ev.is_none();
             self.state.meters_from = is_metered.then_some(generation);
         }
+        let source = self.state.scene.as_ref().map(|s| s.source.clone());
+        source.iter().for_each(|source| self.keep_scene(source));
         self.sent = None;
     }
 
@@ -227,21 +308,6 @@ impl App {
             camera.fov_y = degrees.to_radians();
         }
         (index, camera)
-    }
-
-    fn save(&mut self, picture: super::render_thread::Picture) {
-        let development = self.state.quality.development();
-        let stem = screenshot::stem(self.state.scene.as_ref().map_or("picture", |s| &s.name));
-        let folders = self.request.pictures.clone().map_or_else(screenshot::default_folders, |f| vec![f]);
-        let (news, wake) = (self.news.0.clone(), self.wake.clone());
-        let work = move || {
-            // The window may be gone.
-            let _ = news.send(News::Saved(screenshot::save(&picture, development, &stem, &folders)));
-            wake();
-        };
-        if let Err(error) = std::thread::Builder::new().name("afterimage-save".to_owned()).spawn(work) {
-            self.state.notify(Severity::Error, format!("saving cannot be started: {error}"));
-        }
     }
 
     /// Sends the pose and the settings where they have changed.
@@ -275,6 +341,7 @@ impl App {
             () if self.state.scene.is_none() => Work::NoScene,
             () if self.state.options.is_paused => Work::Paused,
             () if self.moved.elapsed() < MOTION_TIME && !self.state.shows_hint => Work::Moving,
+            () if self.is_editing => Work::Editing,
             () if !is_newest => Work::Filling,
             () if self.threads.is_adding_reference() => Work::AddingReference,
             () => match frame.map(|f| f.stats.refined) {
@@ -296,6 +363,7 @@ impl App {
         if self.graphics.is_some() && rect.is_positive() {
             ui.painter().add(viewport::shape(rect, points_to_pixels, self.state.presentation()));
         }
+        panels::overlay::show(ui, rect, &self.state);
         let inner = rect.shrink(10.0);
         if self.state.options.shows_statistics && inner.is_positive() {
             ui.scope_builder(egui::UiBuilder::new().max_rect(inner), |ui| panels::hud::show(ui, &self.state));
@@ -327,7 +395,7 @@ fn watch(graphics: &RenderState, trouble: &Arc<Mutex<Vec<String>>>, wake: &Wake)
 impl eframe::App for App {
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
         let ctx = ui.ctx().clone();
-        self.poll();
+        self.poll(&ctx);
         self.state.note_window_secs(ctx.input(|i| i.unstable_dt));
         self.state.work = self.work();
         let mut commands = self.key_commands(&ctx);
@@ -345,11 +413,26 @@ impl eframe::App for App {
         if self.state.asks_to_clear {
             panels::notices::ask_to_clear(&ctx, &self.state, &mut commands);
         }
+        if self.state.shows_settings {
+            panels::files::settings(&ctx, &self.state, &mut commands);
+        }
+        if self.state.recovery.is_some() {
+            panels::files::ask_to_recover(&ctx, &mut commands);
+        }
+        if self.state.picture.is_open {
+            panels::picture::show(&ctx, &self.state, &mut commands);
+        }
+        if let Some(exporting) = &self.state.picture.exporting {
+            panels::picture::progress(&ctx, response.rect, exporting, &mut commands);
+        }
         if self.state.options.shows_help {
             panels::help::show(&ctx, &self.state, &mut commands);
         }
         commands.into_iter().for_each(|command| self.apply(&ctx, command));
         self.send_wish();
+        if let Some(rest) = self.keep_session() {
+            ctx.request_repaint_after(rest);
+        }
         // A word or a message may change without anything else happening.
         if self.state.work == Work::Moving {
             ctx.request_repaint_after(MOTION_TIME);
@@ -360,7 +443,8 @@ impl eframe::App for App {
     }
 
     fn on_exit(&mut self) {
-        self.loader = None;
+        (self.loader, self.export) = (None, None);
+        self.end_keeping();
         self.threads.stop();
     }
 }

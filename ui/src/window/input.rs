@@ -4,9 +4,8 @@ use super::aim;
 use super::app::App;
 use super::fly_camera::{Gait, Motion, SPEED_FACTOR};
 use super::keymap::{Action, Pressed};
-use super::load::SceneSource;
 use super::panels::legend;
-use super::state::{Command, Moving, Options, Severity};
+use super::state::{Command, Editing, FileCommand, Moving, Options, PictureCommand, Seeing, Severity};
 use super::viewport::{Coloring, Heatmap};
 use afterimage::trace::Probe;
 use egui::{
@@ -30,7 +29,7 @@ impl App {
             commands.extend(events.iter().filter_map(clipboard_command));
         }
         if let Some(file) = dropped.first().filter(|f| !f.path().as_os_str().is_empty()) {
-            commands.push(Command::Open(SceneSource::file(file.path())));
+            commands.push(Command::OpenPath(file.path().to_owned()));
         }
         commands
     }
@@ -47,6 +46,9 @@ impl App {
                 let bounds = self.obstacles.as_ref()?.tracer().scene().bounds_m;
                 Command::EaseTo(aim::framing(bounds, self.state.fly.camera(), self.aspect()))
             }
+            Action::Undo => Command::Editing(Editing::Undo),
+            Action::Redo => Command::Editing(Editing::Redo),
+            Action::Measure => Command::Seeing(Seeing::ToggleMeasure),
             Action::AddPathKey => Command::Moving(Moving::AddPathKey),
             Action::PlayPath => Command::Moving(Moving::PlayPath),
             Action::SaveView => Command::Moving(Moving::SaveView(chord as u8 + 1)),
@@ -67,8 +69,11 @@ impl App {
             Action::AddReference => Command::AddReference,
             Action::ClearCache => Command::AskToClear,
             Action::Open => Command::Browse,
+            Action::SaveSession => Command::Files(FileCommand::SaveSession),
             Action::Reload => Command::Reload,
-            Action::Screenshot => Command::Screenshot,
+            Action::Screenshot => Command::Picture(PictureCommand::Save),
+            Action::ScreenshotWithoutBackground => Command::Picture(PictureCommand::SaveWithoutBackground),
+            Action::SaveSequence => Command::Picture(PictureCommand::SaveSequence),
             Action::FullScreen => Command::FullScreen,
             Action::Escape => Command::Escape,
             _ => Command::SetOptions(switched(o, action)?),
@@ -92,6 +97,7 @@ impl App {
         if viewport.contains_pointer() {
             self.wheel(ctx, viewport, factor);
         }
+        self.click(viewport);
         if viewport.double_clicked()
             && let Some(at) = viewport.interact_pointer_pos()
         {
@@ -182,7 +188,7 @@ impl App {
 }
 
 /// A point of the viewport as parts of its half size, right and up from the centre.
-fn unit(viewport: &Response, at: Pos2) -> [f64; 2] {
+pub(super) fn unit(viewport: &Response, at: Pos2) -> [f64; 2] {
     let (from_centre, half) = (at - viewport.rect.center(), viewport.rect.size() / 2.0);
     [f64::from(from_centre.x / half.x.max(1.0)), f64::from(-from_centre.y / half.y.max(1.0))]
 }

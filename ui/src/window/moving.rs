@@ -13,6 +13,17 @@ use std::path::PathBuf;
 impl App {
     /// Does what was asked for.
     pub(super) fn move_on(&mut self, moving: Moving) {
+        let views_before = match moving {
+            Moving::SaveView(_) | Moving::AddView | Moving::RemoveView(_) | Moving::FinishRenaming => {
+                self.state.scene.as_ref().map(|s| s.views.clone())
+            }
+            _ => None,
+        };
+        self.carry_out(moving);
+        views_before.into_iter().for_each(|before| self.note_views(before));
+    }
+
+    fn carry_out(&mut self, moving: Moving) {
         let state = &mut self.state;
         match moving {
             Moving::GoToView(index) => self.go_to_view(index),
@@ -115,7 +126,7 @@ impl App {
     fn save_walk(&mut self, walk: CameraPath) {
         let stem =
             format!("{}-walk", screenshot::stem(self.state.scene.as_ref().map_or("walk", |s| &s.name)));
-        let folders = self.request.pictures.clone().map_or_else(screenshot::default_folders, |f| vec![f]);
+        let folders = self.picture_folders();
         self.in_background("afterimage-save", move || News::Saved(save_walk(&walk, &stem, &folders)));
     }
 

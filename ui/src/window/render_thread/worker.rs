@@ -1,9 +1,9 @@
 //! The work of the thread that makes frames: takes wishes in, renders, asks for references, hands pictures out.
 
-use super::{Message, Order, Picture, Shared, Wake, Wish};
+use super::{Lending, Message, Order, Picture, Shared, Wake, Wish};
 use crate::window::frames::{PublishedFrame, locked};
 use crate::window::reference_thread::{Job, Outcome};
-use afterimage::reference::ReferenceId;
+use afterimage::reference::{ReferenceFrame, ReferenceId};
 use afterimage::{Camera, Walkthrough};
 use crossbeam_channel::Sender;
 use std::any::Any;
@@ -148,6 +148,12 @@ impl Worker {
                     walk.cache_mut().remove(id);
                 }
             }
+            Order::Enable(id, is_enabled) => {
+                if let Some(walk) = &mut self.walk {
+                    walk.cache_mut().set_enabled(id, is_enabled);
+                }
+            }
+            Order::Lend(id) => self.lend(id),
             Order::Clear => {
                 self.cancel_reference();
                 if let Some(walk) = &mut self.walk {
@@ -320,7 +326,23 @@ impl Worker {
             settings: walk.settings().render,
             is_complete: frame.stats.is_complete,
             refined: frame.stats.refined,
+            references: useful_references(walk),
         }));
+        (self.wake)();
+    }
+
+    /// Hands out what a reference holds: what does not depend on the viewer.
+    fn lend(&self, id: ReferenceId) {
+        let Some(walk) = &self.walk else { return };
+        let entry = walk.cache().entries().iter().find(|e| e.id == id);
+        let radiance = entry.map(|entry| {
+            let (frame, tracer) = (&entry.frame, walk.tracer());
+            let count = frame.view.pixel_count() as u32;
+            (0..count).map(|p| frame.has_light(p).then(|| frame.diffuse_radiance(tracer, p))).collect()
+        });
+        let (camera, size) =
+            entry.map_or((walk.frame().camera, [0, 0]), |e| (e.frame.camera, e.frame.view.size));
+        self.say(Message::Lent(Lending { id, camera, size, radiance }));
         (self.wake)();
     }
 
@@ -340,6 +362,12 @@ fn wanted(walk: &Walkthrough, size: [u32; 2]) -> Option<Camera> {
     (!walk.cache().entries().iter().any(is_same)).then_some(camera)
 }
 
+/// What another picture of the same view can be made from.
+fn useful_references(walk: &Walkthrough) -> Vec<Arc<ReferenceFrame>> {
+    let is_used = |id| walk.settings().render.mode.looks_up() || walk.used().contains(&id);
+    walk.cache().entries().iter().filter(|e| is_used(e.id)).map(|e| Arc::clone(&e.frame)).collect()
+}
+
 /// What a panic said.
 pub(in crate::window) fn panic_text(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().map(|s| (*s).to_owned());
@@ -350,6 +378,7 @@ pub(in crate::window) fn panic_text(panic: &(dyn Any + Send)) -> String {
 mod tests {
     use super::*;
     use afterimage::reference::PlacementPolicy;
+    use afterimage::reference::placement::THRESHOLD;
     use afterimage::scene::{Material, SceneBuilder};
     use afterimage::{Mode, Tracer, WalkthroughSettings};
     use crossbeam_channel::{Receiver, unbounded};
@@ -362,7 +391,7 @@ mod tests {
         builder.add_quad(corners, Vec2::ONE, material);
         let tracer = Arc::new(Tracer::new(Arc::new(builder.finish().unwrap())));
         let mut settings = WalkthroughSettings {
-            placement: PlacementPolicy::Threshold { percent: 5.0 },
+            placement: PlacementPolicy::new(&THRESHOLD, 5.0),
             ..WalkthroughSettings::default()
         };
         settings.render.mode = Mode::Paper;

@@ -1,17 +1,21 @@
 //! What controls ask for: panels and keys make commands, only the app carries them out.
 
-use super::{Options, Quality, Severity};
+use super::{Change, FileCommand, Look, Options, PictureCommand, Quality, Severity, SunControls};
 use crate::window::fly_camera::Gait;
 use crate::window::load::SceneSource;
+use crate::window::plan::PlanView;
 use crate::window::playback::Playback;
 use afterimage::Camera;
 use afterimage::reference::ReferenceId;
+use afterimage::scene::MaterialId;
+use std::path::PathBuf;
 
 /// What a control asks for.
 #[derive(Clone, Debug)]
 #[allow(missing_docs, reason = "the names say it")]
 pub enum Command {
     Open(SceneSource),
+    OpenPath(PathBuf),
     Browse,
     CancelLoading,
     Reload,
@@ -22,6 +26,8 @@ pub enum Command {
     SetFovDegrees(f64),
     EaseTo(Camera),
     Moving(Moving),
+    Editing(Editing),
+    Seeing(Seeing),
     Say(Severity, String),
     Level,
     ChangeFov(f64),
@@ -30,7 +36,10 @@ pub enum Command {
     Clear,
     KeepReferences,
     Remove(ReferenceId),
-    Screenshot,
+    Picture(PictureCommand),
+    Files(FileCommand),
+    SetLook(Look),
+    ShowSettings(bool),
     CopyPose,
     CopyText(String),
     Dismiss(u64),
@@ -57,4 +66,31 @@ pub enum Moving {
     SetPlayback(Playback),
     PlayPath,
     ToggleRecording,
+}
+
+/// What a control asks for of the scene's materials and light.
+#[derive(Clone, Debug)]
+#[allow(missing_docs, reason = "the names say it")]
+pub enum Editing {
+    Change(Change),
+    SetSun(SunControls),
+    Undo,
+    Redo,
+    SaveBeside,
+}
+
+/// What a control asks for of what is looked at more closely.
+#[derive(Clone, Debug)]
+#[allow(missing_docs, reason = "the names say it")]
+pub enum Seeing {
+    CloseInspector,
+    SelectMaterial(MaterialId),
+    ToggleMeasure,
+    ClearMeasure,
+    SelectReference(Option<ReferenceId>),
+    EnableReference(ReferenceId, bool),
+    ShowReference(ReferenceId),
+    CloseReference,
+    SetPlanView(PlanView),
+    FilterReport(String),
 }
