@@ -1,7 +1,7 @@
 //! Changes of a finished scene that leave its geometry alone: a material, the sun and the sky.
 
 use super::builder::hash_of;
-use super::{Light, Material, MaterialId, Needs, Scene, Sky, lights, solids};
+use super::{Light, Material, MaterialId, Needs, Scene, Sky, lights, mend, solids};
 use glam::Vec3;
 
 /// What lights a scene from outside.
@@ -20,6 +20,9 @@ impl Scene {
         let mut edited = self.clone();
         let place = &mut edited.materials[id.0 as usize];
         *place = Material { name: std::mem::take(&mut place.name), ..material };
+        let (clamped, is_scaled) = mend::mend_material(place);
+        edited.stiffness.mended.values_clamped += clamped;
+        edited.stiffness.mended.materials_scaled += usize::from(is_scaled);
         edited.find_lights_anew(self.daylight());
         edited
     }
@@ -64,5 +67,8 @@ impl Scene {
         self.solids =
             solids::classify(&self.positions, &self.triangles, &self.triangle_materials, &self.materials);
         self.hash = hash_of(self);
+        let mut stiffness = std::mem::take(&mut self.stiffness);
+        stiffness.set_light(self);
+        self.stiffness = stiffness;
     }
 }

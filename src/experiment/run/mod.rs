@@ -201,7 +201,8 @@ impl Lab<'_> {
             scene_sha256: self.tracer.scene().hash.clone(),
             settings: RunRecord::default()
                 .with_fields(self.settings)
-                .with("walk_sha256", super::truth::digest(&walk)),
+                .with("walk_sha256", super::truth::digest(&walk))
+                .with_fields(&serde_json::json!({"stiffness": self.tracer.scene().stiffness})),
         }
     }
 

@@ -130,6 +130,8 @@ pub struct SceneInfo {
     pub triangles: usize,
     /// Lights.
     pub lights: usize,
+    /// How hard it is on numbers, in sentences.
+    pub stiffness: Vec<String>,
 }
 
 impl SceneInfo {
@@ -143,6 +145,7 @@ impl SceneInfo {
             warnings: scene.warnings.clone(),
             triangles: scene.triangles.len(),
             lights: scene.lights.len(),
+            stiffness: scene.stiffness.sentences(),
         }
     }
 }
