@@ -18,6 +18,7 @@ mod refine;
 mod reuse;
 mod rooms;
 mod save;
+mod stability;
 mod tiles;
 mod tour;
 mod tracing;

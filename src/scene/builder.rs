@@ -1,8 +1,9 @@
 //! From a model in world metres to a [`Scene`]: everything doubtful is dropped and counted here, once.
 
+use super::duplicates::Duplicates;
 use super::{
-    Light, Material, MaterialId, NamedView, Needs, Scene, SceneFrame, Sky, Stiffness, Texture, bounds,
-    lights, mend, solids,
+    Light, Material, MaterialId, Mended, NamedView, Needs, Scene, SceneFrame, Sky, Stiffness, Texture,
+    bounds, lights, mend, solids,
 };
 use crate::camera::Camera;
 use crate::camera_path::{CameraKey, CameraPath};
@@ -189,6 +190,7 @@ impl SceneBuilder {
         if self.triangles.is_empty() {
             return Err(self.empty_error());
         }
+        self.drop_duplicates(&positions, &mut mended);
         let lights = self.lights(&positions, &frame);
         let needs = Needs::of(&self.materials, &lights, self.sky.as_ref());
         let solids = solids::classify(&positions, &self.triangles, &self.triangle_materials, &self.materials);
@@ -248,20 +250,26 @@ impl SceneBuilder {
     /// Drops triangles and returns how many.
     fn drop_untraceable(&mut self, keep: impl Fn(&Self, [u32; 3]) -> bool, what: &str) -> usize {
         let kept: Vec<bool> = self.triangles.iter().map(|&t| keep(self, t)).collect();
+        self.keep_only(&kept, what)
+    }
+
+    /// Drops triangles that lie exactly on an earlier one and could not be told from it.
+    fn drop_duplicates(&mut self, positions: &[Vec3], mended: &mut Mended) {
+        let found = Duplicates::find(positions, &self.triangles, &self.triangle_materials, &self.materials);
+        (mended.duplicates_dropped, mended.duplicates_kept) = (found.dropped, found.kept);
+        self.keep_only(&found.keep, "that lie exactly on earlier ones");
+    }
+
+    /// Drops the triangles not kept, says so, and returns how many.
+    fn keep_only(&mut self, kept: &[bool], what: &str) -> usize {
         let dropped = kept.iter().filter(|k| !**k).count();
         if dropped == 0 {
             return 0;
         }
-        let mut i = 0;
-        self.triangles.retain(|_| {
-            i += 1;
-            kept[i - 1]
-        });
-        i = 0;
-        self.triangle_materials.retain(|_| {
-            i += 1;
-            kept[i - 1]
-        });
+        let mut of_triangle = kept.iter();
+        self.triangles.retain(|_| of_triangle.next() == Some(&true));
+        let mut of_material = kept.iter();
+        self.triangle_materials.retain(|_| of_material.next() == Some(&true));
         let name = self.name.clone();
         self.warn(&name, 0, format!("{dropped} triangles {what} were left out"));
         dropped

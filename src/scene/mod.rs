@@ -5,6 +5,7 @@
 mod bounds;
 pub mod builder;
 pub mod builtin;
+mod duplicates;
 mod edit;
 pub mod import;
 mod lights;

@@ -22,6 +22,10 @@ pub struct Mended {
     pub triangles_not_finite: usize,
     /// Triangles dropped for having no area in f32.
     pub triangles_without_area: usize,
+    /// Triangles dropped because an equal one, opaque and giving as much light, comes before them: it is the one seen.
+    pub duplicates_dropped: usize,
+    /// Triangles equal to an earlier one that were kept, because one of the two is glass, cut out or a lamp.
+    pub duplicates_kept: usize,
     /// Materials scaled down because they reflected more than arrives.
     pub materials_scaled: usize,
     /// Numbers of materials, lights and textures that were negative, not finite or out of range.
@@ -69,7 +73,7 @@ impl Stiffness {
             smallest_feature_m: farthest_in_scene_m * f64::from(f32::EPSILON) * STEPS_PER_FEATURE,
             needles,
             thinnest,
-            coplanar_duplicates: duplicates(scene),
+            coplanar_duplicates: mended.duplicates_dropped + mended.duplicates_kept,
             mended,
             ..Self::default()
         };
@@ -95,6 +99,7 @@ impl Stiffness {
     /// The same in sentences for people, one a fact.
     pub fn sentences(&self) -> Vec<String> {
         let m = &self.mended;
+        let duplicates = m.duplicates_dropped;
         let mut said = vec![
             format!(
                 "largest coordinate over 1 mm: {:.1e} in the file, {:.1e} after moving the origin; features above \
@@ -111,9 +116,9 @@ impl Stiffness {
                 self.needles, self.thinnest, self.coplanar_duplicates
             ),
         ];
-        if *m != Mended::default() {
+        if *m != (Mended { duplicates_kept: m.duplicates_kept, ..Mended::default() }) {
             said.push(format!(
-                "mended: {} triangles without finite corners and {} without area dropped, {} materials scaled down, \
+                "mended: {} triangles without finite corners, {} without area and {duplicates} duplicates dropped, {} materials scaled down, \
                  {} values clamped{}",
                 m.triangles_not_finite,
                 m.triangles_without_area,
@@ -165,21 +170,4 @@ fn needles(scene: &Scene) -> (usize, f64) {
         .map(thinness)
         .fold(|| (0, f64::INFINITY), |(n, least), t| (n + usize::from(t < NEEDLE), least.min(t)))
         .reduce(|| (0, f64::INFINITY), |a, b| (a.0 + b.0, a.1.min(b.1)))
-}
-
-/// Triangles whose three corners are, in some order, those of an earlier one. Told by 64 bits of each: of a million
-/// triangles two that differ are taken for equal once in thirty million scenes.
-fn duplicates(scene: &Scene) -> usize {
-    let fingerprint = |t: u32| {
-        let mut corners = scene.corners(t).map(|p| (p + 0.0).to_array().map(f32::to_bits));
-        corners.sort_unstable();
-        let mix = |hash: u64, word: u32| {
-            let mixed = (hash ^ u64::from(word)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-            mixed ^ (mixed >> 29)
-        };
-        corners.as_flattened().iter().fold(0, |hash, &word| mix(hash, word))
-    };
-    let mut all: Vec<u64> = (0..scene.triangles.len() as u32).into_par_iter().map(fingerprint).collect();
-    all.par_sort_unstable();
-    all.windows(2).filter(|pair| pair[0] == pair[1]).count()
 }

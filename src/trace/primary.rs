@@ -170,6 +170,12 @@ impl Tracer {
         SurfacePoint::new(&self.scene, hit.triangle, [hit.b1, hit.b2], ray.direction)
     }
 
+    /// How well the hit of a ray of this direction on a triangle is determined; below [`super::ILL_CONDITIONED`] it may
+    /// be lost or misplaced, and must not be lent.
+    pub fn condition(&self, direction: Vec3, triangle: u32) -> f64 {
+        super::surface::condition(self.scene.corners(triangle), direction)
+    }
+
     /// What a ray that leaves the scene sees.
     pub fn sky(&self, direction: Vec3) -> Vec3 {
         self.scene.sky.as_ref().map_or(Vec3::ZERO, |s| s.radiance(direction.normalize_or(Vec3::Y)))
