@@ -73,6 +73,11 @@ impl RunFolder {
         &self.manifest
     }
 
+    /// Remembers where else its cells were done; on the disk with the next export.
+    pub(super) fn also_ran(&mut self, sessions: Vec<Session>) {
+        self.manifest.sessions.splice(0..0, sessions);
+    }
+
     /// True where a cell is done.
     pub fn has(&self, key: &str) -> bool {
         self.journal.done().iter().any(|d| d.key == key)

@@ -21,7 +21,9 @@ pub fn merge(folders: &[PathBuf], into: &Path, session: Session) -> Result<RunFo
             return Err(LabError::Folder { path: path.clone(), cause });
         }
     }
+    let ran: Vec<Session> = manifests.iter().flat_map(|m| m.sessions.iter().cloned()).collect();
     let mut merged = RunFolder::open(into, first.identity.clone(), Shard::ALL, first.cells, session)?;
+    merged.also_ran(ran);
     let mut known: BTreeSet<String> = BTreeSet::new();
     for folder in folders {
         for done in Journal::read(folder)? {

@@ -11,6 +11,7 @@
 //!
 //! The rest is done here and in the command line: resuming, shards, merging, progress, CSV, JSON, plots, `report.html`.
 
+mod caveats;
 mod folder;
 mod journal;
 mod manifest;
@@ -19,6 +20,7 @@ mod plan;
 mod record;
 pub mod report;
 
+pub use caveats::{NOISY_SHARE, caveats, spreads};
 pub use folder::{RunFolder, read_manifest};
 pub use journal::{Done, Journal};
 pub use manifest::{Machine, Manifest, Session};

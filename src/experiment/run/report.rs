@@ -7,6 +7,8 @@ use serde_json::{Map, Value};
 pub struct Report {
     /// What it found, in sentences; the first lines of every form of the report.
     pub headline: Vec<String>,
+    /// What a reader must know to trust it or not: noisy times, an unoptimised build. [`super::caveats`] adds to them.
+    pub notes: Vec<String>,
     /// The same in numbers: `summary.json` and the answer of `--json`.
     pub summary: Map<String, Value>,
     /// The rest, in order.

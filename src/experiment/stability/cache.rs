@@ -12,7 +12,7 @@ use crate::math::hash::Key;
 use crate::reference::{PixelWarp, ReferenceCache, ReferenceFrame};
 use crate::render::{Frame, Mode, RenderSettings, Renderer, Walkthrough, WalkthroughSettings};
 use crate::reproject::PixelType;
-use crate::scene::{Material, MaterialId, SceneBuilder};
+use crate::scene::{Material, SceneBuilder};
 use crate::trace::Tracer;
 use crate::trace::parallel::NEVER;
 use glam::{DVec3, Vec3};

@@ -2,15 +2,17 @@
 
 mod text;
 
+pub(super) use text::shown;
+
 use super::failure::Failure;
 use super::flags::Flags;
 use super::progress::Progress;
 use super::scene::{Loaded, load};
 use super::tour::read_path;
-use super::{interrupt, memory, output, paths, throughput};
+use super::{interrupt, memory, output, paths, report as report_files, throughput};
 use afterimage::experiment::run::{
-    Effort, Experiment, Lab, LabError, LabEvent, LabSettings, Report, RunFolder, Session, Shard, find, merge,
-    run_cells,
+    Effort, Experiment, Lab, LabError, LabEvent, LabSettings, Report, RunFolder, Session, Shard, caveats,
+    find, merge, run_cells,
 };
 use clap::Args;
 use serde_json::{Value, json};
@@ -170,8 +172,11 @@ fn run_with_progress(
 }
 
 fn finish(experiment: &Experiment, folder: &mut RunFolder) -> Result<Report, Failure> {
-    let report = (experiment.report)(&folder.manifest().identity, &folder.records());
+    let records = folder.records();
+    let mut report = (experiment.report)(&folder.manifest().identity, &records);
+    report.notes.extend(caveats(folder.manifest(), &records));
     folder.export(&report)?;
+    report_files::write(folder, &report)?;
     Ok(report)
 }
 

@@ -15,6 +15,7 @@ mod paths;
 mod pose;
 mod progress;
 mod render;
+mod report;
 mod scene;
 mod start;
 mod throughput;

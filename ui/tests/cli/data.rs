@@ -194,7 +194,14 @@ fn shards_of_an_experiment_are_joined_to_the_whole() {
             assert_eq!(number(&whole, &pointer), number(&merged, &pointer), "{pointer}");
         }
     }
-    for name in ["manifest.json", "config.toml", "records.csv", "summary.json", "images/paper-2-types.png"] {
+    for name in [
+        "manifest.json",
+        "config.toml",
+        "records.csv",
+        "summary.json",
+        "report.html",
+        "images/paper-2-types.png",
+    ] {
         assert!(bench.path("merged").join(name).exists(), "{name}");
     }
 }

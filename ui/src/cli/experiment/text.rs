@@ -7,6 +7,7 @@ use serde_json::Value;
 /// The sentences and the tables; pictures and charts are in the folder.
 pub(super) fn report(folder: &RunFolder, report: &Report) -> String {
     let mut lines = report.headline.join("\n") + "\n";
+    lines.extend(report.notes.iter().map(|note| format!("note: {note}\n")));
     for section in &report.sections {
         for block in &section.blocks {
             match block {

@@ -1,0 +1,56 @@
+//! The scene as the panels show it.
+
+use crate::window::load::SceneSource;
+use afterimage::scene::Warning;
+use afterimage::{Camera, Tracer};
+
+/// A view that can be gone back to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SavedView {
+    /// What the user calls it.
+    pub name: String,
+    /// Where it looks from.
+    pub camera: Camera,
+    /// The number of the key that goes there, 1 to 9.
+    pub key: Option<u8>,
+}
+
+/// The scene as the panels show it.
+#[derive(Clone, Debug)]
+pub struct SceneInfo {
+    /// Its name.
+    pub name: String,
+    /// Where it came from.
+    pub source: SceneSource,
+    /// Saved views, the start view first.
+    pub views: Vec<SavedView>,
+    /// What was doubtful in its files.
+    pub warnings: Vec<Warning>,
+    /// Triangles.
+    pub triangles: usize,
+    /// Lights.
+    pub lights: usize,
+    /// How hard it is on numbers, in sentences.
+    pub stiffness: Vec<String>,
+}
+
+impl SceneInfo {
+    /// What a loaded scene has.
+    pub fn new(source: SceneSource, tracer: &Tracer) -> Self {
+        let scene = tracer.scene();
+        Self {
+            name: scene.name.clone(),
+            source,
+            views: scene.views.iter().enumerate().map(saved_view).collect(),
+            warnings: scene.warnings.clone(),
+            triangles: scene.triangles.len(),
+            lights: scene.lights.len(),
+            stiffness: scene.stiffness.sentences(),
+        }
+    }
+}
+
+fn saved_view((i, view): (usize, &afterimage::scene::NamedView)) -> SavedView {
+    let key = u8::try_from(i + 1).ok().filter(|key| *key <= 9);
+    SavedView { name: view.name.clone(), camera: view.camera, key }
+}
