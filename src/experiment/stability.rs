@@ -57,13 +57,15 @@ pub struct Case {
 pub struct Trial {
     /// Random rays, poses or angles.
     pub tries: u32,
+    /// Frames, where one is made after the other.
+    pub frames: u32,
 }
 
 impl Trial {
     /// Enough for a test.
-    pub const QUICK: Self = Self { tries: 20_000 };
+    pub const QUICK: Self = Self { tries: 20_000, frames: 8 };
     /// What the figures of `docs/ROBUSTNESS.md` are made with.
-    pub const FULL: Self = Self { tries: 1_000_000 };
+    pub const FULL: Self = Self { tries: 1_000_000, frames: 100 };
 }
 
 /// What a case found.

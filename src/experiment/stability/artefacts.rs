@@ -140,13 +140,13 @@ fn frame_edge(_: &Trial) -> Outcome {
     Ok(worst.into())
 }
 
-fn shimmer(_: &Trial) -> Outcome {
+fn shimmer(trial: &Trial) -> Outcome {
     let tracer = Room::SHINY.tracer()?;
     let lent = reference(&tracer, &Room::SHINY.camera(), SIZE);
     let here = Room::SHINY.moved(0.3, 0.1);
     let first = paper(&tracer, &here, &[&lent]);
     let mut changed = 0;
-    for _ in 0..100 {
+    for _ in 0..trial.frames {
         let shown = paper(&tracer, &here, &[&lent]);
         changed += first.types.iter().zip(&shown.types).filter(|(a, b)| a != b).count();
         changed += first.radiance.iter().zip(&shown.radiance).filter(|(a, b)| a != b).count();
@@ -167,15 +167,16 @@ fn two_references(_: &Trial) -> Outcome {
 }
 
 /// References come from rays, never from warped frames: the sixty-fourth in a place is the first.
-fn generations(_: &Trial) -> Outcome {
+fn generations(trial: &Trial) -> Outcome {
     let tracer = Room::PLAIN.tracer()?;
     let camera = Room::PLAIN.camera();
     let first = reference(&tracer, &camera, SIZE);
     let mut last = first.clone();
-    for step in 0..64 {
+    let steps = trial.frames.min(64);
+    for step in 0..steps {
         let here = Room::PLAIN.moved(0.01 * f64::from(step), 0.0);
         paper(&tracer, &here, &[&last]);
-        last = reference(&tracer, if step == 63 { &camera } else { &here }, SIZE);
+        last = reference(&tracer, if step + 1 == steps { &camera } else { &here }, SIZE);
     }
     let pairs = first.disparity().iter().zip(last.disparity());
     Ok(pairs.filter(|(a, b)| a.to_bits() != b.to_bits()).count().into())

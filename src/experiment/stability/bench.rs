@@ -12,7 +12,7 @@ use crate::trace::{TraceSettings, Tracer};
 use glam::{DVec3, Vec2, Vec3};
 use std::sync::Arc;
 
-pub(super) const SIZE: [u32; 2] = [96, 64];
+pub(super) const SIZE: [u32; 2] = [72, 48];
 pub(super) const TRACE: TraceSettings = TraceSettings { samples: 2, bounces: 0, seed: 5 };
 
 pub(super) fn dvec(x: f64, y: f64, z: f64) -> DVec3 {

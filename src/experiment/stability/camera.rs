@@ -241,12 +241,12 @@ fn changed_percent(a: &Frame, b: &Frame) -> f64 {
     percent(changed.count(), a.radiance.len())
 }
 
-fn steady(_: &Trial) -> Outcome {
+fn steady(trial: &Trial) -> Outcome {
     let (tracer, camera) = (Room::SHINY.tracer()?, Room::SHINY.camera());
     let lent = reference(&tracer, &camera, SIZE);
     let mut before = [full(&tracer, &camera), paper(&tracer, &camera, &[&lent])];
     let mut worst = 0f64;
-    for step in 1..=100 {
+    for step in 1..=trial.frames {
         let eye = camera.eye + dvec(1.0, 0.5, -0.25) * (1e-7 * f64::from(step));
         let here = Camera { eye, ..camera };
         let now = [full(&tracer, &here), paper(&tracer, &here, &[&lent])];

@@ -100,10 +100,10 @@ fn unequal_twins(_: &Trial) -> Outcome {
     twins_shown(false)
 }
 
-fn twins_at_rest(_: &Trial) -> Outcome {
+fn twins_at_rest(trial: &Trial) -> Outcome {
     let (tracer, camera) = twins(false)?;
     let first = full(&tracer, &camera);
-    Ok((0..100).map(|_| differing(&first, &full(&tracer, &camera))).sum::<usize>().into())
+    Ok((0..trial.frames).map(|_| differing(&first, &full(&tracer, &camera))).sum::<usize>().into())
 }
 
 fn duplicates_counted(_: &Trial) -> Outcome {
