@@ -250,6 +250,7 @@ fn report(_: &Identity, records: &[RunRecord]) -> Report {
     let names: Vec<&str> = failing.iter().map(|row| row.case.name).collect();
     Report {
         headline,
+        notes: Vec::new(),
         summary,
         sections: vec![section("Cases", Block::Table(table)), section("Pictures", Block::Pictures(pictures))],
         failure: (!failing.is_empty()).then(|| format!("these cases do not hold: {}", names.join("; "))),

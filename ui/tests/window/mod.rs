@@ -4,6 +4,7 @@ mod driving;
 mod moving;
 mod pixels;
 mod room;
+mod storm;
 mod threads;
 
 use afterimage::Scene;
