@@ -7,6 +7,7 @@ pub mod errors;
 pub mod measure;
 pub mod record;
 pub mod run;
+mod soak;
 pub mod stability;
 pub mod statistics;
 mod table1;

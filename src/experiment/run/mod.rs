@@ -29,7 +29,7 @@ pub use plan::{Cell, Identity, Shard, ShardError};
 pub use record::{RunRecord, counted};
 pub use report::Report;
 
-use super::{stability, table1};
+use super::{soak, stability, table1};
 use crate::camera_path::CameraPath;
 use crate::raster::save::{SaveError, save_png};
 use crate::trace::parallel::Stop;
@@ -40,7 +40,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 /// Every experiment that can be run by its name.
-pub const EXPERIMENTS: &[Experiment] = &[table1::EXPERIMENT, stability::EXPERIMENT];
+pub const EXPERIMENTS: &[Experiment] = &[table1::EXPERIMENT, stability::EXPERIMENT, soak::EXPERIMENT];
 
 /// An experiment, as data.
 #[derive(Clone, Copy, Debug)]
