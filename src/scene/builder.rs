@@ -2,8 +2,8 @@
 
 use super::duplicates::Duplicates;
 use super::{
-    Light, Material, MaterialId, Mended, NamedView, Needs, Scene, SceneFrame, Sky, Stiffness, Texture,
-    bounds, lights, mend, solids,
+    Light, Material, MaterialId, NamedView, Needs, Scene, SceneFrame, Sky, Stiffness, Texture, bounds,
+    lights, mend, solids,
 };
 use crate::camera::Camera;
 use crate::camera_path::{CameraKey, CameraPath};
@@ -190,7 +190,9 @@ impl SceneBuilder {
         if self.triangles.is_empty() {
             return Err(self.empty_error());
         }
-        self.drop_duplicates(&positions, &mut mended);
+        let duplicates =
+            Duplicates::find(&positions, &self.triangles, &self.triangle_materials, &self.materials);
+        (mended.duplicates_hidden, mended.duplicates_seen) = (duplicates.hidden.len(), duplicates.seen);
         let lights = self.lights(&positions, &frame);
         let needs = Needs::of(&self.materials, &lights, self.sky.as_ref());
         let solids = solids::classify(&positions, &self.triangles, &self.triangle_materials, &self.materials);
@@ -217,6 +219,7 @@ impl SceneBuilder {
             needs,
             warnings: self.warnings,
             bounds_m,
+            hidden: duplicates.hidden,
             stiffness: Stiffness::default(),
         };
         scene.hash = hash_of(&scene);
@@ -251,13 +254,6 @@ impl SceneBuilder {
     fn drop_untraceable(&mut self, keep: impl Fn(&Self, [u32; 3]) -> bool, what: &str) -> usize {
         let kept: Vec<bool> = self.triangles.iter().map(|&t| keep(self, t)).collect();
         self.keep_only(&kept, what)
-    }
-
-    /// Drops triangles that lie exactly on an earlier one and could not be told from it.
-    fn drop_duplicates(&mut self, positions: &[Vec3], mended: &mut Mended) {
-        let found = Duplicates::find(positions, &self.triangles, &self.triangle_materials, &self.materials);
-        (mended.duplicates_dropped, mended.duplicates_kept) = (found.dropped, found.kept);
-        self.keep_only(&found.keep, "that lie exactly on earlier ones");
     }
 
     /// Drops the triangles not kept, says so, and returns how many.

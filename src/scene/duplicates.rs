@@ -1,15 +1,16 @@
 //! Triangles that lie exactly on an earlier one, which exporters write by the thousand: of two at one distance rounding
-//! would choose, pixel by pixel, so the later is dropped.
+//! would choose, pixel by pixel, so rays are told of the first alone.
 
 use super::{Material, MaterialId};
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// Which triangles are to be kept, how many are to go, and how many equal ones must stay.
+/// Triangles that equal an earlier one.
 pub(super) struct Duplicates {
-    pub(super) keep: Vec<bool>,
-    pub(super) dropped: usize,
-    pub(super) kept: usize,
+    /// Those that the earlier one hides, ascending.
+    pub(super) hidden: Vec<u32>,
+    /// How many must be seen all the same, because one of the two is glass, cut out or a lamp.
+    pub(super) seen: usize,
 }
 
 impl Duplicates {
@@ -29,16 +30,18 @@ impl Duplicates {
         let mut order: Vec<(u64, u32)> =
             (0..triangles.len() as u32).into_par_iter().map(|t| (fingerprint(&corners(t)), t)).collect();
         order.par_sort_unstable();
-        let mut found = Self { keep: vec![true; triangles.len()], dropped: 0, kept: 0 };
+        let mut found = Self { hidden: Vec::new(), seen: 0 };
         for equal in order.chunk_by(|a, b| a.0 == b.0).filter(|group| group.len() > 1) {
             let first = equal[0].1;
             for &(_, later) in equal[1..].iter().filter(|(_, later)| corners(*later) == corners(first)) {
-                let is_hidden = hides(material(first), material(later));
-                found.keep[later as usize] = !is_hidden;
-                found.dropped += usize::from(is_hidden);
-                found.kept += usize::from(!is_hidden);
+                if hides(material(first), material(later)) {
+                    found.hidden.push(later);
+                } else {
+                    found.seen += 1;
+                }
             }
         }
+        found.hidden.sort_unstable();
         found
     }
 }

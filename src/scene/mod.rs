@@ -112,6 +112,8 @@ pub struct Scene {
     pub warnings: Vec<Warning>,
     /// Lower and upper corner, world metres; of the bulk where a few vertices lie far outside.
     pub bounds_m: [DVec3; 2],
+    /// Triangles that lie exactly on an earlier one and cannot be told from it, ascending: no ray meets them.
+    pub hidden: Vec<u32>,
     /// How hard it is on numbers, and what was mended.
     pub stiffness: Stiffness,
 }

@@ -22,10 +22,10 @@ pub struct Mended {
     pub triangles_not_finite: usize,
     /// Triangles dropped for having no area in f32.
     pub triangles_without_area: usize,
-    /// Triangles dropped because an equal one, opaque and giving as much light, comes before them: it is the one seen.
-    pub duplicates_dropped: usize,
-    /// Triangles equal to an earlier one that were kept, because one of the two is glass, cut out or a lamp.
-    pub duplicates_kept: usize,
+    /// Triangles no ray is told of, because an equal one, opaque and giving as much light, comes before them.
+    pub duplicates_hidden: usize,
+    /// Triangles equal to an earlier one that rays meet all the same: one of the two is glass, cut out or a lamp.
+    pub duplicates_seen: usize,
     /// Materials scaled down because they reflected more than arrives.
     pub materials_scaled: usize,
     /// Numbers of materials, lights and textures that were negative, not finite or out of range.
@@ -73,7 +73,7 @@ impl Stiffness {
             smallest_feature_m: farthest_in_scene_m * f64::from(f32::EPSILON) * STEPS_PER_FEATURE,
             needles,
             thinnest,
-            coplanar_duplicates: mended.duplicates_dropped + mended.duplicates_kept,
+            coplanar_duplicates: mended.duplicates_hidden + mended.duplicates_seen,
             mended,
             ..Self::default()
         };
@@ -99,7 +99,7 @@ impl Stiffness {
     /// The same in sentences for people, one a fact.
     pub fn sentences(&self) -> Vec<String> {
         let m = &self.mended;
-        let duplicates = m.duplicates_dropped;
+        let duplicates = m.duplicates_hidden;
         let mut said = vec![
             format!(
                 "largest coordinate over 1 mm: {:.1e} in the file, {:.1e} after moving the origin; features above \
@@ -116,9 +116,9 @@ impl Stiffness {
                 self.needles, self.thinnest, self.coplanar_duplicates
             ),
         ];
-        if *m != (Mended { duplicates_kept: m.duplicates_kept, ..Mended::default() }) {
+        if *m != (Mended { duplicates_seen: m.duplicates_seen, ..Mended::default() }) {
             said.push(format!(
-                "mended: {} triangles without finite corners, {} without area and {duplicates} duplicates dropped, {} materials scaled down, \
+                "mended: {} triangles without finite corners and {} without area dropped, {duplicates} duplicates hidden, {} materials scaled down, \
                  {} values clamped{}",
                 m.triangles_not_finite,
                 m.triangles_without_area,

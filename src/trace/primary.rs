@@ -36,7 +36,7 @@ impl Tracer {
         let start = Instant::now();
         let corners: Vec<[Vec3; 3]> =
             (0..scene.triangles.len() as u32).into_par_iter().map(|t| scene.corners(t)).collect();
-        let bvh = Arc::new(Bvh::build(&corners));
+        let bvh = Arc::new(Bvh::build_without(&corners, &scene.hidden));
         let epoch = SceneEpoch(NEXT_EPOCH.fetch_add(1, Ordering::Relaxed));
         let lights = LightGrid::new(&scene);
         Self { scene, bvh, lights, epoch, build_secs: start.elapsed().as_secs_f64() }

@@ -1,12 +1,13 @@
 //! What the cases share: a room at any place and size, pictures of it, and what must hold of every picture.
 
+use super::Measured;
 use crate::camera::{Camera, View};
 use crate::math::hash::Key;
 use crate::raster::color::ToneMap;
 use crate::reference::ReferenceFrame;
 use crate::render::aov::display_picture;
 use crate::render::{Frame, Mode, RenderSettings, Renderer};
-use crate::scene::{Material, MaterialId, SceneBuilder, SceneError};
+use crate::scene::{Material, MaterialId, SceneBuilder, SceneError, Sky};
 use crate::trace::parallel::NEVER;
 use crate::trace::{TraceSettings, Tracer};
 use glam::{DVec3, Vec2, Vec3};
@@ -207,4 +208,16 @@ pub(super) fn soup(count: u32, size: f32, seed: u64) -> Vec<[Vec3; 3]> {
         [1, 2, 3].map(|k| random(key, 0) + random(key, k) * size)
     };
     (0..count).map(triangle).collect()
+}
+
+/// In white light from everywhere nothing that is clear may be seen: the share of pixels in percent that are off by more
+/// than 2 %, which is what cutting weak branches may cost.
+pub(super) fn seen_in_white(mut b: SceneBuilder, camera: &Camera) -> Result<Measured, SceneError> {
+    b.sky = Some(Sky { zenith: Vec3::ONE, horizon: Vec3::ONE, ground: Vec3::ONE });
+    let frame = full(&tracer(b)?, camera);
+    let off = |r: &Vec3| (*r - Vec3::ONE).abs().max_element();
+    let seen = frame.radiance.iter().filter(|r| off(r) > 0.02).count() + bad_values(&frame);
+    let worst = frame.radiance.iter().map(off).fold(0.0, f32::max);
+    let note = format!("the worst pixel is off by {:.1} %", 100.0 * worst);
+    Ok(Measured { value: percent(seen, frame.radiance.len()), note, picture: Some((SIZE, srgb(&frame))) })
 }

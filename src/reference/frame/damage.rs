@@ -20,7 +20,6 @@ impl ReferenceFrame {
                 _ => self.reflections.iter_mut().skip(at).take(1).for_each(|count| *count ^= bit as u8),
             }
         }
-        self.bound_tiles();
         damaged
     }
 }

@@ -20,7 +20,7 @@ use std::path::PathBuf;
 
 #[derive(Args, Debug)]
 pub(crate) struct ExperimentArgs {
-    /// Which one: table1, throughput; or merge, which joins the folders of shards.
+    /// Which one: table1, stability, soak, throughput; or merge, which joins the folders of shards.
     #[arg(value_parser = name)]
     name: String,
     /// A model (.obj) or builtin:NAME, the embedded gallery when absent; for merge, the folders.
