@@ -66,7 +66,8 @@ impl Storm {
     fn event(&mut self) {
         let generation = match self.below(20) {
             0 => {
-                let tracer = self.tracers[self.below(3) as usize].clone();
+                let which = self.below(3) as usize;
+                let tracer = self.tracers[which].clone();
                 self.thread.order(Order::SetTracer(tracer))
             }
             1 => {
