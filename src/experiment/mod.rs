@@ -9,6 +9,7 @@ pub mod record;
 pub mod run;
 mod soak;
 pub mod stability;
+pub mod stage_speed;
 pub mod statistics;
 mod table1;
 pub mod throughput;
