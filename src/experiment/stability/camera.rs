@@ -157,7 +157,11 @@ fn orthonormal(trial: &Trial) -> Outcome {
     let pose = |i: u32| {
         let r = random(Key::of_pixel(12, i), 0);
         // Every tenth looks straight up or down.
-        let pitch = if i % 10 == 0 { FRAC_PI_2.copysign(f64::from(r.y)) } else { f64::from(r.y) * FRAC_PI_2 };
+        let pitch = if i.is_multiple_of(10) {
+            FRAC_PI_2.copysign(f64::from(r.y))
+        } else {
+            f64::from(r.y) * FRAC_PI_2
+        };
         Camera { yaw: f64::from(r.x) * 100.0 * PI, pitch, ..Room::PLAIN.camera() }
     };
     let worst =

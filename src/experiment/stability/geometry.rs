@@ -182,7 +182,8 @@ fn needles(trial: &Trial) -> Outcome {
         let [a, b, c] = soup[i as usize % soup.len()];
         let [s, t] = key.pair();
         // Half of them graze: they run along the needle at a twentieth of a degree.
-        let origin = if i % 2 == 0 { random(key, 5) * 3.0 } else { a - (b - a) + random(key, 5) * 9e-4 };
+        let origin =
+            if i.is_multiple_of(2) { random(key, 5) * 3.0 } else { a - (b - a) + random(key, 5) * 9e-4 };
         Ray::new(origin, a + (b - a) * s + (c - a) * (t * (1.0 - s)) - origin)
     };
     let is_wrong = |i: &u32| {

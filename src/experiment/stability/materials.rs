@@ -157,7 +157,8 @@ fn transmitted(cos: f64, eta: f64) -> f64 {
 fn fresnel_sum(trial: &Trial) -> Outcome {
     let error = |i: u32| {
         let [u, v] = Key::of_pixel(31, i).pair();
-        let (cos, eta) = (u.max(1e-3), if i % 2 == 0 { 1.0 + 1.4 * v } else { 1.0 / (1.0 + 1.4 * v) });
+        let (cos, eta) =
+            (u.max(1e-3), if i.is_multiple_of(2) { 1.0 + 1.4 * v } else { 1.0 / (1.0 + 1.4 * v) });
         let sum = f64::from(fresnel_dielectric(cos, eta)) + transmitted(f64::from(cos), f64::from(eta));
         (sum - 1.0).abs()
     };
@@ -166,7 +167,7 @@ fn fresnel_sum(trial: &Trial) -> Outcome {
         let [u, v] = Key::of_pixel(31, *i).pair();
         let eta = 1.0 + 1.4 * f64::from(v);
         let u = f64::from(u.max(1e-3));
-        i % 2 == 0 && ((1.0 - u * u).sqrt() * eta - 1.0).abs() < 1e-3
+        i.is_multiple_of(2) && ((1.0 - u * u).sqrt() * eta - 1.0).abs() < 1e-3
     };
     Ok((0..trial.tries).filter(|i| !is_critical(i)).map(error).fold(0.0, f64::max).into())
 }

@@ -140,7 +140,7 @@ fn ten_thousand_random_events_never_bring_an_older_frame() {
     let mut storm = Storm::new();
     for i in 0..10_000 {
         storm.event();
-        if i % 16 == 0 {
+        if i & 15 == 0 {
             storm.look();
         }
     }
