@@ -51,8 +51,8 @@ impl Storm {
     fn wish(&mut self) -> Wish {
         let modes = [Mode::Full, Mode::Paper, Mode::Fast, Mode::Exact];
         let placements = [PlacementPolicy::None, PlacementPolicy::Threshold { percent: 5.0 }];
-        let mut settings = WalkthroughSettings::default();
-        settings.placement = placements[self.below(2) as usize];
+        let placement = placements[self.below(2) as usize];
+        let mut settings = WalkthroughSettings { placement, ..WalkthroughSettings::default() };
         settings.render.mode = modes[self.below(4) as usize];
         settings.render.trace.samples = 1 + self.below(2) as u32;
         let x = self.below(100) as f64 * 0.01;
