@@ -1,7 +1,9 @@
 //! The real app with its real threads on a small scene, driven by events.
 
 mod driving;
+mod keeping;
 mod moving;
+mod pictures;
 mod pixels;
 mod room;
 mod storm;

@@ -1,10 +1,10 @@
 //! The work of the thread that makes frames: takes wishes in, renders, asks for references, hands pictures out.
 
 use super::{Message, Order, Picture, Shared, Wake, Wish};
-use crate::memory::refusal;
+use crate::picture::memory;
 use crate::window::frames::{PublishedFrame, locked};
 use crate::window::reference_thread::{Job, Outcome};
-use afterimage::reference::ReferenceId;
+use afterimage::reference::{ReferenceFrame, ReferenceId};
 use afterimage::{Camera, Walkthrough};
 use crossbeam_channel::Sender;
 use std::any::Any;
@@ -121,7 +121,7 @@ impl Worker {
     /// A wish that memory cannot hold is dropped with a message: a failed allocation would end the program.
     fn refuse_too_large(&mut self) {
         let Some([width, height]) = self.wish.map(|w| w.size) else { return };
-        if let Some(why) = refusal(u64::from(width) * u64::from(height), 1) {
+        if let Err(why) = memory::check(u64::from(width) * u64::from(height), 1) {
             self.wish = None;
             self.say(Message::Failed(format!("a picture of {width} x {height}: {why}")));
             (self.wake)();
@@ -335,6 +335,7 @@ impl Worker {
             settings: walk.settings().render,
             is_complete: frame.stats.is_complete,
             refined: frame.stats.refined,
+            references: useful_references(walk),
         }));
         (self.wake)();
     }
@@ -353,6 +354,12 @@ fn wanted(walk: &Walkthrough, size: [u32; 2]) -> Option<Camera> {
         e.frame.camera == camera && e.frame.view.size == size
     };
     (!walk.cache().entries().iter().any(is_same)).then_some(camera)
+}
+
+/// What another picture of the same view can be made from.
+fn useful_references(walk: &Walkthrough) -> Vec<Arc<ReferenceFrame>> {
+    let is_used = |id| walk.settings().render.mode.looks_up() || walk.used().contains(&id);
+    walk.cache().entries().iter().filter(|e| is_used(e.id)).map(|e| Arc::clone(&e.frame)).collect()
 }
 
 /// What a panic said.

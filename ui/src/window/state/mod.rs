@@ -2,16 +2,20 @@
 
 mod command;
 mod history;
+mod look;
 mod notices;
 mod options;
+mod picture;
 mod quality;
 mod scene;
 mod work;
 
 pub use command::{Command, Moving};
 pub use history::{HISTORY, Sample};
+pub use look::{FileCommand, Look};
 pub use notices::{Notice, Severity};
 pub use options::Options;
+pub use picture::{Exporting, PictureCommand, PictureFormat, PictureSettings, PictureSize, PictureState};
 pub use quality::{Quality, WINDOW_SAMPLES};
 pub use scene::{SavedView, SceneInfo};
 pub use work::Work;
@@ -23,6 +27,7 @@ use super::playback::{Playback, Recording};
 use super::viewport::{Coloring, Heatmap, Presentation};
 use afterimage::{Camera, WalkthroughSettings};
 use std::collections::VecDeque;
+use std::path::PathBuf;
 
 /// All of it.
 #[derive(Debug)]
@@ -67,6 +72,18 @@ pub struct State {
     pub recording: Option<Recording>,
     /// The name of a saved view that is being changed: which, and what is typed.
     pub renaming: Option<(usize, String)>,
+    /// Pictures.
+    pub picture: PictureState,
+    /// The looks of the window.
+    pub look: Look,
+    /// The window of settings is open.
+    pub shows_settings: bool,
+    /// Where settings are kept.
+    pub settings_file: Option<PathBuf>,
+    /// Models that were open before, the newest first.
+    pub recent: Vec<PathBuf>,
+    /// A session that was cut short, to be gone on with or not.
+    pub recovery: Option<PathBuf>,
     next_notice: u64,
 }
 
@@ -104,6 +121,12 @@ impl State {
             playback: Playback::default(),
             recording: None,
             renaming: None,
+            picture: PictureState::default(),
+            look: Look::default(),
+            shows_settings: false,
+            settings_file: None,
+            recent: Vec::new(),
+            recovery: None,
             next_notice: 0,
         }
     }
