@@ -5,6 +5,7 @@
 mod aim;
 pub mod app;
 mod apply;
+mod editing;
 mod export;
 pub mod fly_camera;
 pub mod frames;
@@ -15,13 +16,17 @@ pub mod load;
 mod moving;
 mod opening;
 pub mod panels;
+pub mod plan;
 pub mod playback;
 pub mod pose_text;
+pub mod projection;
 mod reference_thread;
 pub mod render_thread;
 pub mod screenshot;
+mod seeing;
 pub mod session;
 pub mod state;
+pub mod thumbnails;
 pub mod viewport;
 pub mod walking;
 

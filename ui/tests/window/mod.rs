@@ -1,11 +1,13 @@
 //! The real app with its real threads on a small scene, driven by events.
 
 mod driving;
+mod editing;
 mod keeping;
 mod moving;
 mod pictures;
 mod pixels;
 mod room;
+mod seeing;
 mod storm;
 mod threads;
 

@@ -1,6 +1,7 @@
 //! What the window knows and shows. Panels read it and return [`Command`]s; only the app changes it.
 
 mod command;
+mod edits;
 mod history;
 mod look;
 mod notices;
@@ -8,9 +9,12 @@ mod options;
 mod picture;
 mod quality;
 mod scene;
+mod sight;
+mod sun;
 mod work;
 
-pub use command::{Command, Moving};
+pub use command::{Command, Editing, Moving, Seeing};
+pub use edits::{Change, Edits};
 pub use history::{HISTORY, Sample};
 pub use look::{FileCommand, Look};
 pub use notices::{Notice, Severity};
@@ -18,16 +22,21 @@ pub use options::Options;
 pub use picture::{Exporting, PictureCommand, PictureFormat, PictureSettings, PictureSize, PictureState};
 pub use quality::{Quality, WINDOW_SAMPLES};
 pub use scene::{SavedView, SceneInfo};
+pub use sight::{Inspection, Lent, Measure, PixelFacts, Sight, Snap, SnapKind};
+pub use sun::{PlaceAndTime, SunControls};
 pub use work::Work;
 
 use super::fly_camera::{FlyCamera, ViewChange};
 use super::frames::PublishedFrame;
 use super::load::{Progress, SceneSource};
+use super::plan::{Plan, PlanView};
 use super::playback::{Playback, Recording};
+use super::thumbnails::Thumbnails;
 use super::viewport::{Coloring, Heatmap, Presentation};
 use afterimage::{Camera, WalkthroughSettings};
 use std::collections::VecDeque;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// All of it.
 #[derive(Debug)]
@@ -72,6 +81,18 @@ pub struct State {
     pub recording: Option<Recording>,
     /// The name of a saved view that is being changed: which, and what is typed.
     pub renaming: Option<(usize, String)>,
+    /// Changes of the scene; there as soon as a scene is.
+    pub edits: Option<Edits>,
+    /// What the controls of sun and sky show.
+    pub sun: SunControls,
+    /// What is looked at more closely.
+    pub sight: Sight,
+    /// The cut through the building.
+    pub plan: Option<Arc<Plan>>,
+    /// What of it is shown.
+    pub plan_view: PlanView,
+    /// Small pictures of views and references.
+    pub thumbnails: Option<Thumbnails>,
     /// Pictures.
     pub picture: PictureState,
     /// The looks of the window.
@@ -121,6 +142,12 @@ impl State {
             playback: Playback::default(),
             recording: None,
             renaming: None,
+            edits: None,
+            sun: SunControls::default(),
+            sight: Sight::default(),
+            plan: None,
+            plan_view: PlanView::default(),
+            thumbnails: None,
             picture: PictureState::default(),
             look: Look::default(),
             shows_settings: false,
