@@ -115,7 +115,7 @@ impl Storm {
         let failed = loop {
             let failures = self.thread.messages().filter_map(|message| match message {
                 Message::Failed(text) => Some(text),
-                Message::Picture(_) => None,
+                Message::Picture(_) | Message::Lent(_) => None,
             });
             let failures: Vec<String> = failures.collect();
             if !failures.is_empty() {
