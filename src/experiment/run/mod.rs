@@ -29,7 +29,7 @@ pub use plan::{Cell, Identity, Shard, ShardError};
 pub use record::{RunRecord, counted};
 pub use report::Report;
 
-use super::{error_time, soak, stability, table1};
+use super::{error_time, placement, scaling, soak, stability, table1, throughput};
 use crate::camera_path::CameraPath;
 use crate::raster::color::metered_exposure_ev;
 use crate::raster::save::{SaveError, save_png};
@@ -42,8 +42,15 @@ use std::sync::Arc;
 use std::time::Instant;
 
 /// Every experiment that can be run by its name.
-pub const EXPERIMENTS: &[Experiment] =
-    &[table1::EXPERIMENT, error_time::EXPERIMENT, stability::EXPERIMENT, soak::EXPERIMENT];
+pub const EXPERIMENTS: &[Experiment] = &[
+    table1::EXPERIMENT,
+    error_time::EXPERIMENT,
+    placement::EXPERIMENT,
+    scaling::EXPERIMENT,
+    throughput::EXPERIMENT,
+    stability::EXPERIMENT,
+    soak::EXPERIMENT,
+];
 
 /// An experiment, as data.
 #[derive(Clone, Copy, Debug)]
