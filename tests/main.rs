@@ -23,6 +23,7 @@ mod refine;
 mod reuse;
 mod rooms;
 mod save;
+mod stability;
 mod tiles;
 mod tour;
 mod tracing;

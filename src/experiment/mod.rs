@@ -10,6 +10,8 @@ mod placement;
 pub mod record;
 pub mod run;
 mod scaling;
+mod soak;
+pub mod stability;
 pub mod stage_speed;
 pub mod statistics;
 mod table1;

@@ -42,6 +42,7 @@ impl ReferenceFrame {
         let open = open_pixels(&tiles, &view);
         let mut frame = Self::empty(tracer, camera, view, settings);
         tiles.iter().for_each(|tile| tile.store_hits(&mut frame, tracer));
+        frame.forget_ill_conditioned(tracer);
         let mut lights: Vec<Option<Vec3>> = Vec::new();
         let (rays, complete) = trace_pixels(&open, &mut lights, stop, |pixel, rays| {
             let ray = Tracer::primary_ray(&view, pixel);
@@ -75,6 +76,7 @@ impl ReferenceFrame {
             let specular = hit.is_some_and(|(_, t)| tracer.scene().material_of(t).is_specular());
             frame.store_hit(pixel, hit, u32::from(specular));
         }
+        frame.forget_ill_conditioned(tracer);
         frame.store_lights(pixels, lights);
         frame
     }

@@ -2,7 +2,6 @@
 //!
 //! A broken sidecar is a warning: the model is still worth seeing.
 
-use super::materials;
 use super::sidecar_table::{Notes, Section, suggestion};
 use super::units::{Unit, Up};
 use super::{files, text};
@@ -148,7 +147,7 @@ impl Sidecar {
                 let material = &mut builder.materials[i];
                 found = true;
                 o.apply(material);
-                if materials::scale_to_conserve(material) {
+                if material.scale_to_conserve() {
                     let name = &o.name;
                     let said =
                         format!("material '{name}' reflects more light than arrives; it was scaled down");

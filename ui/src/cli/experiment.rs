@@ -25,7 +25,7 @@ use std::path::{Path, PathBuf};
 
 #[derive(Args, Debug)]
 pub(crate) struct ExperimentArgs {
-    /// Which one: table1, error-time, placement, scaling, throughput; or merge, which joins the folders of shards.
+    /// Which one: table1, error-time, placement, scaling, stability, soak, throughput; or merge, which joins the folders of shards.
     #[arg(value_parser = name)]
     name: String,
     /// A model (.obj, .gltf, .glb) or builtin:NAME, the embedded gallery when absent; for merge, the folders.

@@ -34,6 +34,7 @@ fn object(flags: &Flags, loaded: &Loaded, throughput: &Throughput) -> Value {
         "experiment": "throughput",
         "scene": loaded.name,
         "scene_hash": loaded.scene().hash,
+        "stiffness": loaded.scene().stiffness,
         "version": env!("CARGO_PKG_VERSION"),
         "size": flags.size(),
         "samples": flags.trace().samples,

@@ -206,6 +206,7 @@ fn object(args: &TourArgs, flags: &Flags, loaded: &Loaded, record: &TourRecord) 
     let mut object = json!({
         "scene": loaded.name,
         "scene_hash": loaded.scene().hash,
+        "stiffness": loaded.scene().stiffness,
         "version": env!("CARGO_PKG_VERSION"),
         "mode": flags.mode.name(),
         "size": flags.size(),

@@ -8,6 +8,7 @@ mod pictures;
 mod pixels;
 mod room;
 mod seeing;
+mod storm;
 mod threads;
 
 use afterimage::Scene;

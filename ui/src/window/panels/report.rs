@@ -13,7 +13,17 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         ui.weak("No scene yet.");
     }
     path_field(ui, state, commands);
+    stiffness(ui, state);
     warnings(ui, state, commands);
+}
+
+fn stiffness(ui: &mut Ui, state: &State) {
+    let Some(scene) = &state.scene else { return };
+    egui::CollapsingHeader::new("Numerical stiffness").id_salt("stiffness").show(ui, |ui| {
+        for said in &scene.stiffness {
+            ui.add(egui::Label::new(RichText::new(said).small()).wrap());
+        }
+    });
 }
 
 /// What is in the scene, what it needs, and what the renderer therefore leaves out.

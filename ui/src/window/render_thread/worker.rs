@@ -1,6 +1,7 @@
 //! The work of the thread that makes frames: takes wishes in, renders, asks for references, hands pictures out.
 
 use super::{Lending, Message, Order, Picture, Shared, Wake, Wish};
+use crate::picture::memory;
 use crate::window::frames::{PublishedFrame, locked};
 use crate::window::reference_thread::{Job, Outcome};
 use afterimage::reference::{ReferenceFrame, ReferenceId};
@@ -100,16 +101,30 @@ impl Worker {
                 && inbox.wish.is_none()
                 && (self.can_resume(generation) || self.can_refine(generation));
             if is_due || has_news || can_go_on {
+                let is_new = inbox.wish.is_some();
                 self.wish = wish;
                 inbox.wish = None;
                 let (orders, outcomes) =
                     (std::mem::take(&mut inbox.orders), std::mem::take(&mut inbox.outcomes));
                 drop(inbox);
+                if is_new {
+                    self.refuse_too_large();
+                }
                 outcomes.into_iter().for_each(|o| self.take_in(o));
                 orders.into_iter().for_each(|o| self.carry_out(o));
                 return Some(generation);
             }
             inbox = shared.bell.wait(inbox).unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+
+    /// A wish that memory cannot hold is dropped with a message: a failed allocation would end the program.
+    fn refuse_too_large(&mut self) {
+        let Some([width, height]) = self.wish.map(|w| w.size) else { return };
+        if let Err(why) = memory::check(u64::from(width) * u64::from(height), 1) {
+            self.wish = None;
+            self.say(Message::Failed(format!("a picture of {width} x {height}: {why}")));
+            (self.wake)();
         }
     }
 
