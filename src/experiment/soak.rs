@@ -5,6 +5,7 @@ use super::run::report::{Axis, Block, Chart, Drawn, Point, Section, Series};
 use super::run::{Cell, CellOutcome, Effort, Experiment, Identity, Lab, LabSettings, Report, RunRecord};
 use super::statistics::percentile;
 use crate::reference::PlacementPolicy;
+use crate::reference::placement::THRESHOLD;
 use crate::render::{Mode, RenderSettings, Walkthrough, WalkthroughSettings};
 use serde_json::{Map, Value};
 use std::sync::Arc;
@@ -87,7 +88,7 @@ fn settings(lab: &Lab<'_>, turn: u32) -> WalkthroughSettings {
     let mode = [Mode::Exact, Mode::Paper, Mode::Fast][turn as usize % 3];
     WalkthroughSettings {
         render: RenderSettings { mode, trace: lab.settings.trace() },
-        placement: PlacementPolicy::Threshold { percent: 10.0 },
+        placement: PlacementPolicy::new(&THRESHOLD, 10.0),
         cache_bytes: 64 << 20,
         ..WalkthroughSettings::default()
     }

@@ -3,6 +3,7 @@
 
 use super::small_room;
 use afterimage::reference::PlacementPolicy;
+use afterimage::reference::placement::{NONE, THRESHOLD};
 use afterimage::scene::MaterialId;
 use afterimage::{Camera, Mode, Scene, Tracer, WalkthroughSettings};
 use afterimage_ui::window::frames::PublishedFrame;
@@ -50,7 +51,7 @@ impl Storm {
 
     fn wish(&mut self) -> Wish {
         let modes = [Mode::Full, Mode::Paper, Mode::Fast, Mode::Exact];
-        let placements = [PlacementPolicy::None, PlacementPolicy::Threshold { percent: 5.0 }];
+        let placements = [PlacementPolicy::new(&NONE, 0.0), PlacementPolicy::new(&THRESHOLD, 5.0)];
         let placement = placements[self.below(2) as usize];
         let mut settings = WalkthroughSettings { placement, ..WalkthroughSettings::default() };
         settings.render.mode = modes[self.below(4) as usize];
@@ -130,7 +131,7 @@ impl Storm {
     fn plain_wish(&mut self) -> Wish {
         let mut wish = Wish { size: [64, 48], is_paused: false, budget: Duration::ZERO, ..self.wish() };
         wish.settings.render.mode = Mode::Full;
-        wish.settings.placement = PlacementPolicy::None;
+        wish.settings.placement = PlacementPolicy::new(&NONE, 0.0);
         wish
     }
 }

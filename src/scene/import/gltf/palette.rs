@@ -10,7 +10,7 @@ use super::document::{Document, Found, List};
 use super::nodes::BRIGHTEST;
 use super::pictures::Pictures;
 use super::schema::{self, TextureInfo};
-use crate::scene::import::materials::{NEUTRAL, scale_to_conserve};
+use crate::scene::import::materials::NEUTRAL;
 use crate::scene::import::picture::{self, Picture};
 use crate::scene::import::report::{Tally, Trouble};
 use crate::scene::{Material, MaterialId, MaterialKind, SceneBuilder, TextureId, TextureRef};
@@ -266,7 +266,7 @@ impl Painter<'_> {
         }
         let trouble = self.cut(look, base, &mut material, builder);
         // A texture's mean is below its brightest texel: together they may still reflect more than arrives.
-        scale_to_conserve(&mut material);
+        material.scale_to_conserve();
         (material, trouble)
     }
 
