@@ -8,6 +8,7 @@ use super::panels;
 use super::playback::Playback;
 use super::render_thread::{Message, Order, RenderThread, Wake, Wish};
 use super::state::{SceneInfo, Severity, State, Work};
+use super::timewarp::Reprojection;
 use super::walking::Obstacles;
 use super::{screenshot, viewport};
 use afterimage::{Camera, Tracer};
@@ -43,6 +44,8 @@ pub struct App {
     pub(super) news: (Sender<News>, Receiver<News>),
     pub(super) is_browsing: bool,
     graphics: Option<RenderState>,
+    /// The first generation of the scene that is shown.
+    scene_since: u64,
     trouble: Arc<Mutex<Vec<String>>>,
     sent: Option<Wish>,
     pub(super) viewport_size: [u32; 2],
@@ -88,6 +91,7 @@ impl App {
             news: unbounded(),
             is_browsing: false,
             graphics: cc.wgpu_render_state.clone(),
+            scene_since: 0,
             trouble,
             sent: None,
             viewport_size: [0, 0],
@@ -198,6 +202,7 @@ impl App {
             (self.state.recording, self.state.renaming) = (None, None);
         }
         let generation = self.threads.order(Order::SetTracer(tracer));
+        self.scene_since = generation;
         if !is_reload {
             let given = self.request.settings.render.trace.bounces;
             let bounces = if is_model { self.request.model_bounces } else { given };
@@ -285,7 +290,8 @@ impl App {
         }
     }
 
-    fn viewport(&mut self, ui: &mut egui::Ui) -> egui::Response {
+    /// Takes the viewport's room; its picture is drawn once it is known where the camera goes in this very frame.
+    fn viewport(&mut self, ui: &mut egui::Ui) -> (egui::Response, Canvas) {
         let rect = ui.available_rect_before_wrap();
         let response = ui.allocate_rect(rect, egui::Sense::click_and_drag());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "3D viewport"));
@@ -293,9 +299,8 @@ impl App {
         self.viewport_size =
             [rect.width(), rect.height()].map(|points| (points * points_to_pixels).round() as u32);
         ui.painter().rect_filled(rect, 0.0, egui::Color32::from_gray(24));
-        if self.graphics.is_some() && rect.is_positive() {
-            ui.painter().add(viewport::shape(rect, points_to_pixels, self.state.presentation()));
-        }
+        let canvas =
+            Canvas { painter: ui.painter().clone(), shape: ui.painter().add(egui::Shape::Noop), rect };
         let inner = rect.shrink(10.0);
         if self.state.options.shows_statistics && inner.is_positive() {
             ui.scope_builder(egui::UiBuilder::new().max_rect(inner), |ui| panels::hud::show(ui, &self.state));
@@ -303,8 +308,33 @@ impl App {
         if self.state.shows_hint && self.state.loading.is_none() && inner.is_positive() {
             panels::hud::hint(ui, rect);
         }
-        response
+        (response, canvas)
     }
+
+    /// Draws the newest frame, as it is seen from where the camera is by now.
+    fn draw(&self, canvas: Canvas) {
+        if self.graphics.is_some() && canvas.rect.is_positive() {
+            let points_to_pixels = canvas.painter.ctx().pixels_per_point();
+            let presentation = self.state.presentation();
+            let shape = viewport::shape(canvas.rect, points_to_pixels, presentation, self.reprojection());
+            canvas.painter.set(canvas.shape, shape);
+        }
+    }
+
+    /// The way from the newest frame to the camera; `None` at rest, and for frames of a scene that was left.
+    fn reprojection(&self) -> Option<Reprojection> {
+        let (frame, camera) = (self.state.frame.as_ref()?, self.state.fly.camera());
+        let is_elsewhere = frame.camera != *camera && frame.generation >= self.scene_since;
+        is_elsewhere
+            .then(|| Reprojection::new(&frame.camera, camera, &frame.scene_frame, frame.size, frame.nearest))
+    }
+}
+
+/// Where the picture is to be drawn.
+struct Canvas {
+    painter: egui::Painter,
+    shape: egui::layers::ShapeIdx,
+    rect: egui::Rect,
 }
 
 /// Errors of the graphics card become messages; wgpu's own answer would be a panic.
@@ -336,7 +366,7 @@ impl eframe::App for App {
             let side = egui::Panel::right("side").default_size(300.0).size_range(260.0..=460.0);
             side.show(ui, |ui| panels::side(ui, &self.state, &mut commands));
         }
-        let response = egui::CentralPanel::no_frame().show(ui, |ui| self.viewport(ui)).inner;
+        let (response, canvas) = egui::CentralPanel::no_frame().show(ui, |ui| self.viewport(ui)).inner;
         self.steer(&ctx, &response);
         if ctx.input(|i| !i.raw.hovered_files.is_empty()) {
             panels::notices::drop_hint(ui, response.rect);
@@ -349,6 +379,7 @@ impl eframe::App for App {
             panels::help::show(&ctx, &self.state, &mut commands);
         }
         commands.into_iter().for_each(|command| self.apply(&ctx, command));
+        self.draw(canvas);
         self.send_wish();
         // A word or a message may change without anything else happening.
         if self.state.work == Work::Moving {

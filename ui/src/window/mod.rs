@@ -18,6 +18,7 @@ mod reference_thread;
 pub mod render_thread;
 pub mod screenshot;
 pub mod state;
+pub mod timewarp;
 pub mod viewport;
 pub mod walking;
 

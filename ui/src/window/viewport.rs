@@ -1,6 +1,7 @@
 //! The picture on the screen: textures of the newest frame and the pipeline that shows them.
 
 use super::frames::PublishedFrame;
+use super::timewarp::{Reprojection, Timewarp, WarpMap};
 use afterimage::raster::color::ToneMap;
 use egui_wgpu::{CallbackResources, CallbackTrait, RenderState, ScreenDescriptor, wgpu};
 
@@ -53,7 +54,7 @@ struct Params {
     outline: u32,
     pixels_per_point: f32,
     encode: u32,
-    unused: u32,
+    is_warped: u32,
 }
 
 // As `Params` of present.wgsl is laid out; a uniform's size is a multiple of 16.
@@ -65,6 +66,9 @@ struct ViewGpu {
     sampler: wgpu::Sampler,
     params: wgpu::Buffer,
     encode: bool,
+    timewarp: Option<Timewarp>,
+    /// Bound where nothing is warped.
+    no_map: wgpu::TextureView,
     textures: Option<Textures>,
 }
 
@@ -73,12 +77,13 @@ struct Textures {
     color: wgpu::Texture,
     types: wgpu::Texture,
     suppliers: wgpu::Texture,
+    warp: Option<WarpMap>,
     bind_group: wgpu::BindGroup,
 }
 
 /// Makes the pipeline. Once, before the first frame.
 pub fn install(state: &RenderState) {
-    let gpu = ViewGpu::new(&state.device, state.target_format);
+    let gpu = ViewGpu::new(&state.adapter, &state.device, state.target_format);
     state.renderer.write().callback_resources.insert(gpu);
 }
 
@@ -97,20 +102,27 @@ pub fn upload(state: &RenderState, frame: &PublishedFrame) {
     }
 }
 
-/// The shape that shows the newest frame in a rectangle.
-pub fn shape(rect: egui::Rect, pixels_per_point: f32, presentation: Presentation) -> egui::Shape {
-    let show = Show { presentation, aspect: rect.width() / rect.height().max(1.0), pixels_per_point };
+/// The shape that shows the newest frame in a rectangle, as seen from elsewhere where `reprojection` says so.
+pub fn shape(
+    rect: egui::Rect,
+    pixels_per_point: f32,
+    presentation: Presentation,
+    reprojection: Option<Reprojection>,
+) -> egui::Shape {
+    let aspect = rect.width() / rect.height().max(1.0);
+    let show = Show { presentation, reprojection, aspect, pixels_per_point };
     egui_wgpu::Callback::new_paint_callback(rect, show).into()
 }
 
 struct Show {
     presentation: Presentation,
+    reprojection: Option<Reprojection>,
     aspect: f32,
     pixels_per_point: f32,
 }
 
 impl Show {
-    fn params(&self, size: [u32; 2], encode: bool) -> Params {
+    fn params(&self, size: [u32; 2], encode: bool, is_warped: bool) -> Params {
         let frame_aspect = size[0] as f32 / size[1].max(1) as f32;
         let p = &self.presentation;
         Params {
@@ -124,7 +136,7 @@ impl Show {
             outline: p.has_outline.into(),
             pixels_per_point: self.pixels_per_point,
             encode: encode.into(),
-            unused: 0,
+            is_warped: is_warped.into(),
         }
     }
 }
@@ -138,13 +150,17 @@ impl CallbackTrait for Show {
         _device: &wgpu::Device,
         queue: &wgpu::Queue,
         _screen: &ScreenDescriptor,
-        _encoder: &mut wgpu::CommandEncoder,
+        encoder: &mut wgpu::CommandEncoder,
         resources: &mut CallbackResources,
     ) -> Vec<wgpu::CommandBuffer> {
         if let Some(gpu) = resources.get::<ViewGpu>()
             && let Some(textures) = &gpu.textures
         {
-            let params = self.params(textures.size, gpu.encode);
+            let warp = self.reprojection.as_ref().zip(gpu.timewarp.as_ref()).zip(textures.warp.as_ref());
+            if let Some(((reprojection, timewarp), map)) = warp {
+                timewarp.draw(queue, encoder, map, reprojection);
+            }
+            let params = self.params(textures.size, gpu.encode, warp.is_some());
             queue.write_buffer(&gpu.params, 0, bytemuck::bytes_of(&params));
         }
         Vec::new()
@@ -167,7 +183,7 @@ impl CallbackTrait for Show {
 }
 
 impl ViewGpu {
-    fn new(device: &wgpu::Device, target: wgpu::TextureFormat) -> Self {
+    fn new(adapter: &wgpu::Adapter, device: &wgpu::Device, target: wgpu::TextureFormat) -> Self {
         let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("viewport"),
             entries: &[
@@ -183,6 +199,7 @@ impl ViewGpu {
                         min_binding_size: None,
                     },
                 ),
+                texture_entry(5, wgpu::TextureSampleType::Float { filterable: false }),
             ],
         });
         Self {
@@ -201,26 +218,20 @@ impl ViewGpu {
                 mapped_at_creation: false,
             }),
             encode: !target.is_srgb(),
+            timewarp: Timewarp::new(adapter, device),
+            no_map: texture(device, [1, 1], wgpu::TextureFormat::Rgba16Float)
+                .create_view(&wgpu::TextureViewDescriptor::default()),
             textures: None,
         }
     }
 
     fn make_textures(&self, device: &wgpu::Device, size: [u32; 2]) -> Textures {
-        let texture = |format| {
-            device.create_texture(&wgpu::TextureDescriptor {
-                label: Some("viewport"),
-                size: extent(size),
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format,
-                usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-                view_formats: &[],
-            })
-        };
+        let texture = |format| texture(device, size, format);
         let color = texture(wgpu::TextureFormat::Rgb9e5Ufloat);
         let (types, suppliers) = (texture(wgpu::TextureFormat::R8Uint), texture(wgpu::TextureFormat::R8Uint));
+        let warp = self.timewarp.as_ref().map(|timewarp| timewarp.make_map(device, size));
         let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
+        let map = warp.as_ref().map(|warp| view(&warp.map));
         let bind = |binding, resource| wgpu::BindGroupEntry { binding, resource };
         let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("viewport"),
@@ -231,9 +242,10 @@ impl ViewGpu {
                 bind(2, wgpu::BindingResource::TextureView(&view(&types))),
                 bind(3, wgpu::BindingResource::TextureView(&view(&suppliers))),
                 bind(4, self.params.as_entire_binding()),
+                bind(5, wgpu::BindingResource::TextureView(map.as_ref().unwrap_or(&self.no_map))),
             ],
         });
-        Textures { size, color, types, suppliers, bind_group }
+        Textures { size, color, types, suppliers, warp, bind_group }
     }
 }
 
@@ -250,7 +262,24 @@ impl Textures {
         write(&self.color, bytemuck::cast_slice(&frame.radiance), 4);
         write(&self.types, &frame.types, 1);
         write(&self.suppliers, &frame.suppliers, 1);
+        if let Some(warp) = &self.warp {
+            write(&warp.disparity, bytemuck::cast_slice(&frame.disparity), 4);
+        }
     }
+}
+
+/// A texture that is written from the processor and read in shaders.
+fn texture(device: &wgpu::Device, size: [u32; 2], format: wgpu::TextureFormat) -> wgpu::Texture {
+    device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("viewport"),
+        size: extent(size),
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    })
 }
 
 fn extent([width, height]: [u32; 2]) -> wgpu::Extent3d {

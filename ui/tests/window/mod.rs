@@ -5,6 +5,7 @@ mod moving;
 mod pixels;
 mod room;
 mod threads;
+mod timewarp;
 
 use afterimage::Scene;
 use afterimage_ui::window::{App, SceneSource, WindowRequest};

@@ -36,6 +36,10 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             ui.label(percent.map_or("-".to_owned(), |p| format!("{:.1} %", p[number])));
             ui.end_row();
         }
+        swatch(ui, TYPE_NAMES.len());
+        ui.label("Filled until the next frame")
+            .on_hover_text("While you move: the last frame did not see it");
+        ui.end_row();
     });
 }
 

@@ -187,7 +187,7 @@ impl Worker {
         let made = catch_unwind(AssertUnwindSafe(|| {
             self.pool.install(|| {
                 walk.render(&wish.camera, wish.size, &stop);
-                published.fill(walk.frame(), walk.used(), generation);
+                published.fill(walk.frame(), &walk.tracer().scene().frame, walk.used(), generation);
                 published.list(walk.cache(), walk.used(), added);
             });
         }));
@@ -214,7 +214,7 @@ impl Worker {
                 if is_useless() || state.of == 0 {
                     return (state, None);
                 }
-                published.fill(walk.frame(), walk.used(), generation);
+                published.fill(walk.frame(), &walk.tracer().scene().frame, walk.used(), generation);
                 published.list(walk.cache(), walk.used(), added);
                 published.is_refinement = true;
                 (state, Some(published))
