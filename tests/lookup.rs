@@ -1,6 +1,7 @@
 //! Mode `exact`: what it shows is what the primary ray meets, in light that was traced there.
 
 use crate::rooms::{cuboid, dvec, leafy_scene, quad, room_camera, room_tracer};
+use afterimage::camera::View;
 use afterimage::reference::{PlacementPolicy, ReferenceCache, ReferenceFrame};
 use afterimage::reproject::PixelType;
 use afterimage::scene::import::{ImportOptions, load};
@@ -216,4 +217,26 @@ fn in_even_light_it_shows_even_light() {
         add_wanted(&mut walk);
     }
     assert!(seen > 10_000 && reused * 2 > seen, "{reused} of {seen} reused");
+}
+
+#[test]
+fn a_reference_that_is_switched_off_is_as_good_as_gone() {
+    let tracer = room_tracer(false, false);
+    let poses = [room_camera(), Camera { yaw: room_camera().yaw + 0.4, ..room_camera() }];
+    let mut cache = cache_with(&tracer, &poses, &TRACE);
+    let (both, first) = (exact(&tracer, &poses[1], &cache), cache.entries()[0].id);
+    assert!(cache.set_enabled(first, false));
+    let without = exact(&tracer, &poses[1], &cache);
+    let mut gone = cache_with(&tracer, &poses, &TRACE);
+    let id = gone.entries()[0].id;
+    gone.remove(id);
+    let removed = exact(&tracer, &poses[1], &gone);
+    assert_eq!((&without.radiance, &without.types), (&removed.radiance, &removed.types));
+    assert_ne!(without.radiance, both.radiance);
+    let view = View::new(&poses[0], &tracer.scene().frame, SIZE);
+    assert_eq!(cache.select(&view, tracer.epoch(), 8).len(), 1, "nor is it warped");
+    assert!(cache.set_enabled(first, true));
+    assert_eq!(exact(&tracer, &poses[1], &cache).radiance, both.radiance);
+    cache.remove(first);
+    assert!(!cache.set_enabled(first, true));
 }

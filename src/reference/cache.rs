@@ -22,6 +22,8 @@ pub struct CachedReference {
     pub frame: Arc<ReferenceFrame>,
     /// Share of recent frames' pixels that it supplied, 0..1, fading.
     pub contribution: f32,
+    /// False where frames and new references do without it.
+    pub is_enabled: bool,
     last_used: u64,
     /// Its bit in the directory.
     pub(super) slot: usize,
@@ -42,9 +44,14 @@ impl KnownLight {
 }
 
 impl CachedReference {
+    /// Of this epoch, and not switched off.
+    pub(super) fn is_usable(&self, epoch: SceneEpoch) -> bool {
+        self.is_enabled && self.frame.epoch == epoch
+    }
+
     /// Only a reference that holds the light of all its pixels serves the paper's forward warp.
     fn can_be_warped(&self, epoch: SceneEpoch) -> bool {
-        self.frame.epoch == epoch && self.frame.is_dense()
+        self.is_usable(epoch) && self.frame.is_dense()
     }
 }
 
@@ -132,7 +139,8 @@ impl ReferenceCache {
         let taken = self.entries.iter().fold(0u128, |mask, e| mask | 1 << e.slot);
         let slot = (!taken).trailing_zeros() as usize;
         Arc::make_mut(&mut self.directory).add(&frame, slot);
-        self.entries.push(CachedReference { id, frame, contribution: 1.0, last_used: self.clock, slot });
+        let (contribution, last_used) = (1.0, self.clock);
+        self.entries.push(CachedReference { id, frame, contribution, is_enabled: true, last_used, slot });
         self.evict();
         id
     }
@@ -143,6 +151,13 @@ impl ReferenceCache {
         let removed = self.entries.remove(at);
         Arc::make_mut(&mut self.directory).remove(removed.slot);
         true
+    }
+
+    /// Switches a reference on or off; false where there is none of that name. One that is off keeps its memory and its
+    /// place, but frames and references begun from now on do without it.
+    pub fn set_enabled(&mut self, id: ReferenceId, is_enabled: bool) -> bool {
+        let entry = self.entries.iter_mut().find(|e| e.id == id);
+        entry.map(|entry| entry.is_enabled = is_enabled).is_some()
     }
 
     /// Makes a reference forget the light of a square of its pixels, because it is wrong; the next frames trace what was

@@ -137,12 +137,12 @@ pub struct LookupSet<'a> {
 }
 
 impl<'a> LookupSet<'a> {
-    /// All references of an epoch. Those smaller than two pixels a side are of no use.
+    /// All references of an epoch that are switched on. Those smaller than two pixels a side are of no use.
     pub fn new(directory: &'a Directory, entries: &'a [CachedReference], epoch: SceneEpoch) -> Self {
         let mut references = Vec::new();
         references.resize_with(MOST_SLOTS, || None);
         let mut usable = 0;
-        for entry in entries.iter().filter(|e| e.frame.epoch == epoch) {
+        for entry in entries.iter().filter(|e| e.is_usable(epoch)) {
             if entry.frame.view.size.iter().all(|&s| s >= 2) {
                 references[entry.slot] = Some(LookupReference::new(&entry.frame, directory.normals()));
                 usable |= 1 << entry.slot;

@@ -1,7 +1,7 @@
-//! Changes of a finished scene that leave its geometry alone: a material, the sun and the sky.
+//! Changes of a finished scene that leave its geometry alone: materials, the sun and the sky.
 
 use super::builder::hash_of;
-use super::{Light, Material, MaterialId, Needs, Scene, Sky, lights, solids};
+use super::{Light, Material, Needs, Scene, Sky, lights, solids};
 use glam::Vec3;
 
 /// What lights a scene from outside.
@@ -13,22 +13,31 @@ pub struct Daylight {
     pub sky: Option<Sky>,
 }
 
+/// What of a scene can be changed without touching its geometry.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Look {
+    /// By [`MaterialId`](super::MaterialId).
+    pub materials: Vec<Material>,
+    /// Sun and sky.
+    pub daylight: Daylight,
+}
+
 impl Scene {
-    /// The same scene with another material in the place of one. The name stays.
-    #[must_use]
-    pub fn with_material(&self, id: MaterialId, material: Material) -> Self {
-        let mut edited = self.clone();
-        let place = &mut edited.materials[id.0 as usize];
-        *place = Material { name: std::mem::take(&mut place.name), ..material };
-        edited.find_lights_anew(self.daylight());
-        edited
+    /// What can be changed, as it is.
+    pub fn look(&self) -> Look {
+        Look { materials: self.materials.clone(), daylight: self.daylight() }
     }
 
-    /// The same scene under another sun and sky.
+    /// The same geometry with another look. Lights, needs, solids and hash are found anew.
+    ///
+    /// # Panics
+    /// Where the look is another scene's: it has more or fewer materials.
     #[must_use]
-    pub fn with_daylight(&self, daylight: Daylight) -> Self {
+    pub fn with_look(&self, look: &Look) -> Self {
+        assert_eq!(look.materials.len(), self.materials.len(), "a look of another scene");
         let mut edited = self.clone();
-        edited.find_lights_anew(daylight);
+        edited.materials.clone_from(&look.materials);
+        edited.find_lights_anew(look.daylight);
         edited
     }
 
@@ -64,5 +73,36 @@ impl Scene {
         self.solids =
             solids::classify(&self.positions, &self.triangles, &self.triangle_materials, &self.materials);
         self.hash = hash_of(self);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::builtin;
+    use super::*;
+
+    #[test]
+    fn a_scene_with_its_own_look_is_the_same_scene() {
+        for name in builtin::NAMES {
+            let scene = builtin::build(name).unwrap();
+            let same = scene.with_look(&scene.look());
+            assert_eq!((&same.hash, &same.lights), (&scene.hash, &scene.lights), "{name}");
+            assert_eq!((same.needs, &same.solids), (scene.needs, &scene.solids), "{name}");
+        }
+    }
+
+    #[test]
+    fn another_look_changes_what_follows_from_it_and_can_be_undone() {
+        let scene = builtin::build("cornell").unwrap();
+        let mut look = scene.look();
+        look.materials.iter_mut().for_each(|m| m.emission = Vec3::ZERO);
+        look.materials[0].kind = crate::scene::MaterialKind::Glass { eta: 1.5, transmittance: Vec3::ONE };
+        look.daylight.sky = Some(Sky { zenith: Vec3::ONE, horizon: Vec3::ONE, ground: Vec3::ONE });
+        let edited = scene.with_look(&look);
+        assert_eq!(edited.lights, [Light::Sky]);
+        assert!(edited.needs.glass && edited.needs.sky && !edited.needs.area_lights);
+        assert_eq!(edited.solids.len(), edited.triangles.len());
+        assert_ne!(edited.hash, scene.hash);
+        assert_eq!(edited.with_look(&scene.look()).hash, scene.hash);
     }
 }

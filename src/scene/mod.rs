@@ -15,7 +15,7 @@ pub mod texture;
 
 pub use crate::camera::SceneFrame;
 pub use builder::{SceneBuilder, SceneError, Warning};
-pub use edit::Daylight;
+pub use edit::{Daylight, Look};
 pub use lights::Light;
 pub(crate) use lights::point_on_mesh;
 pub use material::{Material, MaterialKind, TextureRef};

@@ -13,12 +13,14 @@ mod polygon;
 mod report;
 mod search;
 mod sidecar;
+mod sidecar_edit;
 mod sidecar_table;
 mod text;
 mod textures;
 mod units;
 mod weld;
 
+pub use sidecar_edit::save_look_beside;
 pub use units::{Unit, Up};
 
 use super::{Scene, SceneBuilder, SceneError};

@@ -16,7 +16,7 @@ use std::path::Path;
 use toml::de::DeTable;
 
 /// Nobody writes a longer one by hand.
-const SIDECAR_BYTES: u64 = 16 << 20;
+pub(super) const SIDECAR_BYTES: u64 = 16 << 20;
 /// Radiances and intensities beyond this are mistakes, and overflow in sums.
 const BRIGHTEST: f32 = 1e9;
 /// Field of view where a file gives none, degrees.
