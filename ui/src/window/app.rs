@@ -1,13 +1,16 @@
 //! The app: collects input, shows the panels, and is the only one that changes anything.
 
 use super::WindowRequest;
+use super::comparing::Measured;
 use super::frames::locked;
+use super::full_tracing::FullTracing;
 use super::keymap::Keyboard;
 use super::load::{Loader, SceneSource};
 use super::panels;
 use super::playback::Playback;
+use super::presentation::Presentation;
 use super::render_thread::{Message, Order, RenderThread, Wake, Wish};
-use super::state::{SceneInfo, Severity, State, Work};
+use super::state::{Pair, SceneInfo, Severity, State, Work};
 use super::timewarp::Reprojection;
 use super::walking::Obstacles;
 use super::{screenshot, viewport};
@@ -29,6 +32,10 @@ const LARGEST_EDGE: f32 = 8192.0;
 pub(super) enum News {
     /// The file dialog was closed.
     Chosen(Option<PathBuf>),
+    /// Two pictures of a size were measured.
+    Measured(Pair, [u32; 2], Measured),
+    /// Something failed that nobody waits for.
+    Failed(String),
     /// A picture was saved, or not.
     Saved(anyhow::Result<PathBuf>),
 }
@@ -44,6 +51,9 @@ pub struct App {
     pub(super) news: (Sender<News>, Receiver<News>),
     pub(super) is_browsing: bool,
     graphics: Option<RenderState>,
+    /// The full tracer's picture of this view, in the making or made.
+    pub(super) tracing: Option<FullTracing>,
+    pub(super) is_measuring: bool,
     /// The first generation of the scene that is shown.
     scene_since: u64,
     trouble: Arc<Mutex<Vec<String>>>,
@@ -91,6 +101,8 @@ impl App {
             news: unbounded(),
             is_browsing: false,
             graphics: cc.wgpu_render_state.clone(),
+            tracing: None,
+            is_measuring: false,
             scene_since: 0,
             trouble,
             sent: None,
@@ -114,6 +126,12 @@ impl App {
     /// The threads behind it.
     pub fn threads(&self) -> &RenderThread {
         &self.threads
+    }
+
+    /// Threads that a renderer may use.
+    pub(super) fn thread_count(&self) -> usize {
+        let all = || std::thread::available_parallelism().map_or(1, usize::from);
+        self.request.threads.unwrap_or_else(all)
     }
 
     /// Begins to load a scene; the old one stays until the new one is complete.
@@ -141,6 +159,11 @@ impl App {
                     self.is_browsing = false;
                     path.into_iter().for_each(|path| self.open(SceneSource::file(path)));
                 }
+                News::Measured(pair, size, measured) => {
+                    let graphics = self.graphics.clone();
+                    self.take_measured(pair, size, measured, graphics.as_ref());
+                }
+                News::Failed(text) => self.state.notify(Severity::Error, text),
                 News::Saved(Ok(path)) => {
                     self.state.notify(Severity::Info, format!("saved {}", path.display()));
                 }
@@ -260,6 +283,7 @@ impl App {
             settings: q.walk,
             budget: Duration::from_secs_f32(q.budget_ms / 1000.0),
             is_paused: self.state.options.is_paused,
+            is_compared: self.state.comparison.is_wanted(),
         };
         if self.sent != Some(wish) {
             if self.sent.is_some_and(|s| s.camera != wish.camera) {
@@ -315,7 +339,7 @@ impl App {
     fn draw(&self, canvas: Canvas) {
         if self.graphics.is_some() && canvas.rect.is_positive() {
             let points_to_pixels = canvas.painter.ctx().pixels_per_point();
-            let presentation = self.state.presentation();
+            let presentation = Presentation { overlay: self.overlay(), ..self.state.presentation() };
             let shape = viewport::shape(canvas.rect, points_to_pixels, presentation, self.reprojection());
             canvas.painter.set(canvas.shape, shape);
         }
@@ -367,6 +391,7 @@ impl eframe::App for App {
             side.show(ui, |ui| panels::side(ui, &self.state, &mut commands));
         }
         let (response, canvas) = egui::CentralPanel::no_frame().show(ui, |ui| self.viewport(ui)).inner;
+        panels::comparison::split_line(ui, response.rect, &self.state, &mut commands);
         self.steer(&ctx, &response);
         if ctx.input(|i| !i.raw.hovered_files.is_empty()) {
             panels::notices::drop_hint(ui, response.rect);
@@ -379,6 +404,8 @@ impl eframe::App for App {
             panels::help::show(&ctx, &self.state, &mut commands);
         }
         commands.into_iter().for_each(|command| self.apply(&ctx, command));
+        let graphics = self.graphics.clone();
+        self.compare(graphics.as_ref());
         self.draw(canvas);
         self.send_wish();
         // A word or a message may change without anything else happening.

@@ -4,7 +4,7 @@ use super::app::{App, News};
 use super::load::SceneSource;
 use super::pose_text::pose_flags;
 use super::render_thread::Order;
-use super::state::{Command, Severity};
+use super::state::{Command, Compare, Severity};
 use egui::{Context, ViewportCommand};
 
 impl App {
@@ -46,6 +46,9 @@ impl App {
                 state.notify(Severity::Info, format!("copied {flags}"));
                 ctx.copy_text(flags);
             }
+            Command::Compare(shows, split) => {
+                (state.comparison.shows, state.comparison.split) = (shows, split)
+            }
             Command::CopyText(text) => ctx.copy_text(text),
             Command::Dismiss(id) => state.notices.retain(|n| n.id != id),
             Command::FullScreen => {
@@ -82,6 +85,8 @@ impl App {
             state.asks_to_clear = false;
         } else if state.options.shows_help {
             state.options.shows_help = false;
+        } else if state.comparison.shows != Compare::Off {
+            state.comparison.shows = Compare::Off;
         } else if state.notices.pop().is_none() && ctx.input(|i| i.viewport().fullscreen.unwrap_or(false)) {
             ctx.send_viewport_cmd(ViewportCommand::Fullscreen(false));
         }

@@ -144,6 +144,12 @@ pub fn rgb9e5(color: Vec3) -> u32 {
     r | g << 9 | b << 18 | (exponent as u32) << 27
 }
 
+/// The colour that [`rgb9e5`] packed.
+pub fn unpacked(packed: u32) -> Vec3 {
+    let scale = 2f32.powi((packed >> 27) as i32 - 24);
+    Vec3::from_array([0, 9, 18].map(|at| (packed >> at & 511) as f32 * scale))
+}
+
 /// Three frames: one is written, one is ready, one is shown.
 #[derive(Debug, Default)]
 pub struct Exchange {
@@ -188,11 +194,6 @@ pub(super) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 mod tests {
     use super::*;
 
-    fn decoded(packed: u32) -> Vec3 {
-        let scale = 2f32.powi((packed >> 27) as i32 - 24);
-        Vec3::from_array([0, 9, 18].map(|at| (packed >> at & 511) as f32 * scale))
-    }
-
     #[test]
     fn shared_exponent_keeps_colour() {
         for c in [
@@ -202,12 +203,12 @@ mod tests {
             Vec3::splat(0.99999),
             Vec3::splat(1e-5),
         ] {
-            let error = (decoded(rgb9e5(c)) - c).abs().max_element();
-            assert!(error <= c.max_element() / 511.0 + 6e-8, "{c} became {}", decoded(rgb9e5(c)));
+            let error = (unpacked(rgb9e5(c)) - c).abs().max_element();
+            assert!(error <= c.max_element() / 511.0 + 6e-8, "{c} became {}", unpacked(rgb9e5(c)));
         }
-        assert_eq!(decoded(rgb9e5(Vec3::ZERO)), Vec3::ZERO);
-        assert_eq!(decoded(rgb9e5(Vec3::new(-1.0, f32::NAN, 0.0))), Vec3::ZERO);
-        assert_eq!(decoded(rgb9e5(Vec3::splat(f32::INFINITY))), Vec3::splat(65408.0));
+        assert_eq!(unpacked(rgb9e5(Vec3::ZERO)), Vec3::ZERO);
+        assert_eq!(unpacked(rgb9e5(Vec3::new(-1.0, f32::NAN, 0.0))), Vec3::ZERO);
+        assert_eq!(unpacked(rgb9e5(Vec3::splat(f32::INFINITY))), Vec3::splat(65408.0));
     }
 
     #[test]

@@ -5,8 +5,10 @@
 mod aim;
 pub mod app;
 mod apply;
+mod comparing;
 pub mod fly_camera;
 pub mod frames;
+mod full_tracing;
 mod input;
 pub mod keymap;
 pub mod load;
@@ -14,6 +16,7 @@ mod moving;
 pub mod panels;
 pub mod playback;
 pub mod pose_text;
+pub mod presentation;
 mod reference_thread;
 pub mod render_thread;
 pub mod screenshot;

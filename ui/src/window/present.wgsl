@@ -11,6 +11,9 @@ struct Params {
     pixels_per_point: f32,
     encode: u32,             // 1: the target stores what it is given, so sRGB is encoded here
     is_warped: u32,          // 1: the map says where in the frame a pixel is found
+    overlay: u32,            // 1 the full tracer's picture, 2 the map of errors
+    split: f32,              // overlays begin at this part of the width
+    unused: vec2<u32>,
 };
 
 @group(0) @binding(0) var color: texture_2d<f32>;
@@ -19,6 +22,8 @@ struct Params {
 @group(0) @binding(3) var suppliers: texture_2d<u32>;
 @group(0) @binding(4) var<uniform> p: Params;
 @group(0) @binding(5) var map: texture_2d<f32>;
+@group(0) @binding(6) var full: texture_2d<f32>;
+@group(0) @binding(7) var errors: texture_2d<f32>;
 
 struct Vertex {
     @builtin(position) position: vec4<f32>,
@@ -104,6 +109,13 @@ fn is_on_edge(pixel: vec2<i32>, t: u32) -> bool {
     return false;
 }
 
+fn overlaid(uv: vec2<f32>) -> vec3<f32> {
+    if (p.overlay == 2u) {
+        return textureSampleLevel(errors, color_sampler, uv, 0.0).rgb;
+    }
+    return srgb_from_linear(developed(textureSampleLevel(full, color_sampler, uv, 0.0).rgb));
+}
+
 @fragment
 fn fragment(v: Vertex) -> @location(0) vec4<f32> {
     var uv = (v.uv - 0.5) * p.uv_scale + 0.5;
@@ -133,6 +145,9 @@ fn fragment(v: Vertex) -> @location(0) vec4<f32> {
     }
     if (p.outline == 1u && is_on_edge(pixel, t)) {
         shown = vec3<f32>(213.0, 94.0, 0.0) / 255.0;
+    }
+    if (p.overlay != 0u && v.uv.x >= p.split) {
+        shown = overlaid(uv);
     }
     if (p.encode == 0u) {
         shown = linear_from_srgb(shown);

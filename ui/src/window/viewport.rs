@@ -1,46 +1,10 @@
 //! The picture on the screen: textures of the newest frame and the pipeline that shows them.
 
 use super::frames::PublishedFrame;
+use super::presentation::{Overlay, Presentation};
 use super::timewarp::{Reprojection, Timewarp, WarpMap};
 use afterimage::raster::color::ToneMap;
 use egui_wgpu::{CallbackResources, CallbackTrait, RenderState, ScreenDescriptor, wgpu};
-
-/// How much of the pixel types is shown.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Heatmap {
-    /// The picture alone.
-    #[default]
-    Off,
-    /// Half picture, half types.
-    Blend,
-    /// Types alone.
-    Only,
-}
-
-/// What the colours of the heatmap stand for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Coloring {
-    /// How a pixel came to its colour.
-    #[default]
-    ByType,
-    /// Which reference supplied it.
-    ByReference,
-}
-
-/// How a frame is shown.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Presentation {
-    /// Types over the picture.
-    pub heatmap: Heatmap,
-    /// What their colours mean.
-    pub coloring: Coloring,
-    /// Type 3 is outlined.
-    pub has_outline: bool,
-    /// In stops.
-    pub exposure_ev: f32,
-    /// From radiance to display.
-    pub tone_map: ToneMap,
-}
 
 #[repr(C)]
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
@@ -55,10 +19,13 @@ struct Params {
     pixels_per_point: f32,
     encode: u32,
     is_warped: u32,
+    overlay: u32,
+    split: f32,
+    unused: [u32; 2],
 }
 
 // As `Params` of present.wgsl is laid out; a uniform's size is a multiple of 16.
-const _: () = assert!(size_of::<Params>() == 48);
+const _: () = assert!(size_of::<Params>() == 64);
 
 struct ViewGpu {
     pipeline: wgpu::RenderPipeline,
@@ -77,6 +44,8 @@ struct Textures {
     color: wgpu::Texture,
     types: wgpu::Texture,
     suppliers: wgpu::Texture,
+    full: wgpu::Texture,
+    errors: wgpu::Texture,
     warp: Option<WarpMap>,
     bind_group: wgpu::BindGroup,
 }
@@ -99,6 +68,25 @@ pub fn upload(state: &RenderState, frame: &PublishedFrame) {
     }
     if let Some(textures) = &gpu.textures {
         textures.write(&state.queue, frame);
+    }
+}
+
+/// Sends the full tracer's picture of the frame's view; one of another size is left out.
+pub fn upload_full(state: &RenderState, full: &PublishedFrame) {
+    let renderer = state.renderer.read();
+    let textures = renderer.callback_resources.get::<ViewGpu>().and_then(|gpu| gpu.textures.as_ref());
+    if let Some(textures) = textures.filter(|t| t.size == full.size) {
+        textures.put(&state.queue, &textures.full, bytemuck::cast_slice(&full.radiance), 4);
+    }
+}
+
+/// Sends the map of errors, sRGB; one of another size than the frame's is left out.
+pub fn upload_errors(state: &RenderState, size: [u32; 2], map: &[[u8; 3]]) {
+    let renderer = state.renderer.read();
+    let textures = renderer.callback_resources.get::<ViewGpu>().and_then(|gpu| gpu.textures.as_ref());
+    if let Some(textures) = textures.filter(|t| t.size == size) {
+        let rgba: Vec<[u8; 4]> = map.iter().map(|&[r, g, b]| [r, g, b, u8::MAX]).collect();
+        textures.put(&state.queue, &textures.errors, bytemuck::cast_slice(&rgba), 4);
     }
 }
 
@@ -125,6 +113,12 @@ impl Show {
     fn params(&self, size: [u32; 2], encode: bool, is_warped: bool) -> Params {
         let frame_aspect = size[0] as f32 / size[1].max(1) as f32;
         let p = &self.presentation;
+        let (overlay, split) = match p.overlay {
+            Overlay::None => (0, 0.0),
+            Overlay::Full => (1, 0.0),
+            Overlay::RightOf(split) => (1, split),
+            Overlay::Errors => (2, 0.0),
+        };
         Params {
             size,
             heatmap: p.heatmap as u32,
@@ -137,6 +131,9 @@ impl Show {
             pixels_per_point: self.pixels_per_point,
             encode: encode.into(),
             is_warped: is_warped.into(),
+            overlay,
+            split,
+            unused: [0; 2],
         }
     }
 }
@@ -200,6 +197,8 @@ impl ViewGpu {
                     },
                 ),
                 texture_entry(5, wgpu::TextureSampleType::Float { filterable: false }),
+                texture_entry(6, wgpu::TextureSampleType::Float { filterable: true }),
+                texture_entry(7, wgpu::TextureSampleType::Float { filterable: true }),
             ],
         });
         Self {
@@ -227,7 +226,9 @@ impl ViewGpu {
 
     fn make_textures(&self, device: &wgpu::Device, size: [u32; 2]) -> Textures {
         let texture = |format| texture(device, size, format);
-        let color = texture(wgpu::TextureFormat::Rgb9e5Ufloat);
+        let (color, full) =
+            (texture(wgpu::TextureFormat::Rgb9e5Ufloat), texture(wgpu::TextureFormat::Rgb9e5Ufloat));
+        let errors = texture(wgpu::TextureFormat::Rgba8Unorm);
         let (types, suppliers) = (texture(wgpu::TextureFormat::R8Uint), texture(wgpu::TextureFormat::R8Uint));
         let warp = self.timewarp.as_ref().map(|timewarp| timewarp.make_map(device, size));
         let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
@@ -243,28 +244,31 @@ impl ViewGpu {
                 bind(3, wgpu::BindingResource::TextureView(&view(&suppliers))),
                 bind(4, self.params.as_entire_binding()),
                 bind(5, wgpu::BindingResource::TextureView(map.as_ref().unwrap_or(&self.no_map))),
+                bind(6, wgpu::BindingResource::TextureView(&view(&full))),
+                bind(7, wgpu::BindingResource::TextureView(&view(&errors))),
             ],
         });
-        Textures { size, color, types, suppliers, warp, bind_group }
+        Textures { size, color, types, suppliers, full, errors, warp, bind_group }
     }
 }
 
 impl Textures {
     fn write(&self, queue: &wgpu::Queue, frame: &PublishedFrame) {
-        let write = |texture: &wgpu::Texture, bytes: &[u8], bytes_per_pixel: u32| {
-            let layout = wgpu::TexelCopyBufferLayout {
-                offset: 0,
-                bytes_per_row: Some(self.size[0] * bytes_per_pixel),
-                rows_per_image: None,
-            };
-            queue.write_texture(texture.as_image_copy(), bytes, layout, extent(self.size));
-        };
-        write(&self.color, bytemuck::cast_slice(&frame.radiance), 4);
-        write(&self.types, &frame.types, 1);
-        write(&self.suppliers, &frame.suppliers, 1);
+        self.put(queue, &self.color, bytemuck::cast_slice(&frame.radiance), 4);
+        self.put(queue, &self.types, &frame.types, 1);
+        self.put(queue, &self.suppliers, &frame.suppliers, 1);
         if let Some(warp) = &self.warp {
-            write(&warp.disparity, bytemuck::cast_slice(&frame.disparity), 4);
+            self.put(queue, &warp.disparity, bytemuck::cast_slice(&frame.disparity), 4);
         }
+    }
+
+    fn put(&self, queue: &wgpu::Queue, texture: &wgpu::Texture, bytes: &[u8], bytes_per_pixel: u32) {
+        let layout = wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(self.size[0] * bytes_per_pixel),
+            rows_per_image: None,
+        };
+        queue.write_texture(texture.as_image_copy(), bytes, layout, extent(self.size));
     }
 }
 

@@ -1,8 +1,12 @@
 //! The real app with its real threads on a small scene, driven by events.
 
+mod comparing;
 mod driving;
+mod keys;
+mod measured;
 mod moving;
 mod pixels;
+mod real;
 mod room;
 mod threads;
 mod timewarp;

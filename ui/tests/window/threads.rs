@@ -37,7 +37,14 @@ impl Bench {
         let camera = Camera { eye: DVec3::new(x, 1.6, 2.0), ..*self.tracer.scene().start() };
         let mut settings = WalkthroughSettings { placement: PlacementPolicy::None, ..Default::default() };
         settings.render.trace.samples = 1;
-        Wish { camera, size: [96, 64], settings, budget: Duration::ZERO, is_paused: false }
+        Wish {
+            camera,
+            size: [96, 64],
+            settings,
+            budget: Duration::ZERO,
+            is_paused: false,
+            is_compared: false,
+        }
     }
 
     /// Orders the picture that is there and waits for it.

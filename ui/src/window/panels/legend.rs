@@ -1,8 +1,8 @@
 //! What the colours of the heatmap mean, and its switches.
 
 use super::super::keymap::{Action, keys_of};
+use super::super::presentation::{Coloring, Heatmap};
 use super::super::state::{Command, Options, State};
-use super::super::viewport::{Coloring, Heatmap};
 use super::{TYPE_NAMES, swatch};
 use egui::Ui;
 

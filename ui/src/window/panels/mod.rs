@@ -1,5 +1,6 @@
 //! What lies round the viewport and over it. A panel reads the state and asks for changes by commands.
 
+pub mod comparison;
 pub mod help;
 pub mod hud;
 pub mod legend;
@@ -46,6 +47,7 @@ pub fn side(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         section(ui, "Views", |ui| views::show(ui, state, commands));
         closed_section(ui, "Camera path", |ui| path::show(ui, state, commands));
         section(ui, "Pixel types", |ui| legend::show(ui, state, commands));
+        section(ui, "Full tracer", |ui| comparison::show(ui, state, commands));
         section(ui, "Quality", |ui| quality::show(ui, state, commands));
         section(ui, "References", |ui| references::show(ui, state, commands));
         section(ui, "Last minute", |ui| plots::show(ui, state));

@@ -117,7 +117,8 @@ impl Worker {
     /// the next frames are the cheaper for it.
     fn can_refine(&self, generation: u64) -> bool {
         let is_shown = self.rendered == Some(generation) && self.converged != Some(generation);
-        is_shown && self.job.is_none() && self.asked.is_none() && self.can_render()
+        let is_compared = self.wish.is_some_and(|w| w.is_compared);
+        is_shown && !is_compared && self.job.is_none() && self.asked.is_none() && self.can_render()
     }
 
     fn carry_out(&mut self, order: Order) {
@@ -181,6 +182,9 @@ impl Worker {
         if *walk.settings() != wish.settings {
             walk.set_settings(wish.settings);
             self.refused.clear();
+        }
+        if wish.is_compared {
+            walk.drop_refinement();
         }
         let mut published = shared.exchange.spare();
         let added = &self.added;
@@ -333,7 +337,14 @@ mod tests {
         };
         settings.render.mode = Mode::Paper;
         let camera = Camera::look_at(DVec3::new(0.5, 0.5, 0.5), DVec3::new(0.5, 0.5, 0.0), 60.0);
-        let wish = Wish { camera, size: [16, 16], settings, budget: Duration::ZERO, is_paused: false };
+        let wish = Wish {
+            camera,
+            size: [16, 16],
+            settings,
+            budget: Duration::ZERO,
+            is_paused: false,
+            is_compared: false,
+        };
         let (jobs, sent) = unbounded();
         let (messages, said) = unbounded();
         let worker = Worker {

@@ -1,6 +1,6 @@
 //! What controls ask for: panels and keys make commands, only the app carries them out.
 
-use super::{Options, Quality, Severity};
+use super::{Compare, Options, Quality, Severity};
 use crate::window::fly_camera::Gait;
 use crate::window::load::SceneSource;
 use crate::window::playback::Playback;
@@ -32,6 +32,7 @@ pub enum Command {
     Remove(ReferenceId),
     Screenshot,
     CopyPose,
+    Compare(Compare, f32),
     CopyText(String),
     Dismiss(u64),
     FullScreen,

@@ -1,6 +1,7 @@
 //! What the window knows and shows. Panels read it and return [`Command`]s; only the app changes it.
 
 mod command;
+mod comparison;
 mod history;
 mod notices;
 mod options;
@@ -9,6 +10,7 @@ mod scene;
 mod work;
 
 pub use command::{Command, Moving};
+pub use comparison::{Compare, Comparison, Pair, PictureError, difference};
 pub use history::{HISTORY, Sample};
 pub use notices::{Notice, Severity};
 pub use options::Options;
@@ -20,7 +22,7 @@ use super::fly_camera::{FlyCamera, ViewChange};
 use super::frames::PublishedFrame;
 use super::load::{Progress, SceneSource};
 use super::playback::{Playback, Recording};
-use super::viewport::{Coloring, Heatmap, Presentation};
+use super::presentation::{Coloring, Heatmap, Overlay, Presentation};
 use afterimage::{Camera, WalkthroughSettings};
 use std::collections::VecDeque;
 
@@ -67,6 +69,8 @@ pub struct State {
     pub recording: Option<Recording>,
     /// The name of a saved view that is being changed: which, and what is typed.
     pub renaming: Option<(usize, String)>,
+    /// The comparison with the full tracer.
+    pub comparison: Comparison,
     next_notice: u64,
 }
 
@@ -104,6 +108,7 @@ impl State {
             playback: Playback::default(),
             recording: None,
             renaming: None,
+            comparison: Comparison::default(),
             next_notice: 0,
         }
     }
@@ -116,6 +121,7 @@ impl State {
             has_outline: self.options.has_outline,
             exposure_ev: self.quality.exposure_ev,
             tone_map: self.quality.tone_map,
+            overlay: Overlay::None,
         }
     }
 
