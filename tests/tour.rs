@@ -31,7 +31,7 @@ fn settings(measure: Option<&Path>) -> TourSettings {
         truth_samples: 64,
         truth_folder: Some(folder.to_owned()),
     });
-    TourSettings { walkthrough, size: [64, 48], frames: 9, measure }
+    TourSettings { walkthrough, size: [64, 48], frames: 9, budget: None, measure }
 }
 
 fn walk(settings: &TourSettings, cancel: &AtomicBool) -> TourRecord {

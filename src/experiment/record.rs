@@ -5,7 +5,7 @@
 use super::measure::Measurement;
 use super::statistics::{median, percentile};
 use crate::camera::Camera;
-use crate::render::AuditEstimate;
+use crate::render::{AuditEstimate, Steadiness};
 use crate::reproject::classify::TypePercentages;
 use crate::trace::RayCounts;
 use serde::Serialize;
@@ -61,6 +61,10 @@ pub struct FrameRecord {
     pub audit_secs: f64,
     /// What checks say of this frame and those before it, where frames are checked.
     pub audit: Option<AuditEstimate>,
+    /// What it has in common with the frame before it, where frames are measured.
+    pub steadiness: Option<Steadiness>,
+    /// False where it was cut at the budget.
+    pub is_complete: bool,
     /// Rays by purpose; those of checks left out.
     pub rays: RayCounts,
     /// A reference was traced after this frame.
@@ -118,6 +122,14 @@ pub struct Summary {
     pub type3_percent_max: Option<f64>,
     pub warp_ns_per_reference_pixel: Option<f64>,
     pub rays_per_sec: Option<f64>,
+    /// Median share of surface points whose pixel came to its colour in another way than in the frame before.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub flips_percent_median: Option<f64>,
+    /// Median of the PSNR between the same matte points in two frames.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub steadiness_psnr_db_median: Option<f64>,
+    /// Frames cut at the budget, in percent.
+    pub cut_percent: f64,
     #[serde(flatten)]
     pub measured: Option<MeasuredSummary>,
 }
@@ -175,6 +187,8 @@ impl Summary {
         let frame_secs = || frames.iter().map(|f| f.frame_secs);
         let warps = frames.iter().filter(|f| f.warped_pixels > 0);
         let all_rays: u64 = frames.iter().map(|f| f.rays.total()).sum();
+        let steady = || frames.iter().filter_map(|f| f.steadiness);
+        let cut = frames.iter().filter(|f| !f.is_complete).count();
         let ray_secs: f64 = frames.iter().map(|f| f.secondary_secs + f.trace_secs).sum();
         Self {
             frame_secs_median: median(frame_secs()),
@@ -183,6 +197,9 @@ impl Summary {
             type3_percent_max: type3().max_by(f64::total_cmp),
             warp_ns_per_reference_pixel: median(warps.map(|f| f.warp_secs * 1e9 / f.warped_pixels as f64)),
             rays_per_sec: (ray_secs > 0.0).then(|| all_rays as f64 / ray_secs),
+            flips_percent_median: median(steady().map(|s| s.flips_percent)),
+            steadiness_psnr_db_median: median(steady().map(|s| s.psnr_db)),
+            cut_percent: 100.0 * cut as f64 / frames.len().max(1) as f64,
             measured: None,
         }
     }

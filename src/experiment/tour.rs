@@ -10,7 +10,7 @@ use crate::trace::Tracer;
 use crate::trace::parallel::Stop;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// What a tour is made with.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,6 +21,8 @@ pub struct TourSettings {
     pub size: [u32; 2],
     /// How many, from the start of the walk to its end.
     pub frames: u32,
+    /// Frames are cut after so long and stay as they are; `None` finishes them all.
+    pub budget: Option<Duration>,
     /// Whether and how frames are measured.
     pub measure: Option<MeasureSettings>,
 }
@@ -68,12 +70,17 @@ pub fn run_tour(
     let stop = || cancel.load(Ordering::Relaxed);
     let trace = settings.walkthrough.render.trace;
     let mut walk = Walkthrough::new(Arc::clone(tracer), settings.walkthrough);
+    if settings.budget.is_some() {
+        walk = walk.showing_unfinished();
+    }
     let warm_up_secs = cameras.first().map_or(0.0, |first| warm_up(&mut walk, first, settings, &stop));
     let mut measurer = settings.measure.clone().map(Measurer::new);
     let (mut frames, mut references) = (Vec::new(), Vec::new());
     for (index, camera) in (0..).zip(&cameras) {
-        walk.render(camera, settings.size, &stop);
-        if !walk.frame().stats.is_complete {
+        let start = Instant::now();
+        let is_over = || settings.budget.is_some_and(|budget| start.elapsed() >= budget);
+        walk.render(camera, settings.size, &|| stop() || is_over());
+        if stop() {
             break;
         }
         let mut record = record_of(index, &walk);
@@ -135,6 +142,8 @@ fn record_of(index: u32, walk: &Walkthrough) -> FrameRecord {
         trace_secs: stats.secs.trace,
         audit_secs: stats.secs.audit,
         audit: stats.audit,
+        steadiness: stats.steadiness,
+        is_complete: stats.is_complete,
         rays: stats.rays,
         reference_added: walk.has_kept_frame(),
         reference_secs: 0.0,

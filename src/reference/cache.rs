@@ -63,6 +63,7 @@ pub struct ReferenceCache {
     next_id: u32,
     clock: u64,
     evicted: u64,
+    version: u64,
     coverage: Vec<Vec<f32>>,
     directory: Arc<Directory>,
 }
@@ -76,6 +77,7 @@ impl ReferenceCache {
             next_id: 0,
             clock: 0,
             evicted: 0,
+            version: 0,
             coverage: Vec::new(),
             directory: Arc::new(Directory::new(scene)),
         }
@@ -112,6 +114,11 @@ impl ReferenceCache {
         self.evicted
     }
 
+    /// Differs whenever what the references know has changed.
+    pub fn version(&self) -> u64 {
+        self.version
+    }
+
     /// The name of the reference in each slot of a look-up; an unused one where there is none.
     pub fn ids_by_slot(&self) -> Vec<ReferenceId> {
         let count = self.entries.iter().map(|e| e.slot + 1).max().unwrap_or(0);
@@ -127,6 +134,7 @@ impl ReferenceCache {
 
     /// Drops everything.
     pub fn clear(&mut self) {
+        self.version += 1;
         self.entries.clear();
         Arc::make_mut(&mut self.directory).clear();
     }
@@ -135,6 +143,7 @@ impl ReferenceCache {
     pub fn insert(&mut self, frame: Arc<ReferenceFrame>) -> ReferenceId {
         let id = ReferenceId(self.next_id);
         self.next_id += 1;
+        self.version += 1;
         // A newcomer has no record yet; a full share keeps it until frames have judged it.
         let taken = self.entries.iter().fold(0u128, |mask, e| mask | 1 << e.slot);
         let slot = (!taken).trailing_zeros() as usize;
@@ -148,6 +157,7 @@ impl ReferenceCache {
     /// Removes a reference; false where there is none of that name.
     pub fn remove(&mut self, id: ReferenceId) -> bool {
         let Some(at) = self.entries.iter().position(|e| e.id == id) else { return false };
+        self.version += 1;
         let removed = self.entries.remove(at);
         Arc::make_mut(&mut self.directory).remove(removed.slot);
         true
@@ -164,6 +174,7 @@ impl ReferenceCache {
     /// seen there, and the next references light it anew. False where it held none there. A frame or a reference in the
     /// making that uses it goes on with what it was.
     pub fn forget_light(&mut self, id: ReferenceId, corner: [u32; 2], side: u32) -> bool {
+        self.version += 1;
         let entry = self.entries.iter_mut().find(|e| e.id == id);
         entry.is_some_and(|entry| Arc::make_mut(&mut entry.frame).forget_light(corner, side) > 0)
     }
@@ -181,6 +192,7 @@ impl ReferenceCache {
             }) else {
                 return;
             };
+            self.version += 1;
             let removed = self.entries.remove(worst);
             Arc::make_mut(&mut self.directory).remove(removed.slot);
             self.evicted += 1;

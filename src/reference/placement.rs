@@ -42,6 +42,8 @@ pub struct Observation {
     pub open_percent: f64,
     /// Whether references light only what older ones do not know.
     pub is_sparse: bool,
+    /// The frame was stopped before its end, so that what it lit is not kept.
+    pub was_cut: bool,
     /// References held.
     pub held: usize,
 }
@@ -76,6 +78,14 @@ impl PlacementPolicy {
             // What a frame had to light itself it keeps; see `keeps`.
             Self::Threshold { .. } if seen.is_sparse => None,
             Self::Threshold { percent } => (seen.open_percent > percent).then_some(seen.camera),
+            // The next frames would be cut there as well.
+            Self::Predictive { percent }
+                if seen.is_sparse
+                    && seen.was_cut
+                    && seen.open_percent > SPARSE_WORTH_PERCENT.min(percent) =>
+            {
+                Some(seen.camera)
+            }
             Self::Predictive { percent } if seen.is_sparse => {
                 let ahead = ahead(seen, tracer);
                 (seen.camera != seen.previous && foresee(&ahead) > SPARSE_WORTH_PERCENT.min(percent))

@@ -2,6 +2,7 @@
 
 use super::audit::statistics::AuditEstimate;
 use super::refine::RefineState;
+use super::steadiness::Steadiness;
 use crate::camera::{Camera, View};
 use crate::reproject::{PixelMap, TypeCounts};
 use crate::trace::RayCounts;
@@ -68,6 +69,8 @@ pub struct FrameStats {
     pub refined: RefineState,
     /// What checks say of this frame and those before it; `None` where nothing is checked.
     pub audit: Option<AuditEstimate>,
+    /// What it has in common with the frame before it; `None` where that is not asked for.
+    pub steadiness: Option<Steadiness>,
 }
 
 impl Frame {

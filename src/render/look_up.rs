@@ -12,7 +12,7 @@ use crate::math::Ray;
 use crate::math::hash::Key;
 use crate::reference::{LookupSet, ReferenceFrame, TileLight, TileSurfaces, ViewLookup};
 use crate::reproject::PixelType;
-use crate::trace::parallel::{Stop, trace_pixels};
+use crate::trace::parallel::{Stop, trace_missing};
 use crate::trace::{Hit, PixelTrace, RayCounts, SurfacePoint, TILE_RAYS, TILE_SIDE, TraceSettings, Tracer};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -62,24 +62,27 @@ struct Finish<'a> {
 }
 
 impl Renderer {
-    pub(super) fn render_looked_up(
+    /// What the look-up left open, the worst first, so that a frame stopped before its end is as good as it can be: see
+    /// `docs/EXPERIMENTS.md`, "Frames cut at the budget".
+    pub(super) fn finish_looked_up(
         &mut self,
         tracer: &Tracer,
         settings: &RenderSettings,
         lookup: &LookupSet<'_>,
         stop: Stop<'_>,
     ) {
-        let start = Instant::now();
-        self.knows_hits = true;
-        self.frame.stats.references_used = lookup.len();
-        self.resolve(tracer, lookup, settings.mode);
-        self.frame.stats.secs.warp = start.elapsed().as_secs_f64();
-        self.look_up_secondary(tracer, settings, lookup, stop);
-        self.shade_open(tracer, settings, lookup, stop);
+        for &part in self.rounds() {
+            self.shade_unseen(tracer, settings, lookup, part, stop);
+            self.look_up_secondary(tracer, settings, lookup, part, stop);
+        }
+        self.check_uncertain(tracer, settings, lookup, stop);
     }
 
     /// Hits and look-ups of all pixels; lists what is left.
-    fn resolve(&mut self, tracer: &Tracer, lookup: &LookupSet<'_>, mode: Mode) {
+    pub(super) fn resolve(&mut self, tracer: &Tracer, lookup: &LookupSet<'_>, mode: Mode) {
+        let start = Instant::now();
+        self.knows_hits = true;
+        self.frame.stats.references_used = lookup.len();
         let view = self.frame.view;
         let most = if mode == Mode::Fast { REFERENCES_FAST } else { REFERENCES_EXACT };
         let lookup = ViewLookup::new(lookup, &view, most);
@@ -103,6 +106,7 @@ impl Renderer {
             });
         self.gather_lists();
         self.frame.stats.rays.primary += view.pixel_count() as u64;
+        self.frame.stats.secs.warp = start.elapsed().as_secs_f64();
     }
 
     fn gather_lists(&mut self) {
@@ -115,7 +119,9 @@ impl Renderer {
             self.uncertain.extend_from_slice(&band.uncertain);
         }
         if self.spreads_work {
-            self.spread_unseen();
+            self.spread(|r| &mut r.unseen);
+            self.spread(|r| &mut r.secondary);
+            self.spread(|r| &mut r.uncertain);
         }
     }
 
@@ -125,25 +131,53 @@ impl Renderer {
         tracer: &Tracer,
         settings: &RenderSettings,
         lookup: &LookupSet<'_>,
+        part: usize,
         stop: Stop<'_>,
     ) {
         let start = Instant::now();
         let frame = &self.frame;
         let finish = Finish { tracer, view: &frame.view, lookup, settings: &settings.trace };
-        let (rays, complete) = trace_pixels(&self.secondary, &mut self.specular, stop, |pixel, rays| {
+        let due = self.secondary.len().div_ceil(part);
+        let (list, specular) = (&self.secondary[..due], &mut self.specular[..due]);
+        let (rays, complete) = trace_missing(list, specular, stop, |pixel, rays| {
             finish.specular_of(pixel, frame.triangle[pixel as usize], rays)
         });
-        for (&pixel, specular) in self.secondary.iter().zip(&self.specular) {
-            self.frame.radiance[pixel as usize] += specular.unwrap_or(Vec3::ZERO);
+        self.add_specular();
+        self.frame.stats.rays += rays;
+        self.frame.stats.is_complete &= complete;
+        self.frame.stats.secs.secondary += start.elapsed().as_secs_f64();
+    }
+
+    /// Pixels that no reference knows are shaded.
+    fn shade_unseen(
+        &mut self,
+        tracer: &Tracer,
+        settings: &RenderSettings,
+        lookup: &LookupSet<'_>,
+        part: usize,
+        stop: Stop<'_>,
+    ) {
+        let start = Instant::now();
+        let trace = shading_of_unseen(settings);
+        let frame = &self.frame;
+        let finish = Finish { tracer, view: &frame.view, lookup, settings: &trace };
+        let due = self.unseen.len().div_ceil(part);
+        let (list, traced) = (&self.unseen[..due], &mut self.traced[..due]);
+        let (rays, complete) = trace_missing(list, traced, stop, |pixel, rays| {
+            finish.shade(pixel, frame.triangle[pixel as usize], rays)
+        });
+        for (&pixel, traced) in self.unseen.iter().zip(&self.traced) {
+            if let Some(traced) = traced {
+                self.frame.radiance[pixel as usize] = traced.radiance;
+            }
         }
         self.frame.stats.rays += rays;
         self.frame.stats.is_complete &= complete;
-        self.frame.stats.secs.secondary = start.elapsed().as_secs_f64();
+        self.frame.stats.secs.trace += start.elapsed().as_secs_f64();
     }
 
-    /// Guesses are checked, pixels that no reference knows are shaded. The latter come last: their light is what
-    /// [`Self::lit_reference`] keeps.
-    fn shade_open(
+    /// Guesses are checked.
+    fn check_uncertain(
         &mut self,
         tracer: &Tracer,
         settings: &RenderSettings,
@@ -151,26 +185,20 @@ impl Renderer {
         stop: Stop<'_>,
     ) {
         let start = Instant::now();
-        let trace = shading_of_unseen(settings);
-        for (list, is_guess) in [(&self.uncertain, true), (&self.unseen, false)] {
-            let frame = &self.frame;
-            let finish = Finish { tracer, view: &frame.view, lookup, settings: &trace };
-            let (rays, complete) = trace_pixels(list, &mut self.traced, stop, |pixel, rays| {
-                let at = pixel as usize;
-                match is_guess {
-                    true => finish.check(pixel, frame.triangle[at], frame.radiance[at], rays),
-                    false => finish.shade(pixel, frame.triangle[at], rays),
-                }
-            });
-            for (&pixel, traced) in list.iter().zip(&self.traced) {
-                if let Some(traced) = traced {
-                    self.frame.radiance[pixel as usize] = traced.radiance;
-                }
+        let frame = &self.frame;
+        let finish = Finish { tracer, view: &frame.view, lookup, settings: &settings.trace };
+        let (rays, complete) = trace_missing(&self.uncertain, &mut self.checked, stop, |pixel, rays| {
+            let at = pixel as usize;
+            finish.check(pixel, frame.triangle[at], frame.radiance[at], rays)
+        });
+        for (&pixel, checked) in self.uncertain.iter().zip(&self.checked) {
+            if let Some(radiance) = checked {
+                self.frame.radiance[pixel as usize] = *radiance;
             }
-            self.frame.stats.rays += rays;
-            self.frame.stats.is_complete &= complete;
         }
-        self.frame.stats.secs.trace = start.elapsed().as_secs_f64();
+        self.frame.stats.rays += rays;
+        self.frame.stats.is_complete &= complete;
+        self.frame.stats.secs.trace += start.elapsed().as_secs_f64();
     }
 
     /// What the last looked-up frame lit itself, as a reference, so that no frame after it has to. Only of a frame that is
@@ -218,7 +246,7 @@ impl Finish<'_> {
     }
 
     /// Checks the guess of a pixel's diffuse radiance with a few rays; with more it is replaced where it is bad.
-    fn check(&self, pixel: u32, triangle: u32, guess: Vec3, rays: &mut RayCounts) -> PixelTrace {
+    fn check(&self, pixel: u32, triangle: u32, guess: Vec3, rays: &mut RayCounts) -> Vec3 {
         let (ray, hit) = self.hit(pixel, triangle);
         let key = Key::of_pixel(self.settings.seed, pixel);
         let [few, more] = [PROBE_SHARE, REPAIR_SHARE]
@@ -235,7 +263,7 @@ impl Finish<'_> {
         if let Some(point) = point.filter(|point| self.tracer.is_specular(point)) {
             traced.radiance += self.specular(&point, ray.direction, pixel, rays);
         }
-        traced
+        traced.radiance
     }
 
     /// The specular radiance of a point, with the light of all that it mirrors or lets through looked up.

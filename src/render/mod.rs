@@ -6,12 +6,15 @@ pub mod frame;
 mod look_up;
 pub mod refine;
 pub mod renderer;
+mod stand_in;
+mod steadiness;
 pub mod walkthrough;
 
 pub use audit::statistics::AuditEstimate;
 pub use frame::{Frame, FrameStats, StageSecs};
 pub use refine::{RefineState, render_antialiased};
 pub use renderer::Renderer;
+pub use steadiness::Steadiness;
 pub use walkthrough::{ReferenceJob, Walkthrough, WalkthroughSettings};
 
 use crate::trace::TraceSettings;

@@ -2,15 +2,15 @@
 
 use super::frame::{Frame, NO_SUPPLIER};
 use super::look_up::Band;
+use super::stand_in::StandIns;
 use super::{Mode, RenderSettings};
 use crate::camera::{Camera, View};
 use crate::math::hash::Key;
 use crate::reference::frame::NO_TRIANGLE;
 use crate::reference::{LookupSet, ReferenceFrame};
 use crate::reproject::classify::classify;
-use crate::reproject::fill::fill_unknown;
 use crate::reproject::{PixelType, TypeCounts, WarpBuffer};
-use crate::trace::parallel::{Stop, tile_order, trace_pixels};
+use crate::trace::parallel::{Stop, tile_order, trace_missing};
 use crate::trace::{PixelTrace, SurfacePoint, Tracer};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -18,6 +18,10 @@ use std::time::Instant;
 
 /// The pass of each pixel of a square of four by four: Bayer's dispersed order.
 pub(super) const DISPERSED: [usize; 16] = [0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5];
+
+/// Where frames may be cut, what is open is done for one pixel in so many first, whatever its type, so that a mirror that
+/// takes long does not leave what no reference knows untouched, nor one thread's half of the picture the other's.
+const ROUNDS: [usize; 3] = [16, 4, 1];
 
 /// Renders frames; keeps its buffers from one to the next.
 #[derive(Debug)]
@@ -33,12 +37,15 @@ pub struct Renderer {
     /// True where the hits of pixels that are not shaded are right all the same.
     pub(super) knows_hits: bool,
     passes: [Vec<u32>; 16],
+    /// Results of `unseen`, `secondary` and `uncertain`, in their order; `None` is still to be done.
     pub(super) traced: Vec<Option<PixelTrace>>,
     pub(super) specular: Vec<Option<Vec3>>,
+    pub(super) checked: Vec<Option<Vec3>>,
+    /// What the pixels of `secondary` show beside their mirror or glass.
+    pub(super) own: Vec<Vec3>,
     pub(super) bands: Vec<Band>,
     /// Scratch of frames that are shown before they are complete.
-    is_known: Vec<bool>,
-    fill_levels: Vec<Vec<(Vec3, f32)>>,
+    pub(super) stand_ins: StandIns,
 }
 
 impl Default for Renderer {
@@ -56,9 +63,10 @@ impl Default for Renderer {
             passes: Default::default(),
             traced: Vec::new(),
             specular: Vec::new(),
+            checked: Vec::new(),
+            own: Vec::new(),
             bands: Vec::new(),
-            is_known: Vec::new(),
-            fill_levels: Vec::new(),
+            stand_ins: StandIns::default(),
         }
     }
 }
@@ -67,7 +75,8 @@ impl Renderer {
     /// Memory a frame takes while it is made, lists of work included: an upper bound, so that a size can be refused
     /// before anything is reserved.
     pub const BYTES_PER_PIXEL: usize = size_of::<Option<PixelTrace>>() // traced
-        + size_of::<Option<Vec3>>() // specular
+        + size_of::<Option<Vec3>>() // specular or checked
+        + StandIns::BYTES_PER_PIXEL + size_of::<Vec3>() // own
         + size_of::<u64>() // warped
         + 7 * size_of::<u32>() // order; secondary, unseen, uncertain, of the frame and of its bands
         + size_of::<Vec3>() + size_of::<f32>() + size_of::<u32>() + 2; // the frame
@@ -80,6 +89,11 @@ impl Renderer {
     /// The last frame, without the rest.
     pub fn into_frame(self) -> Frame {
         self.frame
+    }
+
+    /// Drops the last frame: its scene is gone.
+    pub(super) fn forget(&mut self) {
+        self.frame = Frame::empty();
     }
 
     /// The last frame, to be refined.
@@ -117,14 +131,9 @@ impl Renderer {
         let start = self.begin(tracer, camera, size);
         let references = if settings.mode == Mode::Full { &[] } else { references };
         self.reproject(tracer, references);
-        if settings.mode == Mode::Paper {
-            self.finish_secondary(tracer, settings, references, stop);
-        }
-        self.finish_unseen(tracer, settings, stop);
-        if !self.frame.stats.is_complete {
-            self.fill_undone();
-        }
-        self.finish(start)
+        self.begin_lists();
+        self.finish_lists(tracer, settings, references, stop);
+        self.finish(tracer, start)
     }
 
     /// Renders a view in mode `fast` or `exact`, with the light of whatever references are at hand.
@@ -138,11 +147,61 @@ impl Renderer {
         stop: Stop<'_>,
     ) -> &Frame {
         let start = self.begin(tracer, camera, size);
-        self.render_looked_up(tracer, settings, lookup, stop);
-        if !self.frame.stats.is_complete {
-            self.fill_undone();
+        self.resolve(tracer, lookup, settings.mode);
+        self.begin_lists();
+        self.finish_looked_up(tracer, settings, lookup, stop);
+        self.finish(tracer, start)
+    }
+
+    /// Goes on with the last frame where a stop left it, with the same references and settings. A frame that is complete
+    /// is left as it is.
+    pub fn resume(
+        &mut self,
+        tracer: &Tracer,
+        settings: &RenderSettings,
+        references: &[&ReferenceFrame],
+        stop: Stop<'_>,
+    ) -> &Frame {
+        let start = Instant::now();
+        self.frame.stats.is_complete = true;
+        let references = if settings.mode == Mode::Full { &[] } else { references };
+        self.finish_lists(tracer, settings, references, stop);
+        self.finish(tracer, start)
+    }
+
+    /// The same in mode `fast` or `exact`.
+    pub fn resume_by_lookup(
+        &mut self,
+        tracer: &Tracer,
+        settings: &RenderSettings,
+        lookup: &LookupSet<'_>,
+        stop: Stop<'_>,
+    ) -> &Frame {
+        let start = Instant::now();
+        self.frame.stats.is_complete = true;
+        self.finish_looked_up(tracer, settings, lookup, stop);
+        self.finish(tracer, start)
+    }
+
+    /// Type 2 and 3 where the light of references is copied, and where there are none.
+    fn finish_lists(
+        &mut self,
+        tracer: &Tracer,
+        settings: &RenderSettings,
+        references: &[&ReferenceFrame],
+        stop: Stop<'_>,
+    ) {
+        if settings.mode == Mode::Paper {
+            self.finish_secondary(tracer, settings, references, stop);
         }
-        self.finish(start)
+        for &part in self.rounds() {
+            self.finish_unseen(tracer, settings, part, stop);
+        }
+    }
+
+    /// The parts of its lists that are done one after the other.
+    pub(super) fn rounds(&self) -> &'static [usize] {
+        if self.spreads_work { &ROUNDS } else { &[1] }
     }
 
     fn begin(&mut self, tracer: &Tracer, camera: &Camera, size: [u32; 2]) -> Instant {
@@ -157,9 +216,25 @@ impl Renderer {
         start
     }
 
-    fn finish(&mut self, start: Instant) -> &Frame {
+    /// Nothing of the lists is done.
+    fn begin_lists(&mut self) {
+        let Self { secondary, unseen, uncertain, specular, traced, checked, own, frame, .. } = self;
+        own.clear();
+        own.extend(secondary.iter().map(|&pixel| frame.radiance[pixel as usize]));
+        specular.clear();
+        specular.resize(secondary.len(), None);
+        traced.clear();
+        traced.resize(unseen.len(), None);
+        checked.clear();
+        checked.resize(uncertain.len(), None);
+    }
+
+    fn finish(&mut self, tracer: &Tracer, start: Instant) -> &Frame {
+        if !self.frame.stats.is_complete {
+            self.stand_in(tracer);
+        }
         self.frame.stats.types = TypeCounts::of(&self.frame.types);
-        self.frame.stats.secs.frame = start.elapsed().as_secs_f64();
+        self.frame.stats.secs.frame += start.elapsed().as_secs_f64();
         &self.frame
     }
 
@@ -170,6 +245,7 @@ impl Renderer {
         self.frame.stats.warped_pixels = references.iter().map(|r| r.view.pixel_count()).sum();
         self.secondary.clear();
         self.unseen.clear();
+        self.uncertain.clear();
         if references.is_empty() {
             self.frame.types.fill(PixelType::Unseen);
             self.frame.supplier.fill(NO_SUPPLIER);
@@ -193,39 +269,22 @@ impl Renderer {
             }
         }
         if self.spreads_work {
-            self.spread_unseen();
+            self.spread(|r| &mut r.unseen);
         }
     }
 
-    /// Brings the pixels of Type 3 into sixteen passes, each spread over the whole picture.
-    pub(super) fn spread_unseen(&mut self) {
+    /// Brings the pixels of a list into sixteen passes, each spread over the whole picture.
+    pub(super) fn spread(&mut self, list: impl Fn(&mut Self) -> &mut Vec<u32>) {
         let width = self.frame.view.size[0];
+        let mut pixels = std::mem::take(list(self));
         self.passes.iter_mut().for_each(Vec::clear);
-        for &pixel in &self.unseen {
+        for &pixel in &pixels {
             let (x, y) = (pixel % width % 4, pixel / width % 4);
             self.passes[DISPERSED[(4 * y + x) as usize]].push(pixel);
         }
-        self.unseen.clear();
-        self.passes.iter().for_each(|pass| self.unseen.extend_from_slice(pass));
-    }
-
-    /// Pixels that a stop left undone get a colour from those around them.
-    fn fill_undone(&mut self) {
-        self.is_known.clear();
-        self.is_known.resize(self.frame.radiance.len(), true);
-        for (&pixel, specular) in self.secondary.iter().zip(&self.specular) {
-            self.is_known[pixel as usize] = specular.is_some();
-        }
-        for (&pixel, traced) in self.unseen.iter().zip(&self.traced) {
-            let pixel = pixel as usize;
-            self.is_known[pixel] = traced.is_some();
-            // Modes that look up know what is seen there all the same.
-            if traced.is_none() && !self.knows_hits {
-                (self.frame.disparity[pixel], self.frame.triangle[pixel]) = (0.0, NO_TRIANGLE);
-            }
-        }
-        let width = self.frame.view.size[0] as usize;
-        fill_unknown(&mut self.frame.radiance, &self.is_known, width, &mut self.fill_levels);
+        pixels.clear();
+        self.passes.iter().for_each(|pass| pixels.extend_from_slice(pass));
+        *list(self) = pixels;
     }
 
     /// Takes over what the winning samples know.
@@ -269,7 +328,7 @@ impl Renderer {
     ) {
         let start = Instant::now();
         let (view, warped) = (&self.frame.view, &self.warped);
-        let (rays, complete) = trace_pixels(&self.secondary, &mut self.specular, stop, |pixel, rays| {
+        let (rays, complete) = trace_missing(&self.secondary, &mut self.specular, stop, |pixel, rays| {
             let Some((sample, _)) = warped.sample(pixel as usize) else { return Vec3::ZERO };
             let reference = references[sample.slot()];
             let offset = reference.offset_from_eye(sample.pixel());
@@ -280,21 +339,29 @@ impl Renderer {
             let key = Key::of_pixel(settings.trace.seed, pixel);
             tracer.specular_radiance(&point, direction, &settings.trace, key, rays).0
         });
-        for (&pixel, specular) in self.secondary.iter().zip(&self.specular) {
-            self.frame.radiance[pixel as usize] += specular.unwrap_or(Vec3::ZERO);
-        }
+        self.add_specular();
         self.frame.stats.rays += rays;
         self.frame.stats.is_complete &= complete;
-        self.frame.stats.secs.secondary = start.elapsed().as_secs_f64();
+        self.frame.stats.secs.secondary += start.elapsed().as_secs_f64();
+    }
+
+    /// Adds what mirrors and glass show to their pixels.
+    pub(super) fn add_specular(&mut self) {
+        for ((&pixel, specular), own) in self.secondary.iter().zip(&self.specular).zip(&self.own) {
+            if let Some(specular) = specular {
+                self.frame.radiance[pixel as usize] = *own + *specular;
+            }
+        }
     }
 
     /// Type 3: traced in full.
-    fn finish_unseen(&mut self, tracer: &Tracer, settings: &RenderSettings, stop: Stop<'_>) {
+    fn finish_unseen(&mut self, tracer: &Tracer, settings: &RenderSettings, part: usize, stop: Stop<'_>) {
         let start = Instant::now();
         let view = &self.frame.view;
-        let (rays, complete) = trace_pixels(&self.unseen, &mut self.traced, stop, |pixel, rays| {
-            tracer.pixel(view, pixel, &settings.trace, rays)
-        });
+        let due = self.unseen.len().div_ceil(part);
+        let (list, traced) = (&self.unseen[..due], &mut self.traced[..due]);
+        let (rays, complete) =
+            trace_missing(list, traced, stop, |pixel, rays| tracer.pixel(view, pixel, &settings.trace, rays));
         for (&pixel, traced) in self.unseen.iter().zip(&self.traced) {
             let Some(traced) = traced else { continue };
             let pixel = pixel as usize;
@@ -304,6 +371,6 @@ impl Renderer {
         }
         self.frame.stats.rays += rays;
         self.frame.stats.is_complete &= complete;
-        self.frame.stats.secs.trace = start.elapsed().as_secs_f64();
+        self.frame.stats.secs.trace += start.elapsed().as_secs_f64();
     }
 }

@@ -4,8 +4,10 @@
 
 use super::audit::{Audited, Auditor};
 use super::refine::{PASSES, RefineState, Refinement};
+use super::steadiness::SteadinessWatch;
 use super::{Frame, Mode, RenderSettings, Renderer};
 use crate::camera::{Camera, View};
+use crate::reference::cache::CachedReference;
 use crate::reference::{
     KnownLight, Observation, PlacementPolicy, ReferenceCache, ReferenceFrame, ReferenceId, open_percent,
 };
@@ -28,6 +30,8 @@ pub struct WalkthroughSettings {
     /// Whether a few pixels of every looked-up frame are traced in full as well, to know how good it is and to find
     /// references that are wrong. How many depends on the clock.
     pub audits: bool,
+    /// Whether every frame is compared with the one before it, to see what flickers.
+    pub watches_steadiness: bool,
 }
 
 impl Default for WalkthroughSettings {
@@ -38,6 +42,7 @@ impl Default for WalkthroughSettings {
             most_references: 8,
             cache_bytes: 1024 << 20,
             audits: false,
+            watches_steadiness: false,
         }
     }
 }
@@ -54,10 +59,14 @@ pub struct Walkthrough {
     used: Vec<ReferenceId>,
     references_made: u32,
     has_kept: bool,
-    /// What the last frame was made with.
+    /// What the last frame was made with: settings, the references that were warped, the state of the cache.
     rendered: RenderSettings,
+    selected: Vec<CachedReference>,
+    rendered_from: u64,
     /// While frames are checked.
     auditor: Option<Auditor>,
+    /// While frames are compared.
+    watch: Option<SteadinessWatch>,
     /// Of the last frame's pose, from the first [`Self::refine`] on.
     refinement: Option<Refinement>,
 }
@@ -77,7 +86,10 @@ impl Walkthrough {
             references_made: 0,
             has_kept: false,
             rendered: settings.render,
+            selected: Vec::new(),
+            rendered_from: 0,
             auditor: None,
+            watch: None,
             refinement: None,
         }
     }
@@ -92,7 +104,9 @@ impl Walkthrough {
         self.tracer = tracer;
         self.cache = ReferenceCache::new(self.tracer.scene(), self.settings.cache_bytes);
         (self.previous, self.wanted) = (None, None);
-        (self.refinement, self.auditor) = (None, None);
+        (self.refinement, self.auditor, self.watch) = (None, None, None);
+        self.renderer.forget();
+        self.selected.clear();
     }
 
     /// The references.
@@ -143,31 +157,77 @@ impl Walkthrough {
             Mode::Paper => self.cache.select(&view, self.tracer.epoch(), self.settings.most_references),
         };
         let select_secs = start.elapsed().as_secs_f64();
-        let references: Vec<&ReferenceFrame> = selected.iter().map(|r| &*r.frame).collect();
-        let settings = &self.settings.render;
+        let settings = self.settings.render;
         if settings.mode.looks_up() {
             let lookup = self.cache.lookup(self.tracer.epoch());
-            self.renderer.render_by_lookup(&self.tracer, camera, size, settings, &lookup, stop);
+            self.renderer.render_by_lookup(&self.tracer, camera, size, &settings, &lookup, stop);
         } else {
-            self.renderer.render(&self.tracer, camera, size, settings, &references, stop);
+            let references: Vec<&ReferenceFrame> = selected.iter().map(|r| &*r.frame).collect();
+            self.renderer.render(&self.tracer, camera, size, &settings, &references, stop);
         }
-        let start = Instant::now();
-        self.keep_what_was_lit();
-        self.used = match self.settings.render.mode.looks_up() {
-            true => self.cache.ids_by_slot(),
-            false => selected.iter().map(|r| r.id).collect(),
-        };
-        let shares = self.renderer.frame().supplier_shares(self.used.len());
-        let shares: Vec<_> = self.used.iter().copied().zip(shares).collect();
-        self.cache.note_contributions(&shares);
-        self.wanted = self.decide(camera, size);
-        self.renderer.add_select_secs(select_secs + start.elapsed().as_secs_f64());
-        self.audit();
-        (self.previous, self.rendered) = (Some(*camera), self.settings.render);
+        self.selected = selected;
+        self.rendered = settings;
+        self.conclude(select_secs);
+        self.previous = Some(*camera);
         if let Some(refinement) = &self.refinement {
             refinement.write_to(self.renderer.frame_mut());
         }
         self.renderer.frame()
+    }
+
+    /// Goes on with the last frame where a stop left it. It stays as it is where it is complete, and where settings or
+    /// references have changed since.
+    pub fn resume(&mut self, stop: Stop<'_>) -> &Frame {
+        if !self.can_resume() {
+            return self.renderer.frame();
+        }
+        let settings = self.rendered;
+        if settings.mode.looks_up() {
+            let lookup = self.cache.lookup(self.tracer.epoch());
+            self.renderer.resume_by_lookup(&self.tracer, &settings, &lookup, stop);
+        } else {
+            let references: Vec<&ReferenceFrame> = self.selected.iter().map(|r| &*r.frame).collect();
+            self.renderer.resume(&self.tracer, &settings, &references, stop);
+        }
+        self.conclude(0.0);
+        self.renderer.frame()
+    }
+
+    /// True where the last frame was stopped and can be gone on with.
+    pub fn can_resume(&self) -> bool {
+        let frame = self.renderer.frame();
+        let is_same = self.rendered == self.settings.render && self.cache.version() == self.rendered_from;
+        is_same && !frame.stats.is_complete && !frame.radiance.is_empty()
+    }
+
+    /// What follows from a frame: who gave how much, whether it is kept, where a reference is wanted.
+    fn conclude(&mut self, select_secs: f64) {
+        let start = Instant::now();
+        self.rendered_from = self.cache.version();
+        self.keep_what_was_lit();
+        self.used = match self.settings.render.mode.looks_up() {
+            true => self.cache.ids_by_slot(),
+            false => self.selected.iter().map(|r| r.id).collect(),
+        };
+        let (camera, size) = (self.frame().camera, self.frame().view.size);
+        let shares = self.renderer.frame().supplier_shares(self.used.len());
+        let shares: Vec<_> = self.used.iter().copied().zip(shares).collect();
+        self.cache.note_contributions(&shares);
+        self.wanted = self.decide(&camera, size);
+        self.renderer.add_select_secs(select_secs + start.elapsed().as_secs_f64());
+        self.audit();
+        self.watch_steadiness();
+    }
+
+    /// Compares the last frame with the one before it, where that is asked for.
+    fn watch_steadiness(&mut self) {
+        if !self.settings.watches_steadiness {
+            self.watch = None;
+        } else if self.renderer.frame().stats.is_complete {
+            let watch = self.watch.get_or_insert_default();
+            let steadiness = watch.compare(self.tracer.scene(), self.renderer.frame());
+            self.renderer.frame_mut().stats.steadiness = steadiness;
+        }
     }
 
     /// Checks a few pixels of the last frame, where that is asked for.
@@ -254,6 +314,7 @@ impl Walkthrough {
             previous: self.previous.unwrap_or(*camera),
             open_percent: if is_sparse { types.unseen_percent } else { types.type3_percent },
             is_sparse,
+            was_cut: !self.frame().stats.is_complete,
             held: self.cache.entries().len(),
         };
         let (tracer, cache, most) = (&self.tracer, &mut self.cache, self.settings.most_references);

@@ -1,67 +1,98 @@
 //! A stand-in for pixels that are not done yet, so that a frame can be shown before it is complete.
 //!
 //! Source: Gortler et al., "The Lumigraph", SIGGRAPH 1996, section 3.5, pull-push. We differ: a level is a plain mean
-//! of the known among four, and a hole takes the first coarser level that knows something, without blending.
+//! of the known among four, and a hole is interpolated between the cells of the first coarser level that knows something
+//! there, without blending levels.
 
 use glam::Vec3;
+use rayon::prelude::*;
 
-/// Gives every pixel for which `is_known` is false the mean of known pixels around it, the nearest there are.
+/// Scratch memory of [`Surroundings`]: sums of what is known, and how much that is, by level.
+pub type Levels = Vec<Vec<(Vec3, f32)>>;
+
+/// What is known of a picture, by squares of 2, 4, 8, ... pixels.
+#[derive(Debug)]
+pub struct Surroundings<'a> {
+    levels: &'a Levels,
+    /// Columns and rows of each level.
+    sizes: Vec<[usize; 2]>,
+}
+
+/// Gives every pixel for which `is_known` is false a mean of known pixels around it, the nearest there are.
 ///
-/// Takes row-major pictures of `width` pixels a row. `levels` is scratch memory. Never touches a known pixel.
-pub fn fill_unknown(
-    radiance: &mut [Vec3],
-    is_known: &[bool],
-    width: usize,
-    levels: &mut Vec<Vec<(Vec3, f32)>>,
-) {
+/// Takes row-major pictures of `width` pixels a row. `levels` is scratch memory. Never touches a known pixel, and none at
+/// all where nothing is known.
+pub fn fill_unknown(values: &mut [Vec3], is_known: &[bool], width: usize, levels: &mut Levels) {
     if width == 0 || is_known.iter().all(|&known| known) {
         return;
     }
-    let sizes = pull(radiance, is_known, width, levels);
-    for (pixel, value) in radiance.iter_mut().enumerate().filter(|(pixel, _)| !is_known[*pixel]) {
-        let (mut x, mut y) = (pixel % width, pixel / width);
-        for (level, &(columns, _)) in levels.iter().zip(&sizes) {
-            (x, y) = (x / 2, y / 2);
-            let (sum, weight) = level[y * columns + x];
-            if weight > 0.0 {
-                *value = sum / weight;
-                break;
-            }
+    let size = [width, values.len() / width];
+    // The bright count less, or a lamp would outshine all around it.
+    let known =
+        |pixel: usize| is_known[pixel].then(|| (values[pixel], 1.0 / (1.0 + values[pixel].max_element())));
+    let surroundings = Surroundings::gather(size, known, levels);
+    values.par_chunks_mut(width).zip(is_known.par_chunks(width)).enumerate().for_each(|(y, (row, known))| {
+        for (x, value) in row.iter_mut().enumerate().filter(|(x, _)| !known[*x]) {
+            *value = surroundings.around([x, y]).unwrap_or(*value);
         }
-    }
+    });
 }
 
-/// Sums of the known pixels over squares of 2, 4, 8, ... pixels; returns columns and rows of each level.
-fn pull(
-    radiance: &[Vec3],
-    is_known: &[bool],
-    width: usize,
-    levels: &mut Vec<Vec<(Vec3, f32)>>,
-) -> Vec<(usize, usize)> {
-    let mut sizes = Vec::new();
-    let (mut columns, mut rows) = (width, radiance.len() / width);
-    while columns > 1 || rows > 1 {
-        let (from_columns, from_rows) = (columns, rows);
-        (columns, rows) = (columns.div_ceil(2), rows.div_ceil(2));
-        let index = sizes.len();
-        if levels.len() == index {
-            levels.push(Vec::new());
+impl<'a> Surroundings<'a> {
+    /// Sums up a picture of `size` pixels, of which `known` tells what is known and how much it counts.
+    pub fn gather(
+        size: [usize; 2],
+        known: impl Fn(usize) -> Option<(Vec3, f32)> + Sync,
+        levels: &'a mut Levels,
+    ) -> Self {
+        let mut sizes = Vec::new();
+        let mut finer = size;
+        while finer[0] > 1 || finer[1] > 1 {
+            let coarser = finer.map(|n| n.div_ceil(2));
+            if levels.len() == sizes.len() {
+                levels.push(Vec::new());
+            }
+            let (below, level) = levels.split_at_mut(sizes.len());
+            let from = |x: usize, y: usize| match below.last() {
+                Some(level) => level[y * finer[0] + x],
+                None => known(y * size[0] + x)
+                    .map_or((Vec3::ZERO, 0.0), |(value, weight)| (value * weight, weight)),
+            };
+            let cell = |cell: usize| {
+                let (x, y) = (cell % coarser[0] * 2, cell / coarser[0] * 2);
+                let inside = [(x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)];
+                let inside = inside.into_iter().filter(|&(x, y)| x < finer[0] && y < finer[1]);
+                inside.map(|(x, y)| from(x, y)).fold((Vec3::ZERO, 0.0), |(s, w), (r, k)| (s + r, w + k))
+            };
+            (0..coarser[0] * coarser[1]).into_par_iter().map(cell).collect_into_vec(&mut level[0]);
+            sizes.push(coarser);
+            finer = coarser;
         }
-        let (finer, coarser) = levels.split_at_mut(index);
-        let from = |x: usize, y: usize| match finer.last() {
-            Some(level) => level[y * from_columns + x],
-            None if is_known[y * width + x] => (radiance[y * width + x], 1.0),
-            None => (Vec3::ZERO, 0.0),
-        };
-        let level = &mut coarser[0];
-        level.clear();
-        level.extend((0..columns * rows).map(|cell| {
-            let (x, y) = (cell % columns * 2, cell / columns * 2);
-            let inside = [(x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)];
-            let inside = inside.into_iter().filter(|&(x, y)| x < from_columns && y < from_rows);
-            inside.map(|(x, y)| from(x, y)).fold((Vec3::ZERO, 0.0), |(s, w), (r, k)| (s + r, w + k))
-        }));
-        sizes.push((columns, rows));
+        Self { levels, sizes }
     }
-    sizes
+
+    /// A mean of what is known around a pixel, the nearest there is; `None` where nothing is known at all.
+    pub fn around(&self, [x, y]: [usize; 2]) -> Option<Vec3> {
+        let knows =
+            |at: usize| self.levels[at][(y >> (at + 1)) * self.sizes[at][0] + (x >> (at + 1))].1 > 0.0;
+        let at = (0..self.sizes.len()).find(|&at| knows(at))?;
+        let (level, [columns, rows]) = (&self.levels[at], self.sizes[at]);
+        let [across, down] = [(x, columns), (y, rows)].map(|(i, count)| {
+            let place = (i as f32 + 0.5) / (2 << at) as f32 - 0.5;
+            let first = place.floor();
+            let part = place - first;
+            [(first, 1.0 - part), (first + 1.0, part)].map(|(i, w)| ((i.max(0.0) as usize).min(count - 1), w))
+        });
+        let (mut sum, mut total) = (Vec3::ZERO, 0.0);
+        for (row, wy) in down {
+            for (column, wx) in across {
+                let (cell, weight) = level[row * columns + column];
+                if weight > 0.0 {
+                    sum += cell / weight * (wx * wy);
+                    total += wx * wy;
+                }
+            }
+        }
+        (total > 0.0).then(|| sum / total)
+    }
 }

@@ -40,13 +40,24 @@ pub fn trace_pixels<R: Clone + Send>(
 ) -> (RayCounts, bool) {
     traced.clear();
     traced.resize(pixels.len(), None);
+    trace_missing(pixels, traced, stop, trace)
+}
+
+/// [`trace_pixels`] for the pixels that have no result yet: goes on with a list that was stopped.
+pub fn trace_missing<R: Send>(
+    pixels: &[u32],
+    traced: &mut [Option<R>],
+    stop: Stop<'_>,
+    trace: impl Fn(u32, &mut RayCounts) -> R + Sync,
+) -> (RayCounts, bool) {
     let stopped = AtomicBool::new(false);
     let rays = pixels
         .par_chunks(CHUNK)
         .zip(traced.par_chunks_mut(CHUNK))
         .map(|(pixels, traced)| {
             let mut rays = RayCounts::default();
-            for (result, &pixel) in traced.iter_mut().zip(pixels) {
+            let missing = traced.iter_mut().zip(pixels).filter(|(result, _)| result.is_none());
+            for (result, &pixel) in missing {
                 if stopped.load(Ordering::Relaxed) || stop() {
                     stopped.store(true, Ordering::Relaxed);
                     break;

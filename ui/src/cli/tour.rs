@@ -17,6 +17,7 @@ use afterimage::{Frame, WalkthroughSettings};
 use clap::Args;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 #[derive(Args, Clone, Debug)]
 pub(crate) struct TourArgs {
@@ -51,6 +52,9 @@ pub(crate) struct TourArgs {
     /// Checks a few pixels of every looked-up frame by tracing them; they take up to a twentieth of its time.
     #[arg(long)]
     pub(super) audit: bool,
+    /// Cuts every frame after so long, as the window does while one moves; what is open then shows what is around it.
+    #[arg(long, value_name = "MS", value_parser = clap::value_parser!(u32).range(1..=3_600_000))]
+    pub(super) budget_ms: Option<u32>,
     /// Measures errors and the full tracer's time on some frames.
     #[arg(long)]
     pub(super) measure: bool,
@@ -133,8 +137,10 @@ fn settings(args: &TourArgs, flags: &Flags, walk: &CameraPath) -> TourSettings {
         most_references: args.most_references.into(),
         cache_bytes: usize::try_from(args.cache_mb << 20).unwrap_or(usize::MAX),
         audits: args.audit,
+        watches_steadiness: measure.is_some(),
     };
-    TourSettings { walkthrough, size: flags.size(), frames, measure }
+    let budget = args.budget_ms.map(|ms| Duration::from_millis(ms.into()));
+    TourSettings { walkthrough, size: flags.size(), frames, budget, measure }
 }
 
 /// Flies; a picture that cannot be written ends the flight, and what was recorded is kept.
@@ -251,6 +257,13 @@ fn table(args: &TourArgs, record: &TourRecord) -> String {
         ),
         ("references", format!("{} in {:.2} s", record.references_added, record.reference_secs_total)),
     ];
+    if summary.cut_percent > 0.0 {
+        rows.push(("cut at the budget", share(Some(summary.cut_percent))));
+    }
+    if let Some(flips) = summary.flips_percent_median {
+        let db = summary.steadiness_psnr_db_median.unwrap_or(f64::INFINITY);
+        rows.push(("steadiness", format!("{flips:.2} % flips, {db:.1} dB from frame to frame")));
+    }
     if let Some(m) = &summary.measured {
         rows.extend([
             ("full frame", ms(Some(m.full_frame_secs_median))),

@@ -28,7 +28,7 @@ pub struct Wish {
     pub size: [u32; 2],
     /// What to render with.
     pub settings: WalkthroughSettings,
-    /// A frame that nobody waits for any more is given up after so long.
+    /// A frame is shown after so long as it is, the worst done first; at rest it is then gone on with.
     pub budget: Duration,
     /// Nothing is rendered while paused.
     pub is_paused: bool,
@@ -112,6 +112,12 @@ impl Shared {
         drop(inbox);
         self.bell.notify_all();
         generation
+    }
+
+    /// True where nobody wants the picture of a generation any more.
+    fn is_useless(&self, generation: u64) -> bool {
+        let is_stale = self.generation.load(Ordering::Relaxed) != generation;
+        is_stale || self.quit.load(Ordering::Relaxed) || self.abandon.load(Ordering::Relaxed)
     }
 
     fn deliver(&self, outcome: Outcome) {

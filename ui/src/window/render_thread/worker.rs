@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 /// frames after them are the cheaper.
 const NICENESS: i32 = 10;
 
-/// A picture at rest is shown anew after so long: often enough to be seen converging, seldom enough that drawing it is
+/// A picture that is gone on with, and one at rest, is shown anew after so long: often enough to be seen converging, seldom enough that drawing it is
 /// little beside tracing it. Whatever changes ends the work at once.
 const REFINE_TIME: Duration = Duration::from_millis(200);
 
@@ -67,6 +67,8 @@ impl Worker {
         while let Some(generation) = self.wait() {
             if self.can_render() && self.rendered != Some(generation) {
                 self.render(generation);
+            } else if self.can_resume(generation) {
+                self.resume(generation);
             } else if self.can_refine(generation) {
                 self.refine(generation);
             }
@@ -93,9 +95,11 @@ impl Worker {
                 && self.walk.is_some()
                 && wish.is_some_and(|w| !w.is_paused && !w.size.contains(&0));
             let has_news = inbox.wish.is_some() || !inbox.orders.is_empty() || !inbox.outcomes.is_empty();
-            // Settings of a new wish are taken in before anything is refined.
-            let can_refine = !is_due && inbox.wish.is_none() && self.can_refine(generation);
-            if is_due || has_news || can_refine {
+            // Settings of a new wish are taken in before anything is gone on with.
+            let can_go_on = !is_due
+                && inbox.wish.is_none()
+                && (self.can_resume(generation) || self.can_refine(generation));
+            if is_due || has_news || can_go_on {
                 self.wish = wish;
                 inbox.wish = None;
                 let (orders, outcomes) =
@@ -111,6 +115,12 @@ impl Worker {
 
     fn can_render(&self) -> bool {
         self.walk.is_some() && self.wish.is_some_and(|w| !w.is_paused && !w.size.contains(&0))
+    }
+
+    /// True where the last frame is still wanted and was cut at the budget.
+    fn can_resume(&self, generation: u64) -> bool {
+        let is_shown = self.rendered == Some(generation) && self.can_render();
+        is_shown && self.walk.as_ref().is_some_and(Walkthrough::can_resume)
     }
 
     /// True where the last frame is still wanted and its picture has not converged. A reference in the making goes first:
@@ -175,9 +185,8 @@ impl Worker {
         let start = Instant::now();
         let shared = &*self.shared;
         let stop = || {
-            let is_stale = shared.generation.load(Ordering::Relaxed) != generation;
             let is_useless = shared.quit.load(Ordering::Relaxed) || shared.abandon.load(Ordering::Relaxed);
-            is_useless || (is_stale && start.elapsed() >= wish.budget)
+            is_useless || start.elapsed() >= wish.budget
         };
         if *walk.settings() != wish.settings {
             walk.set_settings(wish.settings);
@@ -200,15 +209,36 @@ impl Worker {
         self.publish(made.map(|()| Some(published)));
     }
 
+    /// Goes on for a while with the last frame, which was cut at the budget.
+    fn resume(&mut self, generation: u64) {
+        let Some(walk) = &mut self.walk else { return };
+        let start = Instant::now();
+        let shared = &*self.shared;
+        let is_useless = || shared.is_useless(generation);
+        let stop = || is_useless() || start.elapsed() >= REFINE_TIME;
+        let mut published = shared.exchange.spare();
+        let added = &self.added;
+        let made = catch_unwind(AssertUnwindSafe(|| {
+            self.pool.install(|| {
+                walk.resume(&stop);
+                if is_useless() {
+                    return None;
+                }
+                published.fill(walk.frame(), walk.used(), generation);
+                published.list(walk.cache(), walk.used(), added);
+                published.is_refinement = !walk.frame().stats.is_complete;
+                Some(published)
+            })
+        }));
+        self.publish(made);
+    }
+
     /// Goes on with the picture of the last frame for a while.
     fn refine(&mut self, generation: u64) {
         let Some(walk) = &mut self.walk else { return };
         let start = Instant::now();
         let shared = &*self.shared;
-        let is_useless = || {
-            let is_stale = shared.generation.load(Ordering::Relaxed) != generation;
-            is_stale || shared.quit.load(Ordering::Relaxed) || shared.abandon.load(Ordering::Relaxed)
-        };
+        let is_useless = || shared.is_useless(generation);
         let stop = || is_useless() || start.elapsed() >= REFINE_TIME;
         let mut published = shared.exchange.spare();
         let added = &self.added;
@@ -253,9 +283,13 @@ impl Worker {
         if self.job.is_some() || !self.can_render() {
             return;
         }
+        // What a frame that is gone on with lights is kept: no reference need light it again.
+        let goes_on = self.can_resume(self.shared.generation.load(Ordering::Acquire));
         let (Some(walk), Some(wish)) = (&mut self.walk, self.wish) else { return };
-        let wanted =
-            || wanted(walk, wish.size).filter(|camera| !self.refused.contains(&(*camera, wish.size)));
+        let wanted = || {
+            let camera = wanted(walk, wish.size).filter(|_| !goes_on)?;
+            (!self.refused.contains(&(camera, wish.size))).then_some(camera)
+        };
         let Some(camera) = self.asked.take().or_else(wanted) else { return };
         let cancel = Arc::new(AtomicBool::new(false));
         let job = Job { reference: walk.reference_job(camera, wish.size), cancel: cancel.clone() };

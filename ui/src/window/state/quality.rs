@@ -14,7 +14,7 @@ pub struct Quality {
     pub walk: WalkthroughSettings,
     /// Rendered pixels per pixel of the viewport, along an edge.
     pub render_scale: f32,
-    /// A frame that is no longer wanted is given up after so long.
+    /// A frame is shown after so long as it is.
     pub budget_ms: f32,
     /// In stops.
     pub exposure_ev: f32,

@@ -1,0 +1,97 @@
+//! Frames cut at a budget: the worst first, and gone on with to the same bits.
+
+use crate::rooms::{room_camera, room_tracer};
+use afterimage::reference::PlacementPolicy;
+use afterimage::trace::TraceSettings;
+use afterimage::trace::parallel::NEVER;
+use afterimage::{Camera, Mode, RenderSettings, Tracer, Walkthrough, WalkthroughSettings};
+use glam::Vec3;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+const SIZE: [u32; 2] = [45, 27];
+const MODES: [Mode; 4] = [Mode::Full, Mode::Paper, Mode::Fast, Mode::Exact];
+
+/// A walk that holds a reference a step behind the room's camera.
+fn walk(tracer: &Arc<Tracer>, mode: Mode) -> Walkthrough {
+    let trace = TraceSettings { samples: 4, bounces: 0, seed: 9 };
+    let settings = WalkthroughSettings {
+        render: RenderSettings { mode, trace },
+        placement: PlacementPolicy::None,
+        ..WalkthroughSettings::default()
+    };
+    let mut walk = Walkthrough::new(tracer.clone(), settings).showing_unfinished();
+    let step_back = Camera { eye: room_camera().eye - room_camera().forward() * 0.2, ..room_camera() };
+    let reference = walk.reference_job(step_back, SIZE).trace(NEVER).unwrap();
+    walk.insert(reference).unwrap();
+    walk
+}
+
+/// Stops after so many pixels.
+fn stop_after(pixels: &AtomicUsize) -> bool {
+    pixels.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |n| n.checked_sub(1)).is_err()
+}
+
+#[test]
+fn a_frame_that_was_cut_and_gone_on_with_has_the_bits_of_one_that_was_not() {
+    let tracer = Arc::new(room_tracer(true, true));
+    for mode in MODES {
+        let mut whole = walk(&tracer, mode);
+        whole.render(&room_camera(), SIZE, NEVER);
+        let mut cut = walk(&tracer, mode);
+        let mut pieces = 1;
+        let pixels = AtomicUsize::new(40);
+        cut.render(&room_camera(), SIZE, &|| stop_after(&pixels));
+        while cut.can_resume() {
+            pixels.store(40, Ordering::Relaxed);
+            cut.resume(&|| stop_after(&pixels));
+            pieces += 1;
+        }
+        let (cut, whole) = (cut.frame(), whole.frame());
+        assert!(pieces > 3, "{mode:?} was done in {pieces} pieces");
+        assert!(cut.stats.is_complete);
+        assert!(cut.radiance == whole.radiance, "{mode:?}");
+        assert!(cut.types == whole.types && cut.triangle == whole.triangle, "{mode:?}");
+        assert_eq!(cut.stats.rays, whole.stats.rays, "{mode:?}");
+    }
+}
+
+#[test]
+fn a_cut_frame_is_near_the_whole_one_where_it_is_not_done() {
+    let tracer = Arc::new(room_tracer(true, true));
+    let mut were_cut = 0;
+    for mode in MODES {
+        let mut walk = walk(&tracer, mode);
+        let pixels = AtomicUsize::new(SIZE[0] as usize * SIZE[1] as usize / 8);
+        let cut = walk.render(&room_camera(), SIZE, &|| stop_after(&pixels));
+        were_cut += u32::from(!cut.stats.is_complete);
+        let cut = cut.radiance.clone();
+        let whole = &walk.resume(NEVER).radiance;
+        let error = |shown: &dyn Fn(usize) -> Vec3| -> f32 {
+            (0..whole.len())
+                .map(|i| (shown(i).min(Vec3::ONE) - whole[i].min(Vec3::ONE)).length_squared())
+                .sum()
+        };
+        // A picture left black is off by its whole light.
+        let (shown, black) = (error(&|i| cut[i]), error(&|_| Vec3::ZERO));
+        assert!(shown < 0.25 * black, "{mode:?}: {shown} of {black}");
+    }
+    assert!(were_cut >= 2, "nothing was cut, so nothing was shown");
+}
+
+#[test]
+fn what_changed_meanwhile_is_not_gone_on_with() {
+    let tracer = Arc::new(room_tracer(true, false));
+    let mut cut = walk(&tracer, Mode::Exact);
+    cut.render(&room_camera(), SIZE, &|| true);
+    assert!(cut.can_resume());
+    let before = cut.frame().radiance.clone();
+    cut.cache_mut().clear();
+    assert!(!cut.can_resume());
+    assert!(cut.resume(NEVER).radiance == before);
+    cut.render(&room_camera(), SIZE, &|| true);
+    assert!(cut.can_resume());
+    cut.set_tracer(Arc::new(room_tracer(false, false)));
+    assert!(!cut.can_resume());
+    assert!(cut.resume(NEVER).radiance.is_empty(), "another scene's pixels are gone");
+}
