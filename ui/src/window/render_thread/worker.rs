@@ -224,7 +224,7 @@ impl Worker {
                 if is_useless() {
                     return None;
                 }
-                published.fill(walk.frame(), walk.used(), generation);
+                published.fill(walk.frame(), &walk.tracer().scene().frame, walk.used(), generation);
                 published.list(walk.cache(), walk.used(), added);
                 published.is_refinement = !walk.frame().stats.is_complete;
                 Some(published)
