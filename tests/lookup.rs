@@ -240,3 +240,26 @@ fn a_reference_that_is_switched_off_is_as_good_as_gone() {
     cache.remove(first);
     assert!(!cache.set_enabled(first, true));
 }
+
+/// No reference: all that the mirror and the glass show has to be shaded, once.
+#[test]
+fn what_mirrors_and_glass_show_is_shaded_once() {
+    let tracer = room_tracer(true, true);
+    let none = ReferenceCache::new(tracer.scene(), 1 << 30);
+    let lookup = none.lookup(tracer.epoch());
+    let mut renderer = Renderer::default();
+    let mut render = || {
+        renderer
+            .render_by_lookup(&tracer, &room_camera(), SIZE, &settings(Mode::Exact), &lookup, NEVER)
+            .clone()
+    };
+    let [first, second, third] = [render(), render(), render()];
+    // First surfaces are shaded in every frame here, as nobody makes a reference of them.
+    let saved = first.stats.rays.shadow - second.stats.rays.shadow;
+    assert!(saved > 0, "{:?} {:?}", first.stats.rays, second.stats.rays);
+    assert!(third.stats.rays.shadow <= second.stats.rays.shadow, "what was kept stays");
+    assert_eq!(first.stats.rays.secondary, second.stats.rays.secondary, "reflected and refracted alike");
+    let mean = |frame: &afterimage::Frame| frame.radiance.iter().map(|r| r.element_sum()).sum::<f32>();
+    let off = (mean(&second) / mean(&first) - 1.0).abs();
+    assert!(off < 0.01, "the light is that of the first frame: {off}");
+}

@@ -7,6 +7,7 @@ pub mod errors;
 pub mod measure;
 pub mod record;
 pub mod run;
+pub mod stage_speed;
 pub mod statistics;
 mod table1;
 pub mod throughput;

@@ -4,6 +4,7 @@
 //! another library's on the very same rays ([`RayDump`]). Every figure is the median of [`ROUNDS`] after one round
 //! that is not counted.
 
+use super::stage_speed::{Floors, StageSpeed, stage_speed};
 use super::statistics::median;
 use super::warp_speed::{WarpSpeed, warp_speed};
 use crate::camera::{Camera, View};
@@ -52,6 +53,9 @@ pub struct Throughput {
     /// Steps 1 and 2 of the paper.
     #[serde(flatten)]
     pub warp: WarpSpeed,
+    /// The stages of a frame that is looked up.
+    #[serde(flatten)]
+    pub stages: StageSpeed,
     /// All of a first hit's diffuse light, shadow rays included; divide by the threads for one thread's.
     pub shade_us_per_pixel: f64,
     pub build_secs: f64,
@@ -104,6 +108,12 @@ pub fn measure_throughput(
     go_on("diffuse rays").then(|| result.diffuse_mrays_per_sec = closest_rate(bvh, &diffuse))?;
     go_on("shading").then(|| result.shade_us_per_pixel = shade_us(tracer, &points, &settings.trace))?;
     go_on("the warp").then(|| result.warp = warp_speed(tracer, settings))?;
+    let floors = Floors {
+        primary_mrays_per_sec: result.primary_mrays_per_sec,
+        primary_tile_mrays_per_sec: result.primary_tile_mrays_per_sec,
+        memory_gb_per_sec: result.warp.memory_gb_per_sec,
+    };
+    go_on("the stages of a frame").then(|| result.stages = stage_speed(tracer, settings, &floors))?;
     go_on("building").then(|| result.build_secs = build_secs(tracer))?;
     let closest = primary.into_iter().chain(diffuse).collect();
     Some((result, RayDump { closest, any: shadow }))

@@ -63,7 +63,8 @@ pub(super) fn warp_speed(tracer: &Tracer, settings: &ThroughputSettings) -> Warp
     }
 }
 
-fn moved(tracer: &Tracer, camera: &Camera) -> Camera {
+/// The pose after a hundredth of the scene's diagonal forwards and a turn of 3 degrees.
+pub(super) fn moved(tracer: &Tracer, camera: &Camera) -> Camera {
     let [low, high] = tracer.scene().bounds_m;
     let step = camera.forward() * ((high - low).length() * 0.01);
     Camera { eye: camera.eye + step, yaw: camera.yaw + 3f64.to_radians(), ..*camera }

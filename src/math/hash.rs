@@ -16,6 +16,11 @@ impl Key {
         Self(mix(self.0 ^ (u64::from(dimension) << 32 | 0x9e37_79b9)))
     }
 
+    /// The name itself: 64 random bits.
+    pub fn bits(self) -> u64 {
+        self.0
+    }
+
     /// Two numbers in [0, 1).
     pub fn pair(self) -> [f32; 2] {
         let bits = mix(self.0);

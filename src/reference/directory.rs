@@ -35,19 +35,35 @@ pub struct PackedNormal([i8; 3]);
 pub(super) const ALIKE_COSINE: f32 = 0.99;
 
 impl PackedNormal {
+    pub(super) const ZERO: Self = Self([0; 3]);
+
     fn of([a, b, c]: [Vec3; 3]) -> Self {
-        let n = (b - a).cross(c - a).normalize_or(Vec3::Y) * 127.0;
+        Self::of_unit((b - a).cross(c - a).normalize_or(Vec3::Y))
+    }
+
+    #[inline(always)]
+    pub(super) fn of_unit(normal: Vec3) -> Self {
+        let n = normal * 127.0;
         Self([n.x.round() as i8, n.y.round() as i8, n.z.round() as i8])
     }
 
     /// True where two triangles are turned alike, whichever way they are wound.
     #[inline(always)]
     pub(super) fn is_like(self, other: Self) -> bool {
+        let along = self.dot(other);
         // Lengths are divided out: rounded, they alone would part triangles of one plane.
-        let dot =
-            |a: Self, b: Self| (0..3).map(|i| i32::from(a.0[i]) * i32::from(b.0[i])).sum::<i32>() as f32;
-        let along = dot(self, other);
-        along * along >= ALIKE_COSINE * ALIKE_COSINE * dot(self, self) * dot(other, other)
+        along * along >= ALIKE_COSINE * ALIKE_COSINE * self.dot(self) * other.dot(other)
+    }
+
+    /// True where two sides of triangles face alike.
+    #[inline(always)]
+    pub(super) fn faces_like(self, other: Self) -> bool {
+        self.dot(other) > 0.0 && self.is_like(other)
+    }
+
+    #[inline(always)]
+    fn dot(self, other: Self) -> f32 {
+        (0..3).map(|i| i32::from(self.0[i]) * i32::from(other.0[i])).sum::<i32>() as f32
     }
 }
 

@@ -81,7 +81,7 @@ impl<'a> LookupReference<'a> {
     /// The light at a point with a unit normal on the side that is asked for, and how much it is worth: samples per unit
     /// of surface, in scene units, squared. `None` where this reference does not see that side of the point.
     #[inline]
-    fn light_at(&self, position: Vec3, normal: Vec3, triangle: u32) -> Option<(Vec3, f32)> {
+    pub(super) fn light_at(&self, position: Vec3, normal: Vec3, triangle: u32) -> Option<(Vec3, f32)> {
         let offset = position - self.eye;
         let height = normal.dot(offset);
         let q = self.pixel_from_scene * offset;

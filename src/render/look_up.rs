@@ -4,29 +4,18 @@
 //! visibility; what the references save is the shading. Where the look-up itself is a guess, `exact` traces a few rays
 //! to see whether it is a bad one; `fast` takes it as it is.
 
+use super::finish::{Finish, Spent};
 use super::frame::NO_SUPPLIER;
 use super::renderer::Renderer;
 use super::{Mode, RenderSettings};
 use crate::camera::View;
-use crate::math::Ray;
-use crate::math::hash::Key;
 use crate::reference::{LookupSet, ReferenceFrame, TileLight, TileSurfaces, ViewLookup};
 use crate::reproject::PixelType;
 use crate::trace::parallel::{Stop, trace_missing};
-use crate::trace::{Hit, PixelTrace, RayCounts, SurfacePoint, TILE_RAYS, TILE_SIDE, TraceSettings, Tracer};
+use crate::trace::{Hit, TILE_RAYS, TILE_SIDE, TraceSettings, Tracer};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::time::Instant;
-
-/// A guess is checked with so many times fewer rays than a pixel is shaded with.
-const PROBE_SHARE: u32 = 8;
-
-/// If it turns out bad, so many times fewer are added. Together 10 of 16: their noise on the few pixels that this
-/// happens to weighs less than what averaging takes from the others.
-const REPAIR_SHARE: u32 = 2;
-
-/// A guess is bad where the probe is off by more than this share of the brighter of the two. Not varied yet.
-const BAD_GUESS: f32 = 0.15;
 
 /// References that a pixel is averaged over at most: noise falls with their number, time grows.
 const REFERENCES_EXACT: usize = 2;
@@ -52,15 +41,6 @@ struct BandRows<'a> {
     supplier: &'a mut [u8],
 }
 
-/// What a pixel left open is finished with.
-#[derive(Clone, Copy)]
-struct Finish<'a> {
-    tracer: &'a Tracer,
-    view: &'a View,
-    lookup: &'a LookupSet<'a>,
-    settings: &'a TraceSettings,
-}
-
 impl Renderer {
     /// What the look-up left open, the worst first, so that a frame stopped before its end is as good as it can be: see
     /// `docs/EXPERIMENTS.md`, "Frames cut at the budget".
@@ -83,6 +63,7 @@ impl Renderer {
         let start = Instant::now();
         self.knows_hits = true;
         self.frame.stats.references_used = lookup.len();
+        self.points.enter(tracer.epoch(), &mut self.fresh_points);
         let view = self.frame.view;
         let most = if mode == Mode::Fast { REFERENCES_FAST } else { REFERENCES_EXACT };
         let lookup = ViewLookup::new(lookup, &view, most);
@@ -136,15 +117,15 @@ impl Renderer {
     ) {
         let start = Instant::now();
         let frame = &self.frame;
-        let finish = Finish { tracer, view: &frame.view, lookup, settings: &settings.trace };
+        let finish =
+            Finish { tracer, view: &frame.view, lookup, points: &self.points, settings: &settings.trace };
         let due = self.secondary.len().div_ceil(part);
         let (list, specular) = (&self.secondary[..due], &mut self.specular[..due]);
-        let (rays, complete) = trace_missing(list, specular, stop, |pixel, rays| {
-            finish.specular_of(pixel, frame.triangle[pixel as usize], rays)
+        let (spent, complete) = trace_missing(list, specular, stop, |pixel, spent| {
+            finish.specular_of(pixel, frame.triangle[pixel as usize], spent)
         });
         self.add_specular();
-        self.frame.stats.rays += rays;
-        self.frame.stats.is_complete &= complete;
+        self.note(spent, complete);
         self.frame.stats.secs.secondary += start.elapsed().as_secs_f64();
     }
 
@@ -160,19 +141,18 @@ impl Renderer {
         let start = Instant::now();
         let trace = shading_of_unseen(settings);
         let frame = &self.frame;
-        let finish = Finish { tracer, view: &frame.view, lookup, settings: &trace };
+        let finish = Finish { tracer, view: &frame.view, lookup, points: &self.points, settings: &trace };
         let due = self.unseen.len().div_ceil(part);
         let (list, traced) = (&self.unseen[..due], &mut self.traced[..due]);
-        let (rays, complete) = trace_missing(list, traced, stop, |pixel, rays| {
-            finish.shade(pixel, frame.triangle[pixel as usize], rays)
+        let (spent, complete) = trace_missing(list, traced, stop, |pixel, spent| {
+            finish.shade(pixel, frame.triangle[pixel as usize], spent)
         });
         for (&pixel, traced) in self.unseen.iter().zip(&self.traced) {
             if let Some(traced) = traced {
                 self.frame.radiance[pixel as usize] = traced.radiance;
             }
         }
-        self.frame.stats.rays += rays;
-        self.frame.stats.is_complete &= complete;
+        self.note(spent, complete);
         self.frame.stats.secs.trace += start.elapsed().as_secs_f64();
     }
 
@@ -186,19 +166,26 @@ impl Renderer {
     ) {
         let start = Instant::now();
         let frame = &self.frame;
-        let finish = Finish { tracer, view: &frame.view, lookup, settings: &settings.trace };
-        let (rays, complete) = trace_missing(&self.uncertain, &mut self.checked, stop, |pixel, rays| {
+        let finish =
+            Finish { tracer, view: &frame.view, lookup, points: &self.points, settings: &settings.trace };
+        let (spent, complete) = trace_missing(&self.uncertain, &mut self.checked, stop, |pixel, spent| {
             let at = pixel as usize;
-            finish.check(pixel, frame.triangle[at], frame.radiance[at], rays)
+            finish.check(pixel, frame.triangle[at], frame.radiance[at], spent)
         });
         for (&pixel, checked) in self.uncertain.iter().zip(&self.checked) {
             if let Some(radiance) = checked {
                 self.frame.radiance[pixel as usize] = *radiance;
             }
         }
-        self.frame.stats.rays += rays;
-        self.frame.stats.is_complete &= complete;
+        self.note(spent, complete);
         self.frame.stats.secs.trace += start.elapsed().as_secs_f64();
+    }
+
+    /// What is traced now serves from the next frame on, so that this one is the same wherever it is stopped.
+    fn note(&mut self, mut spent: Spent, complete: bool) {
+        self.frame.stats.rays += spent.rays;
+        self.frame.stats.is_complete &= complete;
+        self.fresh_points.append(&mut spent.points);
     }
 
     /// What the last looked-up frame lit itself, as a reference, so that no frame after it has to. Only of a frame that is
@@ -219,71 +206,6 @@ fn shading_of_unseen(settings: &RenderSettings) -> TraceSettings {
     let fewer = if settings.mode == Mode::Fast { UNSEEN_SHARE_FAST } else { 1 };
     TraceSettings { samples: (settings.trace.samples / fewer).max(1), ..settings.trace }
 }
-
-impl Finish<'_> {
-    /// The ray of a pixel, and where it meets the triangle it is known to see.
-    fn hit(&self, pixel: u32, triangle: u32) -> (Ray, Option<Hit>) {
-        let ray = Tracer::primary_ray(self.view, pixel);
-        (ray, self.tracer.hit_on_triangle(&ray, triangle))
-    }
-
-    /// The light that a pixel's mirror or glass shows.
-    fn specular_of(&self, pixel: u32, triangle: u32, rays: &mut RayCounts) -> Vec3 {
-        let (ray, hit) = self.hit(pixel, triangle);
-        let point = hit.map(|hit| self.tracer.surface(&ray, &hit));
-        point.map_or(Vec3::ZERO, |point| self.specular(&point, ray.direction, pixel, rays))
-    }
-
-    /// Shades a pixel; what its mirror or glass shows is looked up.
-    fn shade(&self, pixel: u32, triangle: u32, rays: &mut RayCounts) -> PixelTrace {
-        let (ray, hit) = self.hit(pixel, triangle);
-        let key = Key::of_pixel(self.settings.seed, pixel);
-        let (mut traced, point) = self.tracer.shade_hit(&ray, hit, self.settings, key, rays);
-        if let Some(point) = point.filter(|point| self.tracer.is_specular(point)) {
-            traced.radiance += self.specular(&point, ray.direction, pixel, rays);
-        }
-        traced
-    }
-
-    /// Checks the guess of a pixel's diffuse radiance with a few rays; with more it is replaced where it is bad.
-    fn check(&self, pixel: u32, triangle: u32, guess: Vec3, rays: &mut RayCounts) -> Vec3 {
-        let (ray, hit) = self.hit(pixel, triangle);
-        let key = Key::of_pixel(self.settings.seed, pixel);
-        let [few, more] = [PROBE_SHARE, REPAIR_SHARE]
-            .map(|share| TraceSettings { samples: (self.settings.samples / share).max(1), ..*self.settings });
-        let (mut traced, point) = self.tracer.shade_hit(&ray, hit, &few, key, rays);
-        let brighter = traced.radiance.max(guess).max_element();
-        if (traced.radiance - guess).abs().max_element() > BAD_GUESS * brighter {
-            let (repair, _) = self.tracer.shade_hit(&ray, hit, &more, key.with(REPAIR), rays);
-            let share = more.samples as f32 / (few.samples + more.samples) as f32;
-            traced.radiance = traced.radiance.lerp(repair.radiance, share);
-        } else {
-            traced.radiance = guess;
-        }
-        if let Some(point) = point.filter(|point| self.tracer.is_specular(point)) {
-            traced.radiance += self.specular(&point, ray.direction, pixel, rays);
-        }
-        traced.radiance
-    }
-
-    /// The specular radiance of a point, with the light of all that it mirrors or lets through looked up.
-    fn specular(&self, point: &SurfacePoint, direction: Vec3, pixel: u32, rays: &mut RayCounts) -> Vec3 {
-        let (tracer, scene) = (self.tracer, self.tracer.scene());
-        let key = Key::of_pixel(self.settings.seed, pixel);
-        tracer.specular_radiance_by(point, direction, rays, |next, share, number, rays| {
-            let albedo = next.albedo(scene);
-            if albedo != Vec3::ZERO
-                && let Some(light) = self.lookup.light_at(next.position, next.geometric_normal, next.triangle)
-            {
-                return scene.materials[next.material.0 as usize].emission + albedo * light;
-            }
-            tracer.diffuse_radiance(next, share, self.settings, Tracer::specular_key(key, number), rays)
-        })
-    }
-}
-
-/// Dimension of the random numbers of a repair.
-const REPAIR: u32 = 3 << 24;
 
 impl Band {
     fn resolve(

@@ -2,6 +2,7 @@
 
 pub mod aov;
 pub mod audit;
+mod finish;
 pub mod frame;
 mod look_up;
 pub mod refine;

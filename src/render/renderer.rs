@@ -1,5 +1,6 @@
 //! One frame: warp, classify, finish each list.
 
+use super::finish::MOST_POINTS;
 use super::frame::{Frame, NO_SUPPLIER};
 use super::look_up::Band;
 use super::stand_in::StandIns;
@@ -7,7 +8,7 @@ use super::{Mode, RenderSettings};
 use crate::camera::{Camera, View};
 use crate::math::hash::Key;
 use crate::reference::frame::NO_TRIANGLE;
-use crate::reference::{LookupSet, ReferenceFrame};
+use crate::reference::{LookupSet, PointCache, ReferenceFrame, TracedPoint};
 use crate::reproject::classify::classify;
 use crate::reproject::{PixelType, TypeCounts, WarpBuffer};
 use crate::trace::parallel::{Stop, tile_order, trace_missing};
@@ -44,6 +45,10 @@ pub struct Renderer {
     /// What the pixels of `secondary` show beside their mirror or glass.
     pub(super) own: Vec<Vec3>,
     pub(super) bands: Vec<Band>,
+    /// Light traced where no reference has it, of frames before.
+    pub(super) points: PointCache,
+    /// The same of the last frame.
+    pub(super) fresh_points: Vec<TracedPoint>,
     /// Scratch of frames that are shown before they are complete.
     pub(super) stand_ins: StandIns,
 }
@@ -66,6 +71,8 @@ impl Default for Renderer {
             checked: Vec::new(),
             own: Vec::new(),
             bands: Vec::new(),
+            points: PointCache::default(),
+            fresh_points: Vec::new(),
             stand_ins: StandIns::default(),
         }
     }
@@ -77,6 +84,7 @@ impl Renderer {
     pub const BYTES_PER_PIXEL: usize = size_of::<Option<PixelTrace>>() // traced
         + size_of::<Option<Vec3>>() // specular or checked
         + StandIns::BYTES_PER_PIXEL + size_of::<Vec3>() // own
+        + (MOST_POINTS + 1) * size_of::<TracedPoint>() // fresh points
         + size_of::<u64>() // warped
         + 7 * size_of::<u32>() // order; secondary, unseen, uncertain, of the frame and of its bands
         + size_of::<Vec3>() + size_of::<f32>() + size_of::<u32>() + 2; // the frame

@@ -34,7 +34,7 @@ impl Tracer {
 
     /// The same, and beside it the arriving light, as the radiance of a white surface: what references store. A
     /// surface that reflects nothing is asked for none, and its light is zero.
-    pub(super) fn diffuse_radiance_and_light(
+    pub(crate) fn diffuse_radiance_and_light(
         &self,
         point: &SurfacePoint,
         share: f32,
@@ -48,7 +48,7 @@ impl Tracer {
         if albedo == Vec3::ZERO {
             return [emission, Vec3::ZERO];
         }
-        let samples = ((settings.samples as f32 * share).ceil() as u32).clamp(1, settings.samples.max(1));
+        let samples = settings.samples_for(share);
         let mut irradiance = self.irradiance(point, samples, key, rays);
         if settings.bounces > 0 {
             irradiance += self.indirect_irradiance(point, samples, settings.bounces, key, rays);

@@ -2,6 +2,7 @@
 
 use super::RayCounts;
 use rayon::prelude::*;
+use std::ops::AddAssign;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Pixels a thread takes at a time.
@@ -43,32 +44,33 @@ pub fn trace_pixels<R: Clone + Send>(
     trace_missing(pixels, traced, stop, trace)
 }
 
-/// [`trace_pixels`] for the pixels that have no result yet: goes on with a list that was stopped.
-pub fn trace_missing<R: Send>(
+/// [`trace_pixels`] for the pixels that have no result yet: goes on with a list that was stopped. What `trace` gathers
+/// beside the results is added up in the list's order.
+pub fn trace_missing<R: Send, G: Default + Send + AddAssign>(
     pixels: &[u32],
     traced: &mut [Option<R>],
     stop: Stop<'_>,
-    trace: impl Fn(u32, &mut RayCounts) -> R + Sync,
-) -> (RayCounts, bool) {
+    trace: impl Fn(u32, &mut G) -> R + Sync,
+) -> (G, bool) {
     let stopped = AtomicBool::new(false);
-    let rays = pixels
+    let gathered = pixels
         .par_chunks(CHUNK)
         .zip(traced.par_chunks_mut(CHUNK))
         .map(|(pixels, traced)| {
-            let mut rays = RayCounts::default();
+            let mut gathered = G::default();
             let missing = traced.iter_mut().zip(pixels).filter(|(result, _)| result.is_none());
             for (result, &pixel) in missing {
                 if stopped.load(Ordering::Relaxed) || stop() {
                     stopped.store(true, Ordering::Relaxed);
                     break;
                 }
-                *result = Some(trace(pixel, &mut rays));
+                *result = Some(trace(pixel, &mut gathered));
             }
-            rays
+            gathered
         })
-        .reduce(RayCounts::default, |mut a, b| {
+        .reduce(G::default, |mut a, b| {
             a += b;
             a
         });
-    (rays, !stopped.into_inner())
+    (gathered, !stopped.into_inner())
 }

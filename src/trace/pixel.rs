@@ -1,5 +1,6 @@
 //! One pixel of the ordinary ray tracer, and of a reference image.
 
+use super::specular::Link;
 use super::{Hit, SurfacePoint, Tracer};
 use crate::camera::View;
 use crate::math::Ray;
@@ -16,6 +17,13 @@ pub struct TraceSettings {
     pub bounces: u32,
     /// Of all random numbers.
     pub seed: u64,
+}
+
+impl TraceSettings {
+    /// Shadow rays per light for a surface that is only a share (0..1) of the pixel.
+    pub fn samples_for(&self, share: f32) -> u32 {
+        ((self.samples as f32 * share).ceil() as u32).clamp(1, self.samples.max(1))
+    }
 }
 
 impl Default for TraceSettings {
@@ -99,7 +107,7 @@ impl Tracer {
         let (mut traced, point) = self.first_hit(view, pixel, settings, key, rays);
         if let Some(point) = point.filter(|p| self.is_specular(p)) {
             let direction = view.direction_of_pixel(pixel);
-            let unshaded = |_: &SurfacePoint, _: f32, _: u32| Vec3::ZERO;
+            let unshaded = |_: &SurfacePoint, _: Link| Vec3::ZERO;
             traced.reflections = self.follow_specular(&point, direction, &mut rays.secondary, unshaded).1;
         }
         traced
@@ -115,29 +123,11 @@ impl Tracer {
         rays: &mut RayCounts,
     ) -> (Vec3, u32) {
         let mut secondary = 0;
-        let (radiance, bounces) =
-            self.follow_specular(point, direction, &mut secondary, |next, share, number| {
-                self.diffuse_radiance(next, share, settings, Self::specular_key(key, number), rays)
-            });
-        rays.secondary += secondary;
-        (radiance, bounces)
-    }
-
-    /// The same with another way to shade what is met; `shade` gets the surface, the share of the pixel it is, and a
-    /// running number for [`Self::specular_key`].
-    pub(crate) fn specular_radiance_by(
-        &self,
-        point: &SurfacePoint,
-        direction: Vec3,
-        rays: &mut RayCounts,
-        mut shade: impl FnMut(&SurfacePoint, f32, u32, &mut RayCounts) -> Vec3,
-    ) -> Vec3 {
-        let mut secondary = 0;
-        let (radiance, _) = self.follow_specular(point, direction, &mut secondary, |next, share, number| {
-            shade(next, share, number, rays)
+        let (radiance, bounces) = self.follow_specular(point, direction, &mut secondary, |next, link| {
+            self.diffuse_radiance(next, link.share, settings, Self::specular_key(key, link.number), rays)
         });
         rays.secondary += secondary;
-        radiance
+        (radiance, bounces)
     }
 
     /// The random numbers of a surface met after a specular bounce.

@@ -28,6 +28,19 @@ struct Branch {
     ray: Ray,
     throughput: Vec3,
     bounces: u32,
+    /// From the first surface to the ray's origin.
+    length: f32,
+}
+
+/// How a surface was met by way of mirrors and glass.
+#[derive(Clone, Copy, Debug)]
+pub struct Link {
+    /// The share of the pixel that the surface is, 0..1.
+    pub share: f32,
+    /// A running number from one on; names the random numbers of its shading.
+    pub number: u32,
+    /// Length of the way from the first surface, scene units.
+    pub length: f32,
 }
 
 /// The two continuations of light at a surface, each with the share it carries.
@@ -35,7 +48,7 @@ type Branches = [Option<(Ray, Vec3)>; 2];
 
 impl Tracer {
     /// Follows every specular branch from `point`, seen along `direction`, and sums what `shade` returns for the
-    /// surfaces and the sky they meet. `shade` gets the surface, the share of the pixel it is, and a running number.
+    /// surfaces and the sky they meet.
     ///
     /// Returns the radiance and the number of bounces of the longest branch; counts its rays in `secondary`.
     pub fn follow_specular(
@@ -43,10 +56,10 @@ impl Tracer {
         point: &SurfacePoint,
         direction: Vec3,
         secondary: &mut u64,
-        mut shade: impl FnMut(&SurfacePoint, f32, u32) -> Vec3,
+        mut shade: impl FnMut(&SurfacePoint, Link) -> Vec3,
     ) -> (Vec3, u32) {
         let mut stack = BranchStack::new();
-        stack.push_all(self.branches(point, direction), Vec3::ONE, 1);
+        stack.push_all(self.branches(point, direction), Vec3::ONE, 1, 0.0);
         let (mut radiance, mut longest, mut visited) = (Vec3::ZERO, 1, 0);
         while let Some(branch) = stack.pop() {
             *secondary += 1;
@@ -57,11 +70,14 @@ impl Tracer {
             };
             let next = self.surface(&branch.ray, &hit);
             visited += 1;
-            radiance += branch.throughput * shade(&next, branch.throughput.max_element().min(1.0), visited);
+            // Specular branches have directions of length one.
+            let length = branch.length + hit.t;
+            let link = Link { share: branch.throughput.max_element().min(1.0), number: visited, length };
+            radiance += branch.throughput * shade(&next, link);
             let goes_on = self.scene().materials[next.material.0 as usize].is_specular();
             if goes_on && branch.bounces < MAX_BOUNCES {
                 let onward = self.branches(&next, branch.ray.direction);
-                stack.push_all(onward, branch.throughput, branch.bounces + 1);
+                stack.push_all(onward, branch.throughput, branch.bounces + 1, length);
             }
         }
         (radiance, longest)
@@ -172,7 +188,8 @@ struct BranchStack {
 
 impl BranchStack {
     fn new() -> Self {
-        let none = Branch { ray: Ray::new(Vec3::ZERO, Vec3::ZERO), throughput: Vec3::ZERO, bounces: 0 };
+        let none =
+            Branch { ray: Ray::new(Vec3::ZERO, Vec3::ZERO), throughput: Vec3::ZERO, bounces: 0, length: 0.0 };
         Self { branches: [none; STACK], height: 0 }
     }
 
@@ -182,7 +199,7 @@ impl BranchStack {
     }
 
     /// Stacks what is worth following, the weaker branch on top, so that the stack stays low.
-    fn push_all(&mut self, mut branches: Branches, throughput: Vec3, bounces: u32) {
+    fn push_all(&mut self, mut branches: Branches, throughput: Vec3, bounces: u32, length: f32) {
         let weight = |b: &Option<(Ray, Vec3)>| b.map_or(0.0, |(_, share)| share.max_element());
         if weight(&branches[0]) < weight(&branches[1]) {
             branches.swap(0, 1);
@@ -190,7 +207,7 @@ impl BranchStack {
         for (ray, share) in branches.into_iter().flatten() {
             let throughput = throughput * share;
             if throughput.max_element() >= CUTOFF && self.height < STACK {
-                self.branches[self.height] = Branch { ray, throughput, bounces };
+                self.branches[self.height] = Branch { ray, throughput, bounces, length };
                 self.height += 1;
             }
         }

@@ -70,6 +70,34 @@ fn table(t: &Throughput) -> String {
         ),
         ("shading", format!("{:.2} us per pixel", t.shade_us_per_pixel)),
         (
+            "look-up",
+            format!(
+                "{:.1} ns per pixel (floor {:.1}); with rays {:.1}",
+                t.stages.lookup_ns_per_pixel,
+                t.stages.lookup_floor_ns_per_pixel,
+                t.stages.resolve_ns_per_pixel
+            ),
+        ),
+        (
+            "checking guesses",
+            format!(
+                "{:.2} us per pixel, {:.2} once traced ({} pixels)",
+                t.stages.check_new_us_per_pixel, t.stages.check_known_us_per_pixel, t.stages.checked_pixels
+            ),
+        ),
+        (
+            "mirrors and glass",
+            format!(
+                "{:.2} us per pixel, {:.2} once traced (floor {:.2}; {} pixels)",
+                t.stages.secondary_new_us_per_pixel,
+                t.stages.secondary_known_us_per_pixel,
+                t.stages.secondary_floor_us_per_pixel,
+                t.stages.secondary_pixels
+            ),
+        ),
+        ("foreseeing", against(t.stages.foresight_ms, t.stages.foresight_floor_ms)),
+        ("entering a reference", against(t.stages.directory_ms, t.stages.directory_floor_ms)),
+        (
             "hierarchy",
             format!(
                 "{} triangles, {:.1} MB, built in {:.3} s",
@@ -79,4 +107,8 @@ fn table(t: &Throughput) -> String {
             ),
         ),
     ])
+}
+
+fn against(ms: f64, floor_ms: f64) -> String {
+    format!("{ms:.1} ms (floor {floor_ms:.1})")
 }

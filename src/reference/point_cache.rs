@@ -1,0 +1,228 @@
+//! Light traced at single surface points, found again by place: what mirrors and panes show, and what was traced
+//! because the references' light was a guess. No picture holds these points, and without this every frame would shade
+//! them anew.
+//!
+//! Source: a hash table of cells whose size follows the path's footprint, Binder, Fricke, Keller, "Massively Parallel
+//! Path Space Filtering" (2019). We differ: a cell holds one traced point and no sum, and lends its light only to points
+//! on its plane, turned alike; and points are entered between frames in the order of the pixels, so that the bits do not
+//! depend on threads.
+
+use super::directory::PackedNormal;
+use crate::math::hash::Key;
+use crate::trace::SceneEpoch;
+use glam::{IVec3, Vec3};
+
+/// Buckets of the table: 64 MB, taken when the first point is entered. A picture of 1280x720 that is a third mirror
+/// fills a sixth of it.
+const BUCKETS: usize = 1 << 19;
+
+/// Points in a bucket: two lines of cache. The oldest yields.
+const WAYS: usize = 4;
+
+/// Levels of cells that are asked, from the size of the footprint down: what was seen from nearby serves from afar.
+const LEVELS_ASKED: i32 = 2;
+
+/// Cells are no smaller than 2^-12 scene units, four steps of an f32 at the scene's border, and no larger than the scene.
+const LEVELS: [i32; 2] = [-12, 10];
+
+/// A point lends its light to places off its plane by less than this share of the cell.
+const PLANE_SHARE: f32 = 0.25;
+
+/// Moves the borders of cells off the round coordinates that walls like to have, where rounding would decide.
+const BORDER: Vec3 = Vec3::new(0.371, 0.619, 0.453);
+
+/// A place whose light is asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// In scene space.
+    pub position: Vec3,
+    /// Unit, of the triangle, on the side that is asked for.
+    pub normal: Vec3,
+    /// Distance to the next place that a picture shows, were the surface faced: pixel size times path length.
+    pub footprint: f32,
+}
+
+/// Light traced at a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TracedPoint {
+    /// Where.
+    pub place: Place,
+    /// Arriving there, as the radiance of a white surface.
+    pub light: Vec3,
+    /// Shadow rays per light it was traced with.
+    pub samples: u32,
+    /// That it was traced for.
+    pub pixel: u32,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Entry {
+    position: Vec3,
+    light: Vec3,
+    /// Of the cell; together with the bucket 50 bits of its name.
+    tag: u32,
+    normal: PackedNormal,
+    /// Zero where nothing is held.
+    samples: u8,
+}
+
+const _: () = assert!(size_of::<Entry>() == 32, "two to a line of cache");
+
+impl Entry {
+    const NONE: Self =
+        Self { position: Vec3::ZERO, light: Vec3::ZERO, tag: 0, normal: PackedNormal::ZERO, samples: 0 };
+}
+
+/// The cell of a place: its bucket, its tag, its size.
+#[derive(Clone, Copy, Debug)]
+struct Cell {
+    bucket: usize,
+    tag: u32,
+    side: f32,
+}
+
+/// Light by place, of one state of the scene.
+#[derive(Debug, Default)]
+pub struct PointCache {
+    buckets: Vec<[Entry; WAYS]>,
+    epoch: Option<SceneEpoch>,
+}
+
+impl PointCache {
+    /// Enters what was traced since the last call, in the order of the pixels, and empties the list. Where that call was for
+    /// another epoch, the list is of that one too: it is forgotten with all that is held. Of several points of a cell the
+    /// first stays, unless a later one has more samples. Light that is not finite is left out.
+    pub fn enter(&mut self, epoch: SceneEpoch, points: &mut Vec<TracedPoint>) {
+        if self.epoch.replace(epoch).is_some_and(|last| last != epoch) {
+            self.buckets = Vec::new();
+            points.clear();
+        }
+        if !points.is_empty() && self.buckets.is_empty() {
+            self.buckets = vec![[Entry::NONE; WAYS]; BUCKETS];
+        }
+        // A frame that was stopped has them in another order.
+        points.sort_by_key(|p| p.pixel);
+        for point in points.drain(..).filter(|p| p.light.is_finite()) {
+            self.enter_one(&point);
+        }
+    }
+
+    fn enter_one(&mut self, point: &TracedPoint) {
+        let place = &point.place;
+        let cell = cell_of(place, level_of(place));
+        let bucket = &mut self.buckets[cell.bucket];
+        let entry = Entry {
+            position: place.position,
+            light: point.light,
+            tag: cell.tag,
+            normal: PackedNormal::of_unit(place.normal),
+            samples: u8::try_from(point.samples).unwrap_or(u8::MAX),
+        };
+        match bucket.iter_mut().find(|e| e.samples > 0 && e.serves(place, &cell)) {
+            Some(known) if known.samples >= entry.samples => {}
+            Some(known) => *known = entry,
+            None => {
+                bucket.rotate_right(1);
+                bucket[0] = entry;
+            }
+        }
+    }
+
+    /// The light of a place, where it was traced with at least so many samples. Only of the epoch last entered for.
+    #[inline]
+    pub fn find(&self, place: &Place, samples: u32) -> Option<Vec3> {
+        if self.buckets.is_empty() {
+            return None;
+        }
+        let level = level_of(place);
+        let samples = u8::try_from(samples).unwrap_or(u8::MAX).max(1);
+        (0..LEVELS_ASKED).find_map(|finer| {
+            let cell = cell_of(place, level - finer);
+            let entries = &self.buckets[cell.bucket];
+            entries.iter().find(|e| e.samples >= samples && e.serves(place, &cell)).map(|e| e.light)
+        })
+    }
+}
+
+impl Entry {
+    #[inline(always)]
+    fn serves(&self, place: &Place, cell: &Cell) -> bool {
+        self.tag == cell.tag
+            && self.normal.faces_like(PackedNormal::of_unit(place.normal))
+            && place.normal.dot(place.position - self.position).abs() <= PLANE_SHARE * cell.side
+    }
+}
+
+/// The largest cells that are no wider than the footprint.
+#[inline(always)]
+fn level_of(place: &Place) -> i32 {
+    let exponent = (place.footprint.to_bits() >> 23 & 0xff) as i32 - 127;
+    exponent.clamp(LEVELS[0] + LEVELS_ASKED - 1, LEVELS[1])
+}
+
+#[inline(always)]
+fn cell_of(place: &Place, level: i32) -> Cell {
+    let power = |exponent: i32| f32::from_bits(((exponent + 127) as u32) << 23);
+    let IVec3 { x, y, z } = (place.position * power(-level) + BORDER).floor().as_ivec3();
+    let name =
+        Key::of_pixel(u64::from(x as u32) << 32 | u64::from(y as u32), z as u32).with(level as u32).bits();
+    Cell { bucket: (name as u32) as usize % BUCKETS, tag: (name >> 32) as u32, side: power(level) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::builtin;
+    use crate::trace::Tracer;
+    use std::sync::Arc;
+
+    fn place(position: [f32; 3], footprint: f32) -> Place {
+        Place { position: Vec3::from(position), normal: Vec3::Y, footprint }
+    }
+
+    fn epochs() -> [SceneEpoch; 2] {
+        let scene = Arc::new(builtin::build("furnace").unwrap());
+        [0; 2].map(|_| Tracer::new(scene.clone()).epoch())
+    }
+
+    #[test]
+    fn light_is_lent_within_a_footprint_on_the_same_side_of_the_same_plane_and_nowhere_else() {
+        let at = place([3.3, 2.0, -7.2], 0.25);
+        let mut cache = PointCache::default();
+        let light = Vec3::new(1.0, 2.0, 3.0);
+        let [epoch, other] = epochs();
+        cache.enter(epoch, &mut vec![TracedPoint { place: at, light, samples: 4, pixel: 0 }]);
+        assert_eq!(cache.find(&at, 4), Some(light));
+        assert_eq!(cache.find(&Place { footprint: 0.49, ..at }, 4), Some(light), "half of an octave farther");
+        assert_eq!(cache.find(&at, 5), None, "too few samples");
+        assert_eq!(cache.find(&Place { normal: -Vec3::Y, ..at }, 4), None, "the other side");
+        assert_eq!(cache.find(&Place { normal: Vec3::X, ..at }, 4), None, "a wall");
+        let above = Place { position: at.position + Vec3::Y * 0.07, ..at };
+        assert_eq!(cache.find(&above, 4), None, "a step of more than a quarter of the cell");
+        let mut lent = 0;
+        for i in 0..40 * 40 {
+            let off = Vec3::new((i % 40) as f32 - 20.0, 0.0, (i / 40) as f32 - 20.0) * 0.025;
+            let found = cache.find(&Place { position: at.position + off, ..at }, 4);
+            assert!(found.is_none() || off.abs().max_element() <= 0.25, "lent to {off}");
+            lent += u32::from(found.is_some());
+        }
+        assert!((80..=121).contains(&lent), "one cell of 10 by 10 places: {lent}");
+        cache.enter(other, &mut vec![TracedPoint { place: at, light, samples: 4, pixel: 0 }]);
+        assert_eq!(cache.find(&at, 4), None, "another state of the scene");
+    }
+
+    #[test]
+    fn more_samples_replace_fewer_and_never_the_other_way_round() {
+        let at = place([0.1, 0.2, 0.3], 0.5);
+        let mut cache = PointCache::default();
+        let epoch = epochs()[0];
+        for (samples, brightness) in [(4, 1.0), (16, 2.0), (16, 3.0), (1, 4.0)] {
+            let point = TracedPoint { place: at, light: Vec3::splat(brightness), samples, pixel: 0 };
+            cache.enter(epoch, &mut vec![point]);
+        }
+        assert_eq!(cache.find(&at, 16), Some(Vec3::splat(2.0)));
+        let unknown = TracedPoint { place: place([9.0; 3], 0.5), light: Vec3::NAN, samples: 16, pixel: 0 };
+        cache.enter(epoch, &mut vec![unknown]);
+        assert_eq!(cache.find(&unknown.place, 1), None, "not a number");
+    }
+}
