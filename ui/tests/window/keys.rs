@@ -88,6 +88,12 @@ fn moves(window: &mut Window, action: Action, chord: Chord, index: usize) {
             arrive(window);
             assert!(camera(window).eye.y > 3.0, "above the room");
         }
+        _ => changes_view(window, action, chord, index),
+    }
+}
+
+fn changes_view(window: &mut Window, action: Action, chord: Chord, index: usize) {
+    match action {
         Action::NextView | Action::PreviousView => {
             let (count, before) =
                 (state(window).scene.as_ref().map_or(0, |s| s.views.len()), state(window).view_index);
@@ -219,6 +225,12 @@ fn works(window: &mut Window, action: Action, chord: Chord) {
             press(window, chord);
             assert_eq!(state(window).comparison.shows, Compare::Off);
         }
+        _ => asks(window, action, chord),
+    }
+}
+
+fn asks(window: &mut Window, action: Action, chord: Chord) {
+    match action {
         Action::Reload => {
             press(window, chord);
             assert!(window.state().loading().is_some());
