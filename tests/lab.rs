@@ -1,10 +1,11 @@
 //! Runs that last: the same records whether whole, interrupted, killed or in shards; and folders that are left alone.
 
-use crate::rooms::room_tracer;
+use crate::rooms::{dvec, room_tracer};
 use afterimage::Tracer;
+use afterimage::camera_path::{CameraKey, CameraPath};
 use afterimage::experiment::run::{
-    Effort, Experiment, Journal, Lab, LabEvent, LabSettings, RunFolder, RunRecord, Session, Shard, find,
-    merge, run_cells,
+    Effort, Experiment, Identity, Journal, Lab, LabEvent, LabSettings, RunFolder, RunRecord, Session, Shard,
+    find, merge, run_cells,
 };
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -12,16 +13,30 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A room, and small settings.
 struct Bench {
+    experiment: &'static Experiment,
     tracer: Arc<Tracer>,
     settings: LabSettings,
+    walk: CameraPath,
     dir: tempfile::TempDir,
 }
 
 impl Bench {
     fn new() -> Self {
-        let settings = (table1().settings)(Effort::Quick);
-        let settings = LabSettings { size: [32, 32], samples: 2, truth_samples: 8, ..settings };
-        Self { tracer: Arc::new(room_tracer(true, false)), settings, dir: tempfile::tempdir().unwrap() }
+        let bench = Self::of("table1");
+        Self { settings: LabSettings { samples: 2, truth_samples: 8, ..bench.settings }, ..bench }
+    }
+
+    fn of(experiment: &str) -> Self {
+        let experiment = find(experiment).unwrap();
+        let usual = (experiment.settings)(Effort::Quick);
+        let settings = LabSettings { size: [32, 32], frames: 20, truth_samples: 256, ..usual };
+        Self {
+            experiment,
+            tracer: Arc::new(room_tracer(true, false)),
+            settings,
+            walk: walk(),
+            dir: tempfile::tempdir().unwrap(),
+        }
     }
 
     fn path(&self, name: &str) -> PathBuf {
@@ -41,28 +56,34 @@ impl Bench {
                 stopped.store(left == 0, Ordering::Relaxed);
             }
         };
-        let is_complete = run_cells(table1(), &lab, &mut folder, observe).unwrap();
+        let is_complete = run_cells(self.experiment, &lab, &mut folder, observe).unwrap();
         let records = folder.records();
-        let report = (table1().report)(&folder.manifest().identity, &records);
+        let report = (self.experiment.report)(&folder.manifest().identity, &records);
         folder.export(&report).unwrap();
         (is_complete, records)
     }
 
+    fn identity(&self) -> Identity {
+        self.lab(&self.path("none"), &|| false).identity(self.experiment, "room")
+    }
+
     fn lab<'a>(&'a self, images: &'a Path, stop: &'a (dyn Fn() -> bool + Sync)) -> Lab<'a> {
         let (tracer, settings) = (&self.tracer, &self.settings);
-        Lab { tracer, walk: &tracer.scene().walk, settings, truth_folder: None, images, stop }
+        Lab { tracer, walk: &self.walk, settings, truth_folder: None, images, stop }
     }
 
     fn open(&self, name: &str, lab: &Lab<'_>, shard: Shard) -> Result<RunFolder, String> {
-        let cells = (table1().cells)(lab).len();
+        let cells = (self.experiment.cells)(lab).len();
         let opened =
-            RunFolder::open(&self.path(name), lab.identity(table1(), "room"), shard, cells, session());
+            RunFolder::open(&self.path(name), lab.identity(self.experiment, "room"), shard, cells, session());
         opened.map_err(|e| e.to_string())
     }
 }
 
-fn table1() -> &'static Experiment {
-    find("table1").unwrap()
+/// Through the room, looking about.
+fn walk() -> CameraPath {
+    let key = |z: f64, x: f64| CameraKey { eye: dvec(0.2, 1.5, z), at: dvec(x, 1.2, -4.0) };
+    CameraPath { fov_y_deg: 65.0, frames: 20, keyframes: vec![key(3.5, -0.2), key(1.0, 0.8)] }
 }
 
 fn session() -> Session {
@@ -194,4 +215,33 @@ fn shards_come_from_flags_or_from_the_scheduler() {
         let error = shard(text, variables).unwrap_err();
         assert!(error.contains(words), "'{words}' is not in: {error}");
     }
+}
+
+#[test]
+fn error_against_time_is_the_same_twice_and_says_who_is_faster() {
+    let bench = Bench::of("error-time");
+    let (is_complete, first) = bench.run("first", Shard::ALL, ENOUGH);
+    assert!(is_complete);
+    let (_, second) = bench.run("second", Shard { index: 0, count: 1 }, ENOUGH);
+    assert_eq!(timeless(&first), timeless(&second), "errors of one seed, to the bit");
+    let report = (bench.experiment.report)(&bench.identity(), &first);
+    assert!(
+        report.headline[0].starts_with("Against full ray tracing at equal FLIP error"),
+        "{:?}",
+        report.headline
+    );
+    assert!(report.headline[1].starts_with("Best in its time"), "{:?}", report.headline);
+    let setups = report.summary["setups"].as_array().unwrap();
+    let setup = |mode: &str, samples: u32| {
+        setups.iter().find(|s| s["mode"] == mode && s["samples"] == samples && s["references"] != 1).unwrap()
+    };
+    let flip = |mode: &str, samples: u32| setup(mode, samples)["flip_mean"].as_f64().unwrap();
+    let [few, many, paper, exact] =
+        [("full", 1), ("full", 64), ("paper", 16), ("exact", 16)].map(|(mode, samples)| flip(mode, samples));
+    assert!(many < few, "more samples, less error: {many} {few}");
+    assert!(exact < paper, "{exact} {paper}");
+    let counted =
+        |s: &serde_json::Value| s["frame_secs_references_counted"].as_f64() > s["frame_secs"].as_f64();
+    assert!(counted(setup("exact", 16)) && !counted(setup("full", 16)), "only references cost anything");
+    assert!(bench.path("first/images/exact-error-part.png").exists());
 }

@@ -1,6 +1,6 @@
 //! How far a frame is from the converged picture of its view, as a whole and by the type of its pixels.
 
-use crate::raster::load::display_of;
+use crate::raster::load::exposed;
 use crate::raster::metrics::{CompareError, flip, psnr_db, rel_mse, ssim};
 use crate::render::Frame;
 use glam::Vec3;
@@ -30,13 +30,14 @@ pub struct Errors {
 }
 
 impl Errors {
-    /// Of a frame against the linear radiance of its truth. relMSE is of radiance, the rest of display values.
+    /// Of a frame against the linear radiance of its truth. relMSE is of radiance, the rest of display
+    /// values at an exposure in stops ([`super::run::Lab::exposure_ev`]).
     ///
     /// # Errors
     /// [`CompareError`] for a frame without pixels.
-    pub fn of(frame: &Frame, truth: &[Vec3]) -> Result<Self, CompareError> {
+    pub fn of(frame: &Frame, truth: &[Vec3], exposure_ev: f32) -> Result<Self, CompareError> {
         let size = frame.view.size;
-        let [shown, right] = [&frame.radiance[..], truth].map(display_of);
+        let [shown, right] = [&frame.radiance[..], truth].map(|r| exposed(r, exposure_ev));
         let flip = flip(&shown, &right, size)?;
         let [type1, type2, type3] = by_type(frame, &shown, &right);
         let sum: f64 = type1.0 + type2.0 + type3.0;

@@ -3,6 +3,7 @@
 //!
 //! One record, many exporters: CSV, JSON, plots and the report derive from the same structures.
 
+mod error_time;
 pub mod errors;
 pub mod measure;
 pub mod record;

@@ -10,7 +10,7 @@ use super::run::{Cell, CellOutcome, Effort, Experiment, Lab, LabError, LabSettin
 use super::trial::{References, Trial, truth_of};
 use crate::camera::Camera;
 use crate::raster::color::ToneMap;
-use crate::raster::load::display_of;
+use crate::raster::load::exposed;
 use crate::raster::metrics::{error_picture, flip_map};
 use crate::render::aov::{display_picture, types_picture};
 use crate::render::{Frame, Mode, Renderer};
@@ -66,7 +66,7 @@ fn run_cell(lab: &Lab<'_>, cell: &RunRecord) -> CellOutcome {
     if records.is_some() {
         save_pictures(lab, &format!("{}-{count}", mode.name()), renderer.frame(), &truth)?;
         if mode == Mode::Full {
-            save_references(lab, &views)?;
+            save_references(lab, &views, lab.exposure_ev(&truth))?;
         }
     }
     Ok(records)
@@ -83,21 +83,22 @@ fn mode_and_references(cell: &RunRecord) -> Result<(Mode, usize), LabError> {
 /// The picture, its types, and its error.
 fn save_pictures(lab: &Lab<'_>, name: &str, frame: &Frame, truth: &[Vec3]) -> Result<(), LabError> {
     let size = frame.view.size;
-    let [shown, right] = [&frame.radiance[..], truth].map(display_of);
+    let exposure_ev = lab.exposure_ev(truth);
+    let [shown, right] = [&frame.radiance[..], truth].map(|r| exposed(r, exposure_ev));
     let errors = error_picture(&flip_map(&shown, &right, size)?);
-    lab.save_picture(&format!("{name}.png"), size, &display_picture(frame, 0.0, ToneMap::Aces))?;
+    lab.save_picture(&format!("{name}.png"), size, &display_picture(frame, exposure_ev, ToneMap::Aces))?;
     lab.save_picture(&format!("{name}-types.png"), size, &types_picture(frame))?;
     lab.save_picture(&format!("{name}-error.png"), size, &errors)
 }
 
 /// Figure 2: what stands in the references, mirrors and glass included.
-fn save_references(lab: &Lab<'_>, views: &Views) -> Result<(), LabError> {
+fn save_references(lab: &Lab<'_>, views: &Views, exposure_ev: f32) -> Result<(), LabError> {
     for (number, pose) in (1..).zip(&views.references) {
         let none = References::none(lab);
         let trial = Trial { mode: Mode::Full, trace: lab.settings.trace(), camera: *pose, references: &none };
         let mut renderer = Renderer::default();
         if let Some(frame) = trial.render(lab, &mut renderer) {
-            let picture = display_picture(frame, 0.0, ToneMap::Aces);
+            let picture = display_picture(frame, exposure_ev, ToneMap::Aces);
             lab.save_picture(&format!("reference-{number}.png"), frame.view.size, &picture)?;
         }
     }

@@ -2,7 +2,7 @@
 
 use super::errors::Errors;
 use super::measure::{TRUTH_SEED, see_through_percent};
-use super::run::{CellOutcome, Lab, RunRecord};
+use super::run::{CellOutcome, Lab, LabError, RunRecord};
 use super::truth::{TruthRequest, truth};
 use crate::camera::Camera;
 use crate::reference::{ReferenceCache, ReferenceFrame};
@@ -79,7 +79,7 @@ impl Trial<'_> {
     /// the same in each. The frame stays in `renderer`. `None` after a stop.
     ///
     /// # Errors
-    /// [`LabError::Compare`](super::run::LabError::Compare) for a frame without pixels.
+    /// [`LabError::Compare`] for a frame without pixels.
     pub fn measure(&self, lab: &Lab<'_>, truth: &[Vec3], renderer: &mut Renderer) -> CellOutcome {
         let mut records = Vec::new();
         for repetition in 0..=lab.settings.repetitions {
@@ -101,7 +101,7 @@ impl Trial<'_> {
         }
         let frame = renderer.frame();
         let Some(see_through) = self.see_through_percent(lab, frame) else { return Ok(None) };
-        let errors = Errors::of(frame, truth)?;
+        let errors = Errors::of(frame, truth, lab.exposure_ev(truth))?;
         let with_errors = |r: RunRecord| r.with_fields(&errors).with("see_through_percent", see_through);
         Ok(Some(records.into_iter().map(with_errors).collect()))
     }
@@ -129,4 +129,16 @@ pub fn truth_of(lab: &Lab<'_>, camera: &Camera) -> Option<Vec<Vec3>> {
     let request = TruthRequest { tracer: lab.tracer, camera, size: lab.settings.size, settings };
     // Where it cannot be kept it is only slower the next time.
     truth(&request, lab.truth_folder, lab.stop).map(|(radiance, _)| radiance)
+}
+
+/// The camera at a share of the walk, 0 its start, 1 its end; beyond them those.
+///
+/// # Errors
+/// [`LabError::Unsuitable`] for a walk without key frames.
+pub fn camera_on_walk(lab: &Lab<'_>, share: f64) -> Result<Camera, LabError> {
+    /// The walk is divided into so many frames, fine enough for any share.
+    const FRAMES: u32 = 10_001;
+    let frame = (f64::from(FRAMES - 1) * share.clamp(0.0, 1.0)).round() as u32;
+    let none = || LabError::Unsuitable("the walk has no key frames; it needs at least one".to_owned());
+    lab.walk.camera(frame, FRAMES).ok_or_else(none)
 }

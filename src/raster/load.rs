@@ -73,8 +73,14 @@ impl Picture {
 
 /// sRGB in 0..1 of linear radiance, clipped at 1: the tone map `linear` at exposure 0. What is not a number is black.
 pub fn display_of(radiance: &[Vec3]) -> Vec<Vec3> {
+    exposed(radiance, 0.0)
+}
+
+/// The same at another exposure in stops.
+pub fn exposed(radiance: &[Vec3], exposure_ev: f32) -> Vec<Vec3> {
+    let gain = exposure_ev.exp2();
     let encode = |c: f32| srgb_from_linear(if c.is_nan() { 0.0 } else { c.clamp(0.0, 1.0) });
-    radiance.iter().map(|v| Vec3::from(v.to_array().map(encode))).collect()
+    radiance.iter().map(|v| Vec3::from((*v * gain).to_array().map(encode))).collect()
 }
 
 fn read(path: &Path) -> Result<Picture, String> {

@@ -4,8 +4,9 @@ use super::{Manifest, RunRecord, counted};
 use crate::experiment::statistics::{median, percentile};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Repetitions whose quartiles lie further apart than this share of their median are called noisy. On a machine with
-/// nothing else to do they lie within 2 to 6 % (`docs/EXPERIMENTS.md`, the spread of repetitions).
+/// Repetitions whose quartiles lie further apart than this share of their median are called noisy. Measured on a run of
+/// `error-time` that shared two cores with compilers: the 22 calmest of 48 groups lay within 13 %, the others reached
+/// 16 to 199 % (`docs/EXPERIMENTS.md`).
 pub const NOISY_SHARE: f64 = 0.15;
 
 /// Fewer say nothing of a spread.

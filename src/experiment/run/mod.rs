@@ -29,18 +29,20 @@ pub use plan::{Cell, Identity, Shard, ShardError};
 pub use record::{RunRecord, counted};
 pub use report::Report;
 
-use super::table1;
+use super::{error_time, table1};
 use crate::camera_path::CameraPath;
+use crate::raster::color::metered_exposure_ev;
 use crate::raster::save::{SaveError, save_png};
 use crate::trace::parallel::Stop;
 use crate::trace::{TraceSettings, Tracer};
+use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
 /// Every experiment that can be run by its name.
-pub const EXPERIMENTS: &[Experiment] = &[table1::EXPERIMENT];
+pub const EXPERIMENTS: &[Experiment] = &[table1::EXPERIMENT, error_time::EXPERIMENT];
 
 /// An experiment, as data.
 #[derive(Clone, Copy, Debug)]
@@ -96,6 +98,9 @@ pub struct LabSettings {
     pub truth_samples: u32,
     /// Memory for references.
     pub cache_mb: u64,
+    /// Stops that pictures are brought up by before they are shown and compared; see [`Lab::exposure_ev`].
+    #[serde(skip_serializing_if = "Option::is_none")] // TOML knows no nothing
+    pub exposure_ev: Option<f32>,
 }
 
 impl Default for LabSettings {
@@ -111,6 +116,7 @@ impl Default for LabSettings {
             frames: 300,
             truth_samples: 1024,
             cache_mb: 1024,
+            exposure_ev: None,
         }
     }
 }
@@ -205,6 +211,15 @@ impl Lab<'_> {
                 .with_fields(self.settings)
                 .with("walk_sha256", super::truth::digest(&walk)),
         }
+    }
+
+    /// The exposure, in stops, at which a view is shown and its errors are measured: what was asked for; else none for
+    /// the embedded scenes, which are lit for it, and for others the one that suits the converged picture of the view:
+    /// by the sun they may be black or white throughout, and then have no error.
+    pub fn exposure_ev(&self, truth: &[Vec3]) -> f32 {
+        let is_embedded = self.tracer.scene().name.starts_with("builtin:");
+        let metered = || if is_embedded { None } else { metered_exposure_ev(truth) };
+        self.settings.exposure_ev.or_else(metered).unwrap_or(0.0)
     }
 
     /// Writes an 8-bit sRGB picture to `images/`.

@@ -1,5 +1,6 @@
 //! Where Table 1 is seen from.
 
+use super::super::trial::camera_on_walk;
 use super::{Lab, LabError, camera};
 use crate::camera::Camera;
 use crate::camera_path::CameraKey;
@@ -34,13 +35,7 @@ pub(super) fn views(lab: &Lab<'_>) -> Result<Views, LabError> {
         let at = |key: &CameraKey| camera(key, file.fov_y_deg);
         return Ok(Views { target: at(&file.target), references: file.references.each_ref().map(at) });
     }
-    /// Steps the walk is divided into, fine enough for the shares.
-    const STEPS: u32 = 1001;
-    let on_walk = |share: f64| {
-        let step = (f64::from(STEPS - 1) * (0.5 + share)).round() as u32;
-        let none = || LabError::Unsuitable("the walk has no key frames; it needs at least one".to_owned());
-        lab.walk.camera(step, STEPS).ok_or_else(none)
-    };
+    let on_walk = |share: f64| camera_on_walk(lab, 0.5 + share);
     let [before, behind] = WALK_SHARES.map(on_walk);
     Ok(Views { target: on_walk(0.0)?, references: [before?, behind?] })
 }

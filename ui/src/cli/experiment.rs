@@ -20,7 +20,7 @@ use std::path::PathBuf;
 
 #[derive(Args, Debug)]
 pub(crate) struct ExperimentArgs {
-    /// Which one: table1, throughput; or merge, which joins the folders of shards.
+    /// Which one: table1, error-time, throughput; or merge, which joins the folders of shards.
     #[arg(value_parser = name)]
     name: String,
     /// A model (.obj) or builtin:NAME, the embedded gallery when absent; for merge, the folders.
@@ -152,6 +152,7 @@ fn settings(experiment: &Experiment, args: &ExperimentArgs, flags: &Flags) -> La
         frames: args.frames.unwrap_or(usual.frames),
         truth_samples: args.truth_samples.unwrap_or(usual.truth_samples),
         cache_mb: args.cache_mb.unwrap_or(usual.cache_mb),
+        exposure_ev: flags.exposure,
         ..usual
     }
 }

@@ -1,6 +1,7 @@
 //! The real program, run as a person or a script runs it.
 
 mod data;
+mod runs;
 mod trouble;
 
 use serde_json::Value;

@@ -1,0 +1,95 @@
+//! The middle view in every mode, and the part of it where they differ most, with error maps.
+
+use super::super::run::{CellOutcome, Lab, LabError, RunRecord};
+use super::super::trial::{References, Trial, truth_of};
+use super::{REUSING, USUAL_REFERENCES, poses, view_share};
+use crate::raster::color::{ToneMap, srgb8};
+use crate::raster::load::exposed;
+use crate::raster::metrics::{error_picture, flip_map};
+use crate::render::aov::{display_picture, types_picture};
+use crate::render::{Frame, Mode, Renderer};
+use glam::Vec3;
+
+/// A part of a picture: left, top, width, height in pixels.
+type Part = [u32; 4];
+
+/// Of the picture's sides.
+const PART_SHARE: u32 = 4;
+
+struct Shown {
+    mode: Mode,
+    picture: Vec<[u8; 3]>,
+    types: Vec<[u8; 3]>,
+    flip: Vec<f32>,
+}
+
+/// Saves the pictures; a record for every mode.
+pub(super) fn run(lab: &Lab<'_>) -> CellOutcome {
+    let (trace, size) = (lab.settings.trace(), lab.settings.size);
+    let (camera, poses) = poses(lab, view_share(lab, lab.settings.views / 2), USUAL_REFERENCES)?;
+    let Some(truth) = truth_of(lab, &camera) else { return Ok(None) };
+    let Some(references) = References::trace(lab, &poses, &trace) else { return Ok(None) };
+    let (none, exposure_ev) = (References::none(lab), lab.exposure_ev(&truth));
+    let mut all = Vec::new();
+    for mode in [Mode::Full].into_iter().chain(REUSING) {
+        let references = if mode == Mode::Full { &none } else { &references };
+        let mut renderer = Renderer::default();
+        let trial = Trial { mode, trace, camera, references };
+        let Some(frame) = trial.render(lab, &mut renderer) else { return Ok(None) };
+        all.push(shown(mode, frame, &truth, exposure_ev)?);
+    }
+    let part = worst_part(size, &all);
+    let truth_picture: Vec<[u8; 3]> = truth.iter().map(|v| srgb8(*v, exposure_ev, ToneMap::Aces)).collect();
+    save(lab, "truth", &truth_picture, part)?;
+    for shown in &all {
+        let name = shown.mode.name();
+        save(lab, name, &shown.picture, part)?;
+        save(lab, &format!("{name}-error"), &error_picture(&shown.flip), part)?;
+        lab.save_picture(&format!("{name}-types.png"), size, &shown.types)?;
+    }
+    let record = |s: &Shown| {
+        let mean = s.flip.iter().map(|v| f64::from(*v)).sum::<f64>() / s.flip.len() as f64;
+        RunRecord::default().with("mode", s.mode.name()).with("flip_mean", mean).with("part", part.to_vec())
+    };
+    Ok(Some(all.iter().map(record).collect()))
+}
+
+fn shown(mode: Mode, frame: &Frame, truth: &[Vec3], exposure_ev: f32) -> Result<Shown, LabError> {
+    let [found, right] = [&frame.radiance[..], truth].map(|r| exposed(r, exposure_ev));
+    Ok(Shown {
+        mode,
+        picture: display_picture(frame, exposure_ev, ToneMap::Aces),
+        types: types_picture(frame),
+        flip: flip_map(&found, &right, frame.view.size)?,
+    })
+}
+
+/// Where the modes' errors lie furthest apart: a part in which all err alike says nothing.
+fn worst_part([width, height]: [u32; 2], all: &[Shown]) -> Part {
+    let size = [width, height].map(|side| (side / PART_SHARE).max(side.min(16)));
+    let spread = |pixel: usize| {
+        let of = all.iter().map(|s| s.flip[pixel]);
+        of.clone().fold(0.0f32, f32::max) - of.fold(1.0f32, f32::min)
+    };
+    let sum = |[left, top]: [u32; 2]| -> f64 {
+        let rows = top..top + size[1];
+        let pixels = rows.flat_map(|y| (left..left + size[0]).map(move |x| (y * width + x) as usize));
+        pixels.map(|p| f64::from(spread(p))).sum()
+    };
+    let steps = |side: u32, part: u32| (0..=side - part).step_by((part / 4).max(1) as usize);
+    let places = steps(height, size[1]).flat_map(|y| steps(width, size[0]).map(move |x| [x, y]));
+    let best = places.max_by(|a, b| sum(*a).total_cmp(&sum(*b))).unwrap_or([0, 0]);
+    [best[0], best[1], size[0], size[1]]
+}
+
+/// The whole and the part.
+fn save(lab: &Lab<'_>, name: &str, picture: &[[u8; 3]], [left, top, w, h]: Part) -> Result<(), LabError> {
+    let [width, _] = lab.settings.size;
+    lab.save_picture(&format!("{name}.png"), lab.settings.size, picture)?;
+    let row = |y: u32| {
+        let start = (y * width + left) as usize;
+        picture[start..start + w as usize].iter().copied()
+    };
+    let part: Vec<[u8; 3]> = (top..top + h).flat_map(row).collect();
+    lab.save_picture(&format!("{name}-part.png"), [w, h], &part)
+}
