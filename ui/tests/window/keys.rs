@@ -232,9 +232,12 @@ fn works(window: &mut Window, action: Action, chord: Chord) {
 fn asks(window: &mut Window, action: Action, chord: Chord) {
     match action {
         Action::Reload => {
+            settle(window);
+            let newest = window.state().threads().generation();
             press(window, chord);
-            assert!(window.state().loading().is_some());
-            step_until(window, "the scene again", |app| app.loading().is_none());
+            step_until(window, "the scene again", |app| {
+                app.loading().is_none() && app.threads().generation() > newest
+            });
         }
         Action::Screenshot => {
             press(window, chord);
