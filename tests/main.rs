@@ -4,6 +4,7 @@
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stderr, reason = "tests")]
 
 mod audit;
+mod bands;
 mod budget;
 mod builtin;
 mod bvh;

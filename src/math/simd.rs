@@ -10,3 +10,9 @@ static LEVEL: LazyLock<Level> = LazyLock::new(Level::new);
 pub fn level() -> Level {
     *LEVEL
 }
+
+/// The name of the instructions chosen on this processor, as the library that dispatches to them calls it.
+pub fn chosen() -> String {
+    let name = format!("{:?}", level());
+    name.split(['(', ' ']).next().unwrap_or_default().to_lowercase()
+}

@@ -38,6 +38,51 @@ pub struct Picture {
     pub values: Vec<Vec3>,
 }
 
+/// What a picture says of itself, by name: the notes of [`super::save`]. No pixel is read.
+///
+/// # Errors
+/// [`LoadError`] with the path and the cause.
+pub fn read_notes(path: &Path) -> Result<Vec<(String, String)>, LoadError> {
+    let outcome = catch_unwind(AssertUnwindSafe(|| notes(path)));
+    let outcome = outcome.unwrap_or_else(|_| Err("the decoder failed on it".to_owned()));
+    outcome.map_err(|cause| LoadError { path: path.to_owned(), cause })
+}
+
+fn notes(path: &Path) -> Result<Vec<(String, String)>, String> {
+    let (file, magic) = open(path)?;
+    match magic {
+        PNG => {
+            let reader = png::Decoder::new(file).read_info().map_err(|e| e.to_string())?;
+            let text = |note: &png::text_metadata::ITXtChunk| {
+                note.get_text().ok().map(|text| (note.keyword.clone(), text))
+            };
+            Ok(reader.info().utf8_text.iter().filter_map(text).collect())
+        }
+        EXR => {
+            let meta = exr::meta::MetaData::read_from_buffered(file, false).map_err(|e| e.to_string())?;
+            let attributes = meta.headers.iter().flat_map(|h| h.own_attributes.other.iter());
+            let text = |(name, value): (&exr::prelude::Text, &exr::prelude::AttributeValue)| match value {
+                exr::prelude::AttributeValue::Text(text) => Some((name.to_string(), text.to_string())),
+                _ => None,
+            };
+            Ok(attributes.filter_map(text).collect())
+        }
+        _ => Err("it is neither PNG nor OpenEXR".to_owned()),
+    }
+}
+
+/// How files of these kinds begin.
+const PNG: [u8; 4] = [0x89, b'P', b'N', b'G'];
+const EXR: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
+
+fn open(path: &Path) -> Result<(BufReader<File>, [u8; 4]), String> {
+    let mut file = BufReader::new(File::open(path).map_err(|e| e.to_string())?);
+    let mut magic = [0; 4];
+    file.read_exact(&mut magic).map_err(|_| "it is no picture".to_owned())?;
+    file.seek(SeekFrom::Start(0)).map_err(|e| e.to_string())?;
+    Ok((file, magic))
+}
+
 /// The most pixels read: 8192 squared. A header can claim more than there is memory for.
 const MOST_PIXELS: u64 = 1 << 26;
 
@@ -84,13 +129,10 @@ pub fn exposed(radiance: &[Vec3], exposure_ev: f32) -> Vec<Vec3> {
 }
 
 fn read(path: &Path) -> Result<Picture, String> {
-    let mut file = BufReader::new(File::open(path).map_err(|e| e.to_string())?);
-    let mut magic = [0; 4];
-    file.read_exact(&mut magic).map_err(|_| "it is no picture".to_owned())?;
-    file.seek(SeekFrom::Start(0)).map_err(|e| e.to_string())?;
+    let (file, magic) = open(path)?;
     match magic {
-        [0x89, b'P', b'N', b'G'] => read_png(file),
-        [0x76, 0x2f, 0x31, 0x01] => read_exr(path),
+        PNG => read_png(file),
+        EXR => read_exr(path),
         _ => Err("it is neither PNG nor OpenEXR".to_owned()),
     }
 }

@@ -4,4 +4,5 @@ pub mod color;
 pub mod load;
 pub mod metrics;
 pub mod save;
+pub mod stream;
 pub mod types_picture;

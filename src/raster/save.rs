@@ -90,11 +90,26 @@ pub fn write_new_atomically(
     extension: &str,
     bytes: &[u8],
 ) -> Result<PathBuf, SaveError> {
-    let named = |number: u32| folder.join(format!("{stem}-{number:04}.{extension}"));
+    let file = temporary(folder, bytes);
+    let file =
+        file.map_err(|cause| SaveError::Write { path: named_with(folder, stem, extension, 1), cause })?;
+    persist_new(file, folder, stem, extension)
+}
+
+fn named_with(folder: &Path, stem: &str, extension: &str, number: u32) -> PathBuf {
+    folder.join(format!("{stem}-{number:04}.{extension}"))
+}
+
+/// Gives a file the first numbered name that is not taken.
+pub(super) fn persist_new(
+    mut file: tempfile::NamedTempFile,
+    folder: &Path,
+    stem: &str,
+    extension: &str,
+) -> Result<PathBuf, SaveError> {
     let failed = |path: PathBuf, cause| SaveError::Write { path, cause };
-    let mut file = temporary(folder, bytes).map_err(|cause| failed(named(1), cause))?;
     for number in 1..MOST_NAMES {
-        let path = named(number);
+        let path = named_with(folder, stem, extension, number);
         match file.persist_noclobber(&path) {
             Ok(_) => {
                 sync_folder(folder);
@@ -104,7 +119,7 @@ pub fn write_new_atomically(
             Err(error) => return Err(failed(path, error.error)),
         }
     }
-    Err(failed(named(MOST_NAMES), std::io::ErrorKind::AlreadyExists.into()))
+    Err(failed(named_with(folder, stem, extension, MOST_NAMES), std::io::ErrorKind::AlreadyExists.into()))
 }
 
 fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
@@ -119,19 +134,24 @@ fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
 
 /// All of `bytes`, on the disk, in a file that has no lasting name yet.
 fn temporary(folder: &Path, bytes: &[u8]) -> std::io::Result<tempfile::NamedTempFile> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".afterimage-");
-    // Temporary files are private by default; a picture gets what the user's umask grants.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let mut file = builder.tempfile_in(folder)?;
+    let mut file = temporary_in(folder)?;
     file.write_all(bytes)?;
     file.as_file().sync_all()?;
     Ok(file)
 }
 
+/// An empty file that has no lasting name yet.
+pub(super) fn temporary_in(folder: &Path) -> std::io::Result<tempfile::NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".afterimage-");
+    // Temporary files are private by default; a picture gets what the user's umask grants.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder.tempfile_in(folder)
+}
+
 /// The name itself must reach the disk too. Some systems cannot sync a folder; the file is whole all the same.
-fn sync_folder(folder: &Path) {
+pub(super) fn sync_folder(folder: &Path) {
     if let Ok(folder) = File::open(folder) {
         let _ = folder.sync_all();
     }
@@ -182,7 +202,7 @@ pub fn save_exr(
 ) -> Result<(), SaveError> {
     let failed = |cause: String| SaveError::Encode { path: path.to_owned(), cause };
     let size = size.map(|s| s as usize);
-    if channels.iter().any(|c| c.len() != size[0] * size[1]) {
+    if channels.iter().any(|c| c.values.len() != size[0] * size[1]) {
         return Err(failed("a channel has not one value per pixel".to_owned()));
     }
     let channels =
@@ -221,11 +241,27 @@ impl Channel {
         let channel = |name, axis: usize| Self::real(name, colors.iter().map(|c| c[axis]).collect());
         vec![channel("R", 0), channel("G", 1), channel("B", 2)]
     }
+}
 
-    fn len(&self) -> usize {
-        match &self.values {
-            ChannelValues::Real(v) => v.len(),
-            ChannelValues::Index(v) => v.len(),
+impl ChannelValues {
+    /// How many.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Real(v) => v.len(),
+            Self::Index(v) => v.len(),
+        }
+    }
+
+    /// True where there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// As they lie in memory.
+    pub(super) fn bytes(&self) -> &[u8] {
+        match self {
+            Self::Real(v) => bytemuck::cast_slice(v),
+            Self::Index(v) => bytemuck::cast_slice(v),
         }
     }
 }

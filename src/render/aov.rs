@@ -1,10 +1,12 @@
 //! What a finished frame knows of its pixels, as channels of a file and as pictures.
 
+use super::bands::Band;
 use super::frame::{Frame, NO_SUPPLIER};
 use crate::raster::color::{ToneMap, srgb8};
 use crate::raster::save::Channel;
 use crate::raster::types_picture::type_color;
 use crate::reference::frame::NO_TRIANGLE;
+use crate::reproject::PixelType;
 use crate::trace::{SurfacePoint, Tracer};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -39,49 +41,82 @@ impl Aov {
         }
     }
 
+    /// The names of its channels, and whether they are indices rather than measures.
+    pub fn channel_names(self) -> &'static [(&'static str, bool)] {
+        match self {
+            Self::Depth => &[("depth.Z", false)],
+            Self::Normal => &[("normal.X", false), ("normal.Y", false), ("normal.Z", false)],
+            Self::Type => &[("type.V", true)],
+            Self::Reference => &[("reference.V", true)],
+            Self::Primitive => &[("primitive.V", true)],
+        }
+    }
+
     /// Its channels.
-    pub fn channels(self, frame: &Frame, tracer: &Tracer) -> Vec<Channel> {
+    pub fn channels(self, band: &Band, tracer: &Tracer) -> Vec<Channel> {
         match self {
             Self::Depth => {
                 let metres = 1.0 / tracer.scene().frame.units_per_metre as f32;
-                vec![Channel::real("depth.Z", frame.disparity.iter().map(|d| metres / d).collect())]
+                vec![Channel::real("depth.Z", band.disparity.iter().map(|d| metres / d).collect())]
             }
             Self::Normal => {
-                let normals = normals(frame, tracer);
+                let normals = normals(band, tracer);
                 let channel = |name, i: usize| Channel::real(name, normals.iter().map(|n| n[i]).collect());
                 vec![channel("normal.X", 0), channel("normal.Y", 1), channel("normal.Z", 2)]
             }
             Self::Type => {
-                vec![Channel::index("type.V", frame.types.iter().map(|t| t.number().into()).collect())]
+                vec![Channel::index("type.V", band.types.iter().map(|t| t.number().into()).collect())]
             }
             Self::Reference => {
                 let index = |s: &u8| if *s == NO_SUPPLIER { u32::MAX } else { (*s).into() };
-                vec![Channel::index("reference.V", frame.supplier.iter().map(index).collect())]
+                vec![Channel::index("reference.V", band.supplier.iter().map(index).collect())]
             }
-            Self::Primitive => vec![Channel::index("primitive.V", frame.triangle.clone())],
+            Self::Primitive => vec![Channel::index("primitive.V", band.triangle.clone())],
         }
     }
 }
 
 /// World axes and scene axes are parallel.
-fn normals(frame: &Frame, tracer: &Tracer) -> Vec<Vec3> {
+fn normals(band: &Band, tracer: &Tracer) -> Vec<Vec3> {
+    let first = band.first_row * band.view.size[0];
     let normal = |(pixel, (&triangle, &disparity)): (usize, (&u32, &f32))| {
         if triangle == NO_TRIANGLE || disparity <= 0.0 {
             return Vec3::ZERO;
         }
-        let direction = frame.view.direction_of_pixel(pixel as u32);
-        let position = frame.view.eye + direction / disparity;
+        let direction = band.view.direction_of_pixel(first + pixel as u32);
+        let position = band.view.eye + direction / disparity;
         SurfacePoint::from_position(tracer.scene(), triangle, position, direction).shading_normal
     };
-    frame.triangle.par_iter().zip(&frame.disparity).enumerate().map(normal).collect()
+    band.triangle.par_iter().zip(&band.disparity).enumerate().map(normal).collect()
+}
+
+/// The rows as a screen shows them.
+pub fn display_rows(radiance: &[Vec3], exposure_ev: f32, tone_map: ToneMap) -> Vec<[u8; 3]> {
+    radiance.par_iter().map(|r| srgb8(*r, exposure_ev, tone_map)).collect()
+}
+
+/// The rows as a screen shows them, without the background: colours of what covers a pixel, and how much of it is
+/// covered. For bands whose background was left out.
+pub fn display_rows_alpha(band: &Band, exposure_ev: f32, tone_map: ToneMap) -> Vec<[u8; 4]> {
+    let pixel = |(&radiance, &coverage): (&Vec3, &f32)| {
+        let own = if coverage > 0.0 { radiance / coverage } else { Vec3::ZERO };
+        let [r, g, b] = srgb8(own, exposure_ev, tone_map);
+        if coverage > 0.0 { [r, g, b, (coverage * 255.0).round() as u8] } else { [0; 4] }
+    };
+    band.radiance.par_iter().zip(&band.coverage).map(pixel).collect()
 }
 
 /// The frame as a screen shows it.
 pub fn display_picture(frame: &Frame, exposure_ev: f32, tone_map: ToneMap) -> Vec<[u8; 3]> {
-    frame.radiance.par_iter().map(|r| srgb8(*r, exposure_ev, tone_map)).collect()
+    display_rows(&frame.radiance, exposure_ev, tone_map)
 }
 
 /// The type of every pixel, in exactly three colours.
 pub fn types_picture(frame: &Frame) -> Vec<[u8; 3]> {
-    frame.types.iter().map(|t| type_color(t.number())).collect()
+    types_rows(&frame.types)
+}
+
+/// The type of some pixels, in exactly three colours.
+pub fn types_rows(types: &[PixelType]) -> Vec<[u8; 3]> {
+    types.iter().map(|t| type_color(t.number())).collect()
 }

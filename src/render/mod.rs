@@ -2,6 +2,7 @@
 
 pub mod aov;
 pub mod audit;
+pub mod bands;
 mod finish;
 pub mod frame;
 mod look_up;

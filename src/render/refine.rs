@@ -212,7 +212,10 @@ fn tiles([width, height]: [u32; 2]) -> Vec<Tile> {
 }
 
 /// Place in the tile and row-major index of each pixel of a tile that lies in the picture.
-fn pixels_of_tile([x0, y0]: [u32; 2], [width, height]: [u32; 2]) -> impl Iterator<Item = (usize, usize)> {
+pub(super) fn pixels_of_tile(
+    [x0, y0]: [u32; 2],
+    [width, height]: [u32; 2],
+) -> impl Iterator<Item = (usize, usize)> {
     (0..TILE_RAYS).filter_map(move |i| {
         let (x, y) = (x0 + (i % TILE_SIDE) as u32, y0 + (i / TILE_SIDE) as u32);
         (x < width && y < height).then(|| (i, y as usize * width as usize + x as usize))
@@ -224,7 +227,7 @@ fn pixels_of_tile([x0, y0]: [u32; 2], [width, height]: [u32; 2]) -> impl Iterato
 ///
 /// Source: the steps are multiples of the powers of the plastic number (Roberts 2018, the "R2" sequence). We differ: they
 /// are rounded to whole parts of a pixel, because the mean of sixteen points of R2 lies a tenth of a pixel off.
-fn offset_of_pass(pass: u32, passes: u32) -> [f64; 2] {
+pub(super) fn offset_of_pass(pass: u32, passes: u32) -> [f64; 2] {
     const STEPS: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
     let count = passes.max(1);
     STEPS.map(|step| {
@@ -242,7 +245,7 @@ fn greatest_common_divisor(a: u32, b: u32) -> u32 {
 }
 
 /// The first pass has the settings' own seed. References count upwards from bit 32, passes from bit 48.
-fn seed_of_pass(seed: u64, pass: u32) -> u64 {
+pub(super) fn seed_of_pass(seed: u64, pass: u32) -> u64 {
     seed.wrapping_add(u64::from(pass) << 48)
 }
 

@@ -1,5 +1,6 @@
 //! Everything a person touches: the command line and the window. No ray and no triangle is handled here.
 
 pub mod cli;
-mod notes;
+pub mod picture;
+pub mod settings;
 pub mod window;

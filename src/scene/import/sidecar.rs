@@ -105,7 +105,8 @@ impl Sidecar {
     }
 
     fn of(table: &DeTable, notes: &mut Notes) -> Self {
-        let known = ["unit", "up", "material", "point_light", "sun", "sky", "start", "walk", "view"];
+        let known =
+            ["unit", "up", "material", "point_light", "sun", "sky", "start", "walk", "view", "settings"];
         let top = Section::new(table, "", 0, &known, notes);
         Self {
             file_name: String::new(),

@@ -5,14 +5,15 @@ use super::flags::Flags;
 use super::{output, paths};
 use serde_json::{Value, json};
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
 
-pub(crate) fn run(flags: &Flags) -> Result<(), Failure> {
-    let object = object();
+pub(crate) fn run(flags: &Flags, user_file: Option<&Path>) -> Result<(), Failure> {
+    let object = object(user_file);
     output::result(flags.json, &object, || table(&object));
     Ok(())
 }
 
-fn object() -> Value {
+fn object(user_file: Option<&Path>) -> Value {
     let variable = |name: &str| std::env::var_os(name).map(|v| v.to_string_lossy().into_owned());
     let folder = |path: Option<std::path::PathBuf>| path.map(|p| p.display().to_string());
     let (adapters, graphics_error) = match adapters() {
@@ -25,7 +26,11 @@ fn object() -> Value {
         "arch": std::env::consts::ARCH,
         "threads": rayon::current_num_threads(),
         "machine_threads": std::thread::available_parallelism().map_or(0, usize::from),
-        "simd": {"in_use": simd_in_use(), "available": simd_available()},
+        "simd": {
+            "in_use": [afterimage::math::simd::chosen()],
+            "built_for": simd_built_for(),
+            "available": simd_available(),
+        },
         "adapters": adapters,
         "graphics_error": graphics_error,
         "display": {
@@ -34,7 +39,13 @@ fn object() -> Value {
             "DISPLAY": variable("DISPLAY"),
             "XDG_SESSION_TYPE": variable("XDG_SESSION_TYPE"),
         },
-        "paths": {"config": folder(paths::config_folder()), "cache": folder(paths::cache_folder())},
+        "paths": {
+            "config": folder(paths::config_folder()),
+            "settings": folder(user_file.map(Path::to_owned)),
+            "has_settings": user_file.is_some_and(Path::is_file),
+            "state": folder(paths::state_folder()),
+            "cache": folder(paths::cache_folder()),
+        },
     })
 }
 
@@ -63,7 +74,7 @@ fn adapters() -> Result<Vec<Value>, String> {
 }
 
 /// What the program was built to use on every machine of its kind.
-fn simd_in_use() -> Vec<&'static str> {
+fn simd_built_for() -> Vec<&'static str> {
     let all = [
         (cfg!(target_feature = "sse2"), "sse2"),
         (cfg!(target_feature = "sse4.1"), "sse4.1"),
@@ -90,7 +101,7 @@ fn simd_available() -> Vec<&'static str> {
 
 #[cfg(not(target_arch = "x86_64"))]
 fn simd_available() -> Vec<&'static str> {
-    simd_in_use()
+    simd_built_for()
 }
 
 fn table(object: &Value) -> String {
@@ -112,7 +123,19 @@ fn table(object: &Value) -> String {
             "display",
             format!("DISPLAY {}, WAYLAND_DISPLAY {}", at("/display/DISPLAY"), at("/display/WAYLAND_DISPLAY")),
         ),
-        ("settings", at("/paths/config")),
+        (
+            "settings",
+            format!(
+                "{}{}",
+                at("/paths/settings"),
+                if object["paths"]["has_settings"] == true {
+                    ""
+                } else {
+                    " (not there: the program's own hold)"
+                }
+            ),
+        ),
+        ("sessions", at("/paths/state")),
         ("cache", at("/paths/cache")),
     ];
     let adapters = object["adapters"].as_array().map_or(&[][..], Vec::as_slice);

@@ -9,7 +9,8 @@ use super::flags::Flags;
 use super::progress::Progress;
 use super::scene::{Loaded, load};
 use super::tour::read_path;
-use super::{interrupt, memory, output, paths, report as report_files, throughput};
+use super::{interrupt, output, paths, report as report_files, throughput};
+use crate::picture::memory;
 use afterimage::experiment::run::{
     Effort, Experiment, Lab, LabError, LabEvent, LabSettings, Report, RunFolder, Session, Shard, caveats,
     find, merge, run_cells,
@@ -99,7 +100,7 @@ fn run_one(experiment: &Experiment, args: &ExperimentArgs, flags: &Flags) -> Res
         .map_err(|e| Failure::Usage(e.to_string()))?;
     let recorded = args.path.as_deref().map(read_path).transpose()?;
     let settings = settings(experiment, args, flags);
-    memory::check(settings.size.map(u64::from).iter().product(), MOST_REFERENCES)?;
+    memory::check(settings.size.map(u64::from).iter().product(), MOST_REFERENCES).map_err(Failure::Usage)?;
     let loaded = load(args.scene()?, flags)?;
     let truth_folder = args.truth_cache.clone().or_else(|| paths::cache_folder().map(|c| c.join("truth")));
     let images = out.join("images");

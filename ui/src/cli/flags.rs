@@ -1,11 +1,13 @@
 //! The flags that every command knows, and how their values are read.
 
+use crate::settings::Settings;
 use afterimage::raster::color::ToneMap;
 use afterimage::scene::import::{Unit, Up};
 use afterimage::trace::TraceSettings;
 use afterimage::{Mode, RenderSettings};
 use clap::Args;
 use glam::DVec3;
+use std::path::PathBuf;
 
 /// What every command knows. A command takes from it what it needs.
 #[derive(Args, Clone, Debug)]
@@ -66,9 +68,30 @@ pub(crate) struct Flags {
     /// Tone map of display-referred pictures.
     #[arg(long, global = true, value_name = "aces|linear", default_value = "aces", value_parser = tone_map)]
     pub(crate) tone_map: ToneMap,
+    /// The user's settings; AFTERIMAGE_CONFIG, or settings.toml in the system's folder for them, when absent.
+    #[arg(long, global = true, value_name = "FILE")]
+    pub(crate) config: Option<PathBuf>,
 }
 
 impl Flags {
+    /// Fills in from the settings what was not given as a flag.
+    pub(crate) fn fill_in(&mut self, settings: &Settings, is_given: impl Fn(&str) -> bool) {
+        fn fill<T: Clone>(flag: &mut Option<T>, setting: &Option<T>) {
+            *flag = flag.take().or_else(|| setting.clone());
+        }
+        fn replace<T: Copy>(flag: &mut T, setting: Option<T>, is_given: bool) {
+            *flag = setting.filter(|_| !is_given).unwrap_or(*flag);
+        }
+        fill(&mut self.given_size, &settings.size);
+        fill(&mut self.samples, &settings.samples);
+        fill(&mut self.bounces, &settings.bounces);
+        fill(&mut self.threads, &settings.threads);
+        fill(&mut self.exposure, &settings.exposure_ev);
+        replace(&mut self.mode, settings.mode, is_given("mode"));
+        replace(&mut self.seed, settings.seed, is_given("seed"));
+        replace(&mut self.tone_map, settings.tone_map, is_given("tone_map"));
+    }
+
     /// Samples, bounces, seed.
     pub(crate) fn trace(&self) -> TraceSettings {
         let usual = TraceSettings::default();
@@ -101,14 +124,14 @@ impl Flags {
 }
 
 /// `1280x720`.
-fn size(text: &str) -> Result<[u32; 2], String> {
+pub(crate) fn size(text: &str) -> Result<[u32; 2], String> {
     let wanted = || "a size is two whole numbers from 1 to 65536, like 1280x720".to_owned();
     let (w, h) = text.split_once(['x', 'X']).ok_or_else(wanted)?;
     let side = |t: &str| t.parse().ok().filter(|n| (1..=65536).contains(n)).ok_or_else(wanted);
     Ok([side(w)?, side(h)?])
 }
 
-fn mode(text: &str) -> Result<Mode, String> {
+pub(crate) fn mode(text: &str) -> Result<Mode, String> {
     match text {
         "full" => Ok(Mode::Full),
         "paper" => Ok(Mode::Paper),
@@ -118,12 +141,12 @@ fn mode(text: &str) -> Result<Mode, String> {
     }
 }
 
-fn threads(text: &str) -> Result<usize, String> {
+pub(crate) fn threads(text: &str) -> Result<usize, String> {
     let number = text.parse().ok().filter(|n| (1..=1024).contains(n));
     number.ok_or_else(|| "a number of threads is from 1 to 1024".to_owned())
 }
 
-fn tone_map(text: &str) -> Result<ToneMap, String> {
+pub(crate) fn tone_map(text: &str) -> Result<ToneMap, String> {
     match text {
         "aces" => Ok(ToneMap::Aces),
         "linear" => Ok(ToneMap::Linear),
@@ -136,7 +159,7 @@ fn fov_y(text: &str) -> Result<f64, String> {
     degrees.ok_or_else(|| "a field of view is from 1 to 170 degrees".to_owned())
 }
 
-fn exposure(text: &str) -> Result<f32, String> {
+pub(crate) fn exposure(text: &str) -> Result<f32, String> {
     let stops = text.parse().ok().filter(|ev: &f32| ev.abs() <= 64.0);
     stops.ok_or_else(|| "an exposure is from -64 to 64 stops".to_owned())
 }

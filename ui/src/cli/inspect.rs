@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 #[derive(Args, Debug)]
 pub(crate) struct InspectArgs {
     /// A model (.obj) or builtin:NAME.
-    scene: String,
+    pub(super) scene: String,
 }
 
 pub(crate) fn run(args: &InspectArgs, flags: &Flags) -> Result<(), Failure> {

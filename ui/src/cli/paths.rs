@@ -13,6 +13,11 @@ pub(crate) fn cache_folder() -> Option<PathBuf> {
     folder("XDG_CACHE_HOME", ".cache", "Library/Caches", "LOCALAPPDATA")
 }
 
+/// What is worth keeping from one start to the next: recent files, sessions that were cut short.
+pub(crate) fn state_folder() -> Option<PathBuf> {
+    folder("XDG_STATE_HOME", ".local/state", "Library/Application Support", "LOCALAPPDATA")
+}
+
 fn folder(xdg: &str, unix: &str, mac: &str, windows: &str) -> Option<PathBuf> {
     // The XDG rules ignore a relative path.
     let variable = |name: &str| std::env::var_os(name).map(PathBuf::from).filter(|p| p.is_absolute());

@@ -3,17 +3,19 @@
 use super::failure::Failure;
 use super::flags::Flags;
 use super::pose::{camera, eye_and_target};
+use super::progress::SharedProgress;
 use super::scene::{Loaded, load};
-use super::{interrupt, memory, output};
-use crate::notes::{Made, notes};
+use super::{interrupt, output};
+use crate::picture::memory;
+use crate::picture::{Made, MadePicture, Output, PictureJob, Shows, notes};
 use afterimage::camera::Camera;
-use afterimage::raster::save::{Channel, save_exr, save_png};
-use afterimage::reference::{ReferenceCache, ReferenceFrame};
-use afterimage::render::aov::{Aov, display_picture, types_picture};
-use afterimage::render::render_antialiased;
+use afterimage::raster::stream::{COMPLETE, Target};
+use afterimage::reference::ReferenceFrame;
+use afterimage::render::aov::Aov;
+use afterimage::render::bands::Background;
 use afterimage::reproject::warp::MAX_REFERENCES;
 use afterimage::trace::TraceSettings;
-use afterimage::{Frame, Mode, Renderer, Tracer};
+use afterimage::{Frame, Mode};
 use clap::Args;
 use glam::DVec3;
 use serde_json::{Value, json};
@@ -23,7 +25,7 @@ use std::sync::Arc;
 #[derive(Args, Debug)]
 pub(crate) struct RenderArgs {
     /// A model (.obj) or builtin:NAME; the embedded gallery when absent.
-    scene: Option<String>,
+    pub(super) scene: Option<String>,
     /// The picture: .png (8 bits, display-referred) or .exr (linear, scene-referred).
     #[arg(short, long, value_name = "FILE", value_parser = png_or_exr)]
     output: PathBuf,
@@ -35,6 +37,9 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "N", conflicts_with = "references")]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=4096))]
     antialias: Option<u32>,
+    /// Leaves the sky out: a PNG is transparent where rays leave into it, an EXR has a channel A.
+    #[arg(long, conflicts_with = "references")]
+    no_background: bool,
     /// Writes the type of every pixel: Type 1 #0072B2, Type 2 #F0E442, Type 3 #D55E00.
     #[arg(long, value_name = "FILE.png", value_parser = png)]
     types: Option<PathBuf>,
@@ -72,49 +77,53 @@ fn aov(text: &str) -> Result<Aov, String> {
 }
 
 pub(crate) fn run(args: &RenderArgs, flags: &Flags) -> Result<(), Failure> {
-    let mode = if args.antialias.is_some() { Mode::Full } else { flags.mode };
-    let flags = &Flags { mode, ..flags.clone() };
+    let is_full = args.antialias.is_some() || args.no_background;
+    let flags = &Flags { mode: if is_full { Mode::Full } else { flags.mode }, ..flags.clone() };
     check(args, flags)?;
     let loaded = load(args.scene.as_deref(), flags)?;
     let camera = camera(flags, loaded.scene())?;
     let references = trace_references(args, flags, &loaded, camera.fov_y.to_degrees())?;
-    let frame = &render(args, flags, &loaded.tracer, &camera, &references);
+    let job = job(args, flags, &loaded, camera);
     // A picture that was stopped is kept too; its notes and the result say so.
-    write_files(args, flags, &loaded, frame)?;
-    let object = object(args, flags, &loaded, frame, &references);
-    output::result(flags.json, &object, || table(args, frame, &references));
-    if frame.stats.is_complete { loaded.verdict(flags) } else { Err(Failure::Interrupted) }
+    let progress = SharedProgress::new("rendering");
+    let (stop, note) = (interrupt::is_cancelled, |part| progress.at(part));
+    let made = job.make(&loaded.tracer, &references, &outputs(args), &stop, &note)?;
+    drop(progress);
+    let object = object(args, flags, &loaded, &made, &references);
+    output::result(flags.json, &object, || table(args, flags, &made, &references));
+    if made.stats.is_complete { loaded.verdict(flags) } else { Err(Failure::Interrupted) }
 }
 
-/// The picture, in the way its mode makes it.
-fn render(
-    args: &RenderArgs,
-    flags: &Flags,
-    tracer: &Tracer,
-    camera: &Camera,
-    references: &[Arc<ReferenceFrame>],
-) -> Frame {
-    let (size, settings, stop) = (flags.size(), flags.render(), interrupt::is_cancelled);
-    if let Some(rays) = args.antialias {
-        return render_antialiased(tracer, camera, size, &settings, rays, &stop);
+fn job(args: &RenderArgs, flags: &Flags, loaded: &Loaded, camera: Camera) -> PictureJob {
+    PictureJob {
+        scene_name: loaded.name.clone(),
+        camera,
+        size: flags.size(),
+        settings: flags.render(),
+        antialias: args.antialias,
+        background: if args.no_background { Background::LeftOut } else { Background::Shown },
+        exposure_ev: flags.exposure_ev(),
+        tone_map: flags.tone_map,
     }
-    let mut renderer = Renderer::default();
-    if settings.mode.looks_up() {
-        let mut cache = ReferenceCache::new(tracer.scene(), usize::MAX);
-        for reference in references {
-            cache.insert(Arc::clone(reference));
-        }
-        renderer.render_by_lookup(tracer, camera, size, &settings, &cache.lookup(tracer.epoch()), &stop);
-    } else {
-        let references: Vec<&ReferenceFrame> = references.iter().map(|r| &**r).collect();
-        renderer.render(tracer, camera, size, &settings, &references, &stop);
-    }
-    renderer.into_frame()
+}
+
+fn outputs(args: &RenderArgs) -> Vec<Output> {
+    let mut layers: Vec<Aov> = Vec::new();
+    args.aov.iter().for_each(|l| layers.extend(Some(*l).filter(|l| !layers.contains(l))));
+    let main = if is_exr(&args.output) { Shows::Linear(layers.clone()) } else { Shows::Display };
+    let to = |path: &PathBuf, shows| Output { target: Target::File(path.clone()), shows };
+    let linear = args.linear.as_ref().map(|path| to(path, Shows::Linear(layers)));
+    let types = args.types.as_ref().map(|path| to(path, Shows::Types));
+    [to(&args.output, main)].into_iter().chain(linear).chain(types).collect()
 }
 
 /// What can be refused before the scene is loaded.
 fn check(args: &RenderArgs, flags: &Flags) -> Result<(), Failure> {
-    memory::check(flags.pixels(), args.references.len() as u64)?;
+    if flags.mode == Mode::Full || (flags.mode == Mode::Paper && args.references.is_empty()) {
+        memory::check_banded(flags.pixels()).map_err(Failure::Usage)?;
+    } else {
+        memory::check(flags.pixels(), args.references.len() as u64).map_err(Failure::Usage)?;
+    }
     if args.references.len() > MAX_REFERENCES {
         return Err(Failure::Usage(format!("at most {MAX_REFERENCES} references can be used at once")));
     }
@@ -152,57 +161,31 @@ fn trace_references(
     (1..).zip(&args.references).map(trace).collect::<Option<Vec<_>>>().ok_or(Failure::Interrupted)
 }
 
-fn write_files(args: &RenderArgs, flags: &Flags, loaded: &Loaded, frame: &Frame) -> Result<(), Failure> {
-    let size = frame.view.size;
-    if is_exr(&args.output) {
-        save_exr(&args.output, size, channels(args, loaded, frame), &file_notes(flags, loaded, frame))?;
-    } else {
-        let picture = display_picture(frame, flags.exposure_ev(), flags.tone_map);
-        save_png(&args.output, size, &picture, &file_notes(flags, loaded, frame))?;
-    }
-    if let Some(path) = &args.linear {
-        save_exr(path, size, channels(args, loaded, frame), &file_notes(flags, loaded, frame))?;
-    }
-    if let Some(path) = &args.types {
-        save_png(path, size, &types_picture(frame), &file_notes(flags, loaded, frame))?;
-    }
-    Ok(())
-}
-
-fn channels(args: &RenderArgs, loaded: &Loaded, frame: &Frame) -> Vec<Channel> {
-    let mut channels = Channel::rgb(&frame.radiance);
-    let mut chosen: Vec<Aov> = Vec::new();
-    for aov in &args.aov {
-        if !chosen.contains(aov) {
-            chosen.push(*aov);
-            channels.extend(aov.channels(frame, &loaded.tracer));
-        }
-    }
-    channels
-}
-
 /// What the file says of itself.
 pub(super) fn file_notes(flags: &Flags, loaded: &Loaded, frame: &Frame) -> Vec<(&'static str, String)> {
-    notes(&Made {
+    let mut notes = notes(&Made {
         scene_name: &loaded.name,
         scene: loaded.scene(),
         camera: &frame.camera,
+        size: frame.view.size,
         settings: &flags.render(),
-        is_complete: frame.stats.is_complete,
         refined: frame.stats.refined,
+        background: Background::Shown,
         exposure_ev: flags.exposure_ev(),
         tone_map: flags.tone_map,
-    })
+    });
+    notes.push((COMPLETE, if frame.stats.is_complete { "yes" } else { "no" }.to_owned()));
+    notes
 }
 
 fn object(
     args: &RenderArgs,
     flags: &Flags,
     loaded: &Loaded,
-    frame: &Frame,
+    made: &MadePicture,
     references: &[Arc<ReferenceFrame>],
 ) -> Value {
-    let (stats, secs) = (&frame.stats, &frame.stats.secs);
+    let (stats, secs) = (&made.stats, &made.stats.secs);
     let mut rays = stats.rays;
     references.iter().for_each(|r| rays += r.rays);
     json!({
@@ -238,9 +221,9 @@ fn total_secs(references: &[Arc<ReferenceFrame>]) -> f64 {
     references.iter().fold(0.0, |sum, r| sum + r.secs)
 }
 
-fn table(args: &RenderArgs, frame: &Frame, references: &[Arc<ReferenceFrame>]) -> String {
-    let (types, secs) = (frame.stats.types.percentages(), &frame.stats.secs);
-    let [w, h] = frame.view.size;
+fn table(args: &RenderArgs, flags: &Flags, made: &MadePicture, references: &[Arc<ReferenceFrame>]) -> String {
+    let (types, secs) = (made.stats.types.percentages(), &made.stats.secs);
+    let [w, h] = flags.size();
     let reference_secs = total_secs(references);
     output::table(&[
         ("picture", format!("{}, {w}x{h}", args.output.display())),
@@ -249,6 +232,6 @@ fn table(args: &RenderArgs, frame: &Frame, references: &[Arc<ReferenceFrame>]) -
         ("Type 3", format!("{:.2} % traced", types.type3_percent)),
         ("frame", format!("{:.3} s", secs.frame)),
         ("references", format!("{} in {reference_secs:.3} s", references.len())),
-        ("rays", format!("{}", frame.stats.rays.total())),
+        ("rays", format!("{}", made.stats.rays.total())),
     ])
 }

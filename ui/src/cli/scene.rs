@@ -2,8 +2,9 @@
 
 use super::failure::Failure;
 use super::flags::Flags;
+use super::progress::SharedProgress;
 use super::{interrupt, output};
-use afterimage::scene::import::{self, ImportOptions};
+use afterimage::scene::import::{self, ImportOptions, Phase};
 use afterimage::scene::{SceneError, builtin};
 use afterimage::{Scene, Tracer};
 use serde_json::{Value, json};
@@ -90,5 +91,9 @@ pub(crate) fn import_options(flags: &Flags) -> ImportOptions {
 }
 
 fn import(path: &Path, flags: &Flags) -> Result<Scene, SceneError> {
-    import::load(path, &import_options(flags), &|_, _| !interrupt::is_cancelled())
+    let progress = SharedProgress::new("loading");
+    import::load(path, &import_options(flags), &|phase: Phase, part| {
+        progress.note(f64::from(part), phase.label());
+        !interrupt::is_cancelled()
+    })
 }

@@ -2,17 +2,19 @@
 
 use super::failure::Failure;
 use super::flags::Flags;
-use super::{interrupt, output, pose, scene, tour};
-use crate::window::state::WINDOW_SAMPLES;
+use super::{Common, interrupt, output, paths, pose, scene, tour};
+use crate::picture::restore::{beside, is_picture, read_view};
+use crate::window::state::{Look, WINDOW_SAMPLES};
 use crate::window::{self, SceneSource, WindowRequest};
 use clap::Parser;
+use std::path::Path;
 
 /// Where the headless walk leaves its records.
 const OUT: &str = "afterimage-out";
 
-pub(crate) fn start(scene: Option<&str>, flags: &Flags) -> Result<(), Failure> {
+pub(super) fn start(scene: Option<&str>, flags: &Flags, common: &Common) -> Result<(), Failure> {
     if window::has_display() {
-        return open_window(scene, flags);
+        return open_window(scene, flags, common);
     }
     interrupt::install();
     // As light as the window's own frames, where nothing else is asked for: some minutes at most.
@@ -26,16 +28,27 @@ pub(crate) fn start(scene: Option<&str>, flags: &Flags) -> Result<(), Failure> {
     tour::run(&headless_tour(scene), &flags)
 }
 
-fn open_window(scene: Option<&str>, flags: &Flags) -> Result<(), Failure> {
+fn open_window(scene: Option<&str>, flags: &Flags, common: &Common) -> Result<(), Failure> {
     let options = scene::import_options(flags);
+    let picture = scene.map(Path::new).filter(|path| is_picture(path));
+    let view = picture.map(|path| read_view(path).map(|view| beside(view, path))).transpose();
+    let view = view.map_err(Failure::Failed)?;
+    let scene = view.as_ref().map(|v| v.scene.as_str()).or(scene);
+    let flags =
+        &Flags { exposure: flags.exposure.or(view.as_ref().and_then(|v| v.exposure_ev)), ..flags.clone() };
     let mut request = WindowRequest {
         scene: scene.map(|name| SceneSource::named(name, options)),
-        camera: pose::given(flags),
+        camera: pose::given(flags).or(view.as_ref().map(|v| v.camera)),
         view: flags.view.clone(),
         fov_y_deg: flags.fov_y,
         exposure_ev: flags.exposure,
         tone_map: flags.tone_map,
         threads: flags.threads,
+        pictures: common.settings.pictures.clone(),
+        look: Look::of(&common.settings),
+        settings_file: common.user_file.clone(),
+        state_folder: paths::state_folder(),
+        warnings: common.warnings.clone(),
         ..WindowRequest::default()
     };
     let trace = &mut request.settings.render.trace;

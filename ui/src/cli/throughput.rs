@@ -5,13 +5,14 @@ use super::failure::Failure;
 use super::flags::Flags;
 use super::pose::camera;
 use super::scene::{Loaded, load};
-use super::{interrupt, memory, output};
+use super::{interrupt, output};
+use crate::picture::memory;
 use afterimage::experiment::throughput::{Throughput, ThroughputSettings, measure_throughput};
 use afterimage::raster::save::write_atomically;
 use serde_json::{Value, json};
 
 pub(crate) fn run(args: &ExperimentArgs, flags: &Flags) -> Result<(), Failure> {
-    memory::check(flags.pixels(), 1)?;
+    memory::check(flags.pixels(), 1).map_err(Failure::Usage)?;
     let loaded = load(args.scene()?, flags)?;
     let camera = camera(flags, loaded.scene())?;
     let settings = ThroughputSettings { camera, size: flags.size(), trace: flags.trace() };

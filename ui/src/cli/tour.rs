@@ -5,7 +5,9 @@ use super::flags::Flags;
 use super::progress::Progress;
 use super::render::file_notes;
 use super::scene::{Loaded, load};
-use super::{interrupt, memory, output, paths};
+use super::{interrupt, output, paths};
+use crate::picture::memory;
+use crate::picture::sequence::film_command;
 use afterimage::camera_path::CameraPath;
 use afterimage::experiment::record::csv;
 use afterimage::experiment::{MeasureSettings, TourEvent, TourRecord, TourSettings, run_tour};
@@ -91,7 +93,7 @@ fn percent(text: &str) -> Result<f64, String> {
 }
 
 pub(crate) fn run(args: &TourArgs, flags: &Flags) -> Result<(), Failure> {
-    memory::check(flags.pixels(), 1)?;
+    memory::check(flags.pixels(), 1).map_err(Failure::Usage)?;
     let recorded = args.path.as_deref().map(read_path).transpose()?;
     make_folder(&args.out)?;
     if args.pictures {
@@ -106,6 +108,9 @@ pub(crate) fn run(args: &TourArgs, flags: &Flags) -> Result<(), Failure> {
     write_atomically(&args.out.join("references.csv"), csv(&record.references).as_bytes())?;
     write_atomically(&args.out.join("summary.json"), format!("{object:#}\n").as_bytes())?;
     output::result(flags.json, &object, || table(args, &record));
+    if args.pictures && picture_error.is_none() {
+        output::say(&format!("to make a film of it: {}", film_command(&args.out.join("images"))));
+    }
     match picture_error {
         Some(error) => Err(error),
         None if !record.is_complete => Err(Failure::Interrupted),

@@ -2,18 +2,22 @@
 
 use super::WindowRequest;
 use super::comparing::Measured;
+use super::export::Export;
 use super::frames::locked;
 use super::full_tracing::FullTracing;
+use super::keeping::Keeping;
 use super::keymap::Keyboard;
 use super::load::{Loader, SceneSource};
 use super::panels;
 use super::playback::Playback;
 use super::presentation::Presentation;
 use super::render_thread::{Message, Order, RenderThread, Wake, Wish};
+use super::session::is_session;
 use super::state::{Pair, SceneInfo, Severity, State, Work};
 use super::timewarp::Reprojection;
+use super::viewport;
 use super::walking::Obstacles;
-use super::{screenshot, viewport};
+use crate::picture::restore::PictureView;
 use afterimage::{Camera, Tracer};
 use crossbeam_channel::{Receiver, Sender, unbounded};
 use egui_wgpu::RenderState;
@@ -36,8 +40,16 @@ pub(super) enum News {
     Measured(Pair, [u32; 2], Measured),
     /// Something failed that nobody waits for.
     Failed(String),
-    /// A picture was saved, or not.
+    /// Something was saved, or not.
     Saved(anyhow::Result<PathBuf>),
+    /// A session was saved, or not.
+    Session(Result<PathBuf, String>),
+    /// Something was kept for the next start; only failure is told.
+    Kept(Result<(), String>),
+    /// The files of this model have changed.
+    Changed(PathBuf),
+    /// The view of a picture was read, or not.
+    View(Result<PictureView, String>),
 }
 
 /// The window's app.
@@ -50,6 +62,12 @@ pub struct App {
     pub(super) wake: Wake,
     pub(super) news: (Sender<News>, Receiver<News>),
     pub(super) is_browsing: bool,
+    /// What outlives the window.
+    pub(super) keeping: Keeping,
+    /// The hash of the scene that is expected: a picture of it was opened.
+    pub(super) expected_hash: Option<String>,
+    /// The picture that is being saved.
+    pub(super) export: Option<Export>,
     graphics: Option<RenderState>,
     /// The full tracer's picture of this view, in the making or made.
     pub(super) tracing: Option<FullTracing>,
@@ -100,6 +118,9 @@ impl App {
             wake,
             news: unbounded(),
             is_browsing: false,
+            keeping: Keeping::default(),
+            expected_hash: None,
+            export: None,
             graphics: cc.wgpu_render_state.clone(),
             tracing: None,
             is_measuring: false,
@@ -113,8 +134,21 @@ impl App {
             has_grab: false,
             request,
         };
+        app.state.picture.settings = app.request.picture.clone();
+        app.show_look(&cc.egui_ctx, app.request.look);
+        app.state.settings_file.clone_from(&app.request.settings_file);
+        for warning in std::mem::take(&mut app.request.warnings) {
+            app.state.notify(Severity::Error, warning);
+        }
+        app.begin_keeping();
         let scene = app.request.scene.clone().unwrap_or_else(SceneSource::default_builtin);
-        app.open(scene);
+        match scene {
+            SceneSource::File { path, .. } if is_session(&path) => app.open_session(path),
+            scene => app.open(scene),
+        }
+        if app.loader.is_none() {
+            app.open(SceneSource::default_builtin());
+        }
         Ok(app)
     }
 
@@ -145,10 +179,11 @@ impl App {
     /// Takes in all that has happened since the last frame of the window.
     fn poll(&mut self) {
         self.poll_loader();
+        self.poll_export();
         let messages: Vec<Message> = self.threads.messages().collect();
         for message in messages {
             match message {
-                Message::Picture(picture) => self.save(picture),
+                Message::Picture(picture) => self.save_from_references(picture),
                 Message::Failed(text) => self.state.notify(Severity::Error, text),
             }
         }
@@ -157,7 +192,7 @@ impl App {
             match news {
                 News::Chosen(path) => {
                     self.is_browsing = false;
-                    path.into_iter().for_each(|path| self.open(SceneSource::file(path)));
+                    path.into_iter().for_each(|path| self.open_path(path));
                 }
                 News::Measured(pair, size, measured) => {
                     let graphics = self.graphics.clone();
@@ -167,6 +202,12 @@ impl App {
                 News::Saved(Ok(path)) => {
                     self.state.notify(Severity::Info, format!("saved {}", path.display()));
                 }
+                News::Session(saved) => self.session_saved(saved),
+                News::Kept(Ok(())) => {}
+                News::Kept(Err(message)) => self.state.notify(Severity::Error, message),
+                News::Changed(path) => self.reload_changed(&path),
+                News::View(Ok(view)) => self.go_to_picture(view),
+                News::View(Err(message)) => self.state.notify(Severity::Error, message),
                 News::Saved(Err(error)) => self.state.notify(Severity::Error, format!("{error:#}")),
             }
         }
@@ -196,7 +237,10 @@ impl App {
                 (self.loader, self.state.loading) = (None, None);
                 match result {
                     Ok(tracer) => self.show_scene(source, tracer),
-                    Err(message) => self.state.notify(Severity::Error, message),
+                    Err(message) => {
+                        self.forget_awaited();
+                        self.state.notify(Severity::Error, message);
+                    }
                 }
             }
         }
@@ -206,6 +250,7 @@ impl App {
         let is_reload = self.state.scene.as_ref().is_some_and(|s| s.source.label() == source.label());
         let scene = SceneInfo::new(source, &tracer);
         let (view_index, start) = self.start_pose(&scene);
+        self.compare_hash(&tracer.scene().hash);
         // A scene that was edited is looked at from where one was.
         if !is_reload {
             self.state.fly.jump_to(start);
@@ -237,6 +282,8 @@ impl App {
             let is_metered = is_model && self.request.exposure_ev.is_none();
             self.state.meters_from = is_metered.then_some(generation);
         }
+        let source = self.state.scene.as_ref().map(|s| s.source.clone());
+        source.iter().for_each(|source| self.keep_scene(source));
         self.sent = None;
     }
 
@@ -255,21 +302,6 @@ impl App {
             camera.fov_y = degrees.to_radians();
         }
         (index, camera)
-    }
-
-    fn save(&mut self, picture: super::render_thread::Picture) {
-        let development = self.state.quality.development();
-        let stem = screenshot::stem(self.state.scene.as_ref().map_or("picture", |s| &s.name));
-        let folders = self.request.pictures.clone().map_or_else(screenshot::default_folders, |f| vec![f]);
-        let (news, wake) = (self.news.0.clone(), self.wake.clone());
-        let work = move || {
-            // The window may be gone.
-            let _ = news.send(News::Saved(screenshot::save(&picture, development, &stem, &folders)));
-            wake();
-        };
-        if let Err(error) = std::thread::Builder::new().name("afterimage-save".to_owned()).spawn(work) {
-            self.state.notify(Severity::Error, format!("saving cannot be started: {error}"));
-        }
     }
 
     /// Sends the pose and the settings where they have changed.
@@ -400,6 +432,18 @@ impl eframe::App for App {
         if self.state.asks_to_clear {
             panels::notices::ask_to_clear(&ctx, &self.state, &mut commands);
         }
+        if self.state.shows_settings {
+            panels::files::settings(&ctx, &self.state, &mut commands);
+        }
+        if self.state.recovery.is_some() {
+            panels::files::ask_to_recover(&ctx, &mut commands);
+        }
+        if self.state.picture.is_open {
+            panels::picture::show(&ctx, &self.state, &mut commands);
+        }
+        if let Some(exporting) = &self.state.picture.exporting {
+            panels::picture::progress(&ctx, response.rect, exporting, &mut commands);
+        }
         if self.state.options.shows_help {
             panels::help::show(&ctx, &self.state, &mut commands);
         }
@@ -408,6 +452,9 @@ impl eframe::App for App {
         self.compare(graphics.as_ref());
         self.draw(canvas);
         self.send_wish();
+        if let Some(rest) = self.keep_session() {
+            ctx.request_repaint_after(rest);
+        }
         // A word or a message may change without anything else happening.
         if self.state.work == Work::Moving {
             ctx.request_repaint_after(MOTION_TIME);
@@ -418,7 +465,8 @@ impl eframe::App for App {
     }
 
     fn on_exit(&mut self) {
-        self.loader = None;
+        (self.loader, self.export) = (None, None);
+        self.end_keeping();
         self.threads.stop();
     }
 }

@@ -1,10 +1,12 @@
 //! Commands as deeds: the only place where a panel's or a key's wish changes anything.
 
 use super::app::{App, News};
+use super::fly_camera::ViewChange;
 use super::load::SceneSource;
 use super::pose_text::pose_flags;
 use super::render_thread::Order;
-use super::state::{Command, Compare, Severity};
+use super::state::{Command, Compare, Look, Severity};
+use crate::settings::{self, Theme};
 use egui::{Context, ViewportCommand};
 
 impl App {
@@ -13,8 +15,12 @@ impl App {
         let state = &mut self.state;
         match command {
             Command::Open(source) => self.open(source),
+            Command::OpenPath(path) => self.open_path(path),
             Command::Browse => self.browse(),
-            Command::CancelLoading => self.loader = None,
+            Command::CancelLoading => {
+                self.loader = None;
+                self.forget_awaited();
+            }
             Command::Reload => {
                 let source = state.scene.as_ref().map(|s| s.source.clone());
                 source.into_iter().for_each(|source| self.open(source));
@@ -40,7 +46,10 @@ impl App {
             }
             Command::AddReference => self.order(Order::AddReference(*self.state.fly.camera())),
             Command::Remove(id) => self.order(Order::Remove(id)),
-            Command::Screenshot => self.order(Order::Picture),
+            Command::Picture(command) => self.picture(command),
+            Command::Files(command) => self.keep(command),
+            Command::SetLook(look) => self.set_look(ctx, look),
+            Command::ShowSettings(is_shown) => state.shows_settings = is_shown,
             Command::CopyPose => {
                 let flags = pose_flags(state.fly.camera());
                 state.notify(Severity::Info, format!("copied {flags}"));
@@ -61,7 +70,34 @@ impl App {
         ctx.request_repaint();
     }
 
-    fn order(&mut self, order: Order) {
+    /// Changes the looks of the window, and keeps them for the next start.
+    fn set_look(&mut self, ctx: &Context, look: Look) {
+        let changes = look.changes(&self.state.look);
+        self.show_look(ctx, look);
+        let Some(path) = self.request.settings_file.clone() else { return };
+        self.in_background("afterimage-settings", move || {
+            let write = |(name, value)| settings::write(&path, name, value);
+            News::Kept(changes.into_iter().try_for_each(write))
+        });
+    }
+
+    /// Makes the window look so.
+    pub(super) fn show_look(&mut self, ctx: &Context, look: Look) {
+        ctx.set_theme(match look.theme {
+            Theme::System => egui::ThemePreference::System,
+            Theme::Dark => egui::ThemePreference::Dark,
+            Theme::Light => egui::ThemePreference::Light,
+        });
+        ctx.set_zoom_factor(look.ui_scale);
+        if look.has_reduced_motion != self.state.look.has_reduced_motion {
+            let change = if look.has_reduced_motion { ViewChange::AtOnce } else { ViewChange::Eased };
+            self.state.options.view_change = change;
+            self.state.fly.set_view_change(change);
+        }
+        self.state.look = look;
+    }
+
+    pub(super) fn order(&mut self, order: Order) {
         self.threads.order(order);
     }
 
@@ -87,6 +123,10 @@ impl App {
             state.options.shows_help = false;
         } else if state.comparison.shows != Compare::Off {
             state.comparison.shows = Compare::Off;
+        } else if state.shows_settings {
+            state.shows_settings = false;
+        } else if state.picture.is_open {
+            state.picture.is_open = false;
         } else if state.notices.pop().is_none() && ctx.input(|i| i.viewport().fullscreen.unwrap_or(false)) {
             ctx.send_viewport_cmd(ViewportCommand::Fullscreen(false));
         }
@@ -99,7 +139,9 @@ impl App {
         }
         let (news, wake) = (self.news.0.clone(), self.wake.clone());
         let work = move || {
-            let dialog = rfd::FileDialog::new().set_title("Open a model").add_filter("Models", &["obj"]);
+            let dialog = rfd::FileDialog::new()
+                .set_title("Open a model, a session or a picture")
+                .add_filter("Models, sessions, pictures", &["obj", "toml", "png", "exr"]);
             // The window may be gone.
             let _ = news.send(News::Chosen(dialog.pick_file()));
             wake();

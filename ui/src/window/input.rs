@@ -4,10 +4,9 @@ use super::aim;
 use super::app::App;
 use super::fly_camera::{Gait, Motion, SPEED_FACTOR};
 use super::keymap::{Action, Pressed};
-use super::load::SceneSource;
 use super::panels::legend;
 use super::presentation::{Coloring, Heatmap};
-use super::state::{Command, Compare, Moving, Options, Severity};
+use super::state::{Command, Compare, FileCommand, Moving, Options, PictureCommand, Severity};
 use afterimage::trace::Probe;
 use egui::{
     Context, CursorGrab, Event, MouseWheelUnit, PointerButton, Pos2, Response, Vec2, ViewportCommand,
@@ -30,7 +29,7 @@ impl App {
             commands.extend(events.iter().filter_map(clipboard_command));
         }
         if let Some(file) = dropped.first().filter(|f| !f.path().as_os_str().is_empty()) {
-            commands.push(Command::Open(SceneSource::file(file.path())));
+            commands.push(Command::OpenPath(file.path().to_owned()));
         }
         commands
     }
@@ -69,8 +68,11 @@ impl App {
             Action::AddReference => Command::AddReference,
             Action::ClearCache => Command::AskToClear,
             Action::Open => Command::Browse,
+            Action::SaveSession => Command::Files(FileCommand::SaveSession),
             Action::Reload => Command::Reload,
-            Action::Screenshot => Command::Screenshot,
+            Action::Screenshot => Command::Picture(PictureCommand::Save),
+            Action::ScreenshotWithoutBackground => Command::Picture(PictureCommand::SaveWithoutBackground),
+            Action::SaveSequence => Command::Picture(PictureCommand::SaveSequence),
             Action::FullScreen => Command::FullScreen,
             Action::Escape => Command::Escape,
             _ => Command::SetOptions(switched(o, action)?),

@@ -2,7 +2,10 @@
 //!
 //! Keys are meant by their place on the keyboard, so that WASD is one hand's square on every layout.
 
+use crate::settings::suggestion;
 use egui::{Event, Key, Modifiers};
+use std::sync::OnceLock;
+use toml::{Table, Value};
 
 /// What a key does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -37,8 +40,11 @@ pub enum Action {
     ClearCache,
     Pause,
     Open,
+    SaveSession,
     Reload,
     Screenshot,
+    ScreenshotWithoutBackground,
+    SaveSequence,
     CopyPose,
     PastePose,
     AddPathKey,
@@ -152,9 +158,12 @@ pub const BINDINGS: &[Binding] = &[
     press(Action::AddReference, &[plain(Key::N)], "add a reference here"),
     press(Action::ClearCache, &[shift(Key::Delete)], "clear all references (asks first)"),
     press(Action::Pause, &[plain(Key::P)], "pause or resume the renderer"),
-    press(Action::Open, &[ctrl(Key::O)], "open a model"),
+    press(Action::Open, &[ctrl(Key::O)], "open a model, a session or a picture's view"),
+    press(Action::SaveSession, &[ctrl(Key::S)], "save the session"),
     press(Action::Reload, &[plain(Key::F5)], "load the scene again"),
-    press(Action::Screenshot, &[plain(Key::F12)], "save the finished picture as PNG"),
+    press(Action::Screenshot, &[plain(Key::F12)], "save a picture"),
+    press(Action::ScreenshotWithoutBackground, &[ctrl(Key::F12)], "save a picture without the sky"),
+    press(Action::SaveSequence, &[shift(Key::F12)], "save the camera path as numbered pictures"),
     press(Action::CopyPose, &[ctrl(Key::C)], "copy the pose as flags of 'afterimage render'"),
     press(Action::PastePose, &[ctrl(Key::V)], "go to the pose in the clipboard"),
     press(Action::AddPathKey, &[plain(Key::K)], "add a key to the camera path"),
@@ -166,6 +175,91 @@ pub const BINDINGS: &[Binding] = &[
     press(Action::Escape, &[plain(Key::Escape)], "close what is open (never quits)"),
 ];
 
+static REBOUND: OnceLock<Vec<Binding>> = OnceLock::new();
+
+/// The table as the user has it: [`BINDINGS`], or what [`install`] made of them.
+pub fn bindings() -> &'static [Binding] {
+    REBOUND.get().map_or(BINDINGS, Vec::as_slice)
+}
+
+/// Binds keys anew, once, before any of them is shown or pressed.
+///
+/// # Errors
+/// As [`rebound`]; the keys stay as they were.
+pub fn install(keys: &Table) -> Result<(), String> {
+    let table = rebound(keys)?;
+    // A second call comes from a second start in one process; the first one's keys are shown already.
+    let _ = REBOUND.set(table);
+    Ok(())
+}
+
+/// The table with other keys for some actions: `add-reference = "B"`, `forward = ["W", "Up"]`; an empty list takes the
+/// keys away.
+///
+/// # Errors
+/// Where an action or a key is unknown, or a key would do two things: one message for all of it, and nothing is changed.
+pub fn rebound(keys: &Table) -> Result<Vec<Binding>, String> {
+    let names: Vec<String> = BINDINGS.iter().map(|b| b.action.name()).collect();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let (mut table, mut troubles) = (BINDINGS.to_vec(), Vec::new());
+    for (name, value) in keys {
+        match (names.iter().position(|n| n == name), chords(value)) {
+            (None, _) => troubles.push(format!("there is no action '{name}', {}", suggestion(name, &names))),
+            (_, Err(cause)) => troubles.push(format!("{name}: {cause}")),
+            // Once in the life of the program.
+            (Some(at), Ok(chords)) => table[at].chords = chords.leak(),
+        }
+    }
+    troubles.extend(conflicts(&table));
+    if troubles.is_empty() {
+        return Ok(table);
+    }
+    Err(format!("[keys] is left aside, the usual keys hold: {}", troubles.join("; ")))
+}
+
+/// Keys that would do two things. What is held acts whatever modifiers do, so it takes its key with all of them but
+/// Ctrl.
+fn conflicts(table: &[Binding]) -> Vec<String> {
+    let all: Vec<(&Binding, Chord)> =
+        table.iter().flat_map(|b| b.chords.iter().map(move |c| (b, *c))).collect();
+    let clash = |(a, x): &(&Binding, Chord), (b, y): &(&Binding, Chord)| {
+        x == y || ((a.held && b.held) && x.key == y.key)
+    };
+    let mut troubles = Vec::new();
+    for (i, first) in all.iter().enumerate() {
+        for second in all[i + 1..].iter().filter(|second| clash(first, second)) {
+            let (a, b) = (first.0.action.name(), second.0.action.name());
+            troubles.push(format!("{} is bound to both {a} and {b}", second.1.name()));
+        }
+    }
+    troubles
+}
+
+fn chords(value: &Value) -> Result<Vec<Chord>, String> {
+    let wanted = "a key like \"Ctrl+K\" or a list of them is wanted";
+    match value {
+        Value::String(text) => Ok(vec![Chord::parse(text)?]),
+        Value::Array(list) => {
+            list.iter().map(|v| v.as_str().ok_or(wanted.to_owned()).and_then(Chord::parse)).collect()
+        }
+        _ => Err(wanted.to_owned()),
+    }
+}
+
+impl Action {
+    /// As it is written in files: `add-reference`.
+    pub fn name(self) -> String {
+        let mut name = String::new();
+        for c in format!("{self:?}").chars() {
+            if c.is_uppercase() && !name.is_empty() {
+                name.push('-');
+            }
+            name.extend(c.to_lowercase());
+        }
+        name
+    }
+}
+
 /// What the mouse and the modifiers do, in the words of the help.
 pub const MOUSE: &[(&str, &str)] = &[
     ("Drag, left or right button", "look around"),
@@ -174,13 +268,40 @@ pub const MOUSE: &[(&str, &str)] = &[
     ("Double click", "go there"),
     ("Shift held", "five times as fast"),
     ("Alt held", "five times as slow"),
-    ("Drop a file", "open a model"),
+    ("Drop a file", "open a model, a session or a picture's view"),
 ];
 
 impl Chord {
+    /// Reads `K`, `Shift+K`, `Ctrl+F12`.
+    fn parse(text: &str) -> Result<Self, String> {
+        let (mut chord, mut rest) = (plain(Key::A), text.trim());
+        loop {
+            if let Some(after) = rest.strip_prefix("Shift+") {
+                (chord.shift, rest) = (true, after);
+            } else if let Some(after) = rest.strip_prefix("Ctrl+") {
+                (chord.ctrl, rest) = (true, after);
+            } else {
+                break;
+            }
+        }
+        let name = match rest {
+            "PgUp" => "PageUp",
+            "PgDn" => "PageDown",
+            "?" => "Slash",
+            name => name,
+        };
+        chord.shift |= rest == "?";
+        chord.key = Key::from_name(name).ok_or_else(|| format!("there is no key '{text}'"))?;
+        match chord.key {
+            Key::Tab => Err("Tab belongs to the focus".to_owned()),
+            _ => Ok(chord),
+        }
+    }
+
     /// As it is printed on keys.
     pub fn name(&self) -> String {
         let prefix = match (self.ctrl, self.shift) {
+            (true, true) => "Ctrl+Shift+",
             (true, _) => "Ctrl+",
             (_, true) if self.key == Key::Slash => return "?".to_owned(),
             (_, true) => "Shift+",
@@ -212,12 +333,12 @@ impl Binding {
 
 /// The keys of an action as text, for menus and tooltips.
 pub fn keys_of(action: Action) -> String {
-    BINDINGS.iter().find(|b| b.action == action).map(Binding::keys).unwrap_or_default()
+    bindings().iter().find(|b| b.action == action).map(Binding::keys).unwrap_or_default()
 }
 
 /// All keys as lines of plain text, for `--help`.
 pub fn help_text() -> String {
-    let keys = BINDINGS.iter().map(|b| (b.keys(), b.help));
+    let keys = bindings().iter().map(|b| (b.keys(), b.help));
     let mouse = MOUSE.iter().map(|(what, help)| ((*what).to_owned(), *help));
     keys.chain(mouse).map(|(keys, help)| format!("  {keys:<28} {help}\n")).collect()
 }
@@ -271,7 +392,7 @@ impl Keyboard {
             Key::Questionmark => shift(Key::Slash),
             _ => Chord { key: place, shift: modifiers.shift, ctrl: modifiers.command },
         };
-        for binding in BINDINGS.iter().filter(|b| !b.held) {
+        for binding in bindings().iter().filter(|b| !b.held) {
             if let Some(at) = binding.chords.iter().position(|c| *c == chord) {
                 pressed.push(Pressed { action: binding.action, chord: at });
             }
@@ -281,7 +402,7 @@ impl Keyboard {
     /// True while any key of an action is down.
     pub fn is_held(&self, action: Action) -> bool {
         let is_down = |c: &Chord| self.down.contains(&c.key);
-        BINDINGS.iter().any(|b| b.held && b.action == action && b.chords.iter().any(is_down))
+        bindings().iter().any(|b| b.held && b.action == action && b.chords.iter().any(is_down))
     }
 
     /// +1, -1 or 0 by two opposite actions.
@@ -355,5 +476,44 @@ mod tests {
     fn saved_views_are_counted_by_their_key() {
         let pressed = Keyboard::default().update(&[key(Key::Num3, Key::Num3, true, Modifiers::NONE)], false);
         assert_eq!(pressed, [Pressed { action: Action::GoToView, chord: 2 }]);
+    }
+
+    fn table(text: &str) -> Result<Vec<Binding>, String> {
+        rebound(&text.parse().unwrap())
+    }
+
+    #[test]
+    fn every_key_reads_back_as_it_is_printed() {
+        for chord in BINDINGS.iter().flat_map(|b| b.chords) {
+            assert_eq!(Chord::parse(&chord.name()).as_ref(), Ok(chord));
+        }
+    }
+
+    #[test]
+    fn keys_can_be_bound_anew() {
+        let table = table("add-reference = 'B'\nforward = ['W', 'I']\nnext-view = []\nlevel = 'L'").unwrap();
+        let keys = |action| table.iter().find(|b| b.action == action).map(Binding::keys);
+        assert_eq!(keys(Action::AddReference).as_deref(), Some("B"));
+        assert_eq!(keys(Action::Forward).as_deref(), Some("W, I"));
+        assert_eq!(keys(Action::NextView).as_deref(), Some(""));
+        assert_eq!(keys(Action::Level).as_deref(), Some("L"));
+        assert_eq!(keys(Action::Back), BINDINGS.iter().find(|b| b.action == Action::Back).map(Binding::keys));
+    }
+
+    #[test]
+    fn conflicts_and_mistakes_are_refused_in_one_message() {
+        let error =
+            table("add-reference = 'K'\nadd-refrence = 'B'\nlevel = 'Hyper+J'\nfocus = 7").unwrap_err();
+        for words in [
+            "K is bound to both add-reference and add-path-key",
+            "did you mean 'add-reference'?",
+            "no key 'Hyper+J'",
+            "a key like",
+            "the usual keys hold",
+        ] {
+            assert!(error.contains(words), "'{words}' is not in: {error}");
+        }
+        assert!(table("pause = 'Tab'").unwrap_err().contains("focus"));
+        assert!(table("forward = 'Ctrl+W'\nback = 'W'").unwrap_err().contains("both"));
     }
 }

@@ -6,13 +6,16 @@ mod aim;
 pub mod app;
 mod apply;
 mod comparing;
+mod export;
 pub mod fly_camera;
 pub mod frames;
 mod full_tracing;
 mod input;
+mod keeping;
 pub mod keymap;
 pub mod load;
 mod moving;
+mod opening;
 pub mod panels;
 pub mod playback;
 pub mod pose_text;
@@ -20,6 +23,7 @@ pub mod presentation;
 mod reference_thread;
 pub mod render_thread;
 pub mod screenshot;
+pub mod session;
 pub mod state;
 pub mod timewarp;
 pub mod viewport;
@@ -37,6 +41,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 pub use app::App;
 pub use load::SceneSource;
+use state::{Look, PictureSettings};
 
 /// What the window is opened with.
 #[derive(Clone, Debug)]
@@ -61,6 +66,16 @@ pub struct WindowRequest {
     pub threads: Option<usize>,
     /// Where pictures are saved; the current folder, or the user's pictures, where nothing is said.
     pub pictures: Option<PathBuf>,
+    /// How pictures are saved at first.
+    pub picture: PictureSettings,
+    /// The looks of the window.
+    pub look: Look,
+    /// Where changed looks are kept; nowhere where nothing is said.
+    pub settings_file: Option<PathBuf>,
+    /// Where recent files and sessions for the case of a crash are kept; nowhere where nothing is said.
+    pub state_folder: Option<PathBuf>,
+    /// What is to be said at the start: settings that could not be used.
+    pub warnings: Vec<String>,
 }
 
 impl Default for WindowRequest {
@@ -83,6 +98,11 @@ impl Default for WindowRequest {
             tone_map: ToneMap::default(),
             threads: None,
             pictures: None,
+            picture: PictureSettings::default(),
+            look: Look::default(),
+            settings_file: None,
+            state_folder: None,
+            warnings: Vec::new(),
         }
     }
 }
@@ -111,6 +131,7 @@ pub fn run(request: WindowRequest) -> anyhow::Result<()> {
         viewport: egui::ViewportBuilder::default()
             .with_title("Afterimage")
             .with_app_id("afterimage")
+            .with_icon(icon())
             .with_inner_size([1280.0, 800.0])
             .with_min_inner_size([480.0, 320.0])
             .with_drag_and_drop(true),
@@ -134,6 +155,12 @@ pub fn run(request: WindowRequest) -> anyhow::Result<()> {
         Err(panic) => render_thread::panic_text(&*panic),
     };
     Err(failure(is_open.load(Ordering::Acquire), &reason))
+}
+
+/// What the system shows for the window; nothing where it cannot be read.
+fn icon() -> egui::IconData {
+    let png = include_bytes!("../../../assets/desktop/afterimage.png");
+    eframe::icon_data::from_png_bytes(png).unwrap_or_default()
 }
 
 /// Once it was open, nothing is missing that could be installed.

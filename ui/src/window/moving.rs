@@ -115,7 +115,7 @@ impl App {
     fn save_walk(&mut self, walk: CameraPath) {
         let stem =
             format!("{}-walk", screenshot::stem(self.state.scene.as_ref().map_or("walk", |s| &s.name)));
-        let folders = self.request.pictures.clone().map_or_else(screenshot::default_folders, |f| vec![f]);
+        let folders = self.picture_folders();
         self.in_background("afterimage-save", move || News::Saved(save_walk(&walk, &stem, &folders)));
     }
 

@@ -7,7 +7,7 @@ mod worker;
 
 use super::frames::{Exchange, PublishedFrame, locked};
 use super::reference_thread::{self, Outcome};
-use afterimage::reference::ReferenceId;
+use afterimage::reference::{ReferenceFrame, ReferenceId};
 use afterimage::{Camera, RefineState, RenderSettings, Scene, Tracer, WalkthroughSettings};
 use crossbeam_channel::{Receiver, unbounded};
 use glam::Vec3;
@@ -68,6 +68,8 @@ pub struct Picture {
     pub is_complete: bool,
     /// How far it was refined at rest.
     pub refined: RefineState,
+    /// What another picture of the view can be made from: what the frame used, or in modes that look up all there are.
+    pub references: Vec<Arc<ReferenceFrame>>,
 }
 
 /// What the threads have to say beside frames.

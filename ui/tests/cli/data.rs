@@ -234,3 +234,33 @@ fn help_lists_the_keys_of_the_window() {
         assert!(text.contains(words), "'{words}' is not in: {text}");
     }
 }
+
+#[test]
+fn an_antialiased_picture_is_full_and_says_so() {
+    let bench = Bench::new();
+    let render = |flags: &str| bench.json(&format!("render room.obj {POSE} {SMALL} {flags}"));
+    let answer = render("--antialias 4 -o a.exr");
+    assert_eq!((&answer["mode"], &answer["antialias"]), (&json!("full"), &json!(4)));
+    assert_eq!(number(&answer, "/rays/primary"), 64.0 * 48.0 * 4.0);
+    render("--antialias 1 -o one.exr");
+    render("--mode full -o full.exr");
+    assert_eq!(number(&bench.json("compare one.exr full.exr --json"), "/max_abs"), 0.0);
+    assert!(number(&bench.json("compare a.exr full.exr --json"), "/max_abs") > 0.0, "edges are smooth");
+    render("--antialias 4 --no-background -o a.png");
+    let picture = image::open(bench.path("a.png")).unwrap().to_rgba8();
+    assert!(picture.pixels().all(|p| p.0[3] == 255), "the room is closed");
+    let notes = afterimage::raster::load::read_notes(&bench.path("a.png")).unwrap();
+    let settings = notes.iter().find(|(name, _)| name == "Settings").unwrap();
+    assert!(settings.1.contains("--antialias 4 --no-background"), "{settings:?}");
+}
+
+#[test]
+fn an_audited_tour_records_what_was_checked() {
+    let bench = Bench::new();
+    let line = "tour room.obj --path walks.json#short --size 64x48 --samples 2 --mode exact --audit --json --out run";
+    let audited = |answer: &serde_json::Value| {
+        answer["frames"].as_array().unwrap().iter().filter(|f| f["audit"].is_object()).count()
+    };
+    assert!(audited(&bench.json(line)) > 0);
+    assert_eq!(audited(&bench.json(&line.replace("--audit ", ""))), 0);
+}

@@ -2,6 +2,7 @@
 
 mod data;
 mod runs;
+mod settings;
 mod trouble;
 
 use serde_json::Value;
@@ -58,6 +59,11 @@ impl Bench {
 
     /// Runs the program in the folder, words parted at spaces. No display, no cache but the folder's own.
     fn run(&self, line: &str) -> Output {
+        self.run_with(line, &[])
+    }
+
+    /// The same with further variables.
+    fn run_with(&self, line: &str, variables: &[(&str, &str)]) -> Output {
         Command::new(env!("CARGO_BIN_EXE_afterimage"))
             .args(line.split_whitespace())
             .current_dir(self.dir.path())
@@ -65,6 +71,9 @@ impl Bench {
             .env_remove("WAYLAND_DISPLAY")
             .env_remove("WAYLAND_SOCKET")
             .env("XDG_CACHE_HOME", self.path("cache"))
+            .env("XDG_CONFIG_HOME", self.path("config"))
+            .env_remove("AFTERIMAGE_CONFIG")
+            .envs(variables.iter().copied())
             .output()
             .unwrap()
     }

@@ -204,21 +204,6 @@ fn saved_views_are_reached_by_number_and_in_turn() {
 }
 
 #[test]
-fn f12_saves_the_finished_picture() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let mut harness = app_saving_to(folder.path().to_owned());
-    harness.key_press(Key::F12);
-    step_until(&mut harness, "a message", |app| !app.state().notices.is_empty());
-    let notice = &harness.state().state().notices[0];
-    assert_eq!(notice.severity, Severity::Info, "{}", notice.text);
-    let path = folder.path().join("afterimage-room-0001.png");
-    let picture = image::open(&path).expect("a picture").to_rgb8();
-    let size = harness.state().state().frame.as_ref().expect("a frame").size;
-    assert_eq!([picture.width(), picture.height()], size);
-    assert!(picture.pixels().any(|p| p.0 != [0, 0, 0]));
-}
-
-#[test]
 fn a_window_without_room_for_a_picture_does_no_harm() {
     let mut harness = app();
     harness.set_size(vec2(40.0, 20.0));
@@ -238,7 +223,7 @@ fn ctrl_c_copies_the_pose() {
 }
 
 #[derive(Debug)]
-struct Dropped(PathBuf);
+pub(super) struct Dropped(pub(super) PathBuf);
 
 impl egui::DroppedFile for Dropped {
     fn path(&self) -> &std::path::Path {

@@ -2,9 +2,11 @@
 
 mod comparing;
 mod driving;
+mod keeping;
 mod keys;
 mod measured;
 mod moving;
+mod pictures;
 mod pixels;
 mod real;
 mod room;

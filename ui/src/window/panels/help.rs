@@ -1,6 +1,6 @@
 //! All keys, from the table that the window obeys.
 
-use super::super::keymap::{BINDINGS, MOUSE};
+use super::super::keymap::{MOUSE, bindings};
 use super::super::state::{Command, Options, State};
 use egui::{RichText, Ui};
 
@@ -32,7 +32,7 @@ const WIDTH: f32 = 800.0;
 
 /// One or two columns of lines, as there is room; the mouse comes last.
 fn table(ui: &mut Ui) {
-    let keys = BINDINGS.iter().map(|b| (b.keys(), b.help));
+    let keys = bindings().iter().map(|b| (b.keys(), b.help));
     let lines: Vec<(String, &str)> = keys.chain(MOUSE.iter().map(|(w, h)| ((*w).to_owned(), *h))).collect();
     let count = if ui.available_width() < WIDTH - 40.0 { 1 } else { 2 };
     ui.columns(count, |columns| {

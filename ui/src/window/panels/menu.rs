@@ -3,7 +3,7 @@
 use super::super::fly_camera::Gait;
 use super::super::keymap::{Action, keys_of};
 use super::super::load::SceneSource;
-use super::super::state::{Command, Moving, Options, State};
+use super::super::state::{Command, FileCommand, Moving, Options, PictureCommand, State};
 use afterimage::scene::builtin;
 use egui::{Button, Ui};
 
@@ -12,6 +12,9 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     egui::MenuBar::new().ui(ui, |ui| {
         ui.menu_button("Scene", |ui| scene_menu(ui, state, commands));
         ui.menu_button("View", |ui| view_menu(ui, state, commands));
+        if item(ui, "Settings", None) {
+            commands.push(Command::ShowSettings(!state.shows_settings));
+        }
         let mut options = state.options;
         if item(ui, "Help", None) {
             options.shows_help = true;
@@ -41,12 +44,19 @@ fn scene_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             }
         }
     });
+    super::files::recent_menu(ui, state, commands);
+    if item(ui, "Save session", Some(Action::SaveSession)) {
+        commands.push(Command::Files(FileCommand::SaveSession));
+    }
     if state.scene.is_some() && item(ui, "Reload", Some(Action::Reload)) {
         commands.push(Command::Reload);
     }
     ui.separator();
     if item(ui, "Save picture", Some(Action::Screenshot)) {
-        commands.push(Command::Screenshot);
+        commands.push(Command::Picture(PictureCommand::Save));
+    }
+    if item(ui, "Picture settings...", None) {
+        commands.push(Command::Picture(PictureCommand::ShowDialog(true)));
     }
     if item(ui, "Copy pose", Some(Action::CopyPose)) {
         commands.push(Command::CopyPose);

@@ -1,12 +1,14 @@
 //! What lies round the viewport and over it. A panel reads the state and asks for changes by commands.
 
 pub mod comparison;
+pub mod files;
 pub mod help;
 pub mod hud;
 pub mod legend;
 pub mod menu;
 pub mod notices;
 pub mod path;
+pub mod picture;
 pub mod plots;
 pub mod quality;
 pub mod references;

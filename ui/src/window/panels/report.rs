@@ -1,6 +1,5 @@
 //! The scene that is shown, the way to another one, and what was doubtful in its files.
 
-use super::super::load::SceneSource;
 use super::super::state::{Command, State};
 use egui::{Color32, RichText, Ui};
 
@@ -28,7 +27,7 @@ fn path_field(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let is_entered = field.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
         let is_clicked = ui.add_enabled(!text.trim().is_empty(), egui::Button::new("Load")).clicked();
         if (is_entered || is_clicked) && !text.trim().is_empty() {
-            commands.push(Command::Open(SceneSource::file(text.trim())));
+            commands.push(Command::OpenPath(text.trim().into()));
         }
         if ui.button("...").accessible_name("Browse for a model").on_hover_text("Browse").clicked() {
             commands.push(Command::Browse);

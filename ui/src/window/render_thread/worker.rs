@@ -3,7 +3,7 @@
 use super::{Message, Order, Picture, Shared, Wake, Wish};
 use crate::window::frames::{PublishedFrame, locked};
 use crate::window::reference_thread::{Job, Outcome};
-use afterimage::reference::ReferenceId;
+use afterimage::reference::{ReferenceFrame, ReferenceId};
 use afterimage::{Camera, Walkthrough};
 use crossbeam_channel::Sender;
 use std::any::Any;
@@ -324,6 +324,7 @@ impl Worker {
             settings: walk.settings().render,
             is_complete: frame.stats.is_complete,
             refined: frame.stats.refined,
+            references: useful_references(walk),
         }));
         (self.wake)();
     }
@@ -342,6 +343,12 @@ fn wanted(walk: &Walkthrough, size: [u32; 2]) -> Option<Camera> {
         e.frame.camera == camera && e.frame.view.size == size
     };
     (!walk.cache().entries().iter().any(is_same)).then_some(camera)
+}
+
+/// What another picture of the same view can be made from.
+fn useful_references(walk: &Walkthrough) -> Vec<Arc<ReferenceFrame>> {
+    let is_used = |id| walk.settings().render.mode.looks_up() || walk.used().contains(&id);
+    walk.cache().entries().iter().filter(|e| is_used(e.id)).map(|e| Arc::clone(&e.frame)).collect()
 }
 
 /// What a panic said.

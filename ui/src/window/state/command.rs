@@ -1,17 +1,19 @@
 //! What controls ask for: panels and keys make commands, only the app carries them out.
 
-use super::{Compare, Options, Quality, Severity};
+use super::{Compare, FileCommand, Look, Options, PictureCommand, Quality, Severity};
 use crate::window::fly_camera::Gait;
 use crate::window::load::SceneSource;
 use crate::window::playback::Playback;
 use afterimage::Camera;
 use afterimage::reference::ReferenceId;
+use std::path::PathBuf;
 
 /// What a control asks for.
 #[derive(Clone, Debug)]
 #[allow(missing_docs, reason = "the names say it")]
 pub enum Command {
     Open(SceneSource),
+    OpenPath(PathBuf),
     Browse,
     CancelLoading,
     Reload,
@@ -30,7 +32,10 @@ pub enum Command {
     Clear,
     KeepReferences,
     Remove(ReferenceId),
-    Screenshot,
+    Picture(PictureCommand),
+    Files(FileCommand),
+    SetLook(Look),
+    ShowSettings(bool),
     CopyPose,
     Compare(Compare, f32),
     CopyText(String),

@@ -3,8 +3,10 @@
 mod command;
 mod comparison;
 mod history;
+mod look;
 mod notices;
 mod options;
+mod picture;
 mod quality;
 mod scene;
 mod work;
@@ -12,8 +14,10 @@ mod work;
 pub use command::{Command, Moving};
 pub use comparison::{Compare, Comparison, Pair, PictureError, difference};
 pub use history::{HISTORY, Sample};
+pub use look::{FileCommand, Look};
 pub use notices::{Notice, Severity};
 pub use options::Options;
+pub use picture::{Exporting, PictureCommand, PictureFormat, PictureSettings, PictureSize, PictureState};
 pub use quality::{Quality, WINDOW_SAMPLES};
 pub use scene::{SavedView, SceneInfo};
 pub use work::Work;
@@ -25,6 +29,7 @@ use super::playback::{Playback, Recording};
 use super::presentation::{Coloring, Heatmap, Overlay, Presentation};
 use afterimage::{Camera, WalkthroughSettings};
 use std::collections::VecDeque;
+use std::path::PathBuf;
 
 /// All of it.
 #[derive(Debug)]
@@ -71,6 +76,18 @@ pub struct State {
     pub renaming: Option<(usize, String)>,
     /// The comparison with the full tracer.
     pub comparison: Comparison,
+    /// Pictures.
+    pub picture: PictureState,
+    /// The looks of the window.
+    pub look: Look,
+    /// The window of settings is open.
+    pub shows_settings: bool,
+    /// Where settings are kept.
+    pub settings_file: Option<PathBuf>,
+    /// Models that were open before, the newest first.
+    pub recent: Vec<PathBuf>,
+    /// A session that was cut short, to be gone on with or not.
+    pub recovery: Option<PathBuf>,
     next_notice: u64,
 }
 
@@ -109,6 +126,12 @@ impl State {
             recording: None,
             renaming: None,
             comparison: Comparison::default(),
+            picture: PictureState::default(),
+            look: Look::default(),
+            shows_settings: false,
+            settings_file: None,
+            recent: Vec::new(),
+            recovery: None,
             next_notice: 0,
         }
     }

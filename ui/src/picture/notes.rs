@@ -1,6 +1,7 @@
 //! What a picture's file says of itself: enough to make it again.
 
 use afterimage::raster::color::ToneMap;
+use afterimage::render::bands::Background;
 use afterimage::{Camera, Mode, RefineState, RenderSettings, Scene};
 use glam::DVec3;
 
@@ -13,19 +14,21 @@ pub(crate) struct Made<'a> {
     pub(crate) scene: &'a Scene,
     /// The pose.
     pub(crate) camera: &'a Camera,
+    /// Width and height in pixels.
+    pub(crate) size: [u32; 2],
     /// Mode, samples, bounces, seed.
     pub(crate) settings: &'a RenderSettings,
-    /// False where it was stopped early.
-    pub(crate) is_complete: bool,
     /// How far it was refined.
     pub(crate) refined: RefineState,
+    /// Whether the sky is seen.
+    pub(crate) background: Background,
     /// In stops.
     pub(crate) exposure_ev: f32,
     /// From radiance to display.
     pub(crate) tone_map: ToneMap,
 }
 
-/// Names and texts, as files hold them.
+/// Names and texts, as files hold them. Whether it is complete is known only at its end.
 pub(crate) fn notes(made: &Made<'_>) -> Vec<(&'static str, String)> {
     let c = made.camera;
     let (eye, at) = (c.eye, c.eye + c.forward());
@@ -36,7 +39,6 @@ pub(crate) fn notes(made: &Made<'_>) -> Vec<(&'static str, String)> {
         ("Pose", format!("--eye {} --look-at {} --fov-y {}", list(eye), list(at), c.fov_y.to_degrees())),
         ("Settings", settings(made)),
         ("Refined", format!("{} of {} passes", made.refined.pass, made.refined.of)),
-        ("Complete", if made.is_complete { "yes" } else { "no" }.to_owned()),
         ("Tone map", format!("{} at {} EV", made.tone_map.name(), made.exposure_ev)),
     ]
 }
@@ -48,5 +50,10 @@ fn settings(made: &Made<'_>) -> String {
     let mode = if has_converged { Mode::Full } else { made.settings.mode };
     let antialias = if has_converged { format!(" --antialias {}", refined.of) } else { String::new() };
     let (samples, bounces, seed) = (trace.samples, trace.bounces, trace.seed);
-    format!("--mode {} --samples {samples} --bounces {bounces} --seed {seed}{antialias}", mode.name())
+    let background = if made.background == Background::LeftOut { " --no-background" } else { "" };
+    let [width, height] = made.size;
+    format!(
+        "--size {width}x{height} --mode {} --samples {samples} --bounces {bounces} --seed {seed}{antialias}{background}",
+        mode.name()
+    )
 }

@@ -1,0 +1,176 @@
+//! How pictures are saved, and the one that is being saved.
+
+use super::super::keymap::{Action, keys_of};
+use super::super::state::{
+    Command, Exporting, PictureCommand, PictureFormat, PictureSettings, PictureSize, State,
+};
+use crate::picture::LONGEST_SIDE;
+use afterimage::Mode;
+use afterimage::render::bands::Background;
+use egui::{Align2, Color32, DragValue, ProgressBar, Rect, RichText, Ui};
+
+/// Sizes that are often asked for.
+const SIZES: [(&str, [u32; 2]); 5] = [
+    ("Full HD", [1920, 1080]),
+    ("4K", [3840, 2160]),
+    ("A4 at 300 dpi", [3508, 2480]),
+    ("A3 at 300 dpi", [4961, 3508]),
+    ("16K", [16384, 9216]),
+];
+
+/// Shows the dialog over the viewport; the scene stays in sight and can be walked through meanwhile.
+pub fn show(ctx: &egui::Context, state: &State, commands: &mut Vec<Command>) {
+    let mut is_open = true;
+    egui::Window::new("Picture settings").open(&mut is_open).resizable(false).default_pos([40.0, 60.0]).show(
+        ctx,
+        |ui| {
+            let mut settings = state.picture.settings.clone();
+            egui::Grid::new("picture").num_columns(2).spacing([12.0, 6.0]).show(ui, |ui| {
+                size_rows(ui, &mut settings);
+                making_rows(ui, state, &mut settings);
+                file_rows(ui, state, &mut settings, commands);
+            });
+            if settings != state.picture.settings {
+                commands.push(Command::Picture(PictureCommand::Set(settings)));
+            }
+            ui.separator();
+            buttons(ui, state, commands);
+        },
+    );
+    if !is_open {
+        commands.push(Command::Picture(PictureCommand::ShowDialog(false)));
+    }
+}
+
+fn size_rows(ui: &mut Ui, settings: &mut PictureSettings) {
+    let label = ui.label("Size");
+    let name = match settings.size {
+        PictureSize::Viewport => "As the viewport".to_owned(),
+        PictureSize::Pixels(size) => SIZES
+            .iter()
+            .find(|(_, s)| *s == size)
+            .map_or("Own size".to_owned(), |(name, _)| (*name).to_owned()),
+    };
+    egui::ComboBox::from_id_salt("picture size")
+        .selected_text(name)
+        .show_ui(ui, |ui| {
+            ui.selectable_value(&mut settings.size, PictureSize::Viewport, "As the viewport");
+            for (name, size) in SIZES {
+                let text = format!("{name}, {} x {}", size[0], size[1]);
+                ui.selectable_value(&mut settings.size, PictureSize::Pixels(size), text);
+            }
+        })
+        .response
+        .labelled_by(label.id);
+    ui.end_row();
+    let PictureSize::Pixels([mut width, mut height]) = settings.size else { return };
+    ui.label("Pixels");
+    ui.horizontal(|ui| {
+        for (side, name) in [(&mut width, "Picture width"), (&mut height, "Picture height")] {
+            let value = DragValue::new(side).range(1..=LONGEST_SIDE).speed(8);
+            ui.add(value).accessible_name(name);
+        }
+    });
+    settings.size = PictureSize::Pixels([width, height]);
+    ui.end_row();
+}
+
+fn making_rows(ui: &mut Ui, state: &State, settings: &mut PictureSettings) {
+    let label = ui.label("Mode");
+    let modes = [
+        (Mode::Full, "full: the ordinary ray tracer, anti-aliased"),
+        (Mode::Exact, "exact, from the references held"),
+        (Mode::Fast, "fast, from the references held"),
+        (Mode::Paper, "paper, from the references held"),
+    ];
+    egui::ComboBox::from_id_salt("picture mode")
+        .selected_text(settings.mode.name())
+        .show_ui(ui, |ui| {
+            for (mode, text) in modes {
+                ui.selectable_value(&mut settings.mode, mode, text);
+            }
+        })
+        .response
+        .labelled_by(label.id);
+    ui.end_row();
+    let label = ui.label("Samples");
+    let window_samples = state.quality.walk.render.trace.samples;
+    let mut samples = settings.samples.unwrap_or(window_samples);
+    let value = DragValue::new(&mut samples).range(1..=1 << 16);
+    let help = "Shadow rays per light and pixel, and per ray where it is anti-aliased";
+    if ui.add(value).labelled_by(label.id).on_hover_text(help).changed() {
+        settings.samples = Some(samples);
+    }
+    ui.end_row();
+    let label = ui.label("Anti-aliasing");
+    let value = DragValue::new(&mut settings.antialias).range(1..=4096).suffix(" rays a pixel");
+    ui.add_enabled(settings.mode == Mode::Full, value).labelled_by(label.id);
+    ui.end_row();
+}
+
+fn file_rows(ui: &mut Ui, state: &State, settings: &mut PictureSettings, commands: &mut Vec<Command>) {
+    ui.label("File");
+    ui.vertical(|ui| {
+        let help = "As a screen shows it";
+        ui.radio_value(&mut settings.format, PictureFormat::Png, "PNG, 8 bits").on_hover_text(help);
+        let help = "Linear, with layers for depth, normal, type, reference and primitive";
+        ui.radio_value(&mut settings.format, PictureFormat::Exr, "OpenEXR, linear").on_hover_text(help);
+    });
+    ui.end_row();
+    ui.label("Background");
+    let mut is_left_out = settings.background == Background::LeftOut;
+    ui.checkbox(&mut is_left_out, "leave the sky out (transparent)");
+    settings.background = if is_left_out { Background::LeftOut } else { Background::Shown };
+    ui.end_row();
+    let label = ui.label("Folder");
+    let mut text = state.picture.folder_text.clone();
+    let field = egui::TextEdit::singleline(&mut text).hint_text("where the program was started");
+    if ui.add(field).labelled_by(label.id).changed() {
+        commands.push(Command::Picture(PictureCommand::SetFolderText(text)));
+    }
+    ui.end_row();
+}
+
+fn buttons(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let is_free = state.picture.exporting.is_none();
+    ui.horizontal(|ui| {
+        let save = ui.add_enabled(is_free, egui::Button::new("Save now"));
+        if save.on_hover_text(format!("Key {}", keys_of(Action::Screenshot))).clicked() {
+            commands.push(Command::Picture(PictureCommand::Save));
+        }
+        let sequence = ui.add_enabled(is_free, egui::Button::new("Save path as sequence"));
+        if sequence.on_hover_text(format!("Key {}", keys_of(Action::SaveSequence))).clicked() {
+            commands.push(Command::Picture(PictureCommand::SaveSequence));
+        }
+        if ui.button("Reset picture settings").clicked() {
+            commands.push(Command::Picture(PictureCommand::Set(PictureSettings::default())));
+            commands.push(Command::Picture(PictureCommand::SetFolderText(String::new())));
+        }
+    });
+    if let Some(command) = &state.picture.film_command {
+        ui.label("A film of the last sequence:");
+        ui.add(egui::Label::new(RichText::new(command).monospace().small()).wrap());
+        if ui.button("Copy film command").clicked() {
+            commands.push(Command::CopyText(command.clone()));
+        }
+    }
+}
+
+/// Shows how far saving is, at the top of the viewport: messages have the bottom.
+pub fn progress(ctx: &egui::Context, viewport: Rect, exporting: &Exporting, commands: &mut Vec<Command>) {
+    let at = viewport.center_top() + egui::vec2(0.0, 12.0);
+    let area = egui::Area::new(egui::Id::unique("exporting")).fixed_pos(at).pivot(Align2::CENTER_TOP);
+    area.order(egui::Order::Foreground).show(ctx, |ui| {
+        super::hud::ground().show(ui, |ui| {
+            ui.set_width(340.0);
+            ui.label(RichText::new(format!("Saving: {}", exporting.what)).color(Color32::WHITE));
+            ui.horizontal(|ui| {
+                let text = format!("{:.0} %", exporting.part * 100.0);
+                ui.add(ProgressBar::new(exporting.part).text(text).desired_width(250.0));
+                if ui.button("Cancel saving").clicked() {
+                    commands.push(Command::Picture(PictureCommand::Cancel));
+                }
+            });
+        });
+    });
+}

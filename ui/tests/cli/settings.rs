@@ -1,0 +1,83 @@
+//! Settings in layers, and what goes with an installed program.
+
+use super::{Bench, number, stderr};
+
+const TINY: &str = "--size 16x12 --json";
+
+#[test]
+fn settings_come_in_layers() {
+    let bench = Bench::new();
+    let samples = |line: &str| number(&bench.json(line), "/samples");
+    std::fs::write(bench.path("mine.toml"), "samples = 3\nbounces = 1\nmode = 'full'\n").unwrap();
+    let render = format!("render room.obj {TINY} -o a.png");
+    assert_eq!(samples(&render), 16.0);
+    let with_file = format!("{render} --config mine.toml");
+    let answer = bench.json(&with_file);
+    assert_eq!((number(&answer, "/samples"), number(&answer, "/bounces")), (3.0, 1.0));
+    assert_eq!(answer["mode"], "full");
+    std::fs::write(bench.path("room.afterimage.toml"), "[settings]\nsamples = 2\n").unwrap();
+    assert_eq!(samples(&with_file), 2.0);
+    assert!(!stderr(&bench.run(&with_file)).contains("warning"), "the importer knows the section");
+    let output = bench.run_with(&with_file, &[("AFTERIMAGE_SAMPLES", "5")]);
+    assert!(String::from_utf8_lossy(&output.stdout).contains("\"samples\":5"));
+    assert_eq!(samples(&format!("{with_file} --samples 1")), 1.0);
+    let output = bench.run_with(&render, &[("AFTERIMAGE_CONFIG", "mine.toml")]);
+    assert!(String::from_utf8_lossy(&output.stdout).contains("\"mode\":\"full\""));
+}
+
+#[test]
+fn what_cannot_be_used_is_a_warning_and_the_work_is_done() {
+    let bench = Bench::new();
+    std::fs::write(bench.path("mine.toml"), "sampels = 3\n[keys]\nadd-reference = 'K'\n").unwrap();
+    let output = bench.run(&format!("render room.obj {TINY} -o a.png --config mine.toml"));
+    assert!(output.status.success());
+    let errors = stderr(&output);
+    assert!(errors.contains("did you mean 'samples'?") && errors.contains("the usual keys hold"), "{errors}");
+    let output = bench.run("doctor --config none.toml");
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("no such file"));
+}
+
+#[test]
+fn help_lists_the_keys_as_they_are_bound() {
+    let bench = Bench::new();
+    std::fs::write(bench.path("mine.toml"), "[keys]\nadd-reference = ['B', 'Ctrl+Shift+B']\n").unwrap();
+    let help = |line: &str| String::from_utf8(bench.run(line).stdout).unwrap();
+    let line = |text: String| text.lines().find(|l| l.contains("add a reference")).unwrap().trim().to_owned();
+    assert!(line(help("--help")).starts_with("N "));
+    assert!(line(help("--config mine.toml --help")).starts_with("B, Ctrl+Shift+B "));
+}
+
+#[test]
+fn doctor_says_where_everything_is() {
+    let bench = Bench::new();
+    std::fs::write(bench.path("mine.toml"), "").unwrap();
+    let answer = bench.json("doctor --json --config mine.toml");
+    assert_eq!(answer["paths"]["settings"], "mine.toml");
+    assert_eq!(answer["paths"]["has_settings"], true);
+    for place in ["config", "state", "cache"] {
+        assert!(answer["paths"][place].as_str().unwrap().ends_with("afterimage"), "{place}");
+    }
+    let in_use = answer["simd"]["in_use"][0].as_str().unwrap();
+    assert!(!in_use.is_empty() && !in_use.contains('('), "{in_use}");
+}
+
+#[test]
+fn papers_are_made_from_the_flags() {
+    let bench = Bench::new();
+    let text = |line: &str| {
+        let output = bench.run(line);
+        assert!(output.status.success(), "{line}: {}", stderr(&output));
+        String::from_utf8(output.stdout).unwrap()
+    };
+    for shell in ["bash", "zsh", "fish"] {
+        let completions = text(&format!("completions {shell}"));
+        assert!(completions.contains("no-background") && completions.contains("tour"), "{shell}");
+    }
+    let page = text("man");
+    assert!(
+        page.contains(".TH afterimage 1") && page.contains("COMMAND RENDER") && page.contains("antialias")
+    );
+    let licences = text("licences");
+    assert!(licences.contains("| eframe |") && licences.contains("MIT OR Apache-2.0"));
+}

@@ -1,0 +1,194 @@
+//! Pictures of the window: of any size, off its thread, with a way back to their view.
+
+use super::*;
+use afterimage::raster::load::{Picture, read_notes};
+use afterimage::render::render_antialiased;
+use afterimage::trace::parallel::NEVER;
+use afterimage::{Mode, Tracer};
+use afterimage_ui::window::state::{PictureFormat, PictureSettings, PictureSize, Severity};
+use egui::{Key, Modifiers};
+
+/// The room's app with a picture of this kind asked for by F12.
+fn saving(folder: &std::path::Path, settings: PictureSettings) -> Harness<'static, App> {
+    open(WindowRequest { pictures: Some(folder.to_owned()), picture: settings, ..request() }, false)
+}
+
+fn notice(harness: &mut Harness<'static, App>) -> (Severity, String) {
+    step_until(harness, "a message", |app| !app.state().notices.is_empty());
+    let notice = harness.state().state().notices.last().expect("a message");
+    (notice.severity, notice.text.clone())
+}
+
+fn small() -> PictureSettings {
+    PictureSettings { size: PictureSize::Pixels([40, 30]), antialias: 2, ..PictureSettings::default() }
+}
+
+#[test]
+fn f12_saves_the_full_tracers_picture_of_the_asked_size_bit_for_bit() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut harness = saving(folder.path(), PictureSettings { format: PictureFormat::Exr, ..small() });
+    harness.key_press(Key::F12);
+    assert_eq!(notice(&mut harness).0, Severity::Info, "{}", notice(&mut harness).1);
+    let path = folder.path().join("afterimage-room-0001.exr");
+    let picture = Picture::load(&path).expect("a picture");
+    let state = harness.state().state();
+    let tracer = Tracer::new(small_room());
+    let mut settings = state.quality.walk.render;
+    settings.mode = Mode::Full;
+    let expected = render_antialiased(&tracer, state.fly.camera(), [40, 30], &settings, 2, NEVER);
+    assert_eq!(picture.values, expected.radiance);
+    let notes = read_notes(&path).expect("notes");
+    let note = |name: &str| notes.iter().find(|(n, _)| n == name).map(|(_, t)| t.clone()).unwrap_or_default();
+    assert!(
+        note("Settings").contains("--size 40x30 --mode full --samples 1")
+            && note("Settings").contains("--antialias 2")
+    );
+    assert_eq!(note("Complete"), "yes");
+    let layers = exr::prelude::read_first_flat_layer_from_file(&path).expect("layers");
+    let mut names: Vec<String> =
+        layers.layer_data.channel_data.list.iter().map(|c| c.name.to_string()).collect();
+    names.sort();
+    let wanted = [
+        "B",
+        "G",
+        "R",
+        "depth.Z",
+        "normal.X",
+        "normal.Y",
+        "normal.Z",
+        "primitive.V",
+        "reference.V",
+        "type.V",
+    ];
+    assert_eq!(names, wanted);
+}
+
+#[test]
+fn without_anything_set_it_is_as_large_as_the_viewport() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut harness = saving(folder.path(), PictureSettings { antialias: 1, ..PictureSettings::default() });
+    harness.key_press(Key::F12);
+    assert_eq!(notice(&mut harness).0, Severity::Info);
+    let size = harness.get_by_label("3D viewport").rect().size();
+    let picture = image::open(folder.path().join("afterimage-room-0001.png")).expect("a picture").to_rgb8();
+    assert_eq!([picture.width(), picture.height()], [size.x.round() as u32, size.y.round() as u32]);
+    assert!(picture.pixels().any(|p| p.0 != [0, 0, 0]));
+}
+
+#[test]
+fn a_picture_from_references_reuses_them() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut harness =
+        saving(folder.path(), PictureSettings { mode: Mode::Paper, format: PictureFormat::Exr, ..small() });
+    harness.key_press(Key::F12);
+    assert_eq!(notice(&mut harness).0, Severity::Info, "{}", notice(&mut harness).1);
+    let path = folder.path().join("afterimage-room-0001.exr");
+    let image = exr::prelude::read_first_flat_layer_from_file(&path).expect("layers");
+    let list = &image.layer_data.channel_data.list;
+    let types = list.iter().find(|c| c.name.to_string() == "type.V").expect("types");
+    let exr::prelude::FlatSamples::U32(types) = &types.sample_data else { panic!("indices") };
+    assert!(types.iter().filter(|t| **t == 1).count() > types.len() / 2, "most of the room is reused");
+}
+
+#[test]
+fn ctrl_f12_leaves_the_sky_out() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut harness = saving(folder.path(), small());
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::F12);
+    assert_eq!(notice(&mut harness).0, Severity::Info);
+    let picture = image::open(folder.path().join("afterimage-room-0001.png")).expect("a picture");
+    assert!(picture.color().has_alpha());
+}
+
+#[test]
+fn a_picture_is_cancelled_and_leaves_nothing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let huge = PictureSettings { size: PictureSize::Pixels([16384, 16384]), ..small() };
+    let mut harness = saving(folder.path(), huge);
+    harness.key_press(Key::F12);
+    step_until(&mut harness, "its progress", |app| app.state().picture.exporting.is_some());
+    harness.step();
+    harness.get_by_label("Cancel saving").click();
+    let (severity, text) = notice(&mut harness);
+    assert_eq!((severity, text.as_str()), (Severity::Info, "saving was cancelled"));
+    assert_eq!(std::fs::read_dir(folder.path()).expect("the folder").count(), 0);
+    settle(&mut harness);
+}
+
+#[test]
+fn a_folder_that_takes_no_file_is_told_with_the_remedy() {
+    let mut harness = saving(std::path::Path::new("/no/such/folder"), small());
+    harness.key_press(Key::F12);
+    let (severity, text) = notice(&mut harness);
+    assert_eq!(severity, Severity::Error);
+    assert!(text.contains("/no/such/folder") && text.contains("choose another folder"), "{text}");
+    settle(&mut harness);
+}
+
+#[test]
+fn a_dropped_picture_leads_back_to_its_view() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut harness = saving(folder.path(), small());
+    let there = *harness.state().state().fly.camera();
+    harness.key_press(Key::F12);
+    assert_eq!(notice(&mut harness).0, Severity::Info);
+    harness.key_press(Key::Num2);
+    harness.run_steps(60);
+    assert_ne!(*harness.state().state().fly.camera(), there);
+    let path = folder.path().join("afterimage-room-0001.png");
+    harness.input_mut().dropped_files.push(Arc::new(driving::Dropped(path)));
+    step_until(&mut harness, "the picture's view", |app| {
+        app.state().notices.iter().any(|n| n.text.contains("picture was taken"))
+    });
+    harness.run_steps(60);
+    let back = *harness.state().state().fly.camera();
+    assert!(
+        (back.eye - there.eye).length() < 1e-9 && (back.yaw - there.yaw).abs() < 1e-9,
+        "{back:?} {there:?}"
+    );
+}
+
+#[test]
+fn a_picture_of_elsewhere_is_refused_in_words() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("holiday.png");
+    image::RgbImage::new(2, 2).save(&path).expect("a picture");
+    let mut harness = app();
+    harness.input_mut().dropped_files.push(Arc::new(driving::Dropped(path)));
+    let (severity, text) = notice(&mut harness);
+    assert_eq!(severity, Severity::Error);
+    assert!(text.contains("does not say what it shows"), "{text}");
+    settle(&mut harness);
+}
+
+#[test]
+fn the_path_becomes_numbered_pictures_and_goes_on_where_it_was_cut() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut harness = saving(
+        folder.path(),
+        PictureSettings { size: PictureSize::Pixels([16, 12]), antialias: 1, ..small() },
+    );
+    harness.key_press_modifiers(Modifiers::SHIFT, Key::F12);
+    let (severity, text) = notice(&mut harness);
+    assert_eq!(severity, Severity::Info, "{text}");
+    let sequence = folder.path().join("afterimage-room-sequence-0001");
+    let frames = harness.state().state().playback.path.frames as usize;
+    let count = || std::fs::read_dir(&sequence).expect("the folder").count() - 1;
+    assert_eq!(count(), frames, "and its description");
+    let command = harness.state().state().picture.film_command.clone().expect("a command");
+    assert!(
+        command.starts_with("ffmpeg -framerate 30 -i '") && command.contains("frame_%04d.png"),
+        "{command}"
+    );
+    std::fs::remove_file(sequence.join("frame_0001.png")).expect("it was there");
+    let first =
+        std::fs::metadata(sequence.join("frame_0000.png")).and_then(|m| m.modified()).expect("a time");
+    harness.key_press_modifiers(Modifiers::SHIFT, Key::F12);
+    step_until(&mut harness, "another message", |app| {
+        app.state().notices.iter().any(|n| n.text.contains("already"))
+    });
+    assert_eq!(count(), frames);
+    let again =
+        std::fs::metadata(sequence.join("frame_0000.png")).and_then(|m| m.modified()).expect("a time");
+    assert_eq!(first, again, "what was there is not made again");
+}
