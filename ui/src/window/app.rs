@@ -2,6 +2,7 @@
 
 use super::WindowRequest;
 use super::comparing::Measured;
+use super::editing::{Edited, SavedLook};
 use super::export::Export;
 use super::frames::locked;
 use super::full_tracing::FullTracing;
@@ -9,15 +10,18 @@ use super::keeping::Keeping;
 use super::keymap::Keyboard;
 use super::load::{Loader, SceneSource};
 use super::panels;
+use super::plan::Plan;
 use super::playback::Playback;
 use super::presentation::Presentation;
 use super::render_thread::{Message, Order, RenderThread, Wake, Wish};
 use super::session::is_session;
 use super::state::{Pair, SceneInfo, Severity, State, Work};
+use super::thumbnails::Thumbnails;
 use super::timewarp::Reprojection;
 use super::viewport;
 use super::walking::Obstacles;
 use crate::picture::restore::PictureView;
+use afterimage::scene::Look;
 use afterimage::{Camera, Tracer};
 use crossbeam_channel::{Receiver, Sender, unbounded};
 use egui_wgpu::RenderState;
@@ -42,6 +46,12 @@ pub(super) enum News {
     Failed(String),
     /// Something was saved, or not.
     Saved(anyhow::Result<PathBuf>),
+    /// The scene with a look that was asked for.
+    Edited(Box<Edited>),
+    /// A look was saved beside its scene, or not.
+    SavedLook(Box<SavedLook>),
+    /// A plan of the so-manieth scene.
+    Plan(u64, Plan),
     /// A session was saved, or not.
     Session(Result<PathBuf, String>),
     /// Something was kept for the next start; only failure is told.
@@ -75,7 +85,7 @@ pub struct App {
     /// The first generation of the scene that is shown.
     scene_since: u64,
     trouble: Arc<Mutex<Vec<String>>>,
-    sent: Option<Wish>,
+    pub(super) sent: Option<Wish>,
     pub(super) viewport_size: [u32; 2],
     moved: Instant,
     pub(super) obstacles: Option<Obstacles>,
@@ -83,6 +93,14 @@ pub struct App {
     pub(super) cursor: Option<[f64; 2]>,
     /// The pointer is held in the window.
     pub(super) has_grab: bool,
+    /// The look of the scene that is rendered.
+    pub(super) shown_look: Option<Look>,
+    /// A scene of another look is in the making.
+    pub(super) is_editing: bool,
+    /// A plan is in the making.
+    pub(super) is_planning: bool,
+    /// Scenes opened so far.
+    pub(super) scenes_opened: u64,
 }
 
 impl App {
@@ -102,6 +120,7 @@ impl App {
         state.quality.exposure_ev = request.exposure_ev.unwrap_or(state.quality.exposure_ev);
         state.quality.tone_map = request.tone_map;
         state.default_quality = state.quality;
+        state.thumbnails = Some(Thumbnails::start(wake.clone())?);
         if let Some(graphics) = &cc.wgpu_render_state {
             watch(graphics, &trouble, &wake);
             viewport::install(graphics);
@@ -132,6 +151,10 @@ impl App {
             obstacles: None,
             cursor: None,
             has_grab: false,
+            shown_look: None,
+            is_editing: false,
+            is_planning: false,
+            scenes_opened: 0,
             request,
         };
         app.state.picture.settings = app.request.picture.clone();
@@ -177,12 +200,13 @@ impl App {
     }
 
     /// Takes in all that has happened since the last frame of the window.
-    fn poll(&mut self) {
+    fn poll(&mut self, ctx: &egui::Context) {
         self.poll_loader();
         self.poll_export();
         let messages: Vec<Message> = self.threads.messages().collect();
         for message in messages {
             match message {
+                Message::Lent(lending) => self.show_lent(ctx, &lending),
                 Message::Picture(picture) => self.save_from_references(picture),
                 Message::Failed(text) => self.state.notify(Severity::Error, text),
             }
@@ -202,6 +226,9 @@ impl App {
                 News::Saved(Ok(path)) => {
                     self.state.notify(Severity::Info, format!("saved {}", path.display()));
                 }
+                News::Edited(edited) => self.take_edited(*edited),
+                News::SavedLook(saved) => self.take_saved_look(*saved),
+                News::Plan(scene, plan) => self.take_plan(scene, plan),
                 News::Session(saved) => self.session_saved(saved),
                 News::Kept(Ok(())) => {}
                 News::Kept(Err(message)) => self.state.notify(Severity::Error, message),
@@ -223,6 +250,8 @@ impl App {
             }
         }
         self.state.expire_notices();
+        self.follow_plan();
+        self.want_thumbnails(ctx);
     }
 
     fn poll_loader(&mut self) {
@@ -265,7 +294,12 @@ impl App {
         self.state.scene = Some(scene);
         self.state.history.clear();
         self.obstacles = Some(Obstacles::new(tracer.clone()));
+        self.scenes_opened += 1;
+        (self.state.plan, self.is_planning) = (None, false);
+        self.state.thumbnails.iter_mut().for_each(|t| t.set_tracer(tracer.clone()));
+        self.begin_edits(tracer.scene(), is_reload);
         if !is_reload {
+            self.state.plan_view = Default::default();
             self.state.playback = Playback::of_scene(tracer.scene().walk.clone());
             (self.state.recording, self.state.renaming) = (None, None);
         }
@@ -336,6 +370,7 @@ impl App {
             () if self.state.scene.is_none() => Work::NoScene,
             () if self.state.options.is_paused => Work::Paused,
             () if self.moved.elapsed() < MOTION_TIME && !self.state.shows_hint => Work::Moving,
+            () if self.is_editing => Work::Editing,
             () if !is_newest => Work::Filling,
             () if self.threads.is_adding_reference() => Work::AddingReference,
             () => match frame.map(|f| f.stats.refined) {
@@ -357,6 +392,7 @@ impl App {
         ui.painter().rect_filled(rect, 0.0, egui::Color32::from_gray(24));
         let canvas =
             Canvas { painter: ui.painter().clone(), shape: ui.painter().add(egui::Shape::Noop), rect };
+        panels::overlay::show(ui, rect, &self.state);
         let inner = rect.shrink(10.0);
         if self.state.options.shows_statistics && inner.is_positive() {
             ui.scope_builder(egui::UiBuilder::new().max_rect(inner), |ui| panels::hud::show(ui, &self.state));
@@ -413,7 +449,7 @@ fn watch(graphics: &RenderState, trouble: &Arc<Mutex<Vec<String>>>, wake: &Wake)
 impl eframe::App for App {
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
         let ctx = ui.ctx().clone();
-        self.poll();
+        self.poll(&ctx);
         self.state.note_window_secs(ctx.input(|i| i.unstable_dt));
         self.state.work = self.work();
         let mut commands = self.key_commands(&ctx);

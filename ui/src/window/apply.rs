@@ -35,6 +35,8 @@ impl App {
             Command::SetFovDegrees(degrees) => state.fly.set_fov_degrees(degrees),
             Command::EaseTo(camera) => state.fly.ease_to(camera),
             Command::Moving(moving) => self.move_on(moving),
+            Command::Editing(editing) => self.edit(editing),
+            Command::Seeing(seeing) => self.look_closer(seeing),
             Command::Say(severity, text) => state.notify(severity, text),
             Command::Level => state.fly.level(),
             Command::ChangeFov(steps) => state.fly.change_fov(steps),
@@ -127,6 +129,10 @@ impl App {
             state.shows_settings = false;
         } else if state.picture.is_open {
             state.picture.is_open = false;
+        } else if state.sight.lent.take().is_some() {
+        } else if state.sight.measure.is_on {
+            state.sight.measure.is_on = false;
+        } else if state.sight.inspection.take().is_some() {
         } else if state.notices.pop().is_none() && ctx.input(|i| i.viewport().fullscreen.unwrap_or(false)) {
             ctx.send_viewport_cmd(ViewportCommand::Fullscreen(false));
         }

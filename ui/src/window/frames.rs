@@ -26,6 +26,8 @@ pub struct ReferenceInfo {
     pub contribution: f32,
     /// True where the last frame used it.
     pub is_used: bool,
+    /// False where it was switched off.
+    pub is_enabled: bool,
     /// When it was added.
     pub added: Instant,
 }
@@ -118,6 +120,7 @@ impl PublishedFrame {
             size: entry.frame.view.size,
             contribution: entry.contribution,
             is_used: used.contains(&entry.id),
+            is_enabled: entry.is_enabled,
             added: added.iter().find(|(id, _)| *id == entry.id).map_or(self.finished, |(_, at)| *at),
         }));
     }
@@ -145,7 +148,7 @@ pub fn rgb9e5(color: Vec3) -> u32 {
 }
 
 /// The colour that [`rgb9e5`] packed.
-pub fn unpacked(packed: u32) -> Vec3 {
+pub fn rgb9e5_decoded(packed: u32) -> Vec3 {
     let scale = 2f32.powi((packed >> 27) as i32 - 24);
     Vec3::from_array([0, 9, 18].map(|at| (packed >> at & 511) as f32 * scale))
 }
@@ -203,12 +206,12 @@ mod tests {
             Vec3::splat(0.99999),
             Vec3::splat(1e-5),
         ] {
-            let error = (unpacked(rgb9e5(c)) - c).abs().max_element();
-            assert!(error <= c.max_element() / 511.0 + 6e-8, "{c} became {}", unpacked(rgb9e5(c)));
+            let error = (rgb9e5_decoded(rgb9e5(c)) - c).abs().max_element();
+            assert!(error <= c.max_element() / 511.0 + 6e-8, "{c} became {}", rgb9e5_decoded(rgb9e5(c)));
         }
-        assert_eq!(unpacked(rgb9e5(Vec3::ZERO)), Vec3::ZERO);
-        assert_eq!(unpacked(rgb9e5(Vec3::new(-1.0, f32::NAN, 0.0))), Vec3::ZERO);
-        assert_eq!(unpacked(rgb9e5(Vec3::splat(f32::INFINITY))), Vec3::splat(65408.0));
+        assert_eq!(rgb9e5_decoded(rgb9e5(Vec3::ZERO)), Vec3::ZERO);
+        assert_eq!(rgb9e5_decoded(rgb9e5(Vec3::new(-1.0, f32::NAN, 0.0))), Vec3::ZERO);
+        assert_eq!(rgb9e5_decoded(rgb9e5(Vec3::splat(f32::INFINITY))), Vec3::splat(65408.0));
     }
 
     #[test]

@@ -6,7 +6,9 @@ use super::fly_camera::{Gait, Motion, SPEED_FACTOR};
 use super::keymap::{Action, Pressed};
 use super::panels::legend;
 use super::presentation::{Coloring, Heatmap};
-use super::state::{Command, Compare, FileCommand, Moving, Options, PictureCommand, Severity};
+use super::state::{
+    Command, Compare, Editing, FileCommand, Moving, Options, PictureCommand, Seeing, Severity,
+};
 use afterimage::trace::Probe;
 use egui::{
     Context, CursorGrab, Event, MouseWheelUnit, PointerButton, Pos2, Response, Vec2, ViewportCommand,
@@ -46,6 +48,9 @@ impl App {
                 let bounds = self.obstacles.as_ref()?.tracer().scene().bounds_m;
                 Command::EaseTo(aim::framing(bounds, self.state.fly.camera(), self.aspect()))
             }
+            Action::Undo => Command::Editing(Editing::Undo),
+            Action::Redo => Command::Editing(Editing::Redo),
+            Action::Measure => Command::Seeing(Seeing::ToggleMeasure),
             Action::AddPathKey => Command::Moving(Moving::AddPathKey),
             Action::PlayPath => Command::Moving(Moving::PlayPath),
             Action::SaveView => Command::Moving(Moving::SaveView(chord as u8 + 1)),
@@ -104,6 +109,7 @@ impl App {
         if viewport.contains_pointer() {
             self.wheel(ctx, viewport, factor);
         }
+        self.click(viewport);
         if viewport.double_clicked()
             && let Some(at) = viewport.interact_pointer_pos()
         {
@@ -194,7 +200,7 @@ impl App {
 }
 
 /// A point of the viewport as parts of its half size, right and up from the centre.
-fn unit(viewport: &Response, at: Pos2) -> [f64; 2] {
+pub(super) fn unit(viewport: &Response, at: Pos2) -> [f64; 2] {
     let (from_centre, half) = (at - viewport.rect.center(), viewport.rect.size() / 2.0);
     [f64::from(from_centre.x / half.x.max(1.0)), f64::from(-from_centre.y / half.y.max(1.0))]
 }

@@ -49,6 +49,9 @@ pub enum Action {
     PastePose,
     AddPathKey,
     PlayPath,
+    Measure,
+    Undo,
+    Redo,
     Help,
     TogglePanels,
     ToggleStatistics,
@@ -90,6 +93,10 @@ const fn shift(key: Key) -> Chord {
 
 const fn ctrl(key: Key) -> Chord {
     Chord { key, shift: false, ctrl: true }
+}
+
+const fn ctrl_shift(key: Key) -> Chord {
+    Chord { key, shift: true, ctrl: true }
 }
 
 const fn hold(action: Action, chords: &'static [Chord], help: &'static str) -> Binding {
@@ -168,6 +175,9 @@ pub const BINDINGS: &[Binding] = &[
     press(Action::PastePose, &[ctrl(Key::V)], "go to the pose in the clipboard"),
     press(Action::AddPathKey, &[plain(Key::K)], "add a key to the camera path"),
     press(Action::PlayPath, &[plain(Key::Space)], "play or pause the camera path"),
+    press(Action::Measure, &[plain(Key::M)], "measure between two clicks, or stop"),
+    press(Action::Undo, &[ctrl(Key::Z)], "undo the last change of the scene"),
+    press(Action::Redo, &[ctrl_shift(Key::Z)], "redo what was undone"),
     press(Action::Help, &[plain(Key::F1), shift(Key::Slash)], "show or hide this help"),
     press(Action::TogglePanels, &[plain(Key::F2)], "show or hide the panels"),
     press(Action::ToggleStatistics, &[plain(Key::F3)], "show or hide the statistics"),
@@ -265,6 +275,7 @@ pub const MOUSE: &[(&str, &str)] = &[
     ("Drag, left or right button", "look around"),
     ("Wheel", "fly towards the cursor"),
     ("Right button + wheel", "change the speed (0.05 to 200 m/s)"),
+    ("Click", "inspect a pixel, choose its material"),
     ("Double click", "go there"),
     ("Shift held", "five times as fast"),
     ("Alt held", "five times as slow"),

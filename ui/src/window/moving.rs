@@ -13,6 +13,17 @@ use std::path::PathBuf;
 impl App {
     /// Does what was asked for.
     pub(super) fn move_on(&mut self, moving: Moving) {
+        let views_before = match moving {
+            Moving::SaveView(_) | Moving::AddView | Moving::RemoveView(_) | Moving::FinishRenaming => {
+                self.state.scene.as_ref().map(|s| s.views.clone())
+            }
+            _ => None,
+        };
+        self.carry_out(moving);
+        views_before.into_iter().for_each(|before| self.note_views(before));
+    }
+
+    fn carry_out(&mut self, moving: Moving) {
         let state = &mut self.state;
         match moving {
             Moving::GoToView(index) => self.go_to_view(index),

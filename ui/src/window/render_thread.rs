@@ -45,6 +45,10 @@ pub enum Order {
     AddReference(Camera),
     /// Drops a reference.
     Remove(ReferenceId),
+    /// Switches a reference on or off.
+    Enable(ReferenceId, bool),
+    /// Hands out what a reference holds.
+    Lend(ReferenceId),
     /// Drops all references.
     Clear,
     /// Hands out the next complete frame, or the one that is there while paused.
@@ -72,11 +76,26 @@ pub struct Picture {
     pub references: Vec<Arc<ReferenceFrame>>,
 }
 
+/// What a reference holds.
+#[derive(Clone, Debug)]
+pub struct Lending {
+    /// Whose.
+    pub id: ReferenceId,
+    /// Where it was taken.
+    pub camera: Camera,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// By pixel, `None` where it holds no light; of the whole `None` where there is no such reference any more.
+    pub radiance: Option<Vec<Option<Vec3>>>,
+}
+
 /// What the threads have to say beside frames.
 #[derive(Clone, Debug)]
 pub enum Message {
     /// As ordered.
     Picture(Picture),
+    /// As ordered.
+    Lent(Lending),
     /// Something failed; the threads go on.
     Failed(String),
 }
@@ -189,7 +208,7 @@ impl RenderThread {
 
     /// Orders something; returns the generation of the first frame that shows it.
     pub fn order(&self, order: Order) -> u64 {
-        let changes_frame = !matches!(order, Order::Picture | Order::AddReference(_));
+        let changes_frame = !matches!(order, Order::Picture | Order::AddReference(_) | Order::Lend(_));
         if matches!(order, Order::SetTracer(_)) {
             self.shared.abandon.store(true, Ordering::Release);
         }

@@ -2,6 +2,7 @@
 
 mod comparing;
 mod driving;
+mod editing;
 mod keeping;
 mod keys;
 mod measured;
@@ -10,6 +11,7 @@ mod pictures;
 mod pixels;
 mod real;
 mod room;
+mod seeing;
 mod threads;
 mod timewarp;
 

@@ -54,6 +54,7 @@ impl Bench {
             match self.thread.messages().next() {
                 Some(Message::Picture(picture)) => return picture,
                 Some(Message::Failed(text)) => panic!("{text}"),
+                Some(Message::Lent(lending)) => panic!("nobody asked for {:?}", lending.id),
                 None => self.bell.recv_timeout(DEADLINE).expect("the picture"),
             }
         }

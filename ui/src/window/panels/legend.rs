@@ -4,7 +4,9 @@ use super::super::keymap::{Action, keys_of};
 use super::super::presentation::{Coloring, Heatmap};
 use super::super::state::{Command, Options, State};
 use super::{TYPE_NAMES, swatch};
-use egui::Ui;
+use afterimage::Mode;
+use afterimage::reproject::TypeCounts;
+use egui::{RichText, Ui};
 
 /// Shows switches and legend.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
@@ -25,15 +27,21 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     if options != state.options {
         commands.push(Command::SetOptions(shown(options, &state.options)));
     }
-    let percent = state.frame.as_ref().map(|f| {
-        let p = f.stats.types.percentages();
-        [p.type1_percent, p.type2_percent, p.type3_percent]
-    });
+    ui.weak(meaning(state.quality.walk.render.mode));
+    let types = state.frame.as_ref().map(|f| f.stats.types);
     egui::Grid::new("legend").num_columns(3).min_col_width(14.0).show(ui, |ui| {
+        let p = types.map(|t| t.percentages()).unwrap_or_default();
+        let shares = [p.type1_percent, p.type2_percent, p.type3_percent];
         for (number, name) in TYPE_NAMES.into_iter().enumerate() {
             swatch(ui, number);
             ui.label(name);
-            ui.label(percent.map_or("-".to_owned(), |p| format!("{:.1} %", p[number])));
+            ui.label(percent(types.is_some(), shares[number]));
+            ui.end_row();
+        }
+        for (name, help, share) in parts(&types.unwrap_or_default()) {
+            ui.label("");
+            ui.label(RichText::new(format!("   {name}")).small()).on_hover_text(help);
+            ui.label(RichText::new(percent(types.is_some(), share)).small());
             ui.end_row();
         }
         swatch(ui, TYPE_NAMES.len());
@@ -41,6 +49,31 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             .on_hover_text("While you move: the last frame did not see it");
         ui.end_row();
     });
+}
+
+fn percent(is_known: bool, share: f64) -> String {
+    if is_known { format!("{share:.1} %") } else { "-".to_owned() }
+}
+
+/// Type 3 by what is done about it, in percent of all pixels.
+fn parts(types: &TypeCounts) -> [(&'static str, &'static str, f64); 4] {
+    let all = types.reused + types.secondary + types.gap + types.disoccluded + types.unseen + types.uncertain;
+    let share = |count: usize| 100.0 * count as f64 / all.max(1) as f64;
+    [
+        ("gap", "Between neighbours that agree", share(types.gap)),
+        ("disoccluded", "Traced; its light is looked up in references", share(types.disoccluded)),
+        ("uncertain", "Traced and looked up, then checked by few rays", share(types.uncertain)),
+        ("unseen", "Traced and lit in full: no reference saw it", share(types.unseen)),
+    ]
+}
+
+/// What the types stand for in a mode.
+fn meaning(mode: Mode) -> &'static str {
+    match mode {
+        Mode::Paper => "paper: pixels are moved here from reference pictures",
+        Mode::Exact | Mode::Fast => "Every surface is met by a ray; what is reused is the light on it",
+        Mode::Full => "full: nothing is reused, every pixel is traced",
+    }
 }
 
 /// Who asks for another colouring wants to see it.

@@ -3,7 +3,9 @@
 use super::super::fly_camera::Gait;
 use super::super::keymap::{Action, keys_of};
 use super::super::load::SceneSource;
-use super::super::state::{Command, FileCommand, Moving, Options, PictureCommand, State};
+use super::super::state::{
+    Command, Editing, Edits, FileCommand, Moving, Options, PictureCommand, Seeing, State,
+};
 use afterimage::scene::builtin;
 use egui::{Button, Ui};
 
@@ -11,6 +13,7 @@ use egui::{Button, Ui};
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     egui::MenuBar::new().ui(ui, |ui| {
         ui.menu_button("Scene", |ui| scene_menu(ui, state, commands));
+        ui.menu_button("Edit", |ui| edit_menu(ui, state, commands));
         ui.menu_button("View", |ui| view_menu(ui, state, commands));
         if item(ui, "Settings", None) {
             commands.push(Command::ShowSettings(!state.shows_settings));
@@ -21,6 +24,10 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             commands.push(Command::SetOptions(options));
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            if state.edits.as_ref().is_some_and(Edits::is_unsaved) {
+                ui.label("Changes not saved")
+                    .on_hover_text("Materials or light were changed: Material panel");
+            }
             if let Some(adapter) = &state.software_adapter {
                 ui.weak("no graphics card").on_hover_text(format!("The window is drawn by {adapter}."));
             }
@@ -61,6 +68,22 @@ fn scene_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     if item(ui, "Copy pose", Some(Action::CopyPose)) {
         commands.push(Command::CopyPose);
     }
+}
+
+fn edit_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let can = |test: fn(&Edits) -> bool| state.edits.as_ref().is_some_and(test);
+    let mut entry = |text: &str, action: Option<Action>, is_enabled: bool, command: Command| {
+        let keys = action.map(keys_of).unwrap_or_default();
+        if ui.add_enabled(is_enabled, Button::new(text).shortcut_text(keys)).clicked() {
+            commands.push(command);
+        }
+    };
+    entry("Undo change", Some(Action::Undo), can(Edits::can_undo), Command::Editing(Editing::Undo));
+    entry("Redo change", Some(Action::Redo), can(Edits::can_redo), Command::Editing(Editing::Redo));
+    let save = Command::Editing(Editing::SaveBeside);
+    entry("Save changes beside the scene", None, can(Edits::is_unsaved), save);
+    let text = if state.sight.measure.is_on { "Stop measuring distances" } else { "Measure distances" };
+    entry(text, Some(Action::Measure), true, Command::Seeing(Seeing::ToggleMeasure));
 }
 
 fn view_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {

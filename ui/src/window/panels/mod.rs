@@ -1,14 +1,19 @@
 //! What lies round the viewport and over it. A panel reads the state and asks for changes by commands.
 
 pub mod comparison;
+pub mod daylight;
 pub mod files;
 pub mod help;
 pub mod hud;
+pub mod inspector;
 pub mod legend;
+pub mod material;
 pub mod menu;
 pub mod notices;
+pub mod overlay;
 pub mod path;
 pub mod picture;
+pub mod plan;
 pub mod plots;
 pub mod quality;
 pub mod references;
@@ -48,6 +53,10 @@ pub fn side(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         section(ui, "Scene", |ui| report::show(ui, state, commands));
         section(ui, "Views", |ui| views::show(ui, state, commands));
         closed_section(ui, "Camera path", |ui| path::show(ui, state, commands));
+        section(ui, "Pixel and distance", |ui| inspector::show(ui, state, commands));
+        section(ui, "Material", |ui| material::show(ui, state, commands));
+        closed_section(ui, "Sun and sky", |ui| daylight::show(ui, state, commands));
+        section(ui, "Plan", |ui| plan::show(ui, state, commands));
         section(ui, "Pixel types", |ui| legend::show(ui, state, commands));
         section(ui, "Full tracer", |ui| comparison::show(ui, state, commands));
         section(ui, "Quality", |ui| quality::show(ui, state, commands));
@@ -77,7 +86,9 @@ fn collapsing(ui: &mut Ui, header: egui::CollapsingHeader, contents: impl FnOnce
 pub fn thumbnail(ui: &mut Ui, state: &State, camera: &afterimage::Camera) {
     let (rect, _) = ui.allocate_exact_size(egui::vec2(72.0, 45.0), egui::Sense::hover());
     ui.painter().rect_filled(rect, 3.0, Color32::from_gray(70));
-    let _ = (state, camera);
+    if let Some(texture) = state.thumbnails.as_ref().and_then(|t| t.of(camera)) {
+        egui::Image::new(texture).corner_radius(3.0).paint_at(ui, rect);
+    }
 }
 
 /// A small square of a type's colour, hatched for Type 3; past the types, of what is filled.

@@ -13,7 +13,7 @@ const HEIGHT: f32 = 92.0;
 pub fn show(ui: &mut Ui, state: &State) {
     let now = Instant::now();
     let ages: Vec<f64> = state.history.iter().map(|s| -(now - s.at).as_secs_f64()).collect();
-    ui.weak("Pixels by type, percent");
+    ui.weak("Pixels by type, percent; dashed: a new reference is taken");
     plot("types").include_y(0.0).include_y(100.0).show(ui, |plot| {
         // Type 3 lies at the bottom, where its threshold can be read off.
         let mut lower = vec![0.0; ages.len()];
@@ -25,12 +25,13 @@ pub fn show(ui: &mut Ui, state: &State) {
         }
         if let Some(percent) = threshold(&state.quality.walk.placement) {
             let line =
-                HLine::new("threshold", percent).color(Color32::WHITE).style(LineStyle::dashed_dense());
+                HLine::new("threshold", percent).color(Color32::BLACK).style(LineStyle::dashed_dense());
             plot.hline(line.width(1.5));
         }
     });
     ui.add_space(4.0);
-    ui.weak("Frame time, ms");
+    ui.weak("Frame time by stage, ms");
+    key(ui, &["select + warp", "secondary", "trace"]);
     let text = ui.visuals().strong_text_color();
     plot("time").include_y(0.0).show(ui, |plot| {
         let points = |ms: &dyn Fn(&[f32; 3]) -> f32| -> PlotPoints<'_> {
@@ -41,6 +42,17 @@ pub fn show(ui: &mut Ui, state: &State) {
         plot.line(Line::new("select + warp", points(&|s| s[0])).color(TYPE_COLORS[0]).width(1.0));
         plot.line(Line::new("secondary", points(&|s| s[1])).color(TYPE_COLORS[1]).width(1.0));
         plot.line(Line::new("trace", points(&|s| s[2])).color(TYPE_COLORS[2]).width(1.0));
+    });
+}
+
+/// Which line is which, by the colour of the type that the stage makes.
+fn key(ui: &mut Ui, names: &[&str]) {
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        for (number, name) in names.iter().enumerate() {
+            super::swatch(ui, number);
+            ui.label(egui::RichText::new(*name).small());
+        }
     });
 }
 

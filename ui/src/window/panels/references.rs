@@ -1,9 +1,10 @@
 //! The references held: what they are worth, where they stand.
 
-use super::super::frames::ReferenceInfo;
+use super::super::frames::{ReferenceInfo, supplier_byte};
 use super::super::keymap::{Action, keys_of};
-use super::super::state::{Command, Options, State, Work};
-use egui::{ProgressBar, RichText, Ui};
+use super::super::state::{Command, Options, Seeing, State, Work};
+use afterimage::reference::ReferenceId;
+use egui::{Color32, ProgressBar, RichText, Ui};
 
 /// Shows buttons and list.
 pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
@@ -28,13 +29,13 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     egui::ScrollArea::vertical().id_salt("references").max_height(LIST_HEIGHT).show(ui, |ui| {
         for reference in frame.references.iter().rev() {
             ui.separator();
-            entry(ui, reference, commands);
+            entry(ui, state, reference, "reference", commands);
         }
     });
 }
 
-/// Three references and a bit: that there are more is seen, and the plots stay within reach.
-const LIST_HEIGHT: f32 = 230.0;
+/// Two references and a bit: that there are more is seen, and the plots stay within reach.
+const LIST_HEIGHT: f32 = 250.0;
 
 fn buttons(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
@@ -55,22 +56,36 @@ fn buttons(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     });
 }
 
-fn entry(ui: &mut Ui, reference: &ReferenceInfo, commands: &mut Vec<Command>) {
+/// A reference with its picture, what it gives, and what can be done with it. `whose` tells the same buttons in two
+/// places apart.
+pub fn entry(
+    ui: &mut Ui,
+    state: &State,
+    reference: &ReferenceInfo,
+    whose: &str,
+    commands: &mut Vec<Command>,
+) {
     let number = reference.id.0;
     ui.horizontal(|ui| {
-        let name = RichText::new(format!("#{number}"));
-        ui.label(if reference.is_used { name.strong() } else { name.weak() })
-            .on_hover_text(if reference.is_used { "used by this frame" } else { "not used by this frame" });
-        ui.weak(age(reference.added.elapsed().as_secs()));
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            let delete = ui.small_button("Delete").accessible_name(format!("Delete reference {number}"));
-            if delete.clicked() {
-                commands.push(Command::Remove(reference.id));
-            }
-            let go = ui.small_button("Go there").accessible_name(format!("Go to reference {number}"));
-            if go.clicked() {
-                commands.push(Command::EaseTo(reference.camera));
-            }
+        super::thumbnail(ui, state, &reference.camera);
+        ui.vertical(|ui| {
+            ui.horizontal(|ui| {
+                swatch(ui, reference.id);
+                let name = RichText::new(format!("#{number}"));
+                let is_chosen = state.sight.reference == Some(reference.id);
+                let name = if reference.is_used { name.strong() } else { name };
+                let help = if reference.is_used { "used by this frame" } else { "not used by this frame" };
+                let label = ui.selectable_label(is_chosen, name).on_hover_text(help);
+                if label.accessible_name(format!("Choose {whose} {number}")).clicked() {
+                    let chosen = (!is_chosen).then_some(reference.id);
+                    commands.push(Command::Seeing(Seeing::SelectReference(chosen)));
+                }
+                ui.weak(age(reference.added.elapsed().as_secs()));
+                if !reference.is_enabled {
+                    ui.weak("off");
+                }
+            });
+            ui.horizontal(|ui| deeds(ui, reference, whose, commands));
         });
     });
     let share = reference.contribution.clamp(0.0, 1.0);
@@ -80,6 +95,45 @@ fn entry(ui: &mut Ui, reference: &ReferenceInfo, commands: &mut Vec<Command>) {
     let [width, height] = reference.size;
     let place = format!("{:.2}, {:.2}, {:.2} m   {width} x {height}", eye.x, eye.y, eye.z);
     ui.label(RichText::new(place).small().weak());
+}
+
+/// A square of the colour that stands for it in the heatmap by reference.
+fn swatch(ui: &mut Ui, id: ReferenceId) {
+    let (rect, response) = ui.allocate_exact_size(egui::vec2(12.0, 12.0), egui::Sense::hover());
+    ui.painter().rect_filled(rect, 2.0, heatmap_color(supplier_byte(id)));
+    response.on_hover_text("Its colour in the heatmap by reference");
+}
+
+/// As `color_of_reference` of present.wgsl has it: hues by the golden ratio.
+fn heatmap_color(supplier: u8) -> Color32 {
+    let hue = (f32::from(supplier) * 0.618_034 + 0.58).fract();
+    let channel = |shift: f32| {
+        let pure = (((hue + shift).fract() * 6.0 - 3.0).abs() - 1.0).clamp(0.0, 1.0);
+        ((1.0 - 0.7 + 0.7 * pure) * 0.9 * 255.0 + 0.5) as u8
+    };
+    Color32::from_rgb(channel(0.0), channel(2.0 / 3.0), channel(1.0 / 3.0))
+}
+
+fn deeds(ui: &mut Ui, reference: &ReferenceInfo, whose: &str, commands: &mut Vec<Command>) {
+    ui.spacing_mut().item_spacing.x = 4.0;
+    let (id, number) = (reference.id, reference.id.0);
+    let mut deed = |ui: &mut Ui, text: &str, name: &str, help: &str, command: Command| {
+        let button = ui.small_button(text).accessible_name(format!("{name} {whose} {number}"));
+        if button.on_hover_text(help).clicked() {
+            commands.push(command);
+        }
+    };
+    deed(ui, "Go", "Go to", "Stand where it was taken", Command::EaseTo(reference.camera));
+    let show = Command::Seeing(Seeing::ShowReference(id));
+    deed(ui, "Show", "Show", "Look through it: what it holds, over the viewport", show);
+    let (text, help) = match reference.is_enabled {
+        true => ("Off", "Do without it; it keeps its memory"),
+        false => ("On", "Use it again"),
+    };
+    let name = if reference.is_enabled { "Disable" } else { "Enable" };
+    let enable = Command::Seeing(Seeing::EnableReference(id, !reference.is_enabled));
+    deed(ui, text, name, help, enable);
+    deed(ui, "Delete", "Delete", "Drop it", Command::Remove(id));
 }
 
 fn age(secs: u64) -> String {

@@ -1,6 +1,6 @@
 //! The scene that is shown, the way to another one, and what was doubtful in its files.
 
-use super::super::state::{Command, State};
+use super::super::state::{Command, SceneInfo, Seeing, State};
 use egui::{Color32, RichText, Ui};
 
 /// Shows scene, path field and warnings.
@@ -8,11 +8,34 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     if let Some(scene) = &state.scene {
         ui.label(RichText::new(&scene.name).strong());
         ui.weak(format!("{} triangles, {} lights", grouped(scene.triangles), scene.lights));
+        facts(ui, scene);
     } else {
         ui.weak("No scene yet.");
     }
     path_field(ui, state, commands);
     warnings(ui, state, commands);
+}
+
+/// What is in the scene, what it needs, and what the renderer therefore leaves out.
+fn facts(ui: &mut Ui, scene: &SceneInfo) {
+    let [x, y, z] = scene.extent_m;
+    let (needs, left_out) = (scene.needs, scene.needs.left_out());
+    let needed = [
+        (needs.mirror, "mirrors"),
+        (needs.glass, "glass"),
+        (needs.textures, "textures"),
+        (needs.alpha, "cut-outs"),
+        (needs.area_lights, "area lights"),
+        (needs.sky, "a sky"),
+    ];
+    let needed: Vec<&str> = needed.into_iter().filter_map(|(is, what)| is.then_some(what)).collect();
+    let or_nothing = |list: Vec<&str>| if list.is_empty() { "nothing".to_owned() } else { list.join(", ") };
+    egui::CollapsingHeader::new("What it needs").id_salt("needs").show(ui, |ui| {
+        ui.label(format!("Needs {}.", or_nothing(needed)));
+        ui.label(format!("Left out: {}.", or_nothing(left_out)));
+        ui.weak(format!("{x:.1} x {z:.1} m, {y:.1} m high"));
+        ui.weak(format!("{} vertices, {} textures", grouped(scene.vertices), scene.textures));
+    });
 }
 
 fn path_field(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
@@ -37,21 +60,40 @@ fn path_field(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 
 fn warnings(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let Some(scene) = state.scene.as_ref().filter(|s| !s.warnings.is_empty()) else { return };
-    let lines: Vec<String> = scene.warnings.iter().map(line).collect();
     let amber =
         if ui.visuals().dark_mode { Color32::from_rgb(240, 180, 60) } else { Color32::from_rgb(150, 90, 0) };
-    let title = RichText::new(format!("{} import warnings", lines.len())).color(amber);
+    let title = RichText::new(format!("{} import warnings", scene.warnings.len())).color(amber);
     egui::CollapsingHeader::new(title).id_salt("warnings").show(ui, |ui| {
-        if ui.button("Copy all").accessible_name("Copy all warnings").clicked() {
-            commands.push(Command::CopyText(lines.join("\n")));
+        let mut filter = state.sight.report_filter.clone();
+        let field = egui::TextEdit::singleline(&mut filter)
+            .hint_text("only those with...")
+            .desired_width(f32::INFINITY);
+        if ui.add(field).accessible_name("Filter the warnings").changed() {
+            commands.push(Command::Seeing(Seeing::FilterReport(filter.clone())));
         }
-        let area = egui::ScrollArea::vertical().max_height(160.0).id_salt("warning list");
-        let row_height = ui.text_style_height(&egui::TextStyle::Small);
-        area.show_rows(ui, row_height, lines.len(), |ui, rows| {
-            for line in &lines[rows] {
-                ui.add(egui::Label::new(RichText::new(line).small()).truncate()).on_hover_text(line);
+        let filter = filter.to_lowercase();
+        let lines: Vec<String> =
+            scene.warnings.iter().map(line).filter(|l| l.to_lowercase().contains(&filter)).collect();
+        ui.horizontal(|ui| {
+            if ui.button("Copy all").accessible_name("Copy all warnings").clicked() {
+                commands.push(Command::CopyText(lines.join("\n")));
             }
+            ui.weak(format!("{} shown; a click copies one", lines.len()));
         });
+        list(ui, &lines, commands);
+    });
+}
+
+fn list(ui: &mut Ui, lines: &[String], commands: &mut Vec<Command>) {
+    let area = egui::ScrollArea::vertical().max_height(160.0).id_salt("warning list");
+    let row_height = ui.text_style_height(&egui::TextStyle::Small);
+    area.show_rows(ui, row_height, lines.len(), |ui, rows| {
+        for line in &lines[rows] {
+            let label = egui::Label::new(RichText::new(line).small()).truncate().sense(egui::Sense::click());
+            if ui.add(label).on_hover_text(line).clicked() {
+                commands.push(Command::CopyText(line.clone()));
+            }
+        }
     });
 }
 

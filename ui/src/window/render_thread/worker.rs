@@ -1,6 +1,6 @@
 //! The work of the thread that makes frames: takes wishes in, renders, asks for references, hands pictures out.
 
-use super::{Message, Order, Picture, Shared, Wake, Wish};
+use super::{Lending, Message, Order, Picture, Shared, Wake, Wish};
 use crate::window::frames::{PublishedFrame, locked};
 use crate::window::reference_thread::{Job, Outcome};
 use afterimage::reference::{ReferenceFrame, ReferenceId};
@@ -149,6 +149,12 @@ impl Worker {
                     walk.cache_mut().remove(id);
                 }
             }
+            Order::Enable(id, is_enabled) => {
+                if let Some(walk) = &mut self.walk {
+                    walk.cache_mut().set_enabled(id, is_enabled);
+                }
+            }
+            Order::Lend(id) => self.lend(id),
             Order::Clear => {
                 self.cancel_reference();
                 if let Some(walk) = &mut self.walk {
@@ -326,6 +332,21 @@ impl Worker {
             refined: frame.stats.refined,
             references: useful_references(walk),
         }));
+        (self.wake)();
+    }
+
+    /// Hands out what a reference holds: what does not depend on the viewer.
+    fn lend(&self, id: ReferenceId) {
+        let Some(walk) = &self.walk else { return };
+        let entry = walk.cache().entries().iter().find(|e| e.id == id);
+        let radiance = entry.map(|entry| {
+            let (frame, tracer) = (&entry.frame, walk.tracer());
+            let count = frame.view.pixel_count() as u32;
+            (0..count).map(|p| frame.has_light(p).then(|| frame.diffuse_radiance(tracer, p))).collect()
+        });
+        let (camera, size) =
+            entry.map_or((walk.frame().camera, [0, 0]), |e| (e.frame.camera, e.frame.view.size));
+        self.say(Message::Lent(Lending { id, camera, size, radiance }));
         (self.wake)();
     }
 

@@ -1,11 +1,13 @@
 //! What controls ask for: panels and keys make commands, only the app carries them out.
 
-use super::{Compare, FileCommand, Look, Options, PictureCommand, Quality, Severity};
+use super::{Change, Compare, FileCommand, Look, Options, PictureCommand, Quality, Severity, SunControls};
 use crate::window::fly_camera::Gait;
 use crate::window::load::SceneSource;
+use crate::window::plan::PlanView;
 use crate::window::playback::Playback;
 use afterimage::Camera;
 use afterimage::reference::ReferenceId;
+use afterimage::scene::MaterialId;
 use std::path::PathBuf;
 
 /// What a control asks for.
@@ -24,6 +26,8 @@ pub enum Command {
     SetFovDegrees(f64),
     EaseTo(Camera),
     Moving(Moving),
+    Editing(Editing),
+    Seeing(Seeing),
     Say(Severity, String),
     Level,
     ChangeFov(f64),
@@ -63,4 +67,31 @@ pub enum Moving {
     SetPlayback(Playback),
     PlayPath,
     ToggleRecording,
+}
+
+/// What a control asks for of the scene's materials and light.
+#[derive(Clone, Debug)]
+#[allow(missing_docs, reason = "the names say it")]
+pub enum Editing {
+    Change(Change),
+    SetSun(SunControls),
+    Undo,
+    Redo,
+    SaveBeside,
+}
+
+/// What a control asks for of what is looked at more closely.
+#[derive(Clone, Debug)]
+#[allow(missing_docs, reason = "the names say it")]
+pub enum Seeing {
+    CloseInspector,
+    SelectMaterial(MaterialId),
+    ToggleMeasure,
+    ClearMeasure,
+    SelectReference(Option<ReferenceId>),
+    EnableReference(ReferenceId, bool),
+    ShowReference(ReferenceId),
+    CloseReference,
+    SetPlanView(PlanView),
+    FilterReport(String),
 }

@@ -1,7 +1,7 @@
 //! The picture against the full tracer's: what is shown of it, how far it is and how much they differ.
 
 use super::Quality;
-use crate::window::frames::{PublishedFrame, unpacked};
+use crate::window::frames::{PublishedFrame, rgb9e5_decoded};
 use afterimage::raster::color::srgb8;
 use afterimage::raster::metrics::{CompareError, error_picture, flip_map, psnr_db};
 use glam::Vec3;
@@ -78,7 +78,7 @@ pub fn difference(
     quality: &Quality,
 ) -> Result<(PictureError, Vec<[u8; 3]>), CompareError> {
     let shown = |packed: &u32| {
-        let [r, g, b] = srgb8(unpacked(*packed), quality.exposure_ev, quality.tone_map).map(f32::from);
+        let [r, g, b] = srgb8(rgb9e5_decoded(*packed), quality.exposure_ev, quality.tone_map).map(f32::from);
         Vec3::new(r, g, b) / 255.0
     };
     let [picture, full] = [picture, full].map(|p| p.iter().map(shown).collect::<Vec<Vec3>>());

@@ -2,6 +2,7 @@
 
 mod command;
 mod comparison;
+mod edits;
 mod history;
 mod look;
 mod notices;
@@ -9,10 +10,13 @@ mod options;
 mod picture;
 mod quality;
 mod scene;
+mod sight;
+mod sun;
 mod work;
 
-pub use command::{Command, Moving};
+pub use command::{Command, Editing, Moving, Seeing};
 pub use comparison::{Compare, Comparison, Pair, PictureError, difference};
+pub use edits::{Change, Edits};
 pub use history::{HISTORY, Sample};
 pub use look::{FileCommand, Look};
 pub use notices::{Notice, Severity};
@@ -20,16 +24,21 @@ pub use options::Options;
 pub use picture::{Exporting, PictureCommand, PictureFormat, PictureSettings, PictureSize, PictureState};
 pub use quality::{Quality, WINDOW_SAMPLES};
 pub use scene::{SavedView, SceneInfo};
+pub use sight::{Inspection, Lent, Measure, PixelFacts, Sight, Snap, SnapKind};
+pub use sun::{PlaceAndTime, SunControls};
 pub use work::Work;
 
 use super::fly_camera::{FlyCamera, ViewChange};
 use super::frames::PublishedFrame;
 use super::load::{Progress, SceneSource};
+use super::plan::{Plan, PlanView};
 use super::playback::{Playback, Recording};
 use super::presentation::{Coloring, Heatmap, Overlay, Presentation};
+use super::thumbnails::Thumbnails;
 use afterimage::{Camera, WalkthroughSettings};
 use std::collections::VecDeque;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// All of it.
 #[derive(Debug)]
@@ -76,6 +85,18 @@ pub struct State {
     pub renaming: Option<(usize, String)>,
     /// The comparison with the full tracer.
     pub comparison: Comparison,
+    /// Changes of the scene; there as soon as a scene is.
+    pub edits: Option<Edits>,
+    /// What the controls of sun and sky show.
+    pub sun: SunControls,
+    /// What is looked at more closely.
+    pub sight: Sight,
+    /// The cut through the building.
+    pub plan: Option<Arc<Plan>>,
+    /// What of it is shown.
+    pub plan_view: PlanView,
+    /// Small pictures of views and references.
+    pub thumbnails: Option<Thumbnails>,
     /// Pictures.
     pub picture: PictureState,
     /// The looks of the window.
@@ -126,6 +147,12 @@ impl State {
             recording: None,
             renaming: None,
             comparison: Comparison::default(),
+            edits: None,
+            sun: SunControls::default(),
+            sight: Sight::default(),
+            plan: None,
+            plan_view: PlanView::default(),
+            thumbnails: None,
             picture: PictureState::default(),
             look: Look::default(),
             shows_settings: false,

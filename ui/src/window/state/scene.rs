@@ -1,7 +1,7 @@
 //! The scene as the panels show it.
 
 use crate::window::load::SceneSource;
-use afterimage::scene::Warning;
+use afterimage::scene::{Needs, Scene, Warning};
 use afterimage::{Camera, Tracer};
 
 /// A view that can be gone back to.
@@ -28,8 +28,16 @@ pub struct SceneInfo {
     pub warnings: Vec<Warning>,
     /// Triangles.
     pub triangles: usize,
+    /// Vertices.
+    pub vertices: usize,
     /// Lights.
     pub lights: usize,
+    /// Textures.
+    pub textures: usize,
+    /// Extent along x, y and z, metres.
+    pub extent_m: [f64; 3],
+    /// What the renderer must do for it.
+    pub needs: Needs,
 }
 
 impl SceneInfo {
@@ -42,8 +50,17 @@ impl SceneInfo {
             views: scene.views.iter().enumerate().map(saved_view).collect(),
             warnings: scene.warnings.clone(),
             triangles: scene.triangles.len(),
+            vertices: scene.positions.len(),
             lights: scene.lights.len(),
+            textures: scene.textures.len(),
+            extent_m: (scene.bounds_m[1] - scene.bounds_m[0]).to_array(),
+            needs: scene.needs,
         }
+    }
+
+    /// Takes over what a change of materials or light has changed.
+    pub fn relight(&mut self, scene: &Scene) {
+        (self.lights, self.needs) = (scene.lights.len(), scene.needs);
     }
 }
 

@@ -1,0 +1,206 @@
+//! Sun and sky: by azimuth and height, or by place and time.
+
+use super::super::state::{Change, Command, Editing, PlaceAndTime, State, SunControls};
+use afterimage::scene::Daylight;
+use afterimage::scene::solar::SunPosition;
+use egui::{DragValue, Slider, Ui};
+
+/// Places to start from: name, latitude, longitude, hours ahead of universal time in winter.
+const PLACES: [(&str, f64, f64, f64); 8] = [
+    ("Berlin", 52.52, 13.40, 1.0),
+    ("London", 51.51, -0.13, 0.0),
+    ("Madrid", 40.42, -3.70, 1.0),
+    ("Nairobi", -1.29, 36.82, 3.0),
+    ("New York", 40.71, -74.01, -5.0),
+    ("S\u{e3}o Paulo", -23.55, -46.63, -3.0),
+    ("Sydney", -33.87, 151.21, 10.0),
+    ("Tokyo", 35.68, 139.69, 9.0),
+];
+
+/// Shows the controls.
+pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let Some(edits) = &state.edits else {
+        ui.weak("No scene yet.");
+        return;
+    };
+    let now = edits.now().daylight;
+    let (mut has_sun, mut has_sky, mut sun) = (now.sun.is_some(), now.sky.is_some(), state.sun);
+    ui.horizontal(|ui| {
+        ui.checkbox(&mut has_sun, "Sun");
+        ui.checkbox(&mut has_sky, "Sky");
+    });
+    ui.horizontal(|ui| {
+        ui.radio_value(&mut sun.is_by_place, false, "By direction");
+        ui.radio_value(&mut sun.is_by_place, true, "By place and time");
+    });
+    ui.spacing_mut().slider_width = 110.0;
+    egui::Grid::new("daylight").num_columns(2).min_col_width(84.0).show(ui, |ui| {
+        if sun.is_by_place {
+            place_rows(ui, &mut sun.place);
+        } else {
+            direction_rows(ui, &mut sun.direction);
+        }
+        let help = "How far north is turned from the model's -Z (up on the plan) towards its +X, clockwise";
+        slider(ui, "North turned", help, &mut sun.north_deg, -180.0..=180.0, 0, "°");
+    });
+    let SunPosition { azimuth_deg, height_deg } = sun.position();
+    let place = format!("Sun at {azimuth_deg:.1}° from north over east, {height_deg:.1}° high");
+    ui.weak(if height_deg > 0.0 { place } else { format!("{place}: below the horizon") });
+    if sun != state.sun {
+        commands.push(Command::Editing(Editing::SetSun(sun)));
+    }
+    let wanted = daylight(&now, &state.sun, &sun, [has_sun, has_sky]);
+    if wanted != now {
+        commands.push(Command::Editing(Editing::Change(Change::Daylight(wanted))));
+    }
+}
+
+/// A part that is switched on, or that moves, is a clear day's; the rest stays as it is.
+fn daylight(
+    now: &Daylight,
+    before: &SunControls,
+    sun: &SunControls,
+    [has_sun, has_sky]: [bool; 2],
+) -> Daylight {
+    let clear = sun.moved(has_sun, has_sky);
+    // A sun that has set comes up again with the sky that it lights.
+    let has_moved = sun.position() != before.position() || sun.north_deg != before.north_deg;
+    if has_moved {
+        return Daylight { sun: sun.moved(has_sun || has_sky, false).sun, sky: clear.sky };
+    }
+    let sun = if has_sun == now.sun.is_some() { now.sun } else { clear.sun };
+    let sky = if has_sky == now.sky.is_some() { now.sky } else { clear.sky };
+    Daylight { sun, sky }
+}
+
+fn slider(
+    ui: &mut Ui,
+    name: &str,
+    help: &str,
+    value: &mut f64,
+    range: std::ops::RangeInclusive<f64>,
+    decimals: usize,
+    unit: &str,
+) {
+    let label = ui.label(name).on_hover_text(help);
+    let slider = Slider::new(value, range).clamping(egui::SliderClamping::Edits);
+    ui.add(slider.fixed_decimals(decimals).suffix(unit)).labelled_by(label.id).on_hover_text(help);
+    ui.end_row();
+}
+
+fn direction_rows(ui: &mut Ui, direction: &mut SunPosition) {
+    slider(
+        ui,
+        "Azimuth",
+        "From north over east: south is 180",
+        &mut direction.azimuth_deg,
+        0.0..=360.0,
+        0,
+        "°",
+    );
+    slider(ui, "Height", "Over the horizon", &mut direction.height_deg, -10.0..=90.0, 1, "°");
+}
+
+fn place_rows(ui: &mut Ui, place: &mut PlaceAndTime) {
+    let label = ui.label("Place");
+    let is_at = |p: &PlaceAndTime, lat: f64, lon: f64| p.latitude_deg == lat && p.longitude_deg == lon;
+    let known = PLACES.iter().find(|(_, lat, lon, _)| is_at(place, *lat, *lon)).map_or("own", |p| p.0);
+    let combo = egui::ComboBox::from_id_salt("place").selected_text(known).show_ui(ui, |ui| {
+        for (name, latitude_deg, longitude_deg, utc_offset_hours) in PLACES {
+            if ui.selectable_label(known == name, name).clicked() {
+                *place = PlaceAndTime { latitude_deg, longitude_deg, utc_offset_hours, ..*place };
+            }
+        }
+    });
+    combo.response.labelled_by(label.id);
+    ui.end_row();
+    slider(ui, "Latitude", "Positive in the north", &mut place.latitude_deg, -90.0..=90.0, 2, "°");
+    slider(ui, "Longitude", "Positive in the east", &mut place.longitude_deg, -180.0..=180.0, 2, "°");
+    date_row(ui, place);
+    let help = "By the clocks of the place";
+    let label = ui.label("Time").on_hover_text(help);
+    let clock = Slider::new(&mut place.hours, 0.0..=24.0).custom_formatter(|hours, _| clock_text(hours));
+    ui.add(clock.custom_parser(clock_hours).step_by(1.0 / 12.0)).labelled_by(label.id).on_hover_text(help);
+    ui.end_row();
+    let help = "How far those clocks are ahead of universal time (UTC); summer time is one hour more";
+    slider(ui, "Ahead of UTC", help, &mut place.utc_offset_hours, -12.0..=14.0, 1, " h");
+}
+
+fn date_row(ui: &mut Ui, place: &mut PlaceAndTime) {
+    ui.label("Date");
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 3.0;
+        let years =
+            DragValue::new(&mut place.year).range(1950..=2050).custom_formatter(|y, _| format!("{y:.0}"));
+        ui.add(years).accessible_name("Year");
+        ui.label("-");
+        ui.add(DragValue::new(&mut place.month).range(1..=12)).accessible_name("Month");
+        ui.label("-");
+        let last = days_in(place.year, place.month);
+        place.day = place.day.min(last);
+        ui.add(DragValue::new(&mut place.day).range(1..=last)).accessible_name("Day");
+    });
+    ui.end_row();
+}
+
+fn days_in(year: i32, month: u32) -> u32 {
+    let is_leap = (year % 4 == 0 && year % 100 != 0) || year % 400 == 0;
+    match month {
+        2 if is_leap => 29,
+        2 => 28,
+        4 | 6 | 9 | 11 => 30,
+        _ => 31,
+    }
+}
+
+fn clock_text(hours: f64) -> String {
+    let minutes = (hours * 60.0).round() as u32;
+    format!("{:02}:{:02}", minutes / 60, minutes % 60)
+}
+
+fn clock_hours(text: &str) -> Option<f64> {
+    let (hours, minutes) = text.split_once(':').unwrap_or((text, "0"));
+    Some(hours.trim().parse::<f64>().ok()? + minutes.trim().parse::<f64>().ok()? / 60.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_written_and_read_as_on_a_clock() {
+        for (hours, text) in [(0.0, "00:00"), (9.5, "09:30"), (13.25, "13:15"), (24.0, "24:00")] {
+            assert_eq!(clock_text(hours), text);
+            assert_eq!(clock_hours(text), Some(hours));
+        }
+        assert_eq!((clock_hours("7"), clock_hours("noon")), (Some(7.0), None));
+    }
+
+    #[test]
+    fn months_have_their_days() {
+        assert_eq!(
+            [days_in(2024, 2), days_in(2023, 2), days_in(1900, 2), days_in(2000, 2)],
+            [29, 28, 28, 29]
+        );
+        assert_eq!((days_in(2026, 4), days_in(2026, 12)), (30, 31));
+    }
+
+    #[test]
+    fn only_what_is_asked_for_changes() {
+        let controls = SunControls::default();
+        let own = Daylight { sky: Some(afterimage::scene::Sky { zenith: glam::Vec3::X, ..DUSK }), sun: None };
+        let lit = daylight(&own, &controls, &controls, [true, true]);
+        assert!(lit.sun.is_some() && lit.sky == own.sky, "the sky stays");
+        let mut moved = controls;
+        moved.direction.height_deg = 10.0;
+        let evening = daylight(&lit, &controls, &moved, [true, true]);
+        assert!(evening.sky != lit.sky && evening.sun != lit.sun);
+        assert_eq!(daylight(&lit, &controls, &controls, [false, false]), Daylight::default());
+    }
+
+    const DUSK: afterimage::scene::Sky = afterimage::scene::Sky {
+        zenith: glam::Vec3::ZERO,
+        horizon: glam::Vec3::ONE,
+        ground: glam::Vec3::ZERO,
+    };
+}

@@ -1,0 +1,156 @@
+//! The material of what was clicked: matte, mirror or glass.
+
+use super::super::load::SceneSource;
+use super::super::state::{Change, Command, Editing, Edits, Seeing, State};
+use afterimage::scene::{Material, MaterialId, MaterialKind};
+use egui::{Slider, SliderClamping, Ui};
+use glam::Vec3;
+
+/// Shows the chosen material, its controls, and the way back.
+pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let Some(edits) = &state.edits else {
+        ui.weak("No scene yet.");
+        return;
+    };
+    let chosen = state.sight.material.filter(|id| (id.0 as usize) < edits.now().materials.len());
+    choice(ui, edits, chosen, commands);
+    match chosen {
+        None => {
+            ui.weak("Click a surface, or choose a material.");
+        }
+        Some(id) => {
+            let material = &edits.now().materials[id.0 as usize];
+            let before = &edits.saved().materials[id.0 as usize];
+            let edited = controls(ui, material, before);
+            if edited != *material {
+                commands.push(Command::Editing(Editing::Change(Change::Material(id, edited))));
+            }
+        }
+    }
+    history(ui, state, edits, commands);
+}
+
+fn choice(ui: &mut Ui, edits: &Edits, chosen: Option<MaterialId>, commands: &mut Vec<Command>) {
+    let materials = &edits.now().materials;
+    let name = chosen.map_or("none chosen", |id| &materials[id.0 as usize].name);
+    let combo = egui::ComboBox::from_id_salt("chosen material").selected_text(name).width(230.0).truncate();
+    let response = combo.show_ui(ui, |ui| {
+        // A list of thousands of rows is laid out only where it is seen.
+        let height = ui.text_style_height(&egui::TextStyle::Button) + 2.0 * ui.spacing().button_padding.y;
+        egui::ScrollArea::vertical().max_height(240.0).show_rows(ui, height, materials.len(), |ui, rows| {
+            for i in rows {
+                let id = MaterialId(i as u32);
+                if ui.selectable_label(chosen == Some(id), &materials[i].name).clicked() {
+                    commands.push(Command::Seeing(Seeing::SelectMaterial(id)));
+                }
+            }
+        });
+    });
+    response.response.accessible_name("Material to change");
+}
+
+/// The material as the controls leave it.
+fn controls(ui: &mut Ui, material: &Material, before: &Material) -> Material {
+    let mut edited = material.clone();
+    ui.horizontal(|ui| {
+        let kind = std::mem::discriminant(&material.kind);
+        let kinds =
+            [("Matte", matte(material, before)), ("Mirror", mirror(material)), ("Glass", glass(material))];
+        for (name, other) in kinds {
+            let is_it = std::mem::discriminant(&other.kind) == kind;
+            if ui.radio(is_it, name).clicked() && !is_it {
+                edited = other;
+            }
+        }
+    });
+    ui.spacing_mut().slider_width = 110.0;
+    egui::Grid::new("material controls").num_columns(2).min_col_width(84.0).show(ui, |ui| match &mut edited
+        .kind
+    {
+        MaterialKind::Diffuse => {
+            let name = if material.diffuse_texture.is_some() { "Tint of the picture" } else { "Colour" };
+            color_row(ui, name, &mut edited.diffuse);
+            brightness_row(ui, "Brightness", &mut edited.diffuse);
+        }
+        MaterialKind::Mirror { reflectance, fresnel } => {
+            color_row(ui, "Colour", reflectance);
+            brightness_row(ui, "Reflectance", reflectance);
+            let label = ui.label("Glancing light");
+            ui.checkbox(fresnel, "mirrored fully").labelled_by(label.id);
+            ui.end_row();
+        }
+        MaterialKind::Glass { eta, transmittance } => {
+            let label = ui.label("Refraction").on_hover_text("Index: water 1.33, window 1.52, diamond 2.42");
+            let slider = Slider::new(eta, 1.0..=3.0).clamping(SliderClamping::Edits).fixed_decimals(2);
+            ui.add(slider).labelled_by(label.id);
+            ui.end_row();
+            color_row(ui, "Tint", transmittance);
+        }
+    });
+    if material.is_emissive() {
+        ui.weak("It also gives light, which stays as it is.");
+    }
+    edited
+}
+
+fn color_row(ui: &mut Ui, name: &str, color: &mut Vec3) {
+    let label = ui.label(name);
+    let mut rgb = color.to_array();
+    if ui.color_edit_button_rgb(&mut rgb).labelled_by(label.id).changed() {
+        *color = Vec3::from_array(rgb).clamp(Vec3::ZERO, Vec3::ONE);
+    }
+    ui.end_row();
+}
+
+/// The largest channel in percent; the others keep their share.
+fn brightness_row(ui: &mut Ui, name: &str, color: &mut Vec3) {
+    let label = ui.label(name);
+    let largest = color.max_element();
+    let mut percent = largest * 100.0;
+    let slider = Slider::new(&mut percent, 0.0..=100.0).fixed_decimals(0).suffix(" %");
+    if ui.add(slider).labelled_by(label.id).changed() {
+        let share = if largest > 0.0 { *color / largest } else { Vec3::ONE };
+        *color = share * (percent / 100.0).clamp(0.0, 1.0);
+    }
+    ui.end_row();
+}
+
+/// Matte again: with the colour that its file gives it, or a usual wall's.
+fn matte(material: &Material, before: &Material) -> Material {
+    let color = [material.diffuse, before.diffuse].into_iter().find(|c| c.max_element() > 0.0);
+    let diffuse = color.unwrap_or(Vec3::splat(0.7));
+    Material { kind: MaterialKind::Diffuse, diffuse, ..material.clone() }
+}
+
+fn mirror(material: &Material) -> Material {
+    let kind = MaterialKind::Mirror { reflectance: Vec3::splat(0.9), fresnel: false };
+    Material { kind, diffuse: Vec3::ZERO, ..material.clone() }
+}
+
+fn glass(material: &Material) -> Material {
+    let kind = MaterialKind::Glass { eta: 1.52, transmittance: Vec3::splat(0.95) };
+    Material { kind, diffuse: Vec3::ZERO, ..material.clone() }
+}
+
+fn history(ui: &mut Ui, state: &State, edits: &Edits, commands: &mut Vec<Command>) {
+    use super::super::keymap::{Action, keys_of};
+    ui.horizontal_wrapped(|ui| {
+        let mut button = |ui: &mut Ui, text: &str, is_enabled: bool, help: String, editing: Editing| {
+            let button = ui.add_enabled(is_enabled, egui::Button::new(text));
+            if button.on_hover_text(&help).on_disabled_hover_text(help).clicked() {
+                commands.push(Command::Editing(editing));
+            }
+        };
+        let key = |action| format!("Key {}", keys_of(action));
+        button(ui, "Undo", edits.can_undo(), key(Action::Undo), Editing::Undo);
+        button(ui, "Redo", edits.can_redo(), key(Action::Redo), Editing::Redo);
+        let is_file = state.scene.as_ref().is_some_and(|s| matches!(s.source, SceneSource::File { .. }));
+        let help = if is_file {
+            "Writes materials, sun and sky into the .afterimage.toml beside the model; the model stays as it is"
+        } else {
+            "This scene is part of the program; open a model file to keep changes"
+        };
+        let can_save = edits.is_unsaved() && is_file;
+        button(ui, "Save beside the scene", can_save, help.to_owned(), Editing::SaveBeside);
+    });
+}

@@ -1,0 +1,194 @@
+//! The plan: walls at eye height, you, your way, and every reference's view by what it gives.
+
+use super::super::frames::ReferenceInfo;
+use super::super::plan::{Plan, PlanView};
+use super::super::state::{Command, Seeing, State};
+use afterimage::Camera;
+use egui::{Color32, Mesh, Pos2, Rect, Response, Sense, Shape, Stroke, Ui};
+use glam::DVec2;
+
+const HEIGHT: f32 = 210.0;
+
+/// A reference is clicked where its eye is this near, in points.
+const CLICK_POINTS: f32 = 12.0;
+
+/// Length of a view's wedge, in points.
+const WEDGE: f32 = 26.0;
+
+/// Room around the whole model.
+const MARGIN: f32 = 0.92;
+
+const YOU: Color32 = Color32::from_rgb(0x56, 0xB4, 0xE9);
+const WAY: Color32 = Color32::from_rgb(0xCC, 0x79, 0xA7);
+
+/// Shows the plan and what is chosen in it.
+pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let Some(plan) = &state.plan else {
+        ui.weak(if state.scene.is_some() { "The plan is being cut." } else { "No scene yet." });
+        return;
+    };
+    let size = egui::vec2(ui.available_width(), HEIGHT);
+    let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Plan map"));
+    let sheet = Sheet::new(plan, &state.plan_view, state.fly.camera(), rect);
+    draw(ui, state, &sheet);
+    steer(ui, state, &sheet, &response, commands);
+    buttons(ui, state, &sheet, commands);
+    chosen(ui, state, plan, commands);
+}
+
+/// The plan as it lies on the screen: -Z is up, +X right.
+struct Sheet<'a> {
+    plan: &'a Plan,
+    view: PlanView,
+    rect: Rect,
+    points_per_metre: f64,
+}
+
+impl<'a> Sheet<'a> {
+    fn new(plan: &'a Plan, view: &PlanView, camera: &Camera, rect: Rect) -> Self {
+        let half = plan.half_extent_m.max(DVec2::splat(1e-3));
+        let fit = (f64::from(rect.width()) / half.x).min(f64::from(rect.height()) / half.y) / 2.0;
+        let mut view = *view;
+        if view.follows {
+            view.centre_m = plan.place(camera.eye);
+        }
+        Self { plan, view, rect, points_per_metre: fit * f64::from(MARGIN) * view.zoom() }
+    }
+
+    fn point(&self, place_m: DVec2) -> Pos2 {
+        let offset = (place_m - self.view.centre_m) * self.points_per_metre;
+        self.rect.center() + egui::vec2(offset.x as f32, offset.y as f32)
+    }
+
+    fn place(&self, at: Pos2) -> DVec2 {
+        let offset = at - self.rect.center();
+        self.view.centre_m + DVec2::new(f64::from(offset.x), f64::from(offset.y)) / self.points_per_metre
+    }
+
+    fn eye(&self, camera: &Camera) -> Pos2 {
+        self.point(self.plan.place(camera.eye))
+    }
+}
+
+fn draw(ui: &Ui, state: &State, sheet: &Sheet) {
+    let painter = ui.painter().with_clip_rect(sheet.rect);
+    let is_dark = ui.visuals().dark_mode;
+    painter.rect_filled(sheet.rect, 4.0, if is_dark { Color32::from_gray(22) } else { Color32::WHITE });
+    painter.add(walls(sheet, if is_dark { Color32::from_gray(190) } else { Color32::from_gray(60) }));
+    let keys = &state.playback.path.keyframes;
+    let way: Vec<Pos2> = keys.iter().map(|k| sheet.point(sheet.plan.place(k.eye))).collect();
+    painter.add(Shape::line(way, Stroke::new(1.5, WAY)));
+    for reference in references(state) {
+        let is_chosen = state.sight.reference == Some(reference.id);
+        wedge(&painter, sheet, &reference.camera, color_of(reference), is_chosen);
+    }
+    let camera = state.fly.camera();
+    wedge(&painter, sheet, camera, YOU, false);
+    painter.circle(sheet.eye(camera), 5.0, YOU, Stroke::new(1.5, Color32::BLACK));
+}
+
+/// One mesh of thin quads: a line is two triangles, and those outside are left out.
+fn walls(sheet: &Sheet, color: Color32) -> Shape {
+    const HALF_WIDTH: f32 = 0.6;
+    let mut mesh = Mesh::default();
+    for line in &sheet.plan.lines {
+        let [a, b] = line.map(|[x, z]| sheet.point(DVec2::new(f64::from(x), f64::from(z))));
+        if !sheet.rect.intersects(Rect::from_two_pos(a, b).expand(1.0)) {
+            continue;
+        }
+        // A line seen on end is still a dot.
+        let along = if a.distance(b) > 1e-3 { (b - a).normalized() } else { egui::Vec2::X } * HALF_WIDTH;
+        let (side, first) = (along.rot90(), mesh.vertices.len() as u32);
+        for at in [a - along + side, b + along + side, b + along - side, a - along - side] {
+            mesh.colored_vertex(at, color);
+        }
+        mesh.add_triangle(first, first + 1, first + 2);
+        mesh.add_triangle(first, first + 2, first + 3);
+    }
+    Shape::mesh(mesh)
+}
+
+/// A view as a wedge from the eye; one that is switched off is hollow.
+fn wedge(painter: &egui::Painter, sheet: &Sheet, camera: &Camera, color: Color32, is_chosen: bool) {
+    // A picture is about half as wide again as it is high.
+    let half_width = ((camera.fov_y / 2.0).tan() * 1.5).atan();
+    let eye = sheet.eye(camera);
+    let end = |turn: f64| {
+        let yaw = camera.yaw + turn;
+        eye + WEDGE * egui::vec2(-yaw.sin() as f32, -yaw.cos() as f32)
+    };
+    let corners = vec![eye, end(half_width), end(-half_width)];
+    let stroke = if is_chosen { Stroke::new(2.5, Color32::WHITE) } else { Stroke::new(1.0, color) };
+    painter.add(Shape::convex_polygon(corners, color.gamma_multiply(0.45), stroke));
+}
+
+fn references(state: &State) -> &[ReferenceInfo] {
+    state.frame.as_ref().map_or(&[], |f| &f.references)
+}
+
+/// Grey for nothing, orange for all; switched off is almost nothing.
+fn color_of(reference: &ReferenceInfo) -> Color32 {
+    const NOTHING: Color32 = Color32::from_gray(130);
+    const ALL: Color32 = Color32::from_rgb(0xE6, 0x9F, 0x00);
+    let color = NOTHING.lerp_to_gamma(ALL, reference.contribution.clamp(0.0, 1.0).sqrt());
+    if reference.is_enabled { color } else { color.gamma_multiply(0.25) }
+}
+
+fn steer(ui: &Ui, state: &State, sheet: &Sheet, response: &Response, commands: &mut Vec<Command>) {
+    let mut view = sheet.view;
+    if response.dragged() {
+        let drag = response.drag_delta();
+        view.centre_m -= DVec2::new(f64::from(drag.x), f64::from(drag.y)) / sheet.points_per_metre;
+        view.follows = false;
+    }
+    if let Some(at) = response.hover_pos() {
+        // Ctrl + wheel, or two fingers: the wheel alone scrolls the panel that the plan lies in.
+        let factor = ui.input(egui::InputState::zoom_delta);
+        if factor != 1.0 {
+            view = view.zoomed(f64::from(factor), sheet.place(at));
+        }
+    }
+    if view != sheet.view {
+        commands.push(Command::Seeing(Seeing::SetPlanView(view)));
+    }
+    if let Some(at) = response.interact_pointer_pos().filter(|_| response.clicked()) {
+        let distance = |r: &&ReferenceInfo| sheet.eye(&r.camera).distance(at);
+        let nearest = references(state).iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let hit = nearest.filter(|r| distance(r) <= CLICK_POINTS).map(|r| r.id);
+        commands.push(Command::Seeing(Seeing::SelectReference(hit)));
+    }
+}
+
+fn buttons(ui: &mut Ui, state: &State, sheet: &Sheet, commands: &mut Vec<Command>) {
+    let mut view = state.plan_view;
+    ui.horizontal(|ui| {
+        if ui.button("+").accessible_name("Zoom in on the plan").clicked() {
+            view = sheet.view.zoomed(1.5, sheet.view.centre_m);
+        }
+        if ui.button("\u{2212}").accessible_name("Zoom out of the plan").clicked() {
+            view = sheet.view.zoomed(1.0 / 1.5, sheet.view.centre_m);
+        }
+        if ui.button("Whole plan").clicked() {
+            view = PlanView::default();
+        }
+        ui.checkbox(&mut view.follows, "Follow me");
+        ui.weak(format!("at {:.1} m", sheet.plan.height_m))
+            .on_hover_text("Height of the cut above the origin");
+    });
+    if view != state.plan_view {
+        commands.push(Command::Seeing(Seeing::SetPlanView(view)));
+    }
+}
+
+fn chosen(ui: &mut Ui, state: &State, plan: &Plan, commands: &mut Vec<Command>) {
+    match references(state).iter().find(|r| state.sight.reference == Some(r.id)) {
+        None => {
+            let height = plan.height_m;
+            ui.weak(format!(
+                "Cut at {height:.1} m. Blue: you; pink: the walk. Click a reference to choose it; drag, or zoom with Ctrl + wheel."
+            ));
+        }
+        Some(reference) => super::references::entry(ui, state, reference, "chosen reference", commands),
+    }
+}

@@ -1,0 +1,153 @@
+//! Materials, sun and sky, and the way back.
+
+use super::*;
+use afterimage::scene::MaterialKind;
+use afterimage_ui::window::state::{Edits, SceneInfo, Severity};
+use egui::{Key, Modifiers};
+
+fn edits(app: &App) -> &Edits {
+    app.state().edits.as_ref().expect("a scene")
+}
+
+fn scene(app: &App) -> &SceneInfo {
+    app.state().scene.as_ref().expect("a scene")
+}
+
+/// Clicks a point of the viewport, right and down from its centre in points.
+pub(super) fn click(harness: &mut Harness<'static, App>, right: f32, down: f32) {
+    let at = viewport_centre(harness) + egui::vec2(right, down);
+    harness.hover_at(at);
+    harness.step();
+    for pressed in [true, false] {
+        let button = egui::PointerButton::Primary;
+        harness.event(egui::Event::PointerButton { pos: at, button, pressed, modifiers: Modifiers::NONE });
+        harness.step();
+    }
+    harness.step();
+}
+
+fn kind_of_chosen(app: &App) -> MaterialKind {
+    let id = app.state().sight.material.expect("a chosen material");
+    edits(app).now().materials[id.0 as usize].kind
+}
+
+#[test]
+fn a_clicked_surface_is_made_a_mirror_and_matte_again() {
+    let mut harness = app();
+    // The floor, left below the centre.
+    click(&mut harness, -20.0, 180.0);
+    let before = edits(harness.state()).now().clone();
+    let newest = harness.state().threads().generation();
+    harness.get_by_label("Mirror").click_accesskit();
+    step_until(&mut harness, "the new scene", |app| app.threads().generation() > newest);
+    settle(&mut harness);
+    assert!(matches!(kind_of_chosen(harness.state()), MaterialKind::Mirror { .. }));
+    let p = harness.state().state().frame.as_ref().expect("a frame").stats.types.percentages();
+    assert!(p.type2_percent > 15.0, "a floor that mirrors is Type 2: {p:?}");
+    harness.get_by_label("Changes not saved");
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    harness.step();
+    assert_eq!(*edits(harness.state()).now(), before);
+    settle(&mut harness);
+    harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    harness.step();
+    assert!(matches!(kind_of_chosen(harness.state()), MaterialKind::Mirror { .. }));
+    harness.get_by_label("Glass").click_accesskit();
+    harness.step();
+    harness.step();
+    assert!(matches!(kind_of_chosen(harness.state()), MaterialKind::Glass { .. }));
+    step_until(&mut harness, "glass in the scene", |app| scene(app).needs.glass);
+    harness.get_by_label("Undo").click_accesskit();
+    step_until(&mut harness, "no glass in the scene", |app| !scene(app).needs.glass);
+}
+
+#[test]
+fn the_old_picture_stays_until_the_new_scene_has_one() {
+    let mut harness = app();
+    click(&mut harness, 0.0, 180.0);
+    let newest = generation(&harness);
+    harness.get_by_label("Mirror").click_accesskit();
+    step_until(&mut harness, "the first picture of the new scene", |app| {
+        let frame = app.state().frame.as_ref().expect("never without a picture");
+        assert!(frame.stats.is_complete, "nor with half of one");
+        frame.generation > newest
+    });
+}
+
+#[test]
+fn the_sun_is_switched_on_and_moved() {
+    let mut harness = app();
+    harness.get_by_label("Sun and sky").click_accesskit();
+    harness.run_steps(30);
+    let lights = scene(harness.state()).lights;
+    harness.get_by_label("Sun").click_accesskit();
+    step_until(&mut harness, "one light more", |app| scene(app).lights == lights + 1);
+    let direction = |app: &App| edits(app).now().daylight.sun.expect("a sun").0;
+    let before = direction(harness.state());
+    harness.get_by_label("By place and time").click_accesskit();
+    harness.run_steps(3);
+    let after = direction(harness.state());
+    assert!(before.distance(after) > 0.05, "{before} and {after}: another place, another sun");
+    assert!(after.z > 0.0, "in the south at noon in Berlin: {after}");
+    harness.get_by_label("Sky").click_accesskit();
+    step_until(&mut harness, "a sky", |app| scene(app).needs.sky);
+    for _ in 0..3 {
+        harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+        harness.run_steps(2);
+    }
+    assert!(!edits(harness.state()).is_unsaved());
+    step_until(&mut harness, "the lights there were", |app| scene(app).lights == lights);
+}
+
+#[test]
+fn changes_are_saved_beside_a_model_and_survive_a_reload_before() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let model = folder.path().join("wall.obj");
+    std::fs::write(&model, "usemtl wall\nv -1 0 0\nv 1 0 0\nv 1 2 0\nv -1 2 0\nf 1 2 3 4\n").expect("a file");
+    let side = folder.path().join("wall.afterimage.toml");
+    std::fs::write(&side, "# mine\nunit = \"m\"\n").expect("a file");
+    let mut harness = open(WindowRequest { scene: Some(SceneSource::file(&model)), ..request() }, false);
+    click(&mut harness, 0.0, 0.0);
+    harness.get_by_label("Mirror").click_accesskit();
+    settle(&mut harness);
+    harness.step();
+    harness.key_press(Key::F5);
+    harness.step();
+    settle(&mut harness);
+    assert!(edits(harness.state()).is_unsaved(), "a reload loses nothing");
+    assert!(matches!(kind_of_chosen(harness.state()), MaterialKind::Mirror { .. }));
+    step_until(&mut harness, "the mirror", |app| scene(app).needs.mirror);
+    harness.step();
+    harness.get_by_label("Save beside the scene").click_accesskit();
+    step_until(&mut harness, "a saved look", |app| !edits(app).is_unsaved());
+    let text = std::fs::read_to_string(&side).expect("the file");
+    assert!(text.starts_with("# mine\nunit = \"m\"\n") && text.contains("kind = \"mirror\""), "{text}");
+}
+
+#[test]
+fn a_scene_of_the_program_cannot_be_saved_beside_and_says_so() {
+    let mut harness = app();
+    harness.get_by_label("Edit").click_accesskit();
+    harness.run_steps(2);
+    click(&mut harness, 0.0, 180.0);
+    harness.get_by_label("Glass").click_accesskit();
+    harness.run_steps(2);
+    harness.get_by_label("Edit").click_accesskit();
+    harness.run_steps(2);
+    harness.get_by_label_contains("Save changes beside the scene").click_accesskit();
+    harness.run_steps(2);
+    let notice = harness.state().state().notices.last().expect("a message");
+    assert!(notice.severity == Severity::Error && notice.text.contains("part of the program"), "{notice:?}");
+}
+
+#[test]
+fn a_deleted_view_comes_back() {
+    let mut harness = app();
+    let views = scene(harness.state()).views.clone();
+    harness.get_by_label("Delete mirror").click_accesskit();
+    harness.run_steps(2);
+    assert_eq!(scene(harness.state()).views.len(), views.len() - 1);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    harness.run_steps(2);
+    assert_eq!(scene(harness.state()).views, views);
+}

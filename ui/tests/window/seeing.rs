@@ -1,0 +1,163 @@
+//! The inspector, distances, single references, the plan, small pictures.
+
+use super::editing::click;
+use super::*;
+use afterimage_ui::window::state::{Measure, Sight, SnapKind};
+use egui::Key;
+
+fn sight(app: &App) -> &Sight {
+    &app.state().sight
+}
+
+#[test]
+fn a_click_tells_what_is_there() {
+    let mut harness = app();
+    click(&mut harness, 0.0, 0.0);
+    let found = sight(harness.state()).inspection.clone().expect("a wall at least");
+    let camera = *harness.state().state().fly.camera();
+    assert!((found.position_m.distance(camera.eye) - found.distance_m).abs() < 1e-3);
+    assert!((found.depth_m - found.distance_m).abs() < 1e-6, "in the centre depth is distance");
+    let facts = found.pixel.expect("the frame is of this pose");
+    let frame = harness.state().state().frame.as_ref().expect("a frame");
+    assert_eq!(facts.at, frame.size.map(|s| s / 2));
+    assert!(
+        facts.supplier.is_some() || facts.kind.number() == 3,
+        "someone lent what is not traced: {facts:?}"
+    );
+    assert!(facts.radiance.is_finite() && facts.radiance.max_element() > 0.0);
+    harness.get_by_label("Copy what was inspected").click_accesskit();
+    harness.step();
+    let copied = harness.output().platform_output.commands.iter().find_map(|command| match command {
+        egui::OutputCommand::CopyText(text) => Some(text.clone()),
+        _ => None,
+    });
+    let text = copied.expect("text in the clipboard");
+    assert!(text.contains("material: ") && text.contains("triangle: ") && text.contains("type: "), "{text}");
+    harness.key_press(Key::Escape);
+    harness.run_steps(2);
+    assert!(sight(harness.state()).inspection.is_none());
+}
+
+#[test]
+fn m_measures_between_two_clicks_and_corners_attract() {
+    let mut harness = app();
+    harness.key_press(Key::M);
+    harness.step();
+    assert!(sight(harness.state()).measure.is_on);
+    click(&mut harness, -150.0, 150.0);
+    click(&mut harness, 160.0, 150.0);
+    let Measure { points, .. } = sight(harness.state()).measure.clone();
+    assert_eq!(points.len(), 2);
+    assert!(points.iter().all(|p| p.position_m.y.abs() < 1e-3), "both on the floor: {points:?}");
+    let length = points[0].position_m.distance(points[1].position_m);
+    harness.get_by_label_contains(&format!("{length:.3} m, "));
+    // The near edge of the red box's top.
+    let tracer_corner = glam::DVec3::new(0.35, 0.5, -0.35);
+    let rect = harness.get_by_label("3D viewport").rect();
+    let camera = *harness.state().state().fly.camera();
+    let seen = afterimage_ui::window::projection::Projection::new(&camera, rect).point(tracer_corner);
+    let offset = seen.expect("before the eye") - rect.center();
+    click(&mut harness, offset.x + 2.0, offset.y + 2.0);
+    let first = sight(harness.state()).measure.points[0];
+    assert_eq!(first.kind, SnapKind::Vertex);
+    assert!(first.position_m.distance(tracer_corner) < 1e-3, "{first:?}");
+    harness.key_press(Key::Escape);
+    harness.run_steps(2);
+    assert!(!sight(harness.state()).measure.is_on);
+    assert!(sight(harness.state()).inspection.is_none(), "clicks measured and inspected nothing");
+}
+
+#[test]
+fn a_reference_is_switched_off_shown_and_chosen() {
+    let mut harness = app();
+    let first = |app: &App| app.state().frame.as_ref().expect("a frame").references[0];
+    let number = first(harness.state()).id.0;
+    harness.get_by_label(&format!("Disable reference {number}")).click_accesskit();
+    step_until(&mut harness, "a frame without it", |app| !first(app).is_enabled);
+    settle(&mut harness);
+    let app = harness.state();
+    let stands_in = app
+        .state()
+        .frame
+        .as_ref()
+        .expect("a frame")
+        .references
+        .iter()
+        .any(|r| r.is_enabled && r.contribution > 0.1);
+    assert!(stands_in, "the policy took another");
+    harness.step();
+    harness.get_by_label(&format!("Enable reference {number}")).click_accesskit();
+    step_until(&mut harness, "a frame with it", |app| first(app).is_enabled);
+    harness.get_by_label(&format!("Show reference {number}")).click_accesskit();
+    step_until(&mut harness, "its picture", |app| sight(app).lent.is_some());
+    let lent = sight(harness.state()).lent.clone().expect("its picture");
+    assert!(lent.id.0 == number && lent.lit > 0.5, "{lent:?}");
+    harness.key_press(Key::Escape);
+    harness.run_steps(2);
+    assert!(sight(harness.state()).lent.is_none());
+    harness.get_by_label(&format!("Choose reference {number}")).click_accesskit();
+    harness.run_steps(2);
+    assert_eq!(sight(harness.state()).reference.map(|id| id.0), Some(number));
+    harness.get_by_label(&format!("Go to chosen reference {number}"));
+}
+
+#[test]
+fn the_plan_is_cut_zoomed_and_clicked() {
+    let mut harness = app();
+    step_until(&mut harness, "a plan", |app| app.state().plan.is_some());
+    let plan = harness.state().state().plan.clone().expect("a plan");
+    assert!(plan.lines.len() >= 8, "four walls at least: {}", plan.lines.len());
+    harness.run_steps(2);
+    harness.get_by_label("Zoom in on the plan").click_accesskit();
+    harness.run_steps(2);
+    assert!((harness.state().state().plan_view.zoom() - 1.5).abs() < 1e-9);
+    harness.get_by_label("Follow me").click_accesskit();
+    harness.run_steps(2);
+    harness.get_by_label("Plan map").scroll_to_me();
+    harness.run_steps(30);
+    // The first reference stands where one is: in the middle of the plan that follows.
+    let at = harness.get_by_label("Plan map").rect().center();
+    harness.hover_at(at);
+    harness.step();
+    for pressed in [true, false] {
+        let (button, modifiers) = (egui::PointerButton::Primary, egui::Modifiers::NONE);
+        harness.event(egui::Event::PointerButton { pos: at, button, pressed, modifiers });
+        harness.step();
+    }
+    harness.step();
+    assert!(sight(harness.state()).reference.is_some());
+    harness.get_by_label("Whole plan").click_accesskit();
+    harness.run_steps(2);
+    assert_eq!(harness.state().state().plan_view, Default::default());
+}
+
+#[test]
+fn views_and_references_get_small_pictures() {
+    let mut harness = app();
+    let is_there = |app: &App| {
+        let state = app.state();
+        let thumbnails = state.thumbnails.as_ref().expect("their thread");
+        let views = state.scene.iter().flat_map(|s| &s.views).map(|v| v.camera);
+        let references = state.frame.iter().flat_map(|f| &f.references).map(|r| r.camera);
+        views.chain(references).all(|camera| thumbnails.of(&camera).is_some())
+    };
+    step_until(&mut harness, "all small pictures", is_there);
+}
+
+#[test]
+fn the_report_is_filtered() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let model = folder.path().join("m.obj");
+    let text = "mtllib gone.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 0 0\nf 1 2 3\nf 1 2 9\n";
+    std::fs::write(&model, text).expect("a file");
+    let mut harness = open(WindowRequest { scene: Some(SceneSource::file(&model)), ..request() }, false);
+    let count = harness.state().state().scene.as_ref().expect("a scene").warnings.len();
+    assert!(count >= 2);
+    harness.get_by_label(&format!("{count} import warnings")).click_accesskit();
+    harness.run_steps(30);
+    harness.get_by_label("Filter the warnings").focus();
+    harness.step();
+    harness.get_by_label("Filter the warnings").type_text("GONE.mtl");
+    harness.run_steps(3);
+    harness.get_by_label_contains("1 shown");
+}
