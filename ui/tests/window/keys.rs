@@ -3,7 +3,7 @@
 use super::*;
 use afterimage_ui::window::fly_camera::Gait;
 use afterimage_ui::window::keymap::{Action, BINDINGS, Chord, Keyboard, Pressed};
-use afterimage_ui::window::state::{Compare, Options, State};
+use afterimage_ui::window::state::{Compare, Options, PictureSettings, PictureSize, State};
 use egui::{Key, Modifiers, ViewportCommand, vec2};
 use glam::DVec3;
 
@@ -266,9 +266,16 @@ fn asks(window: &mut Window, action: Action, chord: Chord) {
             press(window, chord);
             assert!(!state(window).playback.is_playing);
         }
-        // The desktop's file dialog would stay open: only that the key asks for it.
-        Action::Open => {
-            let modifiers = Modifiers { ctrl: true, command: true, ..Modifiers::NONE };
+        // Only that the key asks for it: a dialog of the desktop would stay open, the others have tests of their own.
+        Action::Open
+        | Action::SaveSession
+        | Action::ScreenshotWithoutBackground
+        | Action::SaveSequence
+        | Action::Measure
+        | Action::Undo
+        | Action::Redo => {
+            let modifiers =
+                Modifiers { shift: chord.shift, ctrl: chord.ctrl, command: chord.ctrl, ..Modifiers::NONE };
             let (key, physical_key) = (chord.key, Some(chord.key));
             let event = egui::Event::Key { key, physical_key, pressed: true, repeat: false, modifiers };
             let pressed = Keyboard::default().update(&[event], false);
@@ -281,7 +288,10 @@ fn asks(window: &mut Window, action: Action, chord: Chord) {
 #[test]
 fn every_key_does_what_the_map_says() {
     let folder = tempfile::tempdir().expect("a folder");
-    let mut window = app_saving_to(folder.path().to_owned());
+    let picture =
+        PictureSettings { size: PictureSize::Pixels([40, 30]), antialias: 2, ..PictureSettings::default() };
+    let asked = WindowRequest { pictures: Some(folder.path().to_owned()), picture, ..request() };
+    let mut window = open(asked, false);
     for binding in BINDINGS {
         for (index, chord) in binding.chords.iter().enumerate() {
             moves(&mut window, binding.action, *chord, index);
