@@ -16,6 +16,7 @@ mod lights;
 mod lookup;
 mod metrics;
 mod needs;
+mod placement;
 mod refine;
 mod reuse;
 mod rooms;

@@ -6,8 +6,10 @@
 mod error_time;
 pub mod errors;
 pub mod measure;
+mod placement;
 pub mod record;
 pub mod run;
+mod scaling;
 pub mod stage_speed;
 pub mod statistics;
 mod table1;

@@ -83,6 +83,8 @@ impl Trial<'_> {
     pub fn measure(&self, lab: &Lab<'_>, truth: &[Vec3], renderer: &mut Renderer) -> CellOutcome {
         let mut records = Vec::new();
         for repetition in 0..=lab.settings.repetitions {
+            // The same view a second time would find all that was traced for the first.
+            renderer.forget_points();
             let Some(frame) = self.render(lab, renderer) else { return Ok(None) };
             let stats = &frame.stats;
             records.push(

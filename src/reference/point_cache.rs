@@ -107,6 +107,11 @@ impl PointCache {
         }
     }
 
+    /// Forgets all light; the memory stays.
+    pub fn clear(&mut self) {
+        self.buckets.fill([Entry::NONE; WAYS]);
+    }
+
     fn enter_one(&mut self, point: &TracedPoint) {
         let place = &point.place;
         let cell = cell_of(place, level_of(place));

@@ -104,6 +104,12 @@ impl Renderer {
         self.frame = Frame::empty();
     }
 
+    /// Forgets the light that earlier frames left by place: the next one has only its references, as a first one has.
+    pub fn forget_points(&mut self) {
+        self.points.clear();
+        self.fresh_points.clear();
+    }
+
     /// The last frame, to be refined.
     pub(super) fn frame_mut(&mut self) -> &mut Frame {
         &mut self.frame

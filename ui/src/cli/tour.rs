@@ -13,6 +13,7 @@ use afterimage::experiment::record::csv;
 use afterimage::experiment::{MeasureSettings, TourEvent, TourRecord, TourSettings, run_tour};
 use afterimage::raster::save::{save_png, write_atomically};
 use afterimage::reference::PlacementPolicy;
+use afterimage::reference::placement::RULES;
 use afterimage::render::aov::{display_picture, types_picture};
 use afterimage::reproject::warp::MAX_REFERENCES;
 use afterimage::{Frame, WalkthroughSettings};
@@ -35,7 +36,7 @@ pub(crate) struct TourArgs {
     #[arg(long, value_name = "DIR")]
     pub(super) out: PathBuf,
     /// Where new references are placed.
-    #[arg(long, value_name = "POLICY", default_value = "predictive", value_parser = policy_name)]
+    #[arg(long, value_name = "predictive|threshold|greedy|grid|none", default_value = "predictive", value_parser = policy_name)]
     pub(super) placement: &'static str,
     /// Of Type 3 pixels, above which a new reference is traced.
     #[arg(long, value_name = "PERCENT", default_value = "5", value_parser = percent)]
@@ -76,16 +77,10 @@ pub(crate) struct TourArgs {
 const MOST_FRAMES: u32 = 1_000_000;
 
 fn policy_name(text: &str) -> Result<&'static str, String> {
-    match text {
-        "none" => Ok("none"),
-        "threshold" => Ok("threshold"),
-        "predictive" => Ok("predictive"),
-        "greedy" | "grid" => Err(format!("'{text}' comes in a later version; this one has {POLICIES}")),
-        _ => Err(format!("there are {POLICIES}")),
-    }
+    let names = || RULES.iter().map(|rule| rule.name);
+    let unknown = || format!("there are {}", names().collect::<Vec<_>>().join(", "));
+    names().find(|name| *name == text).ok_or_else(unknown)
 }
-
-const POLICIES: &str = "'threshold', 'predictive' and 'none'";
 
 fn percent(text: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|p| (0.0..=100.0).contains(p));
@@ -124,12 +119,7 @@ fn make_folder(folder: &Path) -> Result<(), Failure> {
 }
 
 fn settings(args: &TourArgs, flags: &Flags, walk: &CameraPath) -> TourSettings {
-    let percent = args.threshold;
-    let placement = match args.placement {
-        "none" => PlacementPolicy::None,
-        "threshold" => PlacementPolicy::Threshold { percent },
-        _ => PlacementPolicy::Predictive { percent },
-    };
+    let placement = PlacementPolicy::named(args.placement, args.threshold).unwrap_or_default();
     let frames = args.frames.unwrap_or(walk.frames);
     let measure = (args.measure || args.measure_every.is_some()).then(|| MeasureSettings {
         every: args.measure_every.unwrap_or(frames.div_ceil(6)),
@@ -164,12 +154,12 @@ fn fly(
         TourEvent::TruthNotKept(error) => {
             progress.say(&format!("warning: the converged picture is not kept: {error}"));
         }
-        TourEvent::Frame(record, frame) => {
+        TourEvent::Frame(record, walk) => {
             let note =
                 format!("{:.0} ms, Type 3 {:.1} %", record.frame_secs * 1e3, record.types.type3_percent);
             progress.at(u64::from(record.frame) + 1, &note);
             if args.pictures && picture_error.is_none() {
-                picture_error = write_pictures(args, flags, loaded, record.frame, frame).err();
+                picture_error = write_pictures(args, flags, loaded, record.frame, walk.frame()).err();
                 if picture_error.is_some() {
                     cancel.store(true, std::sync::atomic::Ordering::Relaxed);
                 }

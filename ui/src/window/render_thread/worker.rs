@@ -382,6 +382,7 @@ pub(in crate::window) fn panic_text(panic: &(dyn Any + Send)) -> String {
 mod tests {
     use super::*;
     use afterimage::reference::PlacementPolicy;
+    use afterimage::reference::placement::THRESHOLD;
     use afterimage::scene::{Material, SceneBuilder};
     use afterimage::{Mode, Tracer, WalkthroughSettings};
     use crossbeam_channel::{Receiver, unbounded};
@@ -394,7 +395,7 @@ mod tests {
         builder.add_quad(corners, Vec2::ONE, material);
         let tracer = Arc::new(Tracer::new(Arc::new(builder.finish().unwrap())));
         let mut settings = WalkthroughSettings {
-            placement: PlacementPolicy::Threshold { percent: 5.0 },
+            placement: PlacementPolicy::new(&THRESHOLD, 5.0),
             ..WalkthroughSettings::default()
         };
         settings.render.mode = Mode::Paper;
