@@ -2,7 +2,7 @@
 
 use super::frames::{Exchange, PublishedFrame};
 use super::render_thread::{Wake, give_way, panic_text};
-use afterimage::reference::PlacementPolicy;
+use afterimage::reference::placement::{NONE, PlacementPolicy};
 use afterimage::{Camera, Mode, RenderSettings, Tracer, Walkthrough, WalkthroughSettings};
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -89,7 +89,8 @@ impl Drop for FullTracing {
 /// The first picture, then better ones until it has converged.
 fn trace(subject: &Subject, exchange: &Exchange, cancel: &AtomicBool, wake: &Wake) {
     let render = RenderSettings { mode: Mode::Full, ..subject.render };
-    let settings = WalkthroughSettings { render, placement: PlacementPolicy::None, ..Default::default() };
+    let settings =
+        WalkthroughSettings { render, placement: PlacementPolicy::new(&NONE, 0.0), ..Default::default() };
     let mut walk = Walkthrough::new(subject.tracer.clone(), settings);
     let is_cancelled = || cancel.load(Ordering::Relaxed);
     walk.render(&subject.camera, subject.size, &is_cancelled);
