@@ -121,14 +121,8 @@ impl App {
         state.quality.tone_map = request.tone_map;
         state.default_quality = state.quality;
         state.thumbnails = Some(Thumbnails::start(wake.clone())?);
-        if let Some(graphics) = &cc.wgpu_render_state {
-            watch(graphics, &trouble, &wake);
-            viewport::install(graphics);
-            let adapter = graphics.adapter.get_info();
-            if adapter.device_type == egui_wgpu::wgpu::DeviceType::Cpu {
-                state.software_adapter = Some(adapter.name);
-            }
-        }
+        let graphics = cc.wgpu_render_state.as_ref();
+        state.software_adapter = graphics.and_then(|graphics| prepare(graphics, &trouble, &wake));
         let mut app = Self {
             state,
             threads,
@@ -427,6 +421,14 @@ struct Canvas {
     painter: egui::Painter,
     shape: egui::layers::ShapeIdx,
     rect: egui::Rect,
+}
+
+/// Makes the graphics card ready; returns its name where it is none, but the processor.
+fn prepare(graphics: &RenderState, trouble: &Arc<Mutex<Vec<String>>>, wake: &Wake) -> Option<String> {
+    watch(graphics, trouble, wake);
+    viewport::install(graphics);
+    let adapter = graphics.adapter.get_info();
+    (adapter.device_type == egui_wgpu::wgpu::DeviceType::Cpu).then_some(adapter.name)
 }
 
 /// Errors of the graphics card become messages; wgpu's own answer would be a panic.
