@@ -8,6 +8,8 @@ mod bands;
 mod budget;
 mod builtin;
 mod bvh;
+mod corpus;
+mod entry_points;
 mod golden;
 mod import;
 mod lab;

@@ -168,8 +168,8 @@ impl SceneBuilder {
             self.add_material(Material::diffuse("default", Vec3::splat(0.6)));
         }
         self.drop_untraceable(
-            |b, t| t.iter().all(|&v| b.positions.get(v as usize).is_some_and(|p| p.is_finite())),
-            "with a vertex that is missing or not finite",
+            |b, t| t.iter().all(|&v| b.positions.get(v as usize).is_some_and(|p| is_place(*p))),
+            "with a vertex that is missing, not finite or farther than 1e100 m away",
         );
         let bounds_m = self.bounds_m()?;
         let frame = frame_for(bounds_m);
@@ -277,6 +277,14 @@ impl SceneBuilder {
         }
         found
     }
+}
+
+/// Beyond it, squares of lengths overflow.
+const FARTHEST_M: f64 = 1e100;
+
+/// True for a point that something can be.
+pub(super) fn is_place(p: DVec3) -> bool {
+    p.abs().max_element() <= FARTHEST_M && p.is_finite()
 }
 
 /// A clear day's sky: the sun's light scattered, roughly a tenth of it.

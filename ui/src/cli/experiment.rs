@@ -28,7 +28,7 @@ pub(crate) struct ExperimentArgs {
     /// Which one: table1, error-time, placement, scaling, throughput; or merge, which joins the folders of shards.
     #[arg(value_parser = name)]
     name: String,
-    /// A model (.obj) or builtin:NAME, the embedded gallery when absent; for merge, the folders.
+    /// A model (.obj, .gltf, .glb) or builtin:NAME, the embedded gallery when absent; for merge, the folders.
     #[arg(value_name = "SCENE")]
     inputs: Vec<String>,
     /// The folder of the run. One in which the same run was begun is gone on with; any other is left alone.

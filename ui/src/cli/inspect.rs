@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 
 #[derive(Args, Debug)]
 pub(crate) struct InspectArgs {
-    /// A model (.obj) or builtin:NAME.
+    /// A model (.obj, .gltf, .glb) or builtin:NAME.
     pub(super) scene: String,
 }
 

@@ -11,6 +11,7 @@ use crate::picture::sequence::film_command;
 use afterimage::camera_path::CameraPath;
 use afterimage::experiment::record::csv;
 use afterimage::experiment::{MeasureSettings, TourEvent, TourRecord, TourSettings, run_tour};
+use afterimage::raster::load::read_bounded;
 use afterimage::raster::save::{save_png, write_atomically};
 use afterimage::reference::PlacementPolicy;
 use afterimage::reference::placement::RULES;
@@ -24,7 +25,7 @@ use std::time::Duration;
 
 #[derive(Args, Clone, Debug)]
 pub(crate) struct TourArgs {
-    /// A model (.obj) or builtin:NAME; the embedded gallery when absent.
+    /// A model (.obj, .gltf, .glb) or builtin:NAME; the embedded gallery when absent.
     pub(super) scene: Option<String>,
     /// Number of frames; the walk's own when absent.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_FRAMES)))]
@@ -74,7 +75,7 @@ pub(crate) struct TourArgs {
 }
 
 /// The most frames of a walk.
-const MOST_FRAMES: u32 = 1_000_000;
+const MOST_FRAMES: u32 = CameraPath::MOST_FRAMES;
 
 fn policy_name(text: &str) -> Result<&'static str, String> {
     let names = || RULES.iter().map(|rule| rule.name);
@@ -186,6 +187,9 @@ fn write_pictures(
     Ok(())
 }
 
+/// A walk of a million key frames has about 100 MB.
+const MOST_BYTES: u64 = 256 << 20;
+
 /// A walk from `FILE`, or the one called `NAME` from `FILE#NAME`.
 pub(super) fn read_path(text: &str) -> Result<CameraPath, Failure> {
     let (file, name) = match text.rsplit_once('#') {
@@ -194,23 +198,8 @@ pub(super) fn read_path(text: &str) -> Result<CameraPath, Failure> {
         _ => (text, None),
     };
     let failed = |cause: String| Failure::Failed(format!("cannot read the walk {file}: {cause}"));
-    let content = std::fs::read_to_string(file).map_err(|e| failed(e.to_string()))?;
-    let mut value: Value = serde_json::from_str(&content).map_err(|e| failed(e.to_string()))?;
-    if let Some(name) = name {
-        value = value.get(name).cloned().ok_or_else(|| {
-            let names: Vec<&str> =
-                value.as_object().into_iter().flat_map(|o| o.keys().map(String::as_str)).collect();
-            failed(format!("it has no walk '{name}'; it has: {}", names.join(", ")))
-        })?;
-    }
-    let walk: CameraPath = serde_json::from_value(value).map_err(|e| failed(e.to_string()))?;
-    if walk.keyframes.is_empty() || !afterimage::Camera::FOV_Y_DEGREES.contains(&walk.fov_y_deg) {
-        return Err(failed("a walk needs keyframes, and fov_y_deg from 1 to 170".to_owned()));
-    }
-    if !(1..=MOST_FRAMES).contains(&walk.frames) {
-        return Err(failed(format!("frames is {}; a walk has from 1 to {MOST_FRAMES}", walk.frames)));
-    }
-    Ok(walk)
+    let bytes = read_bounded(Path::new(file), MOST_BYTES).map_err(|e| failed(e.cause))?;
+    CameraPath::from_json(&bytes, name).map_err(failed)
 }
 
 fn object(args: &TourArgs, flags: &Flags, loaded: &Loaded, record: &TourRecord) -> Value {

@@ -147,7 +147,7 @@ impl App {
         let work = move || {
             let dialog = rfd::FileDialog::new()
                 .set_title("Open a model, a session or a picture")
-                .add_filter("Models, sessions, pictures", &["obj", "toml", "png", "exr"]);
+                .add_filter("Models, sessions, pictures", &["obj", "gltf", "glb", "toml", "png", "exr"]);
             // The window may be gone.
             let _ = news.send(News::Chosen(dialog.pick_file()));
             wake();

@@ -42,7 +42,7 @@ fn path_field(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let label = ui.label("Model file");
     ui.horizontal(|ui| {
         let mut text = state.path_text.clone();
-        let field = egui::TextEdit::singleline(&mut text).hint_text("path to an .obj").desired_width(165.0);
+        let field = egui::TextEdit::singleline(&mut text).hint_text("path to a model").desired_width(165.0);
         let field = ui.add(field).labelled_by(label.id);
         if field.changed() {
             commands.push(Command::SetPathText(text.clone()));
