@@ -293,6 +293,11 @@ impl Walkthrough {
         refinement.state()
     }
 
+    /// Drops the work of [`Self::refine`], so that the next frame is again as its mode makes it.
+    pub fn drop_refinement(&mut self) {
+        self.refinement = None;
+    }
+
     /// Drops the refinement of another pose or other settings.
     fn keep_refinement(&mut self, camera: &Camera, size: [u32; 2]) {
         let render = &self.settings.render;

@@ -39,7 +39,14 @@ impl Bench {
         let mut settings =
             WalkthroughSettings { placement: PlacementPolicy::new(&NONE, 0.0), ..Default::default() };
         settings.render.trace.samples = 1;
-        Wish { camera, size: [96, 64], settings, budget: Duration::ZERO, is_paused: false }
+        Wish {
+            camera,
+            size: [96, 64],
+            settings,
+            budget: Duration::ZERO,
+            is_paused: false,
+            is_compared: false,
+        }
     }
 
     /// Orders the picture that is there and waits for it.

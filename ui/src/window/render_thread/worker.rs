@@ -142,7 +142,8 @@ impl Worker {
     /// the next frames are the cheaper for it.
     fn can_refine(&self, generation: u64) -> bool {
         let is_shown = self.rendered == Some(generation) && self.converged != Some(generation);
-        is_shown && self.job.is_none() && self.asked.is_none() && self.can_render()
+        let is_compared = self.wish.is_some_and(|w| w.is_compared);
+        is_shown && !is_compared && self.job.is_none() && self.asked.is_none() && self.can_render()
     }
 
     fn carry_out(&mut self, order: Order) {
@@ -212,12 +213,15 @@ impl Worker {
             walk.set_settings(wish.settings);
             self.refused.clear();
         }
+        if wish.is_compared {
+            walk.drop_refinement();
+        }
         let mut published = shared.exchange.spare();
         let added = &self.added;
         let made = catch_unwind(AssertUnwindSafe(|| {
             self.pool.install(|| {
                 walk.render(&wish.camera, wish.size, &stop);
-                published.fill(walk.frame(), walk.used(), generation);
+                published.fill(walk.frame(), &walk.tracer().scene().frame, walk.used(), generation);
                 published.list(walk.cache(), walk.used(), added);
             });
         }));
@@ -241,7 +245,7 @@ impl Worker {
                 if is_useless() {
                     return None;
                 }
-                published.fill(walk.frame(), walk.used(), generation);
+                published.fill(walk.frame(), &walk.tracer().scene().frame, walk.used(), generation);
                 published.list(walk.cache(), walk.used(), added);
                 published.is_refinement = !walk.frame().stats.is_complete;
                 Some(published)
@@ -265,7 +269,7 @@ impl Worker {
                 if is_useless() || state.of == 0 {
                     return (state, None);
                 }
-                published.fill(walk.frame(), walk.used(), generation);
+                published.fill(walk.frame(), &walk.tracer().scene().frame, walk.used(), generation);
                 published.list(walk.cache(), walk.used(), added);
                 published.is_refinement = true;
                 (state, Some(published))
@@ -411,7 +415,14 @@ mod tests {
         };
         settings.render.mode = Mode::Paper;
         let camera = Camera::look_at(DVec3::new(0.5, 0.5, 0.5), DVec3::new(0.5, 0.5, 0.0), 60.0);
-        let wish = Wish { camera, size: [16, 16], settings, budget: Duration::ZERO, is_paused: false };
+        let wish = Wish {
+            camera,
+            size: [16, 16],
+            settings,
+            budget: Duration::ZERO,
+            is_paused: false,
+            is_compared: false,
+        };
         let (jobs, sent) = unbounded();
         let (messages, said) = unbounded();
         let worker = Worker {
