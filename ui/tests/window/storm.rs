@@ -60,7 +60,14 @@ impl Storm {
         let camera = Camera { eye: DVec3::new(x, 1.6, 2.0), ..*self.tracers[0].scene().start() };
         let size = [self.below(48) as u32, self.below(32) as u32];
         let budget = Duration::from_millis(self.below(3));
-        Wish { camera, size, settings, budget, is_paused: self.below(20) == 0 }
+        Wish {
+            camera,
+            size,
+            settings,
+            budget,
+            is_paused: self.below(20) == 0,
+            is_compared: self.below(10) == 0,
+        }
     }
 
     /// One of: move, resize and change mode; load or edit; add a reference; clear; take a picture.
