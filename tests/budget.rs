@@ -2,6 +2,7 @@
 
 use crate::rooms::{room_camera, room_tracer};
 use afterimage::reference::PlacementPolicy;
+use afterimage::reference::placement::NONE;
 use afterimage::trace::TraceSettings;
 use afterimage::trace::parallel::NEVER;
 use afterimage::{Camera, Mode, RenderSettings, Tracer, Walkthrough, WalkthroughSettings};
@@ -17,7 +18,7 @@ fn walk(tracer: &Arc<Tracer>, mode: Mode) -> Walkthrough {
     let trace = TraceSettings { samples: 4, bounces: 0, seed: 9 };
     let settings = WalkthroughSettings {
         render: RenderSettings { mode, trace },
-        placement: PlacementPolicy::None,
+        placement: PlacementPolicy::new(&NONE, 0.0),
         ..WalkthroughSettings::default()
     };
     let mut walk = Walkthrough::new(tracer.clone(), settings).showing_unfinished();

@@ -2,6 +2,7 @@
 
 use crate::rooms::{cuboid, dvec, leafy_scene, quad, room_camera, room_tracer};
 use afterimage::camera::View;
+use afterimage::reference::placement::THRESHOLD;
 use afterimage::reference::{PlacementPolicy, ReferenceCache, ReferenceFrame};
 use afterimage::reproject::PixelType;
 use afterimage::scene::import::{ImportOptions, load};
@@ -21,7 +22,7 @@ fn settings(mode: Mode) -> RenderSettings {
 }
 
 fn walkthrough(tracer: &Arc<Tracer>) -> Walkthrough {
-    let placement = PlacementPolicy::Threshold { percent: 2.0 };
+    let placement = PlacementPolicy::new(&THRESHOLD, 2.0);
     let settings = WalkthroughSettings { render: settings(Mode::Exact), placement, ..Default::default() };
     Walkthrough::new(tracer.clone(), settings)
 }

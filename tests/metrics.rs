@@ -78,6 +78,34 @@ fn flip_grows_with_the_difference_and_stays_below_one() {
     assert!(flip(&[], &[], [0, 0]).is_err());
 }
 
+/// Means and 95th percentiles that `flip-evaluator` 1.7, the authors' own program, gives for these pictures at its usual
+/// 67.02 pixels per degree.
+#[test]
+fn flip_is_that_of_its_authors() {
+    let flat = |c: [f32; 3]| vec![Vec3::from(c); 768];
+    let (grey, column) = (flat([0.5; 3]), |i: usize| i % SIZE[0] as usize);
+    let mut dot = grey.clone();
+    dot[12 * SIZE[0] as usize + 16] = Vec3::ONE;
+    let edge: Vec<Vec3> = (0..768).map(|i| Vec3::splat(if column(i) < 16 { 0.5 } else { 0.8 })).collect();
+    let pattern = pattern();
+    let shifted: Vec<Vec3> =
+        (0..768).map(|i| pattern[if column(i) == 0 { i + SIZE[0] as usize - 1 } else { i - 1 }]).collect();
+    let cases = [
+        ("offset 0.1", moved(0.1), pattern.clone(), [0.409_141, 0.450_442]),
+        ("offset 0.02", moved(0.02), pattern.clone(), [0.129_449, 0.143_834]),
+        ("shifted by a pixel", shifted, pattern, [0.237_650, 0.340_982]),
+        ("white for black", flat([1.0; 3]), flat([0.0; 3]), [0.967_388, 0.967_388]),
+        ("green for red", flat([0.0, 1.0, 0.0]), flat([1.0, 0.0, 0.0]), [0.986_665, 0.986_665]),
+        ("a dot", dot, grey.clone(), [0.005_628, 0.009_577]),
+        ("an edge", edge, grey, [0.359_647, 0.747_604]),
+    ];
+    for (name, shown, truth, [mean, p95]) in cases {
+        let found = flip(&shown, &truth, SIZE).unwrap();
+        let is_near = (found.mean - mean).abs() < 1e-4 && (found.p95 - p95).abs() < 1e-3;
+        assert!(is_near, "{name}: {found:?}, the authors' {mean} and {p95}");
+    }
+}
+
 #[test]
 fn radiance_is_clipped_for_display_and_never_a_random_colour() {
     let shown = display_of(&[Vec3::new(7.0, -1.0, f32::NAN), Vec3::splat(0.5)]);

@@ -3,6 +3,7 @@
 use crate::rooms::{room_camera, room_tracer};
 use afterimage::math::hash::Key;
 use afterimage::reference::PlacementPolicy;
+use afterimage::reference::placement::NONE;
 use afterimage::render::{refine::PASSES, render_antialiased};
 use afterimage::trace::TraceSettings;
 use afterimage::trace::parallel::NEVER;
@@ -28,7 +29,7 @@ fn tracer() -> Arc<Tracer> {
 fn walk_at_rest(tracer: &Arc<Tracer>, mode: Mode) -> Walkthrough {
     let settings = WalkthroughSettings {
         render: settings(mode),
-        placement: PlacementPolicy::None,
+        placement: PlacementPolicy::new(&NONE, 0.0),
         ..WalkthroughSettings::default()
     };
     let mut walk = Walkthrough::new(tracer.clone(), settings);

@@ -1,6 +1,7 @@
 //! The paper's steps: identities, a slow twin of the warp, and what must never happen.
 
 use crate::rooms::{dvec, room_camera, room_tracer};
+use afterimage::reference::placement::{PREDICTIVE, THRESHOLD};
 use afterimage::reference::{PixelWarp, PlacementPolicy, ReferenceCache, ReferenceFrame};
 use afterimage::reproject::{PixelType, WarpBuffer};
 use afterimage::trace::TraceSettings;
@@ -221,7 +222,7 @@ fn selection_takes_the_reference_that_covers_most_first() {
 #[test]
 fn a_walk_adds_references_only_above_its_threshold() {
     let tracer = Arc::new(room_tracer(true, false));
-    let placement = PlacementPolicy::Threshold { percent: 5.0 };
+    let placement = PlacementPolicy::new(&THRESHOLD, 5.0);
     let settings = WalkthroughSettings { render: settings(Mode::Paper), placement, ..Default::default() };
     let mut walk = Walkthrough::new(tracer.clone(), settings);
     let mut added = 0;
@@ -310,7 +311,7 @@ fn a_predicted_reference_stands_ahead_and_only_where_it_is_worth_a_frame() {
         held,
     };
     let decide = |percent: f64, seen: &Observation, foreseen: f64| {
-        PlacementPolicy::Predictive { percent }.decide(seen, &tracer, &mut |_| foreseen)
+        PlacementPolicy::new(&PREDICTIVE, percent).decide(seen, SIZE, &tracer, &mut |_, _| foreseen)
     };
     for percent in [5.0, 40.0] {
         let quiet = seen(percent, previous, 3);

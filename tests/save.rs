@@ -131,3 +131,56 @@ fn broken_pictures_are_refused_with_their_name() {
         assert!(error.contains("broken.png"), "{error}");
     }
 }
+
+/// A disk of 64 kB, unmounted when done; `None` without the right to make one.
+#[cfg(target_os = "linux")]
+struct SmallDisk(tempfile::TempDir);
+
+#[cfg(target_os = "linux")]
+impl SmallDisk {
+    fn new() -> Option<Self> {
+        let folder = tempfile::tempdir().unwrap();
+        let mut mount = std::process::Command::new("mount");
+        mount
+            .args(["-t", "tmpfs", "-o", "size=64k", "tmpfs"])
+            .arg(folder.path())
+            .stderr(std::process::Stdio::null());
+        mount.status().is_ok_and(|s| s.success()).then_some(Self(folder))
+    }
+}
+
+#[cfg(target_os = "linux")]
+impl Drop for SmallDisk {
+    fn drop(&mut self) {
+        let _ = std::process::Command::new("umount").arg(self.0.path()).status();
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_disk_that_fills_up_keeps_the_old_files() {
+    use afterimage::experiment::run::{Done, Journal, RunRecord};
+    let Some(disk) = SmallDisk::new() else {
+        eprintln!("skipped: no right to mount a small disk");
+        return;
+    };
+    let path = disk.0.path().join("a.png");
+    save_png(&path, [2, 2], &[[7; 3]; 4], &[]).unwrap();
+    let old = std::fs::read(&path).unwrap();
+    let error = write_atomically(&path, "7".repeat(200_000).as_bytes()).unwrap_err().to_string();
+    assert!(error.contains("a.png") && error.contains("No space left"), "{error}");
+    assert_eq!(std::fs::read(&path).unwrap(), old);
+    assert_eq!(names(disk.0.path()), ["a.png"], "no temporary file is left");
+
+    // A journal that no longer fits says so, and keeps what it had.
+    let done = |key: &str, bytes: usize| {
+        let records = vec![RunRecord::default().with("x", "y".repeat(bytes))];
+        Done { place: 0, key: key.to_owned(), records, cell_secs: 0.0 }
+    };
+    let mut journal = Journal::open(disk.0.path()).unwrap();
+    journal.add(done("a", 10)).unwrap();
+    let error = journal.add(done("b", 100_000)).unwrap_err().to_string();
+    assert!(error.contains("No space left"), "{error}");
+    let kept = Journal::read(disk.0.path()).unwrap();
+    assert_eq!(kept.iter().map(|d| d.key.as_str()).collect::<Vec<_>>(), ["a"]);
+}

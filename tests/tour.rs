@@ -7,6 +7,7 @@ use afterimage::experiment::statistics::{median, percentile};
 use afterimage::experiment::throughput::{ThroughputSettings, measure_throughput};
 use afterimage::experiment::{MeasureSettings, TourEvent, TourRecord, TourSettings, run_tour};
 use afterimage::reference::PlacementPolicy;
+use afterimage::reference::placement::{NONE, THRESHOLD};
 use afterimage::trace::TraceSettings;
 use afterimage::{Mode, RenderSettings, WalkthroughSettings};
 use std::path::Path;
@@ -23,7 +24,7 @@ fn settings(measure: Option<&Path>) -> TourSettings {
     let trace = TraceSettings { samples: 4, bounces: 0, seed: 3 };
     let walkthrough = WalkthroughSettings {
         render: RenderSettings { mode: Mode::Paper, trace },
-        placement: PlacementPolicy::Threshold { percent: 5.0 },
+        placement: PlacementPolicy::new(&THRESHOLD, 5.0),
         ..WalkthroughSettings::default()
     };
     let measure = measure.map(|folder| MeasureSettings {
@@ -80,7 +81,7 @@ fn the_same_walk_twice_is_the_same() {
 #[test]
 fn without_a_policy_every_frame_is_traced_in_full() {
     let mut settings = settings(None);
-    settings.walkthrough.placement = PlacementPolicy::None;
+    settings.walkthrough.placement = PlacementPolicy::new(&NONE, 0.0);
     let record = walk(&settings, &AtomicBool::new(false));
     assert_eq!(record.references_added, 0);
     assert!(record.frames.iter().all(|f| f.types.type3_percent == 100.0));

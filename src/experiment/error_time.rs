@@ -156,14 +156,14 @@ fn flown(lab: &Lab<'_>, mode: Mode, trace: TraceSettings) -> CellOutcome {
         (0..lab.settings.views).map(|v| (view_share(lab, v) * f64::from(frames)) as u32).collect();
     let (cancel, mut records, mut trouble) = (AtomicBool::new(false), Vec::new(), None);
     let tour = run_tour(lab.tracer, lab.walk, &settings, &cancel, |event| {
-        let TourEvent::Frame(record, frame) = event else { return };
+        let TourEvent::Frame(record, walk) = event else { return };
         let flat = RunRecord::default()
             .with("frame", record.frame)
             .with("frame_secs", record.frame_secs)
             .with("flown_reference_secs", record.reference_secs)
             .with("references_held", record.references_held)
             .with_fields(&record.types);
-        let errors = if measured.contains(&record.frame) { errors(lab, frame) } else { Ok(None) };
+        let errors = if measured.contains(&record.frame) { errors(lab, walk.frame()) } else { Ok(None) };
         trouble = trouble.take().or(errors.as_ref().err().map(ToString::to_string));
         records.push(errors.ok().flatten().map_or(flat.clone(), |found| flat.with_fields(&found)));
         cancel.store((lab.stop)() || trouble.is_some(), Ordering::Relaxed);

@@ -6,8 +6,12 @@
 mod error_time;
 pub mod errors;
 pub mod measure;
+mod placement;
 pub mod record;
 pub mod run;
+mod scaling;
+mod soak;
+pub mod stability;
 pub mod stage_speed;
 pub mod statistics;
 mod table1;

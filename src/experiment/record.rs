@@ -82,6 +82,8 @@ pub struct ReferenceRecord {
     pub reference: u32,
     /// The frame after which it was traced.
     pub after_frame: u32,
+    /// It was traced before frame 0 instead.
+    pub is_ahead: bool,
     /// Where.
     pub pose: Pose,
     /// What it took.

@@ -82,7 +82,7 @@ pub(super) fn stage_speed(tracer: &Tracer, settings: &ThroughputSettings, floors
     let view = View::new(&camera, &tracer.scene().frame, settings.size);
     let lookup = cache.lookup(tracer.epoch());
     let foresight_secs = median_secs(|| {
-        black_box(open_percent(tracer, &view, &lookup));
+        black_box(open_percent(tracer, &view, &lookup, None));
     });
     let pixels = view.pixel_count().max(1) as f64;
     let tile_ns = 1e3 / floors.primary_tile_mrays_per_sec;

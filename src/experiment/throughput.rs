@@ -4,6 +4,10 @@
 //! another library's on the very same rays ([`RayDump`]). Every figure is the median of [`ROUNDS`] after one round
 //! that is not counted.
 
+use super::run::report::{Block, Section, Table};
+use super::run::{
+    Cell, CellOutcome, Effort, Experiment, Identity, Lab, LabError, LabSettings, Report, RunRecord,
+};
 use super::stage_speed::{Floors, StageSpeed, stage_speed};
 use super::statistics::median;
 use super::warp_speed::{WarpSpeed, warp_speed};
@@ -27,6 +31,54 @@ const MOST_RAYS: usize = 8_000_000;
 
 /// Rays a thread takes at a time.
 const CHUNK: usize = 4096;
+
+/// As a run folder: one cell, one line of figures.
+pub(super) const EXPERIMENT: Experiment = Experiment {
+    name: "throughput",
+    about: "the speed of the parts, each against its floor",
+    settings: |effort| match effort {
+        Effort::Quick => LabSettings { effort, size: [320, 180], samples: 4, ..LabSettings::default() },
+        Effort::Usual => LabSettings { effort, size: [1280, 720], ..LabSettings::default() },
+    },
+    cells: |_| vec![Cell(RunRecord::default().with("part", "all"))],
+    run_cell,
+    report,
+};
+
+fn run_cell(lab: &Lab<'_>, _: &RunRecord) -> CellOutcome {
+    let none = || LabError::Unsuitable("the walk has no key frames; it needs at least one".to_owned());
+    let camera = lab.walk.camera(0, 2).ok_or_else(none)?;
+    let settings = ThroughputSettings { camera, size: lab.settings.size, trace: lab.settings.trace() };
+    let measured = measure_throughput(lab.tracer, &settings, lab.stop, |_| ());
+    Ok(measured.map(|(figures, _)| vec![RunRecord::default().with_fields(&figures)]))
+}
+
+/// The figures as they are; the summary has them under the names of the one-line answer.
+fn report(identity: &Identity, records: &[RunRecord]) -> Report {
+    let Some(figures) = records.first() else { return Report::default() };
+    let mut summary = figures.0.clone();
+    summary.remove("part");
+    for name in ["size", "samples", "seed"] {
+        summary.insert(name.to_owned(), identity.settings.0.get(name).cloned().unwrap_or_default());
+    }
+    let rows = figures.0.iter().filter(|(name, _)| *name != "part");
+    let table = Table {
+        title: "All figures; units are in the names".to_owned(),
+        columns: vec!["figure".to_owned(), "value".to_owned()],
+        rows: rows.map(|(name, value)| vec![name.clone().into(), value.clone()]).collect(),
+    };
+    let number = |name: &str| figures.number(name).unwrap_or(f64::NAN);
+    let headline = format!(
+        "{:.1} million primary and {:.1} million shadow rays a second on {} threads; the warp takes {:.1} times its memory \
+         floor.",
+        number("primary_mrays_per_sec"),
+        number("shadow_mrays_per_sec"),
+        number("threads"),
+        number("warp_over_memory_floor"),
+    );
+    let section = Section { title: "The parts".to_owned(), blocks: vec![Block::Table(table)] };
+    Report { headline: vec![headline], summary, sections: vec![section], ..Report::default() }
+}
 
 /// What is timed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,6 +126,23 @@ pub struct RayDump {
     pub any: Vec<Ray>,
 }
 
+/// The rays that [`measure_throughput`] times, without timing them.
+pub fn gather_rays(tracer: &Tracer, settings: &ThroughputSettings) -> RayDump {
+    let (primary, points) = first_hits(tracer, settings);
+    let diffuse = diffuse_rays(&points, settings.trace.seed);
+    let any = shadow_rays(tracer, &points, &settings.trace);
+    RayDump { closest: primary.into_iter().chain(diffuse).collect(), any }
+}
+
+/// Primary rays in the order of tiles, and the surface points they meet.
+fn first_hits(tracer: &Tracer, settings: &ThroughputSettings) -> (Vec<Ray>, Vec<(u32, SurfacePoint)>) {
+    let view = View::new(&settings.camera, &tracer.scene().frame, settings.size);
+    let order = tile_order(settings.size);
+    let primary: Vec<Ray> = order.iter().map(|&p| Tracer::primary_ray(&view, p)).collect();
+    let points = first_points(tracer, &order, &primary);
+    (primary, points)
+}
+
 /// Times the parts on a view; `on_part` is told what is timed next. `None` after a stop.
 pub fn measure_throughput(
     tracer: &Tracer,
@@ -82,10 +151,8 @@ pub fn measure_throughput(
     mut on_part: impl FnMut(&'static str),
 ) -> Option<(Throughput, RayDump)> {
     let view = View::new(&settings.camera, &tracer.scene().frame, settings.size);
-    let order = tile_order(settings.size);
     on_part("gathering rays");
-    let primary: Vec<Ray> = order.iter().map(|&p| Tracer::primary_ray(&view, p)).collect();
-    let points = first_points(tracer, &order, &primary);
+    let (primary, points) = first_hits(tracer, settings);
     let diffuse = diffuse_rays(&points, settings.trace.seed);
     let shadow = shadow_rays(tracer, &points, &settings.trace);
     let bvh = tracer.bvh();

@@ -5,7 +5,7 @@ use super::record::{FrameRecord, Pose, ReferenceRecord, TourRecord};
 use crate::camera::Camera;
 use crate::camera_path::CameraPath;
 use crate::raster::save::SaveError;
-use crate::render::{Frame, Mode, RenderSettings, Walkthrough, WalkthroughSettings};
+use crate::render::{Mode, RenderSettings, Walkthrough, WalkthroughSettings};
 use crate::trace::Tracer;
 use crate::trace::parallel::Stop;
 use std::sync::Arc;
@@ -31,7 +31,7 @@ pub struct TourSettings {
 #[derive(Debug)]
 pub enum TourEvent<'a> {
     /// A frame is done.
-    Frame(&'a FrameRecord, &'a Frame),
+    Frame(&'a FrameRecord, &'a Walkthrough),
     /// A frame is about to be measured, which takes much longer than the frame.
     Measuring(u32),
     /// Truths cannot be kept; they are traced anew the next time.
@@ -53,7 +53,7 @@ pub enum TourError {
 }
 
 /// Walks along `path` and records every frame. A reference that the policy wants after a frame is traced at once and
-/// serves from the next frame on; before frame 0 there is none. After `cancel` what was done so far is returned.
+/// serves from the next frame on; before frame 0 there are those that the policy wants ahead. After `cancel` what was done so far is returned.
 ///
 /// Frame 0 is rendered once before the walk, unrecorded, so that no frame pays for touching memory first.
 ///
@@ -64,19 +64,33 @@ pub fn run_tour(
     path: &CameraPath,
     settings: &TourSettings,
     cancel: &AtomicBool,
+    observe: impl FnMut(TourEvent<'_>),
+) -> Result<TourRecord, TourError> {
+    let stop = || cancel.load(Ordering::Relaxed);
+    fly(tracer, &cameras(path, settings.frames)?, settings, &stop, observe)
+}
+
+/// The same from pose to pose; the number of frames is theirs.
+///
+/// # Errors
+/// [`TourError::Measure`] where a frame cannot be measured.
+pub fn fly(
+    tracer: &Arc<Tracer>,
+    cameras: &[Camera],
+    settings: &TourSettings,
+    stop: Stop<'_>,
     mut observe: impl FnMut(TourEvent<'_>),
 ) -> Result<TourRecord, TourError> {
-    let cameras = cameras(path, settings.frames)?;
-    let stop = || cancel.load(Ordering::Relaxed);
     let trace = settings.walkthrough.render.trace;
     let mut walk = Walkthrough::new(Arc::clone(tracer), settings.walkthrough);
     if settings.budget.is_some() {
         walk = walk.showing_unfinished();
     }
-    let warm_up_secs = cameras.first().map_or(0.0, |first| warm_up(&mut walk, first, settings, &stop));
+    let warm_up_secs = cameras.first().map_or(0.0, |first| warm_up(&mut walk, first, settings, stop));
     let mut measurer = settings.measure.clone().map(Measurer::new);
-    let (mut frames, mut references) = (Vec::new(), Vec::new());
-    for (index, camera) in (0..).zip(&cameras) {
+    let mut frames = Vec::new();
+    let mut references = references_ahead(&mut walk, settings, cameras.first(), stop);
+    for (index, camera) in (0..).zip(cameras) {
         let start = Instant::now();
         let is_over = || settings.budget.is_some_and(|budget| start.elapsed() >= budget);
         walk.render(camera, settings.size, &|| stop() || is_over());
@@ -86,20 +100,22 @@ pub fn run_tour(
         let mut record = record_of(index, &walk);
         if let Some(measurer) = measurer.as_mut().filter(|m| m.is_due(index)) {
             observe(TourEvent::Measuring(index));
-            record.measurement = measurer.measure(tracer, walk.frame(), &trace, &stop)?;
+            record.measurement = measurer.measure(tracer, walk.frame(), &trace, stop)?;
             if let Some(error) = measurer.keep_error.take() {
                 observe(TourEvent::TruthNotKept(&error));
             }
         }
         // The last frame's wish would serve nobody.
         if index + 1 < cameras.len() as u32
-            && let Some(added) = add_reference(&mut walk, settings, index, references.len() as u32, &stop)
+            && let Some(pose) = walk.wanted_reference()
+            && let Some(added) =
+                add_reference(&mut walk, settings, index, (references.len() as u32, pose), stop)
         {
             record.reference_added = true;
             record.reference_secs = added.secs;
             references.push(added);
         }
-        observe(TourEvent::Frame(&record, walk.frame()));
+        observe(TourEvent::Frame(&record, &walk));
         frames.push(record);
     }
     let is_complete = frames.len() == cameras.len() && !stop();
@@ -151,21 +167,37 @@ fn record_of(index: u32, walk: &Walkthrough) -> FrameRecord {
     }
 }
 
-/// Traces the reference that the walk wants, if it wants one.
+/// Traces what the policy wants before the first frame.
+fn references_ahead(
+    walk: &mut Walkthrough,
+    settings: &TourSettings,
+    first: Option<&Camera>,
+    stop: Stop<'_>,
+) -> Vec<ReferenceRecord> {
+    let mut references = Vec::new();
+    while let Some(pose) = first.and_then(|camera| walk.wanted_ahead(camera, settings.size)) {
+        let number = references.len() as u32;
+        let Some(added) = add_reference(walk, settings, 0, (number, pose), stop) else { break };
+        references.push(ReferenceRecord { is_ahead: true, ..added });
+    }
+    references
+}
+
+/// Traces a reference of a number at a pose.
 fn add_reference(
     walk: &mut Walkthrough,
     settings: &TourSettings,
     frame: u32,
-    number: u32,
-    stop: &(dyn Fn() -> bool + Sync),
+    (number, camera): (u32, Camera),
+    stop: Stop<'_>,
 ) -> Option<ReferenceRecord> {
-    let camera = walk.wanted_reference()?;
     // Entering it into the cache counts as well.
     let start = Instant::now();
     let reference = walk.reference_job(camera, settings.size).trace(stop)?;
     let mut record = ReferenceRecord {
         reference: number,
         after_frame: frame,
+        is_ahead: false,
         pose: Pose::from(&camera),
         secs: 0.0,
         rays: reference.rays,

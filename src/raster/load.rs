@@ -76,7 +76,7 @@ const PNG: [u8; 4] = [0x89, b'P', b'N', b'G'];
 const EXR: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 
 fn open(path: &Path) -> Result<(BufReader<File>, [u8; 4]), String> {
-    let mut file = BufReader::new(File::open(path).map_err(|e| e.to_string())?);
+    let mut file = BufReader::new(open_regular(path)?);
     let mut magic = [0; 4];
     file.read_exact(&mut magic).map_err(|_| "it is no picture".to_owned())?;
     file.seek(SeekFrom::Start(0)).map_err(|e| e.to_string())?;
@@ -126,6 +126,30 @@ pub fn exposed(radiance: &[Vec3], exposure_ev: f32) -> Vec<Vec3> {
     let gain = exposure_ev.exp2();
     let encode = |c: f32| srgb_from_linear(if c.is_nan() { 0.0 } else { c.clamp(0.0, 1.0) });
     radiance.iter().map(|v| Vec3::from((*v * gain).to_array().map(encode))).collect()
+}
+
+/// The bytes of a regular file of at most `most` bytes: never those of a device or a pipe, which may never end.
+///
+/// # Errors
+/// [`LoadError`] with the path and the cause.
+pub fn read_bounded(path: &Path, most: u64) -> Result<Vec<u8>, LoadError> {
+    let failed = |cause: String| LoadError { path: path.to_owned(), cause };
+    let mut bytes = Vec::new();
+    let file = open_regular(path).map_err(failed)?;
+    file.take(most + 1).read_to_end(&mut bytes).map_err(|e| failed(e.to_string()))?;
+    if bytes.len() as u64 > most {
+        return Err(failed(format!("it is longer than {most} bytes")));
+    }
+    Ok(bytes)
+}
+
+fn open_regular(path: &Path) -> Result<File, String> {
+    // Asked before opening: opening a pipe waits for its writer.
+    let metadata = path.metadata().map_err(|e| e.to_string())?;
+    if !metadata.is_file() {
+        return Err("it is not a regular file".to_owned());
+    }
+    File::open(path).map_err(|e| e.to_string())
 }
 
 fn read(path: &Path) -> Result<Picture, String> {

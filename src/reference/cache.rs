@@ -2,10 +2,12 @@
 
 use super::directory::{Directory, MOST_SLOTS};
 use super::lookup::LookupSet;
+use super::placement::OpenSpot;
 use super::{PixelWarp, ReferenceFrame};
 use crate::camera::View;
 use crate::scene::Scene;
 use crate::trace::SceneEpoch;
+use glam::Vec2;
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -65,6 +67,7 @@ pub struct ReferenceCache {
     evicted: u64,
     version: u64,
     coverage: Vec<Vec<f32>>,
+    open: Vec<f32>,
     directory: Arc<Directory>,
 }
 
@@ -79,6 +82,7 @@ impl ReferenceCache {
             evicted: 0,
             version: 0,
             coverage: Vec::new(),
+            open: Vec::new(),
             directory: Arc::new(Directory::new(scene)),
         }
     }
@@ -206,7 +210,7 @@ impl ReferenceCache {
     /// Greedy coverage is within 63 % of the best choice (Nemhauser et al. 1978).
     pub fn select(&mut self, view: &View, epoch: SceneEpoch, most: usize) -> Vec<CachedReference> {
         let candidates = self.cover_all(view, epoch);
-        let (chosen, _) = greedy(&self.coverage, most);
+        let chosen = greedy(&self.coverage, most, &mut self.open);
         self.clock += 1;
         chosen
             .into_iter()
@@ -219,10 +223,23 @@ impl ReferenceCache {
     }
 
     /// The share of a view's pixels, in percent, that the best `most` references would leave without information: what
-    /// the coarse warp says of a frame that is not rendered.
-    pub fn predict_type3_percent(&mut self, view: &View, epoch: SceneEpoch, most: usize) -> f64 {
+    /// the coarse warp says of a frame that is not rendered. Where they are is told too if a list is given.
+    pub fn predict_type3_percent(
+        &mut self,
+        view: &View,
+        epoch: SceneEpoch,
+        most: usize,
+        spots: Option<&mut Vec<OpenSpot>>,
+    ) -> f64 {
         self.cover_all(view, epoch);
-        f64::from(greedy(&self.coverage, most).1) * 100.0
+        greedy(&self.coverage, most, &mut self.open);
+        if self.coverage.is_empty() {
+            self.open.resize(cell_counts(view).into_iter().product(), 1.0);
+        }
+        if let Some(spots) = spots {
+            spots.extend(open_spots(view, &self.open));
+        }
+        f64::from(self.open.iter().sum::<f32>() / self.open.len().max(1) as f32) * 100.0
     }
 
     /// Fills `coverage` for the references of an epoch and returns their places in `entries`.
@@ -264,9 +281,9 @@ const LEAST_GAIN: f32 = 0.0005;
 /// Where the warp magnifies an area by m, one pixel in m gets a sample; m is measured between a sample and its right
 /// and lower neighbour, so that slanted surfaces and edges count as what they are.
 fn cover(reference: &ReferenceFrame, view: &View, cells: &mut Vec<f32>) {
-    let [width, height] = view.size.map(|s| s.div_ceil(CELL));
+    let [width, height] = cell_counts(view);
     cells.clear();
-    cells.resize(width as usize * height as usize, 0.0);
+    cells.resize(width * height, 0.0);
     let warp = PixelWarp::new(&reference.view, view);
     let columns = reference.view.size[0] as usize;
     let last = |n: u32| (n as usize).saturating_sub(1);
@@ -284,21 +301,41 @@ fn cover(reference: &ReferenceFrame, view: &View, cells: &mut Vec<f32>) {
                 }
                 _ => f32::INFINITY,
             };
-            let cell = &mut cells[(py as u32 / CELL * width + px as u32 / CELL) as usize];
+            let cell = &mut cells[(py as u32 / CELL) as usize * width + (px as u32 / CELL) as usize];
             *cell = cell.max(1.0 / magnification.max(1.0));
         }
     }
 }
 
-/// The order in which references close most of what is open, and the share that stays open. Their sample grids are
-/// taken as independent, so what two leave open is the product of what each leaves open.
-fn greedy(coverage: &[Vec<f32>], most: usize) -> (Vec<usize>, f32) {
-    let Some(count) = coverage.first().map(Vec::len) else { return (Vec::new(), 1.0) };
-    let mut open = vec![1f32; count];
+/// Columns and rows of cells of a view.
+fn cell_counts(view: &View) -> [usize; 2] {
+    view.size.map(|s| s.div_ceil(CELL) as usize)
+}
+
+/// The cells of which something is open, by the share of each that is.
+fn open_spots(view: &View, open: &[f32]) -> impl Iterator<Item = OpenSpot> {
+    let columns = cell_counts(view)[0];
+    let side = CELL as f32;
+    let per_cell = 100.0 / open.len().max(1) as f64;
+    let spot = move |(cell, share): (usize, &f32)| OpenSpot {
+        point: Vec2::new((cell % columns) as f32 + 0.5, (cell / columns) as f32 + 0.5) * side,
+        percent: f64::from(*share) * per_cell,
+    };
+    open.iter().enumerate().filter(|(_, share)| **share > 0.0).map(spot)
+}
+
+/// The order in which references close most of what is open; `open` is filled with the share of each cell that stays
+/// open, and left empty without references. Their sample grids are taken as independent, so what two leave open is the
+/// product of what each leaves open.
+fn greedy(coverage: &[Vec<f32>], most: usize, open: &mut Vec<f32>) -> Vec<usize> {
+    let count = coverage.first().map_or(0, Vec::len);
+    open.clear();
+    open.resize(count, 1.0);
     let mut chosen: Vec<usize> = Vec::new();
     while chosen.len() < most.min(coverage.len()) {
-        let gain =
-            |c: usize| -> f32 { coverage[c].iter().zip(&open).map(|(covers, open)| covers * open).sum() };
+        let gain = |c: usize| -> f32 {
+            coverage[c].iter().zip(open.iter()).map(|(covers, open)| covers * open).sum()
+        };
         let best = (0..coverage.len())
             .filter(|c| !chosen.contains(c))
             .map(|c| (c, gain(c)))
@@ -308,5 +345,5 @@ fn greedy(coverage: &[Vec<f32>], most: usize) -> (Vec<usize>, f32) {
         open.iter_mut().zip(&coverage[c]).for_each(|(open, covers)| *open *= 1.0 - covers);
         chosen.push(c);
     }
-    (chosen, open.iter().sum::<f32>() / count.max(1) as f32)
+    chosen
 }

@@ -7,11 +7,13 @@
 //! only the arriving light is stored, so that textures are never resampled. A reference may be sparse: pixels whose
 //! light older references already know are not lit again.
 
+mod damage;
+
 use super::DisparityTiles;
 use super::light::{LightScale, UNLIT};
 use crate::camera::{Camera, View};
 use crate::trace::parallel::{Stop, tile_order, trace_pixels};
-use crate::trace::{PixelTrace, RayCounts, SceneEpoch, SurfacePoint, TraceSettings, Tracer};
+use crate::trace::{ILL_CONDITIONED, PixelTrace, RayCounts, SceneEpoch, SurfacePoint, TraceSettings, Tracer};
 use glam::Vec3;
 use std::time::Instant;
 
@@ -80,6 +82,7 @@ impl ReferenceFrame {
         }
         frame.store_lights(&order, traced.iter().flatten().map(|t| t.light));
         (frame.rays, frame.is_dense) = (rays, true);
+        frame.forget_ill_conditioned(tracer);
         frame.bound_tiles();
         frame.secs = start.elapsed().as_secs_f64();
         Some(frame)
@@ -110,6 +113,21 @@ impl ReferenceFrame {
     /// To be called once all hits are stored.
     pub(super) fn bound_tiles(&mut self) {
         self.tiles = DisparityTiles::new(&self.disparity, self.view.size);
+    }
+
+    /// Hits on needles are not lent: where they lie is a matter of rounding. Scenes without needles pay nothing.
+    pub(super) fn forget_ill_conditioned(&mut self, tracer: &Tracer) {
+        /// A triangle this thin is ill-conditioned only when seen within half a degree of its plane.
+        const THIN: f64 = 1e-3;
+        if tracer.scene().stiffness.thinnest >= THIN {
+            return;
+        }
+        for (pixel, &triangle) in (0..).zip(&self.triangle) {
+            let direction = self.view.direction_of_pixel(pixel);
+            if triangle != NO_TRIANGLE && tracer.condition(direction, triangle) < ILL_CONDITIONED {
+                self.disparity[pixel as usize] = f32::NAN;
+            }
+        }
     }
 
     /// The light of the pixels listed. One whose light is not a number must not be reused: it loses its disparity, and
@@ -207,6 +225,13 @@ impl ReferenceFrame {
             }
         };
         material.emission + albedo * self.light(pixel)
+    }
+
+    /// True where a pixel names a triangle of the scene, or the sky: always, unless its memory was damaged.
+    #[inline(always)]
+    pub fn is_sound(&self, tracer: &Tracer, pixel: u32) -> bool {
+        let triangle = self.triangle[pixel as usize];
+        triangle == NO_TRIANGLE || (triangle as usize) < tracer.scene().triangles.len()
     }
 
     /// 1 / depth along the viewing axis in scene units; 0 for the sky, NaN for a pixel not to be used.

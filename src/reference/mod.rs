@@ -21,7 +21,7 @@ pub use disparity_tiles::DisparityTiles;
 pub use frame::ReferenceFrame;
 pub use lookup::LookupSet;
 pub use pixel_warp::{PixelWarp, RowWarp};
-pub use placement::{Observation, PlacementPolicy};
+pub use placement::{Observation, PlacementPolicy, PlacementRule};
 pub use point_cache::{Place, PointCache, TracedPoint};
 pub use sparse::open_percent;
 pub use tile_light::{TileLight, TilePoints};

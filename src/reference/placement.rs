@@ -1,32 +1,67 @@
 //! Where the next reference should stand.
+//!
+//! # Adding a rule
+//! Write one file with a `pub const NAME: PlacementRule` and add it to [`RULES`]: command line, window and the experiment
+//! `placement` take it from there.
+
+mod ahead;
+mod greedy;
+mod grid;
+mod none;
+mod predictive;
+mod threshold;
+mod walkable;
+
+pub use greedy::GREEDY;
+pub use grid::GRID;
+pub use none::NONE;
+pub use predictive::PREDICTIVE;
+pub use threshold::THRESHOLD;
+pub use walkable::{Standing, walkable};
 
 use crate::camera::Camera;
-use crate::math::Ray;
 use crate::trace::Tracer;
-use serde::{Deserialize, Serialize};
+use glam::Vec2;
 
-/// A rule for adding references. A policy is data: what it decides depends on the observation alone.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum PlacementPolicy {
-    /// Never.
-    None,
-    /// Where the viewer is, when Type 3 exceeds a percentage of the pixels.
-    Threshold {
-        /// Of the pixels.
-        percent: f64,
-    },
-    /// Where the viewer will be, when Type 3 exceeds a percentage of the pixels; while the viewer moves, only where the
-    /// reference is worth the frame it costs.
-    Predictive {
-        /// Of the pixels.
-        percent: f64,
-    },
+/// All rules, in the order in which people see them.
+pub const RULES: &[PlacementRule] = &[PREDICTIVE, THRESHOLD, GREEDY, GRID, NONE];
+
+/// A rule for adding references, as data: what it decides depends on the situation alone.
+#[derive(Clone, Copy, Debug)]
+pub struct PlacementRule {
+    /// On the command line and in records.
+    pub name: &'static str,
+    /// What it does, in a few words.
+    pub about: &'static str,
+    /// Whether the percentage of the policy means something to it.
+    pub has_threshold: bool,
+    /// Poses whose references are made before the first frame is needed, and never again; most have none.
+    pub poses_ahead: fn(&Tracer, &AheadRequest) -> Vec<Camera>,
+    /// The pose at which a new reference is wanted after a frame, if any.
+    pub decide: fn(&mut Situation<'_>) -> Option<Camera>,
+    /// Whether a frame that lit so many percent of its pixels itself is kept as a sparse reference, by the policy's own
+    /// percentage.
+    pub keeps: fn(lit_percent: f64, percent: f64) -> bool,
+}
+
+/// A rule and the percentage of open pixels at which it acts.
+#[derive(Clone, Copy, Debug)]
+pub struct PlacementPolicy {
+    /// Which one.
+    pub rule: &'static PlacementRule,
+    /// Of the pixels.
+    pub percent: f64,
 }
 
 impl Default for PlacementPolicy {
     fn default() -> Self {
-        Self::Predictive { percent: 5.0 }
+        Self::new(&PREDICTIVE, 5.0)
+    }
+}
+
+impl PartialEq for PlacementPolicy {
+    fn eq(&self, other: &Self) -> bool {
+        (self.rule.name, self.percent) == (other.rule.name, other.percent)
     }
 }
 
@@ -48,12 +83,83 @@ pub struct Observation {
     pub held: usize,
 }
 
-/// Foretells the Type 3 percentage of a pose from the references held.
-pub type Foresight<'a> = &'a mut dyn FnMut(&Camera) -> f64;
+/// A piece of a picture that no reference knows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OpenSpot {
+    /// Its middle, in pixels.
+    pub point: Vec2,
+    /// Of all pixels of the picture, in percent.
+    pub percent: f64,
+}
 
-/// How many frames ahead a predicted reference stands. On the gallery's walk (a quarter of a metre a frame) 3 to 6
-/// frames need the fewest references for the same Type 3, 8 and 12 up to half as many again.
-const FRAMES_AHEAD: f64 = 4.0;
+/// Foretells what percentage of a pose's pixels is open, from the references held; tells where too if a list is given.
+pub type Foresight<'a> = &'a mut dyn FnMut(&Camera, Option<&mut Vec<OpenSpot>>) -> f64;
+
+/// All that a rule may ask.
+pub struct Situation<'a> {
+    /// The last frame.
+    pub seen: &'a Observation,
+    /// Of the policy.
+    pub percent: f64,
+    /// Of the pictures.
+    pub size: [u32; 2],
+    /// The scene.
+    pub tracer: &'a Tracer,
+    /// What is open elsewhere.
+    pub foresee: Foresight<'a>,
+}
+
+impl std::fmt::Debug for Situation<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Situation").field("seen", self.seen).finish_non_exhaustive()
+    }
+}
+
+/// What references that are made ahead must keep to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AheadRequest {
+    /// Of the pictures.
+    pub size: [u32; 2],
+    /// Vertical field of view in radians.
+    pub fov_y: f64,
+    /// References at most.
+    pub most: usize,
+}
+
+impl PlacementPolicy {
+    /// A rule that acts above a percentage of open pixels.
+    pub const fn new(rule: &'static PlacementRule, percent: f64) -> Self {
+        Self { rule, percent }
+    }
+
+    /// The rule of a name.
+    pub fn named(name: &str, percent: f64) -> Option<Self> {
+        RULES.iter().find(|rule| rule.name == name).map(|rule| Self { rule, percent })
+    }
+
+    /// The pose at which a new reference is wanted, if any.
+    pub fn decide(
+        &self,
+        seen: &Observation,
+        size: [u32; 2],
+        tracer: &Tracer,
+        foresee: Foresight<'_>,
+    ) -> Option<Camera> {
+        (self.rule.decide)(&mut Situation { seen, percent: self.percent, size, tracer, foresee })
+    }
+
+    /// Whether a frame that lit this percentage of its pixels itself is kept as a sparse reference.
+    pub fn keeps(&self, lit_percent: f64) -> bool {
+        (self.rule.keeps)(lit_percent, self.percent)
+    }
+}
+
+impl PlacementRule {
+    /// Makes nothing ahead.
+    pub(crate) fn none_ahead(_: &Tracer, _: &AheadRequest) -> Vec<Camera> {
+        Vec::new()
+    }
+}
 
 /// A reference costs what tracing a whole frame does. While the viewer moves, one is worth it only where at least this
 /// percentage of the picture would be open, whatever the threshold: on the gallery's walk 71 references with 5.7 % Type 3
@@ -64,86 +170,18 @@ const WORTH_PERCENT: f64 = 20.0;
 /// one is worth it where this percentage of the picture ahead is not known.
 const SPARSE_WORTH_PERCENT: f64 = 1.0;
 
-/// A predicted turn is cut here, in radians: beyond half the field of view the new picture would share nothing.
-const LARGEST_TURN: f64 = 0.5;
-
-/// A predicted eye stays this share of the free way in front of the next surface.
-const FREE_SHARE: f64 = 0.6;
-
-impl PlacementPolicy {
-    /// The pose at which a new reference is wanted, if any.
-    pub fn decide(&self, seen: &Observation, tracer: &Tracer, foresee: Foresight<'_>) -> Option<Camera> {
-        match *self {
-            Self::None => None,
-            // What a frame had to light itself it keeps; see `keeps`.
-            Self::Threshold { .. } if seen.is_sparse => None,
-            Self::Threshold { percent } => (seen.open_percent > percent).then_some(seen.camera),
-            // The next frames would be cut there as well.
-            Self::Predictive { percent }
-                if seen.is_sparse
-                    && seen.was_cut
-                    && seen.open_percent > SPARSE_WORTH_PERCENT.min(percent) =>
-            {
-                Some(seen.camera)
-            }
-            Self::Predictive { percent } if seen.is_sparse => {
-                let ahead = ahead(seen, tracer);
-                (seen.camera != seen.previous && foresee(&ahead) > SPARSE_WORTH_PERCENT.min(percent))
-                    .then_some(ahead)
-            }
-            Self::Predictive { percent } => {
-                if seen.open_percent <= percent {
-                    return None;
-                }
-                let ahead = ahead(seen, tracer);
-                let is_still = seen.camera == seen.previous;
-                let worth = if is_still || seen.held == 0 { percent } else { percent.max(WORTH_PERCENT) };
-                if !is_still && seen.held > 0 && foresee(&ahead) > worth {
-                    return Some(ahead);
-                }
-                (seen.open_percent > worth).then_some(seen.camera)
-            }
-        }
+impl Observation {
+    /// True where the viewer has not moved.
+    pub fn is_still(&self) -> bool {
+        self.camera == self.previous
     }
 
-    /// Whether a frame that lit this percentage of its pixels itself is kept as a sparse reference.
-    pub fn keeps(&self, lit_percent: f64) -> bool {
-        match *self {
-            Self::None => false,
-            Self::Threshold { percent } => lit_percent > percent,
-            Self::Predictive { percent } => lit_percent > percent.min(SPARSE_WORTH_PERCENT),
+    /// Above which percentage of open pixels a reference is worth what it costs.
+    fn worth_percent(&self, percent: f64) -> f64 {
+        match (self.is_sparse, self.is_still() || self.held == 0) {
+            (true, _) => SPARSE_WORTH_PERCENT.min(percent),
+            (false, true) => percent,
+            (false, false) => percent.max(WORTH_PERCENT),
         }
-    }
-
-    /// The name used on the command line.
-    pub fn name(&self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::Threshold { .. } => "threshold",
-            Self::Predictive { .. } => "predictive",
-        }
-    }
-}
-
-/// The camera [`FRAMES_AHEAD`] frames on if the motion of the last frame goes on, never through a wall.
-fn ahead(seen: &Observation, tracer: &Tracer) -> Camera {
-    use std::f64::consts::{PI, TAU};
-    let turn = |now: f64, before: f64| {
-        let step = (now - before + PI).rem_euclid(TAU) - PI;
-        (step * FRAMES_AHEAD).clamp(-LARGEST_TURN, LARGEST_TURN)
-    };
-    let way = (seen.camera.eye - seen.previous.eye) * FRAMES_AHEAD;
-    let frame = &tracer.scene().frame;
-    let from = frame.scene_from_world_f64(seen.camera.eye).as_vec3();
-    let direction = (way * frame.units_per_metre).as_vec3();
-    let free = match tracer.closest(&Ray::new(from, direction)) {
-        Some(hit) => (f64::from(hit.t) * FREE_SHARE).min(1.0),
-        None => 1.0,
-    };
-    Camera {
-        eye: seen.camera.eye + way * free,
-        yaw: seen.camera.yaw + turn(seen.camera.yaw, seen.previous.yaw),
-        pitch: (seen.camera.pitch + turn(seen.camera.pitch, seen.previous.pitch)).clamp(-PI / 2.0, PI / 2.0),
-        fov_y: seen.camera.fov_y,
     }
 }

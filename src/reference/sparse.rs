@@ -2,13 +2,14 @@
 //!
 //! Each sample is traced once and resampled once, when a frame looks it up: a sparse reference copies no light.
 
+use super::placement::OpenSpot;
 use super::tile_surfaces::inside_mask;
 use super::{LookupSet, ReferenceFrame, TileLight, TileSurfaces, ViewLookup};
 use crate::camera::{Camera, View};
 use crate::math::hash::Key;
 use crate::trace::parallel::{Stop, trace_pixels};
 use crate::trace::{TILE_RAYS, TILE_SIDE, TraceSettings, Tracer};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use std::time::Instant;
 
@@ -41,6 +42,7 @@ impl ReferenceFrame {
         let open = open_pixels(&tiles, &view);
         let mut frame = Self::empty(tracer, camera, view, settings);
         tiles.iter().for_each(|tile| tile.store_hits(&mut frame, tracer));
+        frame.forget_ill_conditioned(tracer);
         let mut lights: Vec<Option<Vec3>> = Vec::new();
         let (rays, complete) = trace_pixels(&open, &mut lights, stop, |pixel, rays| {
             let ray = Tracer::primary_ray(&view, pixel);
@@ -74,6 +76,7 @@ impl ReferenceFrame {
             let specular = hit.is_some_and(|(_, t)| tracer.scene().material_of(t).is_specular());
             frame.store_hit(pixel, hit, u32::from(specular));
         }
+        frame.forget_ill_conditioned(tracer);
         frame.store_lights(pixels, lights);
         frame
     }
@@ -83,29 +86,74 @@ impl ReferenceFrame {
 const JUDGED_STEP: usize = 4;
 
 /// The share of a view's pixels, in percent, whose light is not known: what a sparse reference there would trace.
-/// Estimated from a sixteenth of the tiles.
-pub fn open_percent(tracer: &Tracer, view: &View, known: &LookupSet<'_>) -> f64 {
+/// Estimated from a sixteenth of the tiles. Where they are is told too if a list is given.
+pub fn open_percent(
+    tracer: &Tracer,
+    view: &View,
+    known: &LookupSet<'_>,
+    spots: Option<&mut Vec<OpenSpot>>,
+) -> f64 {
     let lookup = ViewLookup::new(known, view, 1);
+    let Some(spots) = spots else {
+        let add =
+            |a: JudgedTile, b: JudgedTile| JudgedTile { open: a.open + b.open, all: a.all + b.all, ..a };
+        let none = JudgedTile::default();
+        let row = |row| judged_tiles(tracer, view, &lookup, row).fold(none, add);
+        return judged_rows(view).map(row).reduce(|| none, add).open_percent();
+    };
+    let tiles: Vec<JudgedTile> =
+        judged_rows(view).flat_map_iter(|row| judged_tiles(tracer, view, &lookup, row)).collect();
+    let [open, all] = tiles.iter().fold([0, 0], |[open, all], t| [open + t.open, all + t.all]);
+    let middle = |tile: &JudgedTile| Vec2::from(tile.corner.map(|c| c as f32 + TILE_SIDE as f32 / 2.0));
+    let percent = |tile: &JudgedTile| 100.0 * f64::from(tile.open) / f64::from(all.max(1));
+    let is_open = |tile: &&JudgedTile| tile.open > 0;
+    spots.extend(tiles.iter().filter(is_open).map(|t| OpenSpot { point: middle(t), percent: percent(t) }));
+    JudgedTile { open, all, ..JudgedTile::default() }.open_percent()
+}
+
+/// How many of a tile's pixels are not known, or of several tiles' together.
+#[derive(Clone, Copy, Default)]
+struct JudgedTile {
+    corner: [u32; 2],
+    open: u32,
+    all: u32,
+}
+
+impl JudgedTile {
+    fn open_percent(&self) -> f64 {
+        100.0 * f64::from(self.open) / f64::from(self.all.max(1))
+    }
+}
+
+/// The first of the tiles that are looked at.
+fn first_judged(count: u32) -> u32 {
+    (JUDGED_STEP as u32 / 2).min(count.saturating_sub(1))
+}
+
+fn judged_rows(view: &View) -> impl IndexedParallelIterator<Item = u32> {
+    let rows = view.size[1].div_ceil(TILE_SIDE as u32);
+    (first_judged(rows)..rows).into_par_iter().step_by(JUDGED_STEP)
+}
+
+fn judged_tiles(
+    tracer: &Tracer,
+    view: &View,
+    lookup: &ViewLookup<'_>,
+    row: u32,
+) -> impl Iterator<Item = JudgedTile> {
     let side = TILE_SIDE as u32;
-    let [columns, rows] = view.size.map(|s| s.div_ceil(side));
-    let middle = |count: u32| (JUDGED_STEP as u32 / 2).min(count.saturating_sub(1));
-    let (open, all) = (middle(rows)..rows)
-        .into_par_iter()
-        .step_by(JUDGED_STEP)
-        .map(|row| {
-            let (mut seen, mut light) = (TileSurfaces::new(view), TileLight::NONE);
-            let (mut open, mut all) = (0, 0);
-            for column in (middle(columns)..columns).step_by(JUDGED_STEP) {
-                let corner = [column * side, row * side];
-                seen.see_behind_glass(tracer, view, corner);
-                lookup.gather(&seen.points, &mut light);
-                open += (seen.points.wanted & !light.known).count_ones();
-                all += inside_mask(view, corner).count_ones();
-            }
-            (open, all)
-        })
-        .reduce(|| (0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
-    100.0 * f64::from(open) / f64::from(all.max(1))
+    let columns = view.size[0].div_ceil(side);
+    let (mut seen, mut light) = (TileSurfaces::new(view), TileLight::NONE);
+    (first_judged(columns)..columns).step_by(JUDGED_STEP).map(move |column| {
+        let corner = [column * side, row * side];
+        seen.see_behind_glass(tracer, view, corner);
+        lookup.gather(&seen.points, &mut light);
+        JudgedTile {
+            corner,
+            open: (seen.points.wanted & !light.known).count_ones(),
+            all: inside_mask(view, corner).count_ones(),
+        }
+    })
 }
 
 fn see_tiles(tracer: &Tracer, view: &View, known: &LookupSet<'_>) -> Vec<SeenTile> {

@@ -323,6 +323,10 @@ impl Renderer {
                     supplier[x] = NO_SUPPLIER;
                     if let Some((sample, sample_disparity)) = warped.sample(pixel) {
                         let (reference, at) = (references[sample.slot()], sample.pixel() as usize);
+                        if !reference.is_sound(tracer, sample.pixel()) {
+                            types[x] = PixelType::Unseen;
+                            continue;
+                        }
                         radiance[x] = reference.diffuse_radiance(tracer, sample.pixel());
                         disparity[x] = sample_disparity;
                         triangle[x] = reference.triangle()[at];

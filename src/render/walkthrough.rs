@@ -2,6 +2,7 @@
 //!
 //! The window and the headless tour run the same walk; they differ only in when a wished reference is traced.
 
+use super::ahead::Ahead;
 use super::audit::{Audited, Auditor};
 use super::refine::{PASSES, RefineState, Refinement};
 use super::steadiness::SteadinessWatch;
@@ -56,6 +57,7 @@ pub struct Walkthrough {
     settings: WalkthroughSettings,
     previous: Option<Camera>,
     wanted: Option<Camera>,
+    ahead: Ahead,
     used: Vec<ReferenceId>,
     references_made: u32,
     has_kept: bool,
@@ -82,6 +84,7 @@ impl Walkthrough {
             settings,
             previous: None,
             wanted: None,
+            ahead: Ahead::default(),
             used: Vec::new(),
             references_made: 0,
             has_kept: false,
@@ -290,6 +293,11 @@ impl Walkthrough {
         refinement.state()
     }
 
+    /// Drops the work of [`Self::refine`], so that the next frame is again as its mode makes it.
+    pub fn drop_refinement(&mut self) {
+        self.refinement = None;
+    }
+
     /// Drops the refinement of another pose or other settings.
     fn keep_refinement(&mut self, camera: &Camera, size: [u32; 2]) {
         let render = &self.settings.render;
@@ -312,17 +320,30 @@ impl Walkthrough {
             was_cut: !self.frame().stats.is_complete,
             held: self.cache.entries().len(),
         };
+        if let Some(pose) = self.wanted_ahead(camera, size) {
+            return Some(pose);
+        }
         let (tracer, cache, most) = (&self.tracer, &mut self.cache, self.settings.most_references);
+        let placement = self.settings.placement;
+        let view = |pose: &Camera| View::new(pose, &tracer.scene().frame, size);
         if is_sparse {
             let lookup = cache.lookup(tracer.epoch());
-            return self.settings.placement.decide(&seen, tracer, &mut |pose| {
-                open_percent(tracer, &View::new(pose, &tracer.scene().frame, size), &lookup)
+            return placement.decide(&seen, size, tracer, &mut |pose, spots| {
+                open_percent(tracer, &view(pose), &lookup, spots)
             });
         }
-        self.settings.placement.decide(&seen, tracer, &mut |pose| {
-            let view = View::new(pose, &tracer.scene().frame, size);
-            cache.predict_type3_percent(&view, tracer.epoch(), most)
+        placement.decide(&seen, size, tracer, &mut |pose, spots| {
+            cache.predict_type3_percent(&view(pose), tracer.epoch(), most, spots)
         })
+    }
+
+    /// The pose of a reference that the policy wants before this frame is rendered, whatever it shows.
+    pub fn wanted_ahead(&mut self, camera: &Camera, size: [u32; 2]) -> Option<Camera> {
+        let (placement, mode) = (self.settings.placement, self.settings.render.mode);
+        if mode == Mode::Full {
+            return None;
+        }
+        self.ahead.next(&self.tracer, &self.cache, &placement, (camera, size))
     }
 
     /// The pose at which the policy wants a reference after the last frame.

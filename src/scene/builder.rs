@@ -1,6 +1,10 @@
 //! From a model in world metres to a [`Scene`]: everything doubtful is dropped and counted here, once.
 
-use super::{Light, Material, MaterialId, NamedView, Needs, Scene, SceneFrame, Sky, Texture, lights, solids};
+use super::duplicates::Duplicates;
+use super::{
+    Light, Material, MaterialId, NamedView, Needs, Scene, SceneFrame, Sky, Stiffness, Texture, bounds,
+    lights, mend, solids,
+};
 use crate::camera::Camera;
 use crate::camera_path::{CameraKey, CameraPath};
 use glam::{DVec3, Vec2, Vec3};
@@ -167,18 +171,28 @@ impl SceneBuilder {
         if self.materials.is_empty() {
             self.add_material(Material::diffuse("default", Vec3::splat(0.6)));
         }
-        self.drop_untraceable(
-            |b, t| t.iter().all(|&v| b.positions.get(v as usize).is_some_and(|p| p.is_finite())),
-            "with a vertex that is missing or not finite",
+        let mut mended = mend::mend(&mut self);
+        mended.triangles_not_finite = self.drop_untraceable(
+            |b, t| t.iter().all(|&v| b.positions.get(v as usize).is_some_and(|p| is_place(*p))),
+            "with a vertex that is missing, not finite or farther than 1e100 m away",
         );
-        let bounds_m = self.bounds_m()?;
-        let frame = frame_for(bounds_m);
+        let (bounds_m, ignores_outliers) =
+            bounds::of(&self.positions, &self.triangles).ok_or_else(|| self.empty_error())?;
+        mended.ignores_outliers = ignores_outliers;
+        let frame = bounds::frame_for(bounds_m);
+        if mended.ignores_outliers {
+            mended.triangles_not_finite += self.drop_the_absurdly_far(&frame);
+        }
         let positions: Vec<Vec3> =
             self.positions.iter().map(|&p| frame.scene_from_world_f64(p).as_vec3()).collect();
-        self.drop_untraceable(|_, t| has_area(t.map(|v| positions[v as usize])), "without area");
+        mended.triangles_without_area =
+            self.drop_untraceable(|_, t| has_area(t.map(|v| positions[v as usize])), "without area");
         if self.triangles.is_empty() {
             return Err(self.empty_error());
         }
+        let duplicates =
+            Duplicates::find(&positions, &self.triangles, &self.triangle_materials, &self.materials);
+        (mended.duplicates_hidden, mended.duplicates_seen) = (duplicates.hidden.len(), duplicates.seen);
         let lights = self.lights(&positions, &frame);
         let needs = Needs::of(&self.materials, &lights, self.sky.as_ref());
         let solids = solids::classify(&positions, &self.triangles, &self.triangle_materials, &self.materials);
@@ -205,8 +219,11 @@ impl SceneBuilder {
             needs,
             warnings: self.warnings,
             bounds_m,
+            hidden: duplicates.hidden,
+            stiffness: Stiffness::default(),
         };
         scene.hash = hash_of(&scene);
+        scene.stiffness = Stiffness::of(&scene, mended);
         Ok(scene)
     }
 
@@ -221,30 +238,37 @@ impl SceneBuilder {
         too_large("triangles", self.triangles.len(), i32::MAX as usize)
     }
 
-    fn drop_untraceable(&mut self, keep: impl Fn(&Self, [u32; 3]) -> bool, what: &str) {
-        let kept: Vec<bool> = self.triangles.iter().map(|&t| keep(self, t)).collect();
-        let dropped = kept.iter().filter(|k| !**k).count();
-        if dropped == 0 {
-            return;
-        }
-        let mut i = 0;
-        self.triangles.retain(|_| {
-            i += 1;
-            kept[i - 1]
-        });
-        i = 0;
-        self.triangle_materials.retain(|_| {
-            i += 1;
-            kept[i - 1]
-        });
+    /// Drops triangles whose products would overflow, and says that others lie far outside.
+    fn drop_the_absurdly_far(&mut self, frame: &SceneFrame) -> usize {
+        /// Scene units. Products of three coordinates stay below the largest f32.
+        const FARTHEST: f64 = (1u64 << 40) as f64;
         let name = self.name.clone();
-        self.warn(&name, 0, format!("{dropped} triangles {what} were left out"));
+        self.warn(&name, 0, "a few vertices lie far outside the rest; centre, scale and views ignore them");
+        let is_near = |b: &Self, v: u32| {
+            frame.scene_from_world_f64(b.positions[v as usize]).abs().max_element() < FARTHEST
+        };
+        self.drop_untraceable(|b, t| t.iter().all(|&v| is_near(b, v)), "too far from all others")
     }
 
-    fn bounds_m(&self) -> Result<[DVec3; 2], SceneError> {
-        let mut used = self.triangles.iter().flatten().map(|&v| self.positions[v as usize]);
-        let first = used.next().ok_or_else(|| self.empty_error())?;
-        Ok(used.fold([first, first], |[lo, hi], p| [lo.min(p), hi.max(p)]))
+    /// Drops triangles and returns how many.
+    fn drop_untraceable(&mut self, keep: impl Fn(&Self, [u32; 3]) -> bool, what: &str) -> usize {
+        let kept: Vec<bool> = self.triangles.iter().map(|&t| keep(self, t)).collect();
+        self.keep_only(&kept, what)
+    }
+
+    /// Drops the triangles not kept, says so, and returns how many.
+    fn keep_only(&mut self, kept: &[bool], what: &str) -> usize {
+        let dropped = kept.iter().filter(|k| !**k).count();
+        if dropped == 0 {
+            return 0;
+        }
+        let mut of_triangle = kept.iter();
+        self.triangles.retain(|_| of_triangle.next() == Some(&true));
+        let mut of_material = kept.iter();
+        self.triangle_materials.retain(|_| of_material.next() == Some(&true));
+        let name = self.name.clone();
+        self.warn(&name, 0, format!("{dropped} triangles {what} were left out"));
+        dropped
     }
 
     fn empty_error(&self) -> SceneError {
@@ -279,6 +303,14 @@ impl SceneBuilder {
     }
 }
 
+/// Beyond it, squares of lengths overflow.
+const FARTHEST_M: f64 = 1e100;
+
+/// True for a point that something can be.
+pub(super) fn is_place(p: DVec3) -> bool {
+    p.abs().max_element() <= FARTHEST_M && p.is_finite()
+}
+
 /// A clear day's sky: the sun's light scattered, roughly a tenth of it.
 pub const DAYLIGHT_SKY: Sky = Sky {
     zenith: Vec3::new(0.35, 0.55, 1.0),
@@ -290,21 +322,6 @@ pub const DAYLIGHT_SKY: Sky = Sky {
 pub fn daylight_sun() -> (Vec3, f32, Vec3) {
     let direction = DVec3::new(0.35, 1.0, 0.6).normalize_or(DVec3::Y).as_vec3();
     (direction, 0.27f32.to_radians(), Vec3::new(10.0, 9.4, 8.4))
-}
-
-/// The frame that brings the box's diagonal to 512..1024 scene units and its centre near the origin.
-fn frame_for([low, high]: [DVec3; 2]) -> SceneFrame {
-    let diagonal = (high - low).length();
-    // A single point has no diagonal; any scale serves.
-    let exponent = if diagonal > 0.0 { 9 - diagonal.log2().floor() as i32 } else { 0 };
-    let units_per_metre = exponent_of_two(exponent.clamp(-1000, 1000));
-    let centre = low + (high - low) / 2.0;
-    // Whole scene units: the origin is then exact in f64, and a model moved by whole units keeps its bits.
-    SceneFrame { origin_in_world_m: (centre * units_per_metre).round() / units_per_metre, units_per_metre }
-}
-
-fn exponent_of_two(exponent: i32) -> f64 {
-    f64::from_bits(((1023 + exponent) as u64) << 52)
 }
 
 /// True where the cross product of two edges, computed in f64 from the very f32 corners, is not zero.

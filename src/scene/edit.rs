@@ -1,7 +1,7 @@
 //! Changes of a finished scene that leave its geometry alone: materials, the sun and the sky.
 
 use super::builder::hash_of;
-use super::{Light, Material, Needs, Scene, Sky, lights, solids};
+use super::{Light, Material, Needs, Scene, Sky, lights, mend, solids};
 use glam::Vec3;
 
 /// What lights a scene from outside.
@@ -37,6 +37,11 @@ impl Scene {
         assert_eq!(look.materials.len(), self.materials.len(), "a look of another scene");
         let mut edited = self.clone();
         edited.materials.clone_from(&look.materials);
+        for material in &mut edited.materials {
+            let (clamped, is_scaled) = mend::mend_material(material);
+            edited.stiffness.mended.values_clamped += clamped;
+            edited.stiffness.mended.materials_scaled += usize::from(is_scaled);
+        }
         edited.find_lights_anew(look.daylight);
         edited
     }
@@ -73,6 +78,9 @@ impl Scene {
         self.solids =
             solids::classify(&self.positions, &self.triangles, &self.triangle_materials, &self.materials);
         self.hash = hash_of(self);
+        let mut stiffness = std::mem::take(&mut self.stiffness);
+        stiffness.set_light(self);
+        self.stiffness = stiffness;
     }
 }
 

@@ -80,6 +80,30 @@ impl Material {
         self.emission.max_element() > 0.0
     }
 
+    /// Scales diffuse and specular part down to one in sum; true where that was needed by more than rounding.
+    pub fn scale_to_conserve(&mut self) -> bool {
+        /// Files are written in decimals: 0.8 and 0.2 may sum to a hair above one.
+        const SLACK: f32 = 1e-4;
+        let specular = match self.kind {
+            MaterialKind::Diffuse => Vec3::ZERO,
+            MaterialKind::Mirror { reflectance, .. } => reflectance,
+            MaterialKind::Glass { transmittance, .. } => transmittance,
+        };
+        let sum = (self.diffuse + specular).max_element();
+        if sum <= 1.0 {
+            return false;
+        }
+        self.diffuse /= sum;
+        match &mut self.kind {
+            MaterialKind::Diffuse => {}
+            MaterialKind::Mirror { reflectance: part, .. }
+            | MaterialKind::Glass { transmittance: part, .. } => {
+                *part /= sum;
+            }
+        }
+        sum > 1.0 + SLACK
+    }
+
     /// The word that `inspect` uses.
     pub fn kind_name(&self) -> &'static str {
         match self.kind {

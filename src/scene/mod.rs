@@ -2,15 +2,19 @@
 //!
 //! Everything enters through [`SceneBuilder`]: the importer and the embedded scenes alike.
 
+mod bounds;
 pub mod builder;
 pub mod builtin;
+mod duplicates;
 mod edit;
 pub mod import;
 mod lights;
 pub mod material;
+mod mend;
 pub mod needs;
 pub mod solar;
 mod solids;
+pub mod stiffness;
 pub mod texture;
 
 pub use crate::camera::SceneFrame;
@@ -20,6 +24,7 @@ pub use lights::Light;
 pub(crate) use lights::point_on_mesh;
 pub use material::{Material, MaterialKind, TextureRef};
 pub use needs::Needs;
+pub use stiffness::{Mended, Stiffness};
 pub use texture::{Encoding, Texture};
 
 use crate::camera::Camera;
@@ -105,8 +110,12 @@ pub struct Scene {
     pub needs: Needs,
     /// Everything doubtful found on the way in.
     pub warnings: Vec<Warning>,
-    /// Lower and upper corner, world metres.
+    /// Lower and upper corner, world metres; of the bulk where a few vertices lie far outside.
     pub bounds_m: [DVec3; 2],
+    /// Triangles that lie exactly on an earlier one and cannot be told from it, ascending: no ray meets them.
+    pub hidden: Vec<u32>,
+    /// How hard it is on numbers, and what was mended.
+    pub stiffness: Stiffness,
 }
 
 /// How a triangle of a dielectric bounds it.

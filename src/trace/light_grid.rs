@@ -68,7 +68,12 @@ impl LightGrid {
         if self.cells.is_empty() {
             return &self.all;
         }
-        let at = ((position - self.low) / CELL).max(Vec3::ZERO).as_uvec3().min(self.dimensions - 1);
+        let place = (position - self.low) / CELL;
+        // What lies far outside the bulk of the scene has no cell of its own.
+        if place.min_element() < -1.0 || (place - self.dimensions.as_vec3()).max_element() > 1.0 {
+            return &self.all;
+        }
+        let at = place.max(Vec3::ZERO).as_uvec3().min(self.dimensions - 1);
         let index = ((at.z * self.dimensions.y + at.y) * self.dimensions.x + at.x) as usize;
         self.cells[index].get_or_init(|| self.find(scene, bvh, index as u32, at))
     }

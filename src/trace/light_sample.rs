@@ -63,7 +63,9 @@ pub(super) fn sample(
         Light::Point { position, intensity } => {
             let d = *position - point.position;
             let cos = cosine(point, d)?;
-            let irradiance = *intensity * (cos / d.length_squared().max(f32::MIN_POSITIVE));
+            // Nearer than a millionth of the scene's diagonal a point would outshine every number there is.
+            const NEAREST: f32 = 1.0 / 1024.0 / 1024.0;
+            let irradiance = *intensity * (cos / d.length_squared().max(NEAREST));
             Some(LightSample {
                 shadow_ray: Ray { t_max: 1.0, ..Ray::new(origin, *position - origin) },
                 irradiance,

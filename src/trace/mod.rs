@@ -21,4 +21,4 @@ pub use pixel::{PixelTrace, RayCounts, TraceSettings};
 pub use primary::{SceneEpoch, Tracer};
 pub use primary_tile::primary_tile;
 pub use probe::Probe;
-pub use surface::SurfacePoint;
+pub use surface::{ILL_CONDITIONED, SurfacePoint};

@@ -36,7 +36,7 @@ impl Tracer {
         let start = Instant::now();
         let corners: Vec<[Vec3; 3]> =
             (0..scene.triangles.len() as u32).into_par_iter().map(|t| scene.corners(t)).collect();
-        let bvh = Arc::new(Bvh::build(&corners));
+        let bvh = Arc::new(Bvh::build_without(&corners, &scene.hidden));
         let epoch = SceneEpoch(NEXT_EPOCH.fetch_add(1, Ordering::Relaxed));
         let lights = LightGrid::new(&scene);
         Self { scene, bvh, lights, epoch, build_secs: start.elapsed().as_secs_f64() }
@@ -168,6 +168,12 @@ impl Tracer {
     /// The surface point of a hit.
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
         SurfacePoint::new(&self.scene, hit.triangle, [hit.b1, hit.b2], ray.direction)
+    }
+
+    /// How well the hit of a ray of this direction on a triangle is determined; below [`super::ILL_CONDITIONED`] it may
+    /// be lost or misplaced, and must not be lent.
+    pub fn condition(&self, direction: Vec3, triangle: u32) -> f64 {
+        super::surface::condition(self.scene.corners(triangle), direction)
     }
 
     /// What a ray that leaves the scene sees.

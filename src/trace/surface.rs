@@ -96,6 +96,18 @@ impl SurfacePoint {
     }
 }
 
+/// How well a hit is determined: the sine between ray and plane times the triangle's height over its longest edge.
+/// Below [`ILL_CONDITIONED`] a hit may be lost, or lie off its ray by a thousandth of an edge.
+pub(super) fn condition([a, b, c]: [Vec3; 3], direction: Vec3) -> f64 {
+    let [a, b, c, d] = [a, b, c, direction].map(Vec3::as_dvec3);
+    let n = (b - a).cross(c - a);
+    let longest2 = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
+    n.dot(d).abs() / (d.length() * longest2)
+}
+
+/// See [`condition`]; measured: 0.02 % of hits at 9e-6, 7 % at 9e-7 are off by more than a thousandth of an edge.
+pub const ILL_CONDITIONED: f64 = 1e-5;
+
 fn unit_normal(e1: Vec3, e2: Vec3) -> Vec3 {
     let n = e1.cross(e2);
     n.try_normalize().unwrap_or_else(|| {

@@ -1,8 +1,10 @@
 //! The importer, fed with small files of ours: each is one way in which real files are wrong.
 
+mod gltf;
 mod limits;
 mod lines;
 mod materials;
+mod properties;
 mod real;
 mod sidecar;
 mod textures;

@@ -4,12 +4,15 @@ use super::journal::{Done, Journal};
 use super::manifest::{FORMAT, Manifest, Session};
 use super::{Identity, LabError, Report, RunRecord, Shard};
 use crate::experiment::record::csv;
+use crate::raster::load::read_bounded;
 use crate::raster::save::write_atomically;
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 
 const MANIFEST: &str = "manifest.json";
 const LOCK: &str = ".lock";
+/// A thousand sessions have less.
+const MANIFEST_BYTES: u64 = 16 << 20;
 
 /// A run folder that this process may write to.
 #[derive(Debug)]
@@ -137,10 +140,10 @@ fn is_new(path: &Path) -> Result<bool, LabError> {
 /// [`LabError`] where it is none, or one of another form.
 pub fn read_manifest(path: &Path) -> Result<Manifest, LabError> {
     let not_ours = |cause: String| LabError::Folder { path: path.to_owned(), cause };
-    let text = std::fs::read_to_string(path.join(MANIFEST))
-        .map_err(|e| not_ours(format!("it is no run folder: its {MANIFEST} cannot be read ({e})")))?;
+    let bytes = read_bounded(&path.join(MANIFEST), MANIFEST_BYTES)
+        .map_err(|e| not_ours(format!("it is no run folder: its {MANIFEST} cannot be read ({})", e.cause)))?;
     let value: serde_json::Value =
-        serde_json::from_str(&text).map_err(|e| not_ours(format!("its {MANIFEST} is damaged: {e}")))?;
+        serde_json::from_slice(&bytes).map_err(|e| not_ours(format!("its {MANIFEST} is damaged: {e}")))?;
     let format = value.get("format").and_then(serde_json::Value::as_u64);
     if format != Some(FORMAT.into()) {
         let found = format.map_or("none".to_owned(), |f| f.to_string());

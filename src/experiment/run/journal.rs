@@ -1,6 +1,7 @@
 //! What is done, a line a cell: appended, flushed and synced, so that a killed run loses at most the cell it was at.
 
 use super::{LabError, RunRecord};
+use crate::raster::load::read_bounded;
 use crate::raster::save::write_atomically;
 use serde::{Deserialize, Serialize};
 use std::fs::{File, OpenOptions};
@@ -65,8 +66,13 @@ impl Journal {
     /// [`LabError`] where it cannot be written.
     pub fn add(&mut self, done: Done) -> Result<(), LabError> {
         let line = lines(std::slice::from_ref(&done));
+        let length = self.file.metadata().map(|m| m.len());
         let write = self.file.write_all(line.as_bytes()).and_then(|()| self.file.sync_data());
-        write.map_err(|e| LabError::at(Path::new(Self::NAME), e))?;
+        if let Err(error) = write {
+            // What was begun is taken back, or the next line would be joined to it.
+            let _ = length.and_then(|length| self.file.set_len(length));
+            return Err(LabError::at(Path::new(Self::NAME), error));
+        }
         self.done.push(done);
         Ok(())
     }
@@ -76,13 +82,16 @@ fn lines(done: &[Done]) -> String {
     done.iter().filter_map(|d| serde_json::to_string(d).ok()).map(|line| line + "\n").collect()
 }
 
+/// A million cells have less.
+const MOST_BYTES: u64 = 4 << 30;
+
 /// The cells of a journal, and whether every byte of it was of use.
 fn read(path: &Path) -> Result<(Vec<Done>, bool), LabError> {
-    let bytes = match std::fs::read(path) {
-        Ok(bytes) => bytes,
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok((Vec::new(), true)),
-        Err(error) => return Err(LabError::at(path, error)),
-    };
+    if std::fs::symlink_metadata(path).is_err_and(|e| e.kind() == std::io::ErrorKind::NotFound) {
+        return Ok((Vec::new(), true));
+    }
+    let bytes = read_bounded(path, MOST_BYTES)
+        .map_err(|e| LabError::Folder { path: path.to_owned(), cause: e.cause })?;
     // A line without its end was being written when the run was killed, even if it happens to parse.
     let ended = bytes.iter().rposition(|b| *b == b'\n').map_or(0, |at| at + 1);
     let lines: Vec<&[u8]> = bytes[..ended].split(|b| *b == b'\n').filter(|l| !l.is_empty()).collect();

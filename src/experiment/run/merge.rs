@@ -4,6 +4,8 @@ use super::folder::{RunFolder, read_manifest};
 use super::journal::Journal;
 use super::manifest::{Manifest, Session};
 use super::{LabError, Shard};
+use crate::raster::load::read_bounded;
+use crate::raster::save::write_atomically;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
@@ -36,6 +38,9 @@ pub fn merge(folders: &[PathBuf], into: &Path, session: Session) -> Result<RunFo
     Ok(merged)
 }
 
+/// Of one picture: a float picture of 8192 x 8192 has less.
+const PICTURE_BYTES: u64 = 2 << 30;
+
 fn copy_images(from: &Path, to: &Path) -> Result<(), LabError> {
     let entries = match std::fs::read_dir(from) {
         Ok(entries) => entries,
@@ -46,7 +51,9 @@ fn copy_images(from: &Path, to: &Path) -> Result<(), LabError> {
         let entry = entry.map_err(|e| LabError::at(from, e))?;
         let to = to.join(entry.file_name());
         if entry.path().is_file() && !to.exists() {
-            std::fs::copy(entry.path(), &to).map_err(|e| LabError::at(&to, e))?;
+            let bytes = read_bounded(&entry.path(), PICTURE_BYTES)
+                .map_err(|e| LabError::Folder { path: e.path, cause: e.cause })?;
+            write_atomically(&to, &bytes)?;
         }
     }
     Ok(())

@@ -29,7 +29,7 @@ pub use plan::{Cell, Identity, Shard, ShardError};
 pub use record::{RunRecord, counted};
 pub use report::Report;
 
-use super::{error_time, table1};
+use super::{error_time, placement, scaling, soak, stability, table1, throughput};
 use crate::camera_path::CameraPath;
 use crate::raster::color::metered_exposure_ev;
 use crate::raster::save::{SaveError, save_png};
@@ -42,7 +42,15 @@ use std::sync::Arc;
 use std::time::Instant;
 
 /// Every experiment that can be run by its name.
-pub const EXPERIMENTS: &[Experiment] = &[table1::EXPERIMENT, error_time::EXPERIMENT];
+pub const EXPERIMENTS: &[Experiment] = &[
+    table1::EXPERIMENT,
+    error_time::EXPERIMENT,
+    placement::EXPERIMENT,
+    scaling::EXPERIMENT,
+    throughput::EXPERIMENT,
+    stability::EXPERIMENT,
+    soak::EXPERIMENT,
+];
 
 /// An experiment, as data.
 #[derive(Clone, Copy, Debug)]
@@ -209,7 +217,8 @@ impl Lab<'_> {
             scene_sha256: self.tracer.scene().hash.clone(),
             settings: RunRecord::default()
                 .with_fields(self.settings)
-                .with("walk_sha256", super::truth::digest(&walk)),
+                .with("walk_sha256", super::truth::digest(&walk))
+                .with_fields(&serde_json::json!({"stiffness": self.tracer.scene().stiffness})),
         }
     }
 

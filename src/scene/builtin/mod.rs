@@ -6,6 +6,8 @@ mod gallery;
 mod mirrors;
 mod shapes;
 
+pub use gallery::statue_hall;
+
 use super::{NamedView, Scene, SceneBuilder, SceneError};
 use crate::camera::Camera;
 use crate::camera_path::{CameraKey, CameraPath};

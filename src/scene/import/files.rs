@@ -93,7 +93,7 @@ pub(super) fn read_in_steps(path: &Path, limit: u64, steps: &Steps) -> Result<Ve
     let size = metadata.len();
     if size > limit {
         let cause = format!("it has {size} bytes, at most {limit} are read");
-        return Err(failed(cause, "split the model, or raise the limit"));
+        return Err(failed(cause, "split the model"));
     }
     let mut file = File::open(path).map_err(unreadable)?;
     let mut bytes = Vec::new();

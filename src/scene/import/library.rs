@@ -11,7 +11,7 @@ use super::textures::{self, Library};
 use super::{Import, Phase, files};
 use crate::scene::{Material, SceneBuilder, SceneError};
 use glam::Vec3;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 /// Takes the model; gives the builder one material per name that its faces use, in the model's order.
@@ -41,7 +41,8 @@ pub(super) fn materials(
         };
         builder.add_material(material);
     }
-    missing.retain(|name| !sidecar.defines(name));
+    let defined = sidecar.defined();
+    missing.retain(|name| !defined.contains(name.as_str()));
     warn_missing(&missing, import, builder);
     for (library, tally) in shelf.libraries.iter().zip(tallies) {
         builder.warnings.extend(tally.warnings(&library.shown));
@@ -71,7 +72,12 @@ struct Shelf {
     materials: Vec<MtlMaterial>,
     /// Exact names, then names without a comment, then lower-case names: the first that matches counts.
     by_name: HashMap<String, usize>,
+    /// Libraries that were not found.
+    missing: usize,
 }
+
+/// Libraries that were not found, each said with every path tried, before the rest is only counted.
+const MISSING_SHOWN: usize = 20;
 
 impl Shelf {
     fn read(
@@ -85,9 +91,12 @@ impl Shelf {
             tallies: Vec::new(),
             materials: Vec::new(),
             by_name: HashMap::new(),
+            missing: 0,
         };
-        let mut read = Vec::new();
-        for (i, (line, operand)) in model.libraries.iter().enumerate() {
+        // The same line again, as some exporters write before every object, costs nothing.
+        let (mut read, mut seen) = (HashSet::new(), HashSet::new());
+        let lines = model.libraries.iter().filter(|(_, operand)| seen.insert(operand.as_str()));
+        for (i, (line, operand)) in lines.enumerate() {
             import.steps.at(Phase::Materials, i as f32 / model.libraries.len() as f32)?;
             for name in library_names(operand, finder) {
                 let found = finder.library(&name);
@@ -97,14 +106,19 @@ impl Shelf {
                         if found.outside { " inside the scene's folder" } else { "" },
                         found.tried.join(", ")
                     );
-                    builder.warn(&import.name, *line, message);
+                    shelf.missing += 1;
+                    if shelf.missing <= MISSING_SHOWN {
+                        builder.warn(&import.name, *line, message);
+                    }
                     continue;
                 };
-                if !read.contains(&file) {
+                if read.insert(file.clone()) {
                     shelf.add(&file, finder, import, builder)?;
-                    read.push(file);
                 }
             }
+        }
+        if let Some(more) = shelf.missing.checked_sub(MISSING_SHOWN).filter(|more| *more > 0) {
+            builder.warn(&import.name, 0, format!("{more} more material libraries were not found"));
         }
         shelf.index();
         Ok(shelf)

@@ -80,7 +80,7 @@ pub(super) fn interpret(m: &MtlMaterial, distrusted: bool, tally: &mut Tally) ->
         Model::Mirror { fresnel } => mirror(&mut material, m, fresnel),
         Model::Matte => {}
     }
-    if scale_to_conserve(&mut material) {
+    if material.scale_to_conserve() {
         tally.add(Trouble::TOO_BRIGHT, m.line, || m.name.clone());
     }
     material
@@ -117,27 +117,4 @@ fn glass(material: &mut Material, m: &MtlMaterial, d: f32, tally: &mut Tally) {
     let filter = m.filter.filter(|tf| *tf != Vec3::ZERO).unwrap_or(Vec3::ONE).min(Vec3::ONE);
     let transmittance = filter.min((Vec3::ONE - material.diffuse).max(Vec3::ZERO));
     material.kind = MaterialKind::Glass { eta: eta.clamp(1.0, 10.0), transmittance };
-}
-
-/// Scales both parts down to one in sum; true where that was needed by more than rounding.
-pub(super) fn scale_to_conserve(material: &mut Material) -> bool {
-    /// Files are written in decimals: 0.8 and 0.2 may sum to a hair above one.
-    const SLACK: f32 = 1e-4;
-    let specular = match material.kind {
-        MaterialKind::Diffuse => Vec3::ZERO,
-        MaterialKind::Mirror { reflectance, .. } => reflectance,
-        MaterialKind::Glass { transmittance, .. } => transmittance,
-    };
-    let sum = (material.diffuse + specular).max_element();
-    if sum <= 1.0 {
-        return false;
-    }
-    material.diffuse /= sum;
-    match &mut material.kind {
-        MaterialKind::Diffuse => {}
-        MaterialKind::Mirror { reflectance: part, .. } | MaterialKind::Glass { transmittance: part, .. } => {
-            *part /= sum;
-        }
-    }
-    sum > 1.0 + SLACK
 }

@@ -1,9 +1,12 @@
-//! Reading models: decode -> repair -> OBJ -> MTL -> textures -> welded triangles -> report. A file a step.
+//! Reading models. OBJ: decode -> repair -> OBJ -> MTL -> textures -> welded triangles -> report, a file a step; glTF:
+//! the folder `gltf`, with the same limits, jail, pictures and report.
 //!
 //! What a file leaves open or gets wrong never stops the import: it is counted, named with its line, and said. What
 //! leaves nothing to show is an error that names file, line, cause and remedy.
 
+mod decoding;
 mod files;
+mod gltf;
 mod library;
 mod materials;
 mod mtl;
@@ -48,6 +51,13 @@ pub struct ImportOptions {
 pub struct Limits {
     /// Of an OBJ file.
     pub obj_bytes: u64,
+    /// Of a glTF file.
+    pub gltf_bytes: u64,
+    /// Of all buffers that a glTF file names, together.
+    pub buffers_bytes: u64,
+    /// Vertices, and triangles, of a glTF file with every mesh at every place it has: a few bytes can ask for a
+    /// million copies.
+    pub gltf_vertices: usize,
     /// Of one material library.
     pub mtl_bytes: u64,
     /// Of all materials together.
@@ -71,6 +81,9 @@ impl Default for Limits {
     fn default() -> Self {
         Self {
             obj_bytes: 4 << 30,
+            gltf_bytes: 4 << 30,
+            buffers_bytes: 4 << 30,
+            gltf_vertices: 50_000_000,
             mtl_bytes: 16 << 20,
             materials: 1_000_000,
             corners: 1_000_000_000,
@@ -123,7 +136,7 @@ impl Steps<'_> {
     }
 }
 
-/// Reads an OBJ file with everything that belongs to it.
+/// Reads an OBJ or glTF file with everything that belongs to it.
 ///
 /// # Errors
 /// [`SceneError::Read`], [`SceneError::Line`] or [`SceneError::TooLarge`] where nothing can be shown,
@@ -139,6 +152,27 @@ pub fn load(path: &Path, options: &ImportOptions, progress: Progress) -> Result<
     })
 }
 
+/// The kinds of files that are read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Format {
+    Obj,
+    Gltf,
+}
+
+impl Format {
+    fn of(path: &Path) -> Option<Self> {
+        let extension = path.extension()?.to_str()?.to_ascii_lowercase();
+        match extension.as_str() {
+            "obj" => Some(Self::Obj),
+            "gltf" | "glb" => Some(Self::Gltf),
+            _ => None,
+        }
+    }
+}
+
+/// The endings of the files that [`load`] reads.
+pub const EXTENSIONS: [&str; 3] = ["obj", "gltf", "glb"];
+
 /// One import under way.
 struct Import<'a> {
     /// As the user named it, for messages.
@@ -147,6 +181,7 @@ struct Import<'a> {
     file: PathBuf,
     /// File name with extension: the scene's name, and the file of warnings about the model.
     name: String,
+    format: Format,
     options: &'a ImportOptions,
     steps: Steps<'a>,
 }
@@ -163,41 +198,70 @@ impl<'a> Import<'a> {
             return Err(failed("this is a folder".to_owned(), "name the OBJ file in it"));
         }
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let is_obj = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj"));
-        if !is_obj {
-            return Err(failed("only OBJ files are read".to_owned(), "export the model as .obj"));
-        }
-        Ok(Self { path, file, name, options, steps })
+        let Some(format) = Format::of(path) else {
+            let remedy = "export the model as .glb, .gltf or .obj";
+            return Err(failed("only OBJ and glTF files are read".to_owned(), remedy));
+        };
+        Ok(Self { path, file, name, format, options, steps })
     }
 
     fn run(&self) -> Result<Scene, SceneError> {
+        let mut builder = SceneBuilder::new(&self.name);
+        let sidecar = Sidecar::beside(self.path, &mut builder);
+        let folder = self.file.parent().unwrap_or(Path::new("")).to_owned();
+        let mut finder = Finder::new(Jail { folder, allow_outside: self.options.allow_outside });
+        match self.format {
+            Format::Obj => self.obj(&sidecar, &mut finder, &mut builder)?,
+            Format::Gltf => self.gltf(&sidecar, &mut finder, &mut builder)?,
+        }
+        sidecar.apply(&mut builder);
+        self.steps.at(Phase::Building, 1.0)?;
+        self.finish(builder)
+    }
+
+    fn obj(
+        &self,
+        sidecar: &Sidecar,
+        finder: &mut Finder,
+        builder: &mut SceneBuilder,
+    ) -> Result<(), SceneError> {
         let limits = &self.options.limits;
         let bytes = files::read_in_steps(&self.file, limits.obj_bytes, &self.steps)?;
         let decoded = text::decode(bytes);
-        let mut builder = SceneBuilder::new(&self.name);
         if let Some(encoding) = decoded.guessed {
             builder.warn(&self.name, 0, format!("the text is not UTF-8; it was read as {encoding}"));
         }
-        let sidecar = Sidecar::beside(self.path, &mut builder);
         let declared_unit = units::declared(&decoded.text);
         let looks_binary = decoded.text.contains('\0');
         let mut model = obj::parse(&decoded.text, self.path, limits, &self.steps)?;
         drop(decoded);
-        let positions_m = self.place(&mut model, &sidecar, declared_unit, &mut builder);
-        weld::build(&mut model, &positions_m, &mut builder, &self.steps)?;
+        let positions_m = self.place(&mut model, sidecar, declared_unit, builder);
+        weld::build(&mut model, &positions_m, builder, &self.steps)?;
         drop(positions_m);
-        builder.warnings.extend(model.tally.clone().warnings(&self.name));
+        let doubts = std::mem::take(&mut model.tally).warnings(&self.name);
         if builder.triangles.is_empty() {
-            return Err(self.nothing_left(model, looks_binary));
+            return Err(self.nothing_left(doubts.into_iter().next(), looks_binary));
         }
-        self.hint_up(&sidecar, &mut builder);
-        let folder = self.file.parent().unwrap_or(Path::new("")).to_owned();
-        let jail = Jail { folder, allow_outside: self.options.allow_outside };
-        library::materials(&model, &sidecar, &mut Finder::new(jail), self, &mut builder)?;
-        drop(model);
-        sidecar.apply(&mut builder);
-        self.steps.at(Phase::Building, 1.0)?;
-        self.finish(builder)
+        builder.warnings.extend(doubts);
+        self.hint_up(sidecar, builder);
+        library::materials(&model, sidecar, finder, self, builder)
+    }
+
+    fn gltf(
+        &self,
+        sidecar: &Sidecar,
+        finder: &mut Finder,
+        builder: &mut SceneBuilder,
+    ) -> Result<(), SceneError> {
+        let unit = self.options.unit.or(sidecar.unit).unwrap_or(Unit::Metre);
+        let up = self.options.up.or(sidecar.up).unwrap_or(Up::PlusY);
+        let doubts = gltf::read(self, unit, up, finder, builder)?.warnings(&self.name);
+        if builder.triangles.is_empty() {
+            return Err(self.nothing_left(doubts.into_iter().next(), false));
+        }
+        builder.warnings.extend(doubts);
+        sidecar.override_materials(&[], builder);
+        Ok(())
     }
 
     /// Unit and up axis; positions in world metres.
@@ -231,26 +295,29 @@ impl<'a> Import<'a> {
     }
 
     /// The error for a file without a single triangle: its first trouble, where it has one.
-    fn nothing_left(&self, model: obj::Model, looks_binary: bool) -> SceneError {
-        let first = model.tally.warnings(&self.name).into_iter().next();
+    fn nothing_left(&self, first: Option<super::Warning>, looks_binary: bool) -> SceneError {
         let file = self.path.to_owned();
+        let unreadable = |cause: String, remedy: &str| SceneError::Read {
+            file: file.clone(),
+            cause,
+            remedy: remedy.to_owned(),
+        };
         match first {
-            _ if looks_binary => SceneError::Read {
-                file,
-                cause: "this is a binary file, not the text of an OBJ model".to_owned(),
-                remedy: "export the model as .obj".to_owned(),
-            },
-            Some(first) => SceneError::Line {
+            _ if looks_binary => unreadable(
+                "this is a binary file, not the text of an OBJ model".to_owned(),
+                "export the model as .obj or .glb",
+            ),
+            Some(first) if first.line > 0 => SceneError::Line {
                 file,
                 line: first.line,
                 cause: format!("no face is left to show: {}", first.message),
                 remedy: "correct the file or export it again".to_owned(),
             },
-            None => SceneError::Read {
-                file,
-                cause: "it holds no faces".to_owned(),
-                remedy: "check that it is a whole OBJ model".to_owned(),
-            },
+            Some(first) => unreadable(
+                format!("no face is left to show: {}", first.message),
+                "correct the file or export it again",
+            ),
+            None => unreadable("it holds no faces".to_owned(), "check that it is a whole model"),
         }
     }
 

@@ -109,15 +109,29 @@ pub(super) fn coverage(picture: &Texture) -> Texture {
     Texture { texels, encoding: Encoding::Linear, ..*picture }
 }
 
+/// The picture with another alpha.
+pub(super) fn with_alpha(picture: &Texture, alpha: impl Fn(u8) -> u8) -> Texture {
+    let texels = picture.texels.iter().map(|&[r, g, b, a]| [r, g, b, alpha(a)]).collect();
+    Texture { texels, ..*picture }
+}
+
 /// The mean linear colour of an sRGB picture.
 pub(super) fn mean_color(picture: &Texture) -> Vec3 {
+    mean(picture, |byte| linear_from_srgb(byte as f32 / 255.0))
+}
+
+/// The mean of a picture whose numbers are no colours.
+pub(super) fn mean_linear(picture: &Texture) -> Vec3 {
+    mean(picture, |byte| byte as f32 / 255.0)
+}
+
+fn mean(picture: &Texture, decode: impl Fn(usize) -> f32) -> Vec3 {
     let mut counts = [[0u64; 256]; 3];
     for texel in &picture.texels {
         (0..3).for_each(|channel| counts[channel][texel[channel] as usize] += 1);
     }
     let mean = |counts: [u64; 256]| {
-        let sum: f64 =
-            (0..256).map(|i| counts[i] as f64 * f64::from(linear_from_srgb(i as f32 / 255.0))).sum();
+        let sum: f64 = (0..256).map(|i| counts[i] as f64 * f64::from(decode(i))).sum();
         (sum / picture.texels.len() as f64) as f32
     };
     Vec3::from_array(counts.map(mean))

@@ -30,7 +30,7 @@ impl Trouble {
     pub(super) const FACE_TOO_SHORT: Self =
         trouble("face has fewer than three corners", "faces have fewer than three corners", "skipped");
     pub(super) const FACE_TOO_LONG: Self =
-        trouble("face has more than 65536 corners", "faces have more than 65536 corners", "skipped");
+        trouble("face has more than 4096 corners", "faces have more than 4096 corners", "skipped");
     pub(super) const CORNER_UNREADABLE: Self = trouble(
         "face has a corner that cannot be read",
         "faces have a corner that cannot be read",
@@ -92,6 +92,113 @@ impl Trouble {
     );
     pub(super) const UNKNOWN_ILLUM: Self =
         trouble("illum is not in 0 to 10", "illum values are not in 0 to 10", "taken as matte");
+    // Of glTF.
+    pub(super) const ITEM_MISSING: Self = trouble(
+        "reference names an item that does not exist",
+        "references name items that do not exist",
+        "left out",
+    );
+    pub(super) const ITEM_UNREADABLE: Self =
+        trouble("item cannot be read", "items cannot be read", "left out");
+    pub(super) const ACCESSOR: Self = trouble(
+        "accessor is not of a kind that fits its use",
+        "accessors are not of a kind that fits their use",
+        "left out",
+    );
+    pub(super) const OUTSIDE_BUFFER: Self = trouble(
+        "piece of data lies outside its buffer",
+        "pieces of data lie outside their buffers",
+        "left out",
+    );
+    pub(super) const BUFFER_MISSING: Self =
+        trouble("buffer cannot be had", "buffers cannot be had", "left out with all that lies in it");
+    pub(super) const BUFFER_OUTSIDE: Self = trouble(
+        "buffer lies outside the scene's folder",
+        "buffers lie outside the scene's folder",
+        "not opened; that must be allowed",
+    );
+    pub(super) const DATA_URI: Self =
+        trouble("data: address is not base64", "data: addresses are not base64", "left out");
+    pub(super) const NODE_AGAIN: Self = trouble(
+        "node has two parents or is its own ancestor",
+        "nodes have two parents or are their own ancestors",
+        "shown once",
+    );
+    pub(super) const ROTATION: Self =
+        trouble("rotation has no length", "rotations have no length", "ignored");
+    pub(super) const SKIN: Self =
+        trouble("mesh is bent by a skeleton", "meshes are bent by skeletons", "shown as at rest");
+    pub(super) const MORPH: Self =
+        trouble("primitive has morph targets", "primitives have morph targets", "shown without them");
+    pub(super) const VERTEX_COLOR: Self = trouble(
+        "primitive has colours of its vertices",
+        "primitives have colours of their vertices",
+        "shown without them",
+    );
+    pub(super) const MODE: Self =
+        trouble("primitive is of an unknown kind", "primitives are of an unknown kind", "left out");
+    pub(super) const NO_POSITION: Self =
+        trouble("primitive has no positions", "primitives have no positions", "left out");
+    pub(super) const TRIANGLE_VERTEX: Self = trouble(
+        "primitive has triangles that use a vertex that does not exist",
+        "primitives have triangles that use a vertex that does not exist",
+        "shown without those",
+    );
+    pub(super) const ORTHOGRAPHIC: Self =
+        trouble("camera has no perspective", "cameras have no perspective", "left out");
+    pub(super) const CAMERA: Self = trouble("camera looks nowhere", "cameras look nowhere", "left out");
+    pub(super) const LIGHT: Self = trouble(
+        "light has no known kind, no direction or an impossible strength",
+        "lights have no known kind, no direction or an impossible strength",
+        "left out",
+    );
+    pub(super) const SPOT: Self =
+        trouble("spot light is lit as a point", "spot lights are lit as points", "kept without a cone");
+    pub(super) const SECOND_SUN: Self = trouble(
+        "directional light comes after the first",
+        "directional lights come after the first",
+        "left out; there is one sun",
+    );
+    pub(super) const OUT_OF_RANGE: Self =
+        trouble("material value is out of its range", "material values are out of their ranges", "clamped");
+    pub(super) const ALPHA_MODE: Self = trouble(
+        "material has an unknown alphaMode",
+        "materials have an unknown alphaMode",
+        "taken as opaque",
+    );
+    pub(super) const BLENDED: Self = trouble(
+        "material blends by a picture's alpha",
+        "materials blend by a picture's alpha",
+        "cut at one half instead",
+    );
+    pub(super) const MASKED_AWAY: Self =
+        trouble("material is masked away entirely", "materials are masked away entirely", "taken as opaque");
+    pub(super) const TURNED_TEXTURE: Self = trouble(
+        "texture is turned by KHR_texture_transform",
+        "textures are turned by KHR_texture_transform",
+        "used without turning",
+    );
+    pub(super) const NO_PICTURE: Self = trouble(
+        "texture has no picture of a format that is read",
+        "textures have no picture of a format that is read",
+        "left out",
+    );
+    pub(super) const PICTURE: Self = trouble(
+        "picture cannot be used",
+        "pictures cannot be used",
+        "replaced by a magenta checker where they are a colour",
+    );
+    pub(super) const PICTURE_MISSING: Self = trouble(
+        "picture was not found",
+        "pictures were not found",
+        "replaced by a magenta checker where they are a colour",
+    );
+    pub(super) const PICTURE_OUTSIDE: Self = trouble(
+        "picture lies outside the scene's folder",
+        "pictures lie outside the scene's folder",
+        "not opened; that must be allowed",
+    );
+    // Of exporters.
     pub(super) const DISTRUSTED: Self = trouble(
         "material claims to mirror or to be glass although it is bright and opaque, as exporters write for \
                  everything",
@@ -116,7 +223,7 @@ pub(super) struct Tally {
 }
 
 /// Longest quotation of a file in a message: the rest of a broken line helps nobody.
-const QUOTE_CHARS: usize = 60;
+const QUOTE_CHARS: usize = 100;
 
 impl Tally {
     /// Counts a trouble. `detail` is asked for only the first time.
@@ -125,6 +232,11 @@ impl Tally {
             Some(entry) => entry.count += 1,
             None => self.entries.push(Entry { trouble, count: 1, line, detail: quote(&detail()) }),
         }
+    }
+
+    /// True where a trouble of this kind was counted.
+    pub(super) fn has(&self, trouble: Trouble) -> bool {
+        self.entries.iter().any(|e| e.trouble == trouble)
     }
 
     /// Adds the troubles of a later part of the file.
@@ -149,15 +261,20 @@ impl Entry {
     fn sentence(&self) -> String {
         let Trouble { one, many, done } = self.trouble;
         let detail = if self.detail.is_empty() { String::new() } else { format!(" ({})", self.detail) };
-        let (count, line) = (self.count, self.line);
-        if count == 1 {
-            return format!("1 {one}, in line {line}{detail}; it was {done}");
+        // A binary file has no lines.
+        let (count, line) =
+            (self.count, if self.line == 0 { String::new() } else { format!(" in line {}", self.line) });
+        match (count, line.is_empty()) {
+            (1, true) => format!("1 {one}{detail}; it was {done}"),
+            (1, false) => format!("1 {one},{line}{detail}; it was {done}"),
+            (_, true) => format!("{count} {many}{}; they were {done}", detail.replacen('(', "(first ", 1)),
+            (_, false) => format!("{count} {many}, first{line}{detail}; they were {done}"),
         }
-        format!("{count} {many}, first in line {line}{detail}; they were {done}")
     }
 }
 
-fn quote(text: &str) -> String {
+/// A text from a file, short and without control characters.
+pub(super) fn quote(text: &str) -> String {
     let clean = |c: char| if c.is_control() { ' ' } else { c };
     let short: String = text.chars().take(QUOTE_CHARS).map(clean).collect();
     if text.chars().nth(QUOTE_CHARS).is_some() { format!("{short}...") } else { short }

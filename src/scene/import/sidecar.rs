@@ -1,8 +1,7 @@
-//! `<scene>.afterimage.toml` beside a model: what OBJ cannot say, or says wrongly. Metres, world coordinates.
+//! `<scene>.afterimage.toml` beside a model: what a model cannot say, or says wrongly. Metres, world coordinates.
 //!
 //! A broken sidecar is a warning: the model is still worth seeing.
 
-use super::materials;
 use super::sidecar_table::{Notes, Section, suggestion};
 use super::units::{Unit, Up};
 use super::{files, text};
@@ -11,7 +10,7 @@ use crate::camera_path::{CameraKey, CameraPath};
 use crate::scene::builder::{DAYLIGHT_SKY, daylight_sun};
 use crate::scene::{Material, MaterialKind, NamedView, SceneBuilder, Sky};
 use glam::{DVec3, Vec3};
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 use toml::de::DeTable;
 
@@ -101,6 +100,9 @@ impl Sidecar {
         for (line, message) in notes.said {
             builder.warn(&sidecar.file_name, line, message);
         }
+        if notes.more > 0 {
+            builder.warn(&sidecar.file_name, 0, format!("and {} more doubts of this kind", notes.more));
+        }
         sidecar
     }
 
@@ -122,32 +124,45 @@ impl Sidecar {
         }
     }
 
-    /// True where the file describes a material, so that no library needs to.
-    pub(super) fn defines(&self, name: &str) -> bool {
-        self.overrides.iter().any(|o| o.name == name)
+    /// The materials that the file describes, so that no library needs to.
+    pub(super) fn defined(&self) -> HashSet<&str> {
+        self.overrides.iter().map(|o| o.name.as_str()).collect()
     }
 
     /// Replaces what the file says of the builder's materials. `in_libraries` are names that exist without being used.
     pub(super) fn override_materials(&self, in_libraries: &[&str], builder: &mut SceneBuilder) {
+        /// Materials that the model does not have, each said with a suggestion, before the rest is only counted.
+        const STRANGERS_SAID: usize = 20;
         let unused: HashSet<&str> = in_libraries.iter().copied().collect();
-        let mut warnings = Vec::new();
+        let mut by_name: HashMap<String, Vec<usize>> = HashMap::new();
+        builder
+            .materials
+            .iter()
+            .enumerate()
+            .for_each(|(i, m)| by_name.entry(m.name.clone()).or_default().push(i));
+        let (mut warnings, mut strangers) = (Vec::new(), 0);
         for o in &self.overrides {
             let mut found = unused.contains(o.name.as_str());
-            for material in builder.materials.iter_mut().filter(|m| m.name == o.name) {
+            for &i in by_name.get(&o.name).into_iter().flatten() {
+                let material = &mut builder.materials[i];
                 found = true;
                 o.apply(material);
-                if materials::scale_to_conserve(material) {
+                if material.scale_to_conserve() {
                     let name = &o.name;
                     let said =
                         format!("material '{name}' reflects more light than arrives; it was scaled down");
                     warnings.push((o.line, said));
                 }
             }
-            if !found {
+            strangers += usize::from(!found);
+            if !found && strangers <= STRANGERS_SAID {
                 let names: Vec<&str> = builder.materials.iter().map(|m| m.name.as_str()).collect();
                 let help = suggestion(&o.name, &names);
                 warnings.push((o.line, format!("the model has no material '{}'; {help}", o.name)));
             }
+        }
+        if strangers > STRANGERS_SAID {
+            warnings.push((0, format!("{strangers} materials in all are none of the model's")));
         }
         warnings.into_iter().for_each(|(line, said)| builder.warn(&self.file_name, line, said));
     }
@@ -159,8 +174,10 @@ impl Sidecar {
         builder.sky = self.sky.or(builder.sky);
         // A walk's first frame is a better start than a view of the whole model from outside.
         let start = self.start.or_else(|| self.walk.as_ref()?.camera(0, 2));
+        let of_model = std::mem::take(&mut builder.views);
         builder.views.extend(start.map(|camera| NamedView { name: "start".to_owned(), camera }));
         builder.views.extend(self.views);
+        builder.views.extend(of_model);
         builder.walk = self.walk;
     }
 }

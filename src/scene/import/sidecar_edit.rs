@@ -147,7 +147,7 @@ mod tests {
     const WRITTEN: &str = "# my notes\nunit = \"m\" # metres\n\n[[material]]\nname = \"wall\"\ndiffuse = [0.1, 0.2, 0.3] # \
                            painted\n\n[extra]\nkept = true\n\n[[material]]\nname = \"pane\"\nkind = \"mirror\"\n";
 
-    fn scene(folder: &Path) -> crate::Scene {
+    fn scene(folder: &Path) -> crate::scene::Scene {
         load(&folder.join("m.obj"), &ImportOptions::default(), &|_, _| true).unwrap()
     }
 

@@ -1,5 +1,6 @@
 //! Reading values out of a TOML table with messages that name line, key and remedy.
 
+use crate::scene::builder::is_place;
 use glam::{DVec3, Vec3};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -8,16 +9,25 @@ use toml::de::{DeTable, DeValue};
 pub(super) struct Notes<'a> {
     text: &'a str,
     pub(super) said: Vec<(u64, String)>,
+    /// Further ones that were only counted.
+    pub(super) more: u64,
 }
+
+/// Notes on one file: more tell nobody anything, and each costs a count of the lines before it.
+const MOST_NOTES: usize = 100;
 
 impl<'a> Notes<'a> {
     pub(super) fn new(text: &'a str) -> Self {
-        Self { text, said: Vec::new() }
+        Self { text, said: Vec::new(), more: 0 }
     }
 
     /// Notes something about the text from byte `at`.
     pub(super) fn add(&mut self, at: usize, message: String) {
-        self.said.push((self.line(at), message));
+        if self.said.len() < MOST_NOTES {
+            self.said.push((self.line(at), message));
+        } else {
+            self.more += 1;
+        }
     }
 
     pub(super) fn line(&self, at: usize) -> u64 {
@@ -111,7 +121,7 @@ impl<'t> Section<'t> {
             else {
                 return None;
             };
-            Some(DVec3::new(x, y, z)).filter(|p| p.is_finite())
+            Some(DVec3::new(x, y, z)).filter(|p| is_place(*p))
         })
     }
 

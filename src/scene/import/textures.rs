@@ -1,14 +1,13 @@
 //! Textures of materials: found, decoded two at a time within a budget, and hung on the materials.
 
-use super::files;
 use super::mtl::{MapSpec, MtlMaterial};
 use super::picture::{self, Picture};
 use super::search::{Finder, Found};
 use super::text::without_comment;
-use super::{Limits, Phase, Steps};
+use super::{Limits, Steps};
+use super::{decoding, files};
 use crate::scene::{SceneBuilder, SceneError, TextureId, TextureRef};
 use glam::Vec3;
-use rayon::prelude::*;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
@@ -47,7 +46,7 @@ pub(super) fn attach(
     steps: &Steps,
 ) -> Result<(), SceneError> {
     let requests = requests(written);
-    let mut hanger = Hanger { libraries, builder, decoded: HashMap::new(), checker: None };
+    let mut hanger = Hanger { libraries, builder, decoded: HashMap::new(), checker: None, missing: 0 };
     let mut file_of: HashMap<(&str, usize), Option<PathBuf>> = HashMap::new();
     for request in &requests {
         let key = (request.spec.file.as_str(), request.library);
@@ -58,6 +57,10 @@ pub(super) fn attach(
             }
             found.file
         });
+    }
+    if hanger.missing > MISSING_SAID {
+        let message = format!("{} textures in all were not found", hanger.missing);
+        hanger.builder.warn(&libraries[requests[0].library].shown, 0, message);
     }
     let files: Vec<Option<&PathBuf>> =
         requests.iter().map(|r| file_of[&(r.spec.file.as_str(), r.library)].as_ref()).collect();
@@ -101,41 +104,21 @@ struct Decoded {
 }
 
 fn decode_all(
-    files: &[Option<&PathBuf>],
+    wanted: &[Option<&PathBuf>],
     limits: &Limits,
     steps: &Steps,
 ) -> Result<HashMap<PathBuf, Decoded>, SceneError> {
-    /// Decoders need several times a picture's size; more at once would make memory depend on the core count.
-    const AT_ONCE: usize = 2;
-    let mut unique: Vec<&PathBuf> = files.iter().flatten().copied().collect();
+    let mut unique: Vec<&PathBuf> = wanted.iter().flatten().copied().collect();
     unique.sort();
     unique.dedup();
-    let mut budget = limits.textures_bytes;
-    let mut decoded = HashMap::new();
-    for (i, pair) in unique.chunks(AT_ONCE).enumerate() {
-        steps.at(Phase::Textures, (i * AT_ONCE) as f32 / unique.len() as f32)?;
-        let read: Vec<_> = pair.iter().map(|path| read_within(path, limits, &mut budget)).collect();
-        let decode = |(path, bytes): (&&PathBuf, Result<Vec<u8>, String>)| {
-            bytes.and_then(|bytes| picture::decode(&bytes, path, limits))
-        };
-        let pictures: Vec<_> = pair.par_iter().zip(read).map(decode).collect();
-        for (path, picture) in pair.iter().zip(pictures) {
-            let fresh = Decoded { picture, color: None, coverage: None, reported: false };
-            decoded.insert((*path).clone(), fresh);
-        }
-    }
-    Ok(decoded)
-}
-
-/// A picture file's bytes, where its texels still fit the budget of all textures together.
-fn read_within(path: &Path, limits: &Limits, budget: &mut u64) -> Result<Vec<u8>, String> {
-    let bytes = files::read_limited(path, limits.texture_bytes).map_err(|(cause, _)| cause)?;
-    let [width, height] = picture::dimensions(&bytes, path, limits)?;
-    let texels = u64::from(width) * u64::from(height) * 4;
-    *budget = budget
-        .checked_sub(texels)
-        .ok_or_else(|| format!("all textures together exceed {} MB", limits.textures_bytes >> 20))?;
-    Ok(bytes)
+    let read = |i: usize| {
+        let path: &Path = unique[i];
+        let bytes = files::read_limited(path, limits.texture_bytes).map_err(|(cause, _)| cause)?;
+        Ok((bytes.into(), path))
+    };
+    let pictures = decoding::decode_all(unique.len(), limits, steps, read)?;
+    let fresh = |picture| Decoded { picture, color: None, coverage: None, reported: false };
+    Ok(unique.into_iter().cloned().zip(pictures.into_iter().map(fresh)).collect())
 }
 
 /// Hangs decoded pictures on materials.
@@ -144,10 +127,19 @@ struct Hanger<'a> {
     builder: &'a mut SceneBuilder,
     decoded: HashMap<PathBuf, Decoded>,
     checker: Option<TextureId>,
+    /// Textures that were not found.
+    missing: usize,
 }
+
+/// Textures that were not found, each said with every path tried, before the rest is only counted.
+const MISSING_SAID: usize = 100;
 
 impl Hanger<'_> {
     fn warn_missing(&mut self, request: &Request, found: &Found) {
+        self.missing += 1;
+        if self.missing > MISSING_SAID {
+            return;
+        }
         let Request { purpose, spec, material, library } = request;
         let material = &self.builder.materials[*material].name;
         let outside = if found.outside {

@@ -71,7 +71,7 @@ impl Up {
         }
     }
 
-    fn world_from_model(self, p: DVec3) -> DVec3 {
+    pub(super) fn world_from_model(self, p: DVec3) -> DVec3 {
         match self {
             Self::PlusY => p,
             Self::PlusZ => DVec3::new(p.x, p.z, -p.y),

@@ -7,8 +7,8 @@ use super::{Phase, Steps};
 use crate::scene::{MaterialId, SceneBuilder, SceneError};
 use glam::{DVec3, Vec2, Vec3};
 
-/// Faces between two looks at the progress.
-const STEP_FACES: usize = 1 << 16;
+/// Corners of faces between two looks at the progress.
+const STEP_CORNERS: usize = 1 << 16;
 
 /// Takes a model and its positions in world metres; fills the builder's vertices and triangles. Material numbers
 /// stay the model's. The builder must not hold vertices yet.
@@ -24,8 +24,11 @@ pub(super) fn build(
     let mut welder = Welder::new(model, positions_m);
     let mut filler = Filler::new();
     let mut corners_m = Vec::new();
+    let mut since = STEP_CORNERS;
     for (i, face) in model.faces().enumerate() {
-        if i % STEP_FACES == 0 {
+        since += face.corners.len();
+        if since >= STEP_CORNERS {
+            since = 0;
             steps.at(Phase::Building, i as f32 / face_count as f32)?;
         }
         corners_m.clear();

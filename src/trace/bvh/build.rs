@@ -35,11 +35,16 @@ impl Boundable for Bounded {
 impl Bvh {
     /// Builds the tree over triangles given by their corners.
     pub fn build(corners: &[[Vec3; 3]]) -> Self {
+        Self::build_without(corners, &[])
+    }
+
+    /// The same without some of them, given ascending; not without all.
+    pub fn build_without(corners: &[[Vec3; 3]], hidden: &[u32]) -> Self {
         let mut bvh = Self { nodes: Vec::new(), packets: Vec::new(), root: Child::NONE, level: Level::new() };
-        if corners.is_empty() {
+        if corners.len() == hidden.len() {
             return bvh;
         }
-        let groups = Groups::of_equal_boxes(corners);
+        let groups = Groups::of_equal_boxes(corners, hidden);
         let binary = build_bvh2(&groups.boxes, BUILD, &mut std::time::Duration::default());
         let tree = if depth_of(&binary) <= MAX_DEPTH { binary } else { balanced(&groups.boxes) };
         bvh.root = Fold::new(&tree, &groups, corners, &mut bvh).child(0);
@@ -58,13 +63,14 @@ pub(super) struct Groups {
 }
 
 impl Groups {
-    fn of_equal_boxes(corners: &[[Vec3; 3]]) -> Self {
+    fn of_equal_boxes(corners: &[[Vec3; 3]], hidden: &[u32]) -> Self {
         let all: Vec<Aabb> = corners.par_iter().map(bounds_of).collect();
         let key = |i: u32| {
             let aabb = &all[i as usize];
             [aabb.min.to_array(), aabb.max.to_array()].map(|p| p.map(f32::to_bits))
         };
-        let mut triangles: Vec<u32> = (0..corners.len() as u32).collect();
+        let is_seen = |i: &u32| hidden.binary_search(i).is_err();
+        let mut triangles: Vec<u32> = (0..corners.len() as u32).filter(is_seen).collect();
         triangles.par_sort_unstable_by_key(|&i| (key(i), i));
         let mut groups = Self { boxes: Vec::new(), first: Vec::new(), triangles };
         for (at, &triangle) in groups.triangles.iter().enumerate() {

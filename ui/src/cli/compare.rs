@@ -7,7 +7,7 @@ use afterimage::raster::load::{Picture, PictureKind};
 use afterimage::raster::metrics::{CompareError, flip, max_abs, psnr_db, rel_mse, ssim};
 use clap::Args;
 use serde_json::json;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 #[derive(Args, Debug)]
 pub(crate) struct CompareArgs {
@@ -21,7 +21,11 @@ pub(crate) struct CompareArgs {
 }
 
 pub(crate) fn run(args: &CompareArgs, flags: &Flags) -> Result<(), Failure> {
-    let load = |path| Picture::load(path).map_err(|e| Failure::Failed(e.to_string()));
+    let load = |path: &Path| {
+        let picture = Picture::load(path).map_err(|e| Failure::Failed(e.to_string()))?;
+        check_finite(path, &picture)?;
+        Ok::<_, Failure>(picture)
+    };
     let (a, b) = (load(&args.a)?, load(&args.b)?);
     let failed = |e: CompareError| Failure::Failed(e.to_string());
     if a.size != b.size {
@@ -55,4 +59,16 @@ pub(crate) fn run(args: &CompareArgs, flags: &Flags) -> Result<(), Failure> {
         }
         _ => Ok(()),
     }
+}
+
+/// Refuses what has no difference to anything.
+fn check_finite(path: &Path, picture: &Picture) -> Result<(), Failure> {
+    let wrong = || picture.values.iter().enumerate().filter(|(_, v)| !v.is_finite()).map(|(i, _)| i);
+    let Some(first) = wrong().next() else { return Ok(()) };
+    let (x, y) = (first % picture.size[0] as usize, first / picture.size[0] as usize);
+    Err(Failure::Failed(format!(
+        "{}: {} pixels are infinite or no number, the first in column {x} of row {y}; nothing can be compared with them",
+        path.display(),
+        wrong().count()
+    )))
 }

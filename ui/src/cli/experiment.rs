@@ -6,25 +6,29 @@ pub(super) use text::shown;
 
 use super::failure::Failure;
 use super::flags::Flags;
+use super::pose::camera;
 use super::progress::Progress;
 use super::scene::{Loaded, load};
 use super::tour::read_path;
 use super::{interrupt, output, paths, report as report_files, throughput};
 use crate::picture::memory;
+use afterimage::camera_path::CameraPath;
 use afterimage::experiment::run::{
     Effort, Experiment, Lab, LabError, LabEvent, LabSettings, Report, RunFolder, Session, Shard, caveats,
     find, merge, run_cells,
 };
+use afterimage::experiment::throughput::{ThroughputSettings, gather_rays};
+use afterimage::raster::save::write_atomically;
 use clap::Args;
 use serde_json::{Value, json};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 #[derive(Args, Debug)]
 pub(crate) struct ExperimentArgs {
-    /// Which one: table1, error-time, throughput; or merge, which joins the folders of shards.
+    /// Which one: table1, error-time, placement, scaling, stability, soak, throughput; or merge, which joins the folders of shards.
     #[arg(value_parser = name)]
     name: String,
-    /// A model (.obj) or builtin:NAME, the embedded gallery when absent; for merge, the folders.
+    /// A model (.obj, .gltf, .glb) or builtin:NAME, the embedded gallery when absent; for merge, the folders.
     #[arg(value_name = "SCENE")]
     inputs: Vec<String>,
     /// The folder of the run. One in which the same run was begun is gone on with; any other is left alone.
@@ -79,7 +83,7 @@ const THROUGHPUT: &str = "throughput";
 const MERGE: &str = "merge";
 
 fn name(text: &str) -> Result<String, String> {
-    let names = || afterimage::experiment::run::EXPERIMENTS.iter().map(|e| e.name).chain([THROUGHPUT, MERGE]);
+    let names = || afterimage::experiment::run::EXPERIMENTS.iter().map(|e| e.name).chain([MERGE]);
     if names().any(|n| n == text) {
         return Ok(text.to_owned());
     }
@@ -88,9 +92,9 @@ fn name(text: &str) -> Result<String, String> {
 
 pub(crate) fn run(args: &ExperimentArgs, flags: &Flags) -> Result<(), Failure> {
     match find(&args.name) {
+        Some(_) if args.name == THROUGHPUT && args.out.is_none() => throughput::run(args, flags),
         Some(experiment) => run_one(experiment, args, flags),
-        None if args.name == MERGE => join(args, flags),
-        None => throughput::run(args, flags),
+        None => join(args, flags),
     }
 }
 
@@ -104,10 +108,13 @@ fn run_one(experiment: &Experiment, args: &ExperimentArgs, flags: &Flags) -> Res
     let loaded = load(args.scene()?, flags)?;
     let truth_folder = args.truth_cache.clone().or_else(|| paths::cache_folder().map(|c| c.join("truth")));
     let images = out.join("images");
-    let walk = recorded.as_ref().unwrap_or(&loaded.scene().walk);
+    let walk = walk(experiment, recorded, flags, &loaded)?;
+    if let Some(path) = &args.dump_rays {
+        dump_rays(path, &loaded, &walk, &settings)?;
+    }
     let lab = Lab {
         tracer: &loaded.tracer,
-        walk,
+        walk: &walk,
         settings: &settings,
         truth_folder: truth_folder.as_deref(),
         images: &images,
@@ -125,6 +132,29 @@ fn run_one(experiment: &Experiment, args: &ExperimentArgs, flags: &Flags) -> Res
         return Err(Failure::Interrupted);
     }
     verdict(&report, Some(&loaded), flags)
+}
+
+/// The walk of a file, or standing at a pose where one is given or only one is asked for, or the scene's own.
+fn walk(
+    experiment: &Experiment,
+    recorded: Option<CameraPath>,
+    flags: &Flags,
+    loaded: &Loaded,
+) -> Result<CameraPath, Failure> {
+    let stands = experiment.name == THROUGHPUT || flags.eye.is_some() || flags.view.is_some();
+    match recorded {
+        Some(walk) => Ok(walk),
+        None if stands => Ok(CameraPath::still(&camera(flags, loaded.scene())?)),
+        None => Ok(loaded.scene().walk.clone()),
+    }
+}
+
+/// The rays that are timed, for other programs.
+fn dump_rays(path: &Path, loaded: &Loaded, walk: &CameraPath, settings: &LabSettings) -> Result<(), Failure> {
+    let camera = walk.camera(0, 2).ok_or_else(|| Failure::Failed("the walk has no key frames".to_owned()))?;
+    let settings = ThroughputSettings { camera, size: settings.size, trace: settings.trace() };
+    let rays = gather_rays(&loaded.tracer, &settings);
+    Ok(write_atomically(path, &rays.to_bytes(&loaded.tracer))?)
 }
 
 /// References a frame of an experiment uses at most.

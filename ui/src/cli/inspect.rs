@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 
 #[derive(Args, Debug)]
 pub(crate) struct InspectArgs {
-    /// A model (.obj) or builtin:NAME.
+    /// A model (.obj, .gltf, .glb) or builtin:NAME.
     pub(super) scene: String,
 }
 
@@ -45,6 +45,7 @@ fn object(loaded: &Loaded) -> Value {
         "left_out": scene.needs.left_out(),
         "mirror_reflectance_max": reflectance,
         "mirror_truncation_bound": bound,
+        "stiffness": scene.stiffness,
         "bvh_bytes": loaded.tracer.bvh().bytes(),
         "secs": {"load": loaded.load_secs, "build": loaded.tracer.build_secs()},
         "warnings": scene.warnings,
@@ -107,6 +108,9 @@ fn table(loaded: &Loaded) -> String {
         ("loaded in", format!("{:.3} s", loaded.load_secs)),
         ("warnings", scene.warnings.len().to_string()),
     ]);
+    for said in scene.stiffness.sentences() {
+        text += &format!("  {said}\n");
+    }
     for w in &scene.warnings {
         text += &format!("  {}:{}: {}\n", w.file, w.line, w.message);
     }

@@ -44,7 +44,7 @@ fn long_help() -> String {
 #[command(name = "afterimage", version, about, subcommand_precedence_over_arg = true)]
 #[command(after_help = EXIT_CODES, after_long_help = long_help())]
 struct Cli {
-    /// A model (.obj), builtin:NAME, or a picture saved by this program: its view; the embedded gallery when absent. Opens
+    /// A model (.obj, .gltf, .glb), builtin:NAME, or a picture saved by this program: its view; the embedded gallery when absent. Opens
     /// the window.
     scene: Option<String>,
     #[command(flatten)]

@@ -24,7 +24,7 @@ use std::sync::Arc;
 
 #[derive(Args, Debug)]
 pub(crate) struct RenderArgs {
-    /// A model (.obj) or builtin:NAME; the embedded gallery when absent.
+    /// A model (.obj, .gltf, .glb) or builtin:NAME; the embedded gallery when absent.
     pub(super) scene: Option<String>,
     /// The picture: .png (8 bits, display-referred) or .exr (linear, scene-referred).
     #[arg(short, long, value_name = "FILE", value_parser = png_or_exr)]

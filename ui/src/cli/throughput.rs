@@ -11,6 +11,7 @@ use afterimage::experiment::throughput::{Throughput, ThroughputSettings, measure
 use afterimage::raster::save::write_atomically;
 use serde_json::{Value, json};
 
+/// Without a folder: one answer, nothing kept.
 pub(crate) fn run(args: &ExperimentArgs, flags: &Flags) -> Result<(), Failure> {
     memory::check(flags.pixels(), 1).map_err(Failure::Usage)?;
     let loaded = load(args.scene()?, flags)?;
@@ -24,11 +25,6 @@ pub(crate) fn run(args: &ExperimentArgs, flags: &Flags) -> Result<(), Failure> {
     if let Some(path) = &args.dump_rays {
         write_atomically(path, &rays.to_bytes(&loaded.tracer))?;
     }
-    if let Some(folder) = &args.out {
-        std::fs::create_dir_all(folder)
-            .map_err(|e| Failure::Failed(format!("cannot make the folder {}: {e}", folder.display())))?;
-        write_atomically(&folder.join("summary.json"), format!("{object:#}\n").as_bytes())?;
-    }
     output::result(flags.json, &object, || table(&throughput));
     loaded.verdict(flags)
 }
@@ -38,6 +34,7 @@ fn object(flags: &Flags, loaded: &Loaded, throughput: &Throughput) -> Value {
         "experiment": "throughput",
         "scene": loaded.name,
         "scene_hash": loaded.scene().hash,
+        "stiffness": loaded.scene().stiffness,
         "version": env!("CARGO_PKG_VERSION"),
         "size": flags.size(),
         "samples": flags.trace().samples,

@@ -11,8 +11,10 @@ use crate::picture::sequence::film_command;
 use afterimage::camera_path::CameraPath;
 use afterimage::experiment::record::csv;
 use afterimage::experiment::{MeasureSettings, TourEvent, TourRecord, TourSettings, run_tour};
+use afterimage::raster::load::read_bounded;
 use afterimage::raster::save::{save_png, write_atomically};
 use afterimage::reference::PlacementPolicy;
+use afterimage::reference::placement::RULES;
 use afterimage::render::aov::{display_picture, types_picture};
 use afterimage::reproject::warp::MAX_REFERENCES;
 use afterimage::{Frame, WalkthroughSettings};
@@ -23,7 +25,7 @@ use std::time::Duration;
 
 #[derive(Args, Clone, Debug)]
 pub(crate) struct TourArgs {
-    /// A model (.obj) or builtin:NAME; the embedded gallery when absent.
+    /// A model (.obj, .gltf, .glb) or builtin:NAME; the embedded gallery when absent.
     pub(super) scene: Option<String>,
     /// Number of frames; the walk's own when absent.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_FRAMES)))]
@@ -35,7 +37,7 @@ pub(crate) struct TourArgs {
     #[arg(long, value_name = "DIR")]
     pub(super) out: PathBuf,
     /// Where new references are placed.
-    #[arg(long, value_name = "POLICY", default_value = "predictive", value_parser = policy_name)]
+    #[arg(long, value_name = "predictive|threshold|greedy|grid|none", default_value = "predictive", value_parser = policy_name)]
     pub(super) placement: &'static str,
     /// Of Type 3 pixels, above which a new reference is traced.
     #[arg(long, value_name = "PERCENT", default_value = "5", value_parser = percent)]
@@ -73,19 +75,13 @@ pub(crate) struct TourArgs {
 }
 
 /// The most frames of a walk.
-const MOST_FRAMES: u32 = 1_000_000;
+const MOST_FRAMES: u32 = CameraPath::MOST_FRAMES;
 
 fn policy_name(text: &str) -> Result<&'static str, String> {
-    match text {
-        "none" => Ok("none"),
-        "threshold" => Ok("threshold"),
-        "predictive" => Ok("predictive"),
-        "greedy" | "grid" => Err(format!("'{text}' comes in a later version; this one has {POLICIES}")),
-        _ => Err(format!("there are {POLICIES}")),
-    }
+    let names = || RULES.iter().map(|rule| rule.name);
+    let unknown = || format!("there are {}", names().collect::<Vec<_>>().join(", "));
+    names().find(|name| *name == text).ok_or_else(unknown)
 }
-
-const POLICIES: &str = "'threshold', 'predictive' and 'none'";
 
 fn percent(text: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|p| (0.0..=100.0).contains(p));
@@ -124,12 +120,7 @@ fn make_folder(folder: &Path) -> Result<(), Failure> {
 }
 
 fn settings(args: &TourArgs, flags: &Flags, walk: &CameraPath) -> TourSettings {
-    let percent = args.threshold;
-    let placement = match args.placement {
-        "none" => PlacementPolicy::None,
-        "threshold" => PlacementPolicy::Threshold { percent },
-        _ => PlacementPolicy::Predictive { percent },
-    };
+    let placement = PlacementPolicy::named(args.placement, args.threshold).unwrap_or_default();
     let frames = args.frames.unwrap_or(walk.frames);
     let measure = (args.measure || args.measure_every.is_some()).then(|| MeasureSettings {
         every: args.measure_every.unwrap_or(frames.div_ceil(6)),
@@ -164,12 +155,12 @@ fn fly(
         TourEvent::TruthNotKept(error) => {
             progress.say(&format!("warning: the converged picture is not kept: {error}"));
         }
-        TourEvent::Frame(record, frame) => {
+        TourEvent::Frame(record, walk) => {
             let note =
                 format!("{:.0} ms, Type 3 {:.1} %", record.frame_secs * 1e3, record.types.type3_percent);
             progress.at(u64::from(record.frame) + 1, &note);
             if args.pictures && picture_error.is_none() {
-                picture_error = write_pictures(args, flags, loaded, record.frame, frame).err();
+                picture_error = write_pictures(args, flags, loaded, record.frame, walk.frame()).err();
                 if picture_error.is_some() {
                     cancel.store(true, std::sync::atomic::Ordering::Relaxed);
                 }
@@ -196,6 +187,9 @@ fn write_pictures(
     Ok(())
 }
 
+/// A walk of a million key frames has about 100 MB.
+const MOST_BYTES: u64 = 256 << 20;
+
 /// A walk from `FILE`, or the one called `NAME` from `FILE#NAME`.
 pub(super) fn read_path(text: &str) -> Result<CameraPath, Failure> {
     let (file, name) = match text.rsplit_once('#') {
@@ -204,29 +198,15 @@ pub(super) fn read_path(text: &str) -> Result<CameraPath, Failure> {
         _ => (text, None),
     };
     let failed = |cause: String| Failure::Failed(format!("cannot read the walk {file}: {cause}"));
-    let content = std::fs::read_to_string(file).map_err(|e| failed(e.to_string()))?;
-    let mut value: Value = serde_json::from_str(&content).map_err(|e| failed(e.to_string()))?;
-    if let Some(name) = name {
-        value = value.get(name).cloned().ok_or_else(|| {
-            let names: Vec<&str> =
-                value.as_object().into_iter().flat_map(|o| o.keys().map(String::as_str)).collect();
-            failed(format!("it has no walk '{name}'; it has: {}", names.join(", ")))
-        })?;
-    }
-    let walk: CameraPath = serde_json::from_value(value).map_err(|e| failed(e.to_string()))?;
-    if walk.keyframes.is_empty() || !afterimage::Camera::FOV_Y_DEGREES.contains(&walk.fov_y_deg) {
-        return Err(failed("a walk needs keyframes, and fov_y_deg from 1 to 170".to_owned()));
-    }
-    if !(1..=MOST_FRAMES).contains(&walk.frames) {
-        return Err(failed(format!("frames is {}; a walk has from 1 to {MOST_FRAMES}", walk.frames)));
-    }
-    Ok(walk)
+    let bytes = read_bounded(Path::new(file), MOST_BYTES).map_err(|e| failed(e.cause))?;
+    CameraPath::from_json(&bytes, name).map_err(failed)
 }
 
 fn object(args: &TourArgs, flags: &Flags, loaded: &Loaded, record: &TourRecord) -> Value {
     let mut object = json!({
         "scene": loaded.name,
         "scene_hash": loaded.scene().hash,
+        "stiffness": loaded.scene().stiffness,
         "version": env!("CARGO_PKG_VERSION"),
         "mode": flags.mode.name(),
         "size": flags.size(),

@@ -1,19 +1,23 @@
 //! The app: collects input, shows the panels, and is the only one that changes anything.
 
 use super::WindowRequest;
+use super::comparing::Measured;
 use super::editing::{Edited, SavedLook};
 use super::export::Export;
 use super::frames::locked;
+use super::full_tracing::FullTracing;
 use super::keeping::Keeping;
 use super::keymap::Keyboard;
 use super::load::{Loader, SceneSource};
 use super::panels;
 use super::plan::Plan;
 use super::playback::Playback;
+use super::presentation::Presentation;
 use super::render_thread::{Message, Order, RenderThread, Wake, Wish};
 use super::session::is_session;
-use super::state::{SceneInfo, Severity, State, Work};
+use super::state::{Pair, SceneInfo, Severity, State, Work};
 use super::thumbnails::Thumbnails;
+use super::timewarp::Reprojection;
 use super::viewport;
 use super::walking::Obstacles;
 use crate::picture::restore::PictureView;
@@ -36,6 +40,10 @@ const LARGEST_EDGE: f32 = 8192.0;
 pub(super) enum News {
     /// The file dialog was closed.
     Chosen(Option<PathBuf>),
+    /// Two pictures of a size were measured.
+    Measured(Pair, [u32; 2], Measured),
+    /// Something failed that nobody waits for.
+    Failed(String),
     /// Something was saved, or not.
     Saved(anyhow::Result<PathBuf>),
     /// The scene with a look that was asked for.
@@ -71,6 +79,11 @@ pub struct App {
     /// The picture that is being saved.
     pub(super) export: Option<Export>,
     graphics: Option<RenderState>,
+    /// The full tracer's picture of this view, in the making or made.
+    pub(super) tracing: Option<FullTracing>,
+    pub(super) is_measuring: bool,
+    /// The first generation of the scene that is shown.
+    scene_since: u64,
     trouble: Arc<Mutex<Vec<String>>>,
     pub(super) sent: Option<Wish>,
     pub(super) viewport_size: [u32; 2],
@@ -108,14 +121,8 @@ impl App {
         state.quality.tone_map = request.tone_map;
         state.default_quality = state.quality;
         state.thumbnails = Some(Thumbnails::start(wake.clone())?);
-        if let Some(graphics) = &cc.wgpu_render_state {
-            watch(graphics, &trouble, &wake);
-            viewport::install(graphics);
-            let adapter = graphics.adapter.get_info();
-            if adapter.device_type == egui_wgpu::wgpu::DeviceType::Cpu {
-                state.software_adapter = Some(adapter.name);
-            }
-        }
+        let graphics = cc.wgpu_render_state.as_ref();
+        state.software_adapter = graphics.and_then(|graphics| prepare(graphics, &trouble, &wake));
         let mut app = Self {
             state,
             threads,
@@ -128,6 +135,9 @@ impl App {
             expected_hash: None,
             export: None,
             graphics: cc.wgpu_render_state.clone(),
+            tracing: None,
+            is_measuring: false,
+            scene_since: 0,
             trouble,
             sent: None,
             viewport_size: [0, 0],
@@ -169,6 +179,12 @@ impl App {
         &self.threads
     }
 
+    /// Threads that a renderer may use.
+    pub(super) fn thread_count(&self) -> usize {
+        let all = || std::thread::available_parallelism().map_or(1, usize::from);
+        self.request.threads.unwrap_or_else(all)
+    }
+
     /// Begins to load a scene; the old one stays until the new one is complete.
     pub(super) fn open(&mut self, source: SceneSource) {
         match Loader::start(source, self.wake.clone()) {
@@ -196,6 +212,11 @@ impl App {
                     self.is_browsing = false;
                     path.into_iter().for_each(|path| self.open_path(path));
                 }
+                News::Measured(pair, size, measured) => {
+                    let graphics = self.graphics.clone();
+                    self.take_measured(pair, size, measured, graphics.as_ref());
+                }
+                News::Failed(text) => self.state.notify(Severity::Error, text),
                 News::Saved(Ok(path)) => {
                     self.state.notify(Severity::Info, format!("saved {}", path.display()));
                 }
@@ -277,6 +298,7 @@ impl App {
             (self.state.recording, self.state.renaming) = (None, None);
         }
         let generation = self.threads.order(Order::SetTracer(tracer));
+        self.scene_since = generation;
         if !is_reload {
             let given = self.request.settings.render.trace.bounces;
             let bounces = if is_model { self.request.model_bounces } else { given };
@@ -321,6 +343,7 @@ impl App {
             settings: q.walk,
             budget: Duration::from_secs_f32(q.budget_ms / 1000.0),
             is_paused: self.state.options.is_paused,
+            is_compared: self.state.comparison.is_wanted(),
         };
         if self.sent != Some(wish) {
             if self.sent.is_some_and(|s| s.camera != wish.camera) {
@@ -352,7 +375,8 @@ impl App {
         }
     }
 
-    fn viewport(&mut self, ui: &mut egui::Ui) -> egui::Response {
+    /// Takes the viewport's room; its picture is drawn once it is known where the camera goes in this very frame.
+    fn viewport(&mut self, ui: &mut egui::Ui) -> (egui::Response, Canvas) {
         let rect = ui.available_rect_before_wrap();
         let response = ui.allocate_rect(rect, egui::Sense::click_and_drag());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "3D viewport"));
@@ -360,9 +384,8 @@ impl App {
         self.viewport_size =
             [rect.width(), rect.height()].map(|points| (points * points_to_pixels).round() as u32);
         ui.painter().rect_filled(rect, 0.0, egui::Color32::from_gray(24));
-        if self.graphics.is_some() && rect.is_positive() {
-            ui.painter().add(viewport::shape(rect, points_to_pixels, self.state.presentation()));
-        }
+        let canvas =
+            Canvas { painter: ui.painter().clone(), shape: ui.painter().add(egui::Shape::Noop), rect };
         panels::overlay::show(ui, rect, &self.state);
         let inner = rect.shrink(10.0);
         if self.state.options.shows_statistics && inner.is_positive() {
@@ -371,8 +394,41 @@ impl App {
         if self.state.shows_hint && self.state.loading.is_none() && inner.is_positive() {
             panels::hud::hint(ui, rect);
         }
-        response
+        (response, canvas)
     }
+
+    /// Draws the newest frame, as it is seen from where the camera is by now.
+    fn draw(&self, canvas: Canvas) {
+        if self.graphics.is_some() && canvas.rect.is_positive() {
+            let points_to_pixels = canvas.painter.ctx().pixels_per_point();
+            let presentation = Presentation { overlay: self.overlay(), ..self.state.presentation() };
+            let shape = viewport::shape(canvas.rect, points_to_pixels, presentation, self.reprojection());
+            canvas.painter.set(canvas.shape, shape);
+        }
+    }
+
+    /// The way from the newest frame to the camera; `None` at rest, and for frames of a scene that was left.
+    fn reprojection(&self) -> Option<Reprojection> {
+        let (frame, camera) = (self.state.frame.as_ref()?, self.state.fly.camera());
+        let is_elsewhere = frame.camera != *camera && frame.generation >= self.scene_since;
+        is_elsewhere
+            .then(|| Reprojection::new(&frame.camera, camera, &frame.scene_frame, frame.size, frame.nearest))
+    }
+}
+
+/// Where the picture is to be drawn.
+struct Canvas {
+    painter: egui::Painter,
+    shape: egui::layers::ShapeIdx,
+    rect: egui::Rect,
+}
+
+/// Makes the graphics card ready; returns its name where it is none, but the processor.
+fn prepare(graphics: &RenderState, trouble: &Arc<Mutex<Vec<String>>>, wake: &Wake) -> Option<String> {
+    watch(graphics, trouble, wake);
+    viewport::install(graphics);
+    let adapter = graphics.adapter.get_info();
+    (adapter.device_type == egui_wgpu::wgpu::DeviceType::Cpu).then_some(adapter.name)
 }
 
 /// Errors of the graphics card become messages; wgpu's own answer would be a panic.
@@ -404,7 +460,8 @@ impl eframe::App for App {
             let side = egui::Panel::right("side").default_size(300.0).size_range(260.0..=460.0);
             side.show(ui, |ui| panels::side(ui, &self.state, &mut commands));
         }
-        let response = egui::CentralPanel::no_frame().show(ui, |ui| self.viewport(ui)).inner;
+        let (response, canvas) = egui::CentralPanel::no_frame().show(ui, |ui| self.viewport(ui)).inner;
+        panels::comparison::split_line(ui, response.rect, &self.state, &mut commands);
         self.steer(&ctx, &response);
         if ctx.input(|i| !i.raw.hovered_files.is_empty()) {
             panels::notices::drop_hint(ui, response.rect);
@@ -429,6 +486,9 @@ impl eframe::App for App {
             panels::help::show(&ctx, &self.state, &mut commands);
         }
         commands.into_iter().for_each(|command| self.apply(&ctx, command));
+        let graphics = self.graphics.clone();
+        self.compare(graphics.as_ref());
+        self.draw(canvas);
         self.send_wish();
         if let Some(rest) = self.keep_session() {
             ctx.request_repaint_after(rest);

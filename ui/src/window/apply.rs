@@ -5,7 +5,7 @@ use super::fly_camera::ViewChange;
 use super::load::SceneSource;
 use super::pose_text::pose_flags;
 use super::render_thread::Order;
-use super::state::{Command, Look, Severity};
+use super::state::{Command, Compare, Look, Severity};
 use crate::settings::{self, Theme};
 use egui::{Context, ViewportCommand};
 
@@ -56,6 +56,9 @@ impl App {
                 let flags = pose_flags(state.fly.camera());
                 state.notify(Severity::Info, format!("copied {flags}"));
                 ctx.copy_text(flags);
+            }
+            Command::Compare(shows, split) => {
+                (state.comparison.shows, state.comparison.split) = (shows, split)
             }
             Command::CopyText(text) => ctx.copy_text(text),
             Command::Dismiss(id) => state.notices.retain(|n| n.id != id),
@@ -120,6 +123,8 @@ impl App {
             state.asks_to_clear = false;
         } else if state.options.shows_help {
             state.options.shows_help = false;
+        } else if state.comparison.shows != Compare::Off {
+            state.comparison.shows = Compare::Off;
         } else if state.shows_settings {
             state.shows_settings = false;
         } else if state.picture.is_open {
@@ -142,7 +147,7 @@ impl App {
         let work = move || {
             let dialog = rfd::FileDialog::new()
                 .set_title("Open a model, a session or a picture")
-                .add_filter("Models, sessions, pictures", &["obj", "toml", "png", "exr"]);
+                .add_filter("Models, sessions, pictures", &["obj", "gltf", "glb", "toml", "png", "exr"]);
             // The window may be gone.
             let _ = news.send(News::Chosen(dialog.pick_file()));
             wake();

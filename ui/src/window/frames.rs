@@ -1,6 +1,7 @@
 //! Finished frames on their way from the render thread to the window, without waiting and without allocating.
 
 use afterimage::Camera;
+use afterimage::camera::SceneFrame;
 use afterimage::raster::color::metered_exposure_ev;
 use afterimage::reference::{ReferenceCache, ReferenceId};
 use afterimage::render::frame::{Frame, FrameStats, NO_SUPPLIER};
@@ -40,6 +41,12 @@ pub struct PublishedFrame {
     pub camera: Camera,
     /// Width and height in pixels.
     pub size: [u32; 2],
+    /// The space of its disparities.
+    pub scene_frame: SceneFrame,
+    /// 1 / depth along the viewing axis in scene units; 0 where nothing is known to be near.
+    pub disparity: Vec<f32>,
+    /// The largest of them.
+    pub nearest: f32,
     /// Radiance as shared-exponent colour, the layout of `Rgb9e5Ufloat`.
     pub radiance: Vec<u32>,
     /// [`afterimage::reproject::PixelType`] as numbers.
@@ -68,6 +75,9 @@ impl PublishedFrame {
             generation: 0,
             camera: Frame::empty().camera,
             size: [0, 0],
+            scene_frame: SceneFrame { origin_in_world_m: glam::DVec3::ZERO, units_per_metre: 1.0 },
+            disparity: Vec::new(),
+            nearest: 0.0,
             radiance: Vec::new(),
             types: Vec::new(),
             suppliers: Vec::new(),
@@ -81,9 +91,13 @@ impl PublishedFrame {
     }
 
     /// Takes over a rendered frame on the current thread pool, keeping allocations.
-    pub fn fill(&mut self, frame: &Frame, used: &[ReferenceId], generation: u64) {
+    pub fn fill(&mut self, frame: &Frame, scene: &SceneFrame, used: &[ReferenceId], generation: u64) {
         (self.generation, self.is_refinement) = (generation, false);
         (self.camera, self.size, self.stats) = (frame.camera, frame.view.size, frame.stats);
+        self.scene_frame = *scene;
+        self.disparity.clear();
+        self.disparity.extend(frame.disparity.iter().map(|&d| if d.is_finite() { d } else { 0.0 }));
+        self.nearest = self.disparity.iter().copied().fold(0.0, f32::max);
         frame.radiance.par_iter().map(|&c| rgb9e5(c)).collect_into_vec(&mut self.radiance);
         self.types.clear();
         self.types.extend(frame.types.iter().map(|&t| t as u8));

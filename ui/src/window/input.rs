@@ -5,8 +5,10 @@ use super::app::App;
 use super::fly_camera::{Gait, Motion, SPEED_FACTOR};
 use super::keymap::{Action, Pressed};
 use super::panels::legend;
-use super::state::{Command, Editing, FileCommand, Moving, Options, PictureCommand, Seeing, Severity};
-use super::viewport::{Coloring, Heatmap};
+use super::presentation::{Coloring, Heatmap};
+use super::state::{
+    Command, Compare, Editing, FileCommand, Moving, Options, PictureCommand, Seeing, Severity,
+};
 use afterimage::trace::Probe;
 use egui::{
     Context, CursorGrab, Event, MouseWheelUnit, PointerButton, Pos2, Response, Vec2, ViewportCommand,
@@ -66,6 +68,8 @@ impl App {
                 };
                 Command::SetQuality(q)
             }
+            Action::CompareSplit => self.toggled(Compare::Split),
+            Action::CompareErrors => self.toggled(Compare::Errors),
             Action::AddReference => Command::AddReference,
             Action::ClearCache => Command::AskToClear,
             Action::Open => Command::Browse,
@@ -80,6 +84,13 @@ impl App {
         })
     }
 
+    /// The comparison that was asked for, or none where it is shown already.
+    fn toggled(&self, wanted: Compare) -> Command {
+        let comparison = &self.state.comparison;
+        let shows = if comparison.shows == wanted { Compare::Off } else { wanted };
+        Command::Compare(shows, comparison.split)
+    }
+
     /// Lets time pass for the camera, and turns and moves it by the mouse over the viewport.
     pub(super) fn steer(&mut self, ctx: &Context, viewport: &Response) {
         if viewport.drag_started() {
@@ -87,6 +98,7 @@ impl App {
             ctx.memory_mut(|m| m.focused().into_iter().for_each(|id| m.surrender_focus(id)));
         }
         let (secs, factor) = ctx.input(|i| (f64::from(i.stable_dt), speed_factor(i.modifiers)));
+        self.state.comparison.is_held = self.keyboard.is_held(Action::ShowFull);
         self.play(secs);
         self.grab(ctx, viewport);
         let height = f64::from(viewport.rect.height().max(1.0));

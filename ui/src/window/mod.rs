@@ -5,10 +5,12 @@
 mod aim;
 pub mod app;
 mod apply;
+mod comparing;
 mod editing;
 mod export;
 pub mod fly_camera;
 pub mod frames;
+mod full_tracing;
 mod input;
 mod keeping;
 pub mod keymap;
@@ -19,6 +21,7 @@ pub mod panels;
 pub mod plan;
 pub mod playback;
 pub mod pose_text;
+pub mod presentation;
 pub mod projection;
 mod reference_thread;
 pub mod render_thread;
@@ -27,6 +30,7 @@ mod seeing;
 pub mod session;
 pub mod state;
 pub mod thumbnails;
+pub mod timewarp;
 pub mod viewport;
 pub mod walking;
 

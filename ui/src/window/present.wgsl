@@ -10,7 +10,10 @@ struct Params {
     outline: u32,            // 1: Type 3 is outlined
     pixels_per_point: f32,
     encode: u32,             // 1: the target stores what it is given, so sRGB is encoded here
-    unused: u32,
+    is_warped: u32,          // 1: the map says where in the frame a pixel is found
+    overlay: u32,            // 1 the full tracer's picture, 2 the map of errors
+    split: f32,              // overlays begin at this part of the width
+    unused: vec2<u32>,
 };
 
 @group(0) @binding(0) var color: texture_2d<f32>;
@@ -18,6 +21,9 @@ struct Params {
 @group(0) @binding(2) var types: texture_2d<u32>;
 @group(0) @binding(3) var suppliers: texture_2d<u32>;
 @group(0) @binding(4) var<uniform> p: Params;
+@group(0) @binding(5) var map: texture_2d<f32>;
+@group(0) @binding(6) var full: texture_2d<f32>;
+@group(0) @binding(7) var errors: texture_2d<f32>;
 
 struct Vertex {
     @builtin(position) position: vec4<f32>,
@@ -48,6 +54,13 @@ fn srgb_from_linear(c: vec3<f32>) -> vec3<f32> {
 
 fn linear_from_srgb(c: vec3<f32>) -> vec3<f32> {
     return select(pow((c + 0.055) / 1.055, vec3<f32>(2.4)), c / 12.92, c <= vec3<f32>(0.04045));
+}
+
+// A pixel that the frame did not see: filled from beside it until the next frame.
+const FILLED: vec3<f32> = vec3<f32>(204.0, 121.0, 167.0) / 255.0;
+
+fn pixel_at(uv: vec2<f32>) -> vec2<i32> {
+    return clamp(vec2<i32>(uv * vec2<f32>(p.size)), vec2<i32>(0), vec2<i32>(p.size) - vec2<i32>(1));
 }
 
 fn is_type3(t: u32) -> bool {
@@ -96,25 +109,45 @@ fn is_on_edge(pixel: vec2<i32>, t: u32) -> bool {
     return false;
 }
 
+fn overlaid(uv: vec2<f32>) -> vec3<f32> {
+    if (p.overlay == 2u) {
+        return textureSampleLevel(errors, color_sampler, uv, 0.0).rgb;
+    }
+    return srgb_from_linear(developed(textureSampleLevel(full, color_sampler, uv, 0.0).rgb));
+}
+
 @fragment
 fn fragment(v: Vertex) -> @location(0) vec4<f32> {
-    let uv = (v.uv - 0.5) * p.uv_scale + 0.5;
+    var uv = (v.uv - 0.5) * p.uv_scale + 0.5;
+    let is_beside = any(uv < vec2<f32>(0.0)) || any(uv > vec2<f32>(1.0));
+    var is_filled = false;
+    if (p.is_warped == 1u && !is_beside) {
+        let moved = textureLoad(map, pixel_at(uv), 0);
+        uv += moved.xy / vec2<f32>(p.size);
+        is_filled = moved.z > 0.5;
+    }
     let radiance = textureSampleLevel(color, color_sampler, uv, 0.0).rgb;
-    if (any(uv < vec2<f32>(0.0)) || any(uv > vec2<f32>(1.0))) {
+    if (is_beside) {
         return vec4<f32>(0.0, 0.0, 0.0, 1.0);
     }
     var shown = srgb_from_linear(developed(radiance));
-    let pixel = clamp(vec2<i32>(uv * vec2<f32>(p.size)), vec2<i32>(0), vec2<i32>(p.size) - vec2<i32>(1));
+    let pixel = pixel_at(uv);
     let t = textureLoad(types, pixel, 0).x;
     if (p.heatmap != 0u) {
         var tint = color_of_type(t, v.position.xy);
         if (p.coloring == 1u) {
             tint = color_of_reference(textureLoad(suppliers, pixel, 0).x, v.position.xy);
         }
+        if (is_filled) {
+            tint = FILLED * hatch(v.position.xy);
+        }
         shown = select(tint, mix(shown, tint, 0.5), p.heatmap == 1u);
     }
     if (p.outline == 1u && is_on_edge(pixel, t)) {
         shown = vec3<f32>(213.0, 94.0, 0.0) / 255.0;
+    }
+    if (p.overlay != 0u && v.uv.x >= p.split) {
+        shown = overlaid(uv);
     }
     if (p.encode == 0u) {
         shown = linear_from_srgb(shown);

@@ -32,6 +32,8 @@ pub struct Wish {
     pub budget: Duration,
     /// Nothing is rendered while paused.
     pub is_paused: bool,
+    /// The picture stays as its mode makes it: one that is compared is not refined.
+    pub is_compared: bool,
 }
 
 /// What must be done once, in order.

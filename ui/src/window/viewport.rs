@@ -1,45 +1,10 @@
 //! The picture on the screen: textures of the newest frame and the pipeline that shows them.
 
 use super::frames::PublishedFrame;
+use super::presentation::{Overlay, Presentation};
+use super::timewarp::{Reprojection, Timewarp, WarpMap};
 use afterimage::raster::color::ToneMap;
 use egui_wgpu::{CallbackResources, CallbackTrait, RenderState, ScreenDescriptor, wgpu};
-
-/// How much of the pixel types is shown.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Heatmap {
-    /// The picture alone.
-    #[default]
-    Off,
-    /// Half picture, half types.
-    Blend,
-    /// Types alone.
-    Only,
-}
-
-/// What the colours of the heatmap stand for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Coloring {
-    /// How a pixel came to its colour.
-    #[default]
-    ByType,
-    /// Which reference supplied it.
-    ByReference,
-}
-
-/// How a frame is shown.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Presentation {
-    /// Types over the picture.
-    pub heatmap: Heatmap,
-    /// What their colours mean.
-    pub coloring: Coloring,
-    /// Type 3 is outlined.
-    pub has_outline: bool,
-    /// In stops.
-    pub exposure_ev: f32,
-    /// From radiance to display.
-    pub tone_map: ToneMap,
-}
 
 #[repr(C)]
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
@@ -53,11 +18,14 @@ struct Params {
     outline: u32,
     pixels_per_point: f32,
     encode: u32,
-    unused: u32,
+    is_warped: u32,
+    overlay: u32,
+    split: f32,
+    unused: [u32; 2],
 }
 
 // As `Params` of present.wgsl is laid out; a uniform's size is a multiple of 16.
-const _: () = assert!(size_of::<Params>() == 48);
+const _: () = assert!(size_of::<Params>() == 64);
 
 struct ViewGpu {
     pipeline: wgpu::RenderPipeline,
@@ -65,6 +33,9 @@ struct ViewGpu {
     sampler: wgpu::Sampler,
     params: wgpu::Buffer,
     encode: bool,
+    timewarp: Option<Timewarp>,
+    /// Bound where nothing is warped.
+    no_map: wgpu::TextureView,
     textures: Option<Textures>,
 }
 
@@ -73,12 +44,15 @@ struct Textures {
     color: wgpu::Texture,
     types: wgpu::Texture,
     suppliers: wgpu::Texture,
+    full: wgpu::Texture,
+    errors: wgpu::Texture,
+    warp: Option<WarpMap>,
     bind_group: wgpu::BindGroup,
 }
 
 /// Makes the pipeline. Once, before the first frame.
 pub fn install(state: &RenderState) {
-    let gpu = ViewGpu::new(&state.device, state.target_format);
+    let gpu = ViewGpu::new(&state.adapter, &state.device, state.target_format);
     state.renderer.write().callback_resources.insert(gpu);
 }
 
@@ -97,22 +71,54 @@ pub fn upload(state: &RenderState, frame: &PublishedFrame) {
     }
 }
 
-/// The shape that shows the newest frame in a rectangle.
-pub fn shape(rect: egui::Rect, pixels_per_point: f32, presentation: Presentation) -> egui::Shape {
-    let show = Show { presentation, aspect: rect.width() / rect.height().max(1.0), pixels_per_point };
+/// Sends the full tracer's picture of the frame's view; one of another size is left out.
+pub fn upload_full(state: &RenderState, full: &PublishedFrame) {
+    let renderer = state.renderer.read();
+    let textures = renderer.callback_resources.get::<ViewGpu>().and_then(|gpu| gpu.textures.as_ref());
+    if let Some(textures) = textures.filter(|t| t.size == full.size) {
+        textures.put(&state.queue, &textures.full, bytemuck::cast_slice(&full.radiance), 4);
+    }
+}
+
+/// Sends the map of errors, sRGB; one of another size than the frame's is left out.
+pub fn upload_errors(state: &RenderState, size: [u32; 2], map: &[[u8; 3]]) {
+    let renderer = state.renderer.read();
+    let textures = renderer.callback_resources.get::<ViewGpu>().and_then(|gpu| gpu.textures.as_ref());
+    if let Some(textures) = textures.filter(|t| t.size == size) {
+        let rgba: Vec<[u8; 4]> = map.iter().map(|&[r, g, b]| [r, g, b, u8::MAX]).collect();
+        textures.put(&state.queue, &textures.errors, bytemuck::cast_slice(&rgba), 4);
+    }
+}
+
+/// The shape that shows the newest frame in a rectangle, as seen from elsewhere where `reprojection` says so.
+pub fn shape(
+    rect: egui::Rect,
+    pixels_per_point: f32,
+    presentation: Presentation,
+    reprojection: Option<Reprojection>,
+) -> egui::Shape {
+    let aspect = rect.width() / rect.height().max(1.0);
+    let show = Show { presentation, reprojection, aspect, pixels_per_point };
     egui_wgpu::Callback::new_paint_callback(rect, show).into()
 }
 
 struct Show {
     presentation: Presentation,
+    reprojection: Option<Reprojection>,
     aspect: f32,
     pixels_per_point: f32,
 }
 
 impl Show {
-    fn params(&self, size: [u32; 2], encode: bool) -> Params {
+    fn params(&self, size: [u32; 2], encode: bool, is_warped: bool) -> Params {
         let frame_aspect = size[0] as f32 / size[1].max(1) as f32;
         let p = &self.presentation;
+        let (overlay, split) = match p.overlay {
+            Overlay::None => (0, 0.0),
+            Overlay::Full => (1, 0.0),
+            Overlay::RightOf(split) => (1, split),
+            Overlay::Errors => (2, 0.0),
+        };
         Params {
             size,
             heatmap: p.heatmap as u32,
@@ -124,7 +130,10 @@ impl Show {
             outline: p.has_outline.into(),
             pixels_per_point: self.pixels_per_point,
             encode: encode.into(),
-            unused: 0,
+            is_warped: is_warped.into(),
+            overlay,
+            split,
+            unused: [0; 2],
         }
     }
 }
@@ -138,13 +147,17 @@ impl CallbackTrait for Show {
         _device: &wgpu::Device,
         queue: &wgpu::Queue,
         _screen: &ScreenDescriptor,
-        _encoder: &mut wgpu::CommandEncoder,
+        encoder: &mut wgpu::CommandEncoder,
         resources: &mut CallbackResources,
     ) -> Vec<wgpu::CommandBuffer> {
         if let Some(gpu) = resources.get::<ViewGpu>()
             && let Some(textures) = &gpu.textures
         {
-            let params = self.params(textures.size, gpu.encode);
+            let warp = self.reprojection.as_ref().zip(gpu.timewarp.as_ref()).zip(textures.warp.as_ref());
+            if let Some(((reprojection, timewarp), map)) = warp {
+                timewarp.draw(queue, encoder, map, reprojection);
+            }
+            let params = self.params(textures.size, gpu.encode, warp.is_some());
             queue.write_buffer(&gpu.params, 0, bytemuck::bytes_of(&params));
         }
         Vec::new()
@@ -167,7 +180,7 @@ impl CallbackTrait for Show {
 }
 
 impl ViewGpu {
-    fn new(device: &wgpu::Device, target: wgpu::TextureFormat) -> Self {
+    fn new(adapter: &wgpu::Adapter, device: &wgpu::Device, target: wgpu::TextureFormat) -> Self {
         let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("viewport"),
             entries: &[
@@ -183,6 +196,9 @@ impl ViewGpu {
                         min_binding_size: None,
                     },
                 ),
+                texture_entry(5, wgpu::TextureSampleType::Float { filterable: false }),
+                texture_entry(6, wgpu::TextureSampleType::Float { filterable: true }),
+                texture_entry(7, wgpu::TextureSampleType::Float { filterable: true }),
             ],
         });
         Self {
@@ -201,26 +217,22 @@ impl ViewGpu {
                 mapped_at_creation: false,
             }),
             encode: !target.is_srgb(),
+            timewarp: Timewarp::new(adapter, device),
+            no_map: texture(device, [1, 1], wgpu::TextureFormat::Rgba16Float)
+                .create_view(&wgpu::TextureViewDescriptor::default()),
             textures: None,
         }
     }
 
     fn make_textures(&self, device: &wgpu::Device, size: [u32; 2]) -> Textures {
-        let texture = |format| {
-            device.create_texture(&wgpu::TextureDescriptor {
-                label: Some("viewport"),
-                size: extent(size),
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format,
-                usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-                view_formats: &[],
-            })
-        };
-        let color = texture(wgpu::TextureFormat::Rgb9e5Ufloat);
+        let texture = |format| texture(device, size, format);
+        let (color, full) =
+            (texture(wgpu::TextureFormat::Rgb9e5Ufloat), texture(wgpu::TextureFormat::Rgb9e5Ufloat));
+        let errors = texture(wgpu::TextureFormat::Rgba8Unorm);
         let (types, suppliers) = (texture(wgpu::TextureFormat::R8Uint), texture(wgpu::TextureFormat::R8Uint));
+        let warp = self.timewarp.as_ref().map(|timewarp| timewarp.make_map(device, size));
         let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
+        let map = warp.as_ref().map(|warp| view(&warp.map));
         let bind = |binding, resource| wgpu::BindGroupEntry { binding, resource };
         let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("viewport"),
@@ -231,26 +243,47 @@ impl ViewGpu {
                 bind(2, wgpu::BindingResource::TextureView(&view(&types))),
                 bind(3, wgpu::BindingResource::TextureView(&view(&suppliers))),
                 bind(4, self.params.as_entire_binding()),
+                bind(5, wgpu::BindingResource::TextureView(map.as_ref().unwrap_or(&self.no_map))),
+                bind(6, wgpu::BindingResource::TextureView(&view(&full))),
+                bind(7, wgpu::BindingResource::TextureView(&view(&errors))),
             ],
         });
-        Textures { size, color, types, suppliers, bind_group }
+        Textures { size, color, types, suppliers, full, errors, warp, bind_group }
     }
 }
 
 impl Textures {
     fn write(&self, queue: &wgpu::Queue, frame: &PublishedFrame) {
-        let write = |texture: &wgpu::Texture, bytes: &[u8], bytes_per_pixel: u32| {
-            let layout = wgpu::TexelCopyBufferLayout {
-                offset: 0,
-                bytes_per_row: Some(self.size[0] * bytes_per_pixel),
-                rows_per_image: None,
-            };
-            queue.write_texture(texture.as_image_copy(), bytes, layout, extent(self.size));
-        };
-        write(&self.color, bytemuck::cast_slice(&frame.radiance), 4);
-        write(&self.types, &frame.types, 1);
-        write(&self.suppliers, &frame.suppliers, 1);
+        self.put(queue, &self.color, bytemuck::cast_slice(&frame.radiance), 4);
+        self.put(queue, &self.types, &frame.types, 1);
+        self.put(queue, &self.suppliers, &frame.suppliers, 1);
+        if let Some(warp) = &self.warp {
+            self.put(queue, &warp.disparity, bytemuck::cast_slice(&frame.disparity), 4);
+        }
     }
+
+    fn put(&self, queue: &wgpu::Queue, texture: &wgpu::Texture, bytes: &[u8], bytes_per_pixel: u32) {
+        let layout = wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(self.size[0] * bytes_per_pixel),
+            rows_per_image: None,
+        };
+        queue.write_texture(texture.as_image_copy(), bytes, layout, extent(self.size));
+    }
+}
+
+/// A texture that is written from the processor and read in shaders.
+fn texture(device: &wgpu::Device, size: [u32; 2], format: wgpu::TextureFormat) -> wgpu::Texture {
+    device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("viewport"),
+        size: extent(size),
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    })
 }
 
 fn extent([width, height]: [u32; 2]) -> wgpu::Extent3d {

@@ -1,6 +1,8 @@
 //! What the commands answer: the keys of the contract, and sums that must hold.
 
 use super::{Bench, assert_keys, assert_types, keys, number};
+use afterimage::camera_path::{CameraKey, CameraPath};
+use glam::DVec3;
 use serde_json::json;
 
 const POSE: &str = "--eye 0,1.6,3 --look-at 0.4,1.4,0";
@@ -174,6 +176,34 @@ fn throughput_answers_with_the_contract() {
     assert_keys(&answer, &wanted);
     assert!(number(&answer, "/bvh_bytes") > 0.0);
     assert_eq!(&std::fs::read(bench.path("rays.bin")).unwrap()[..8], b"RAYS0001");
+    assert_keys(&answer, &["experiment", "scene", "scene_hash", "version", "size", "samples", "seed"]);
+    for name in ["manifest.json", "records.csv", "summary.json", "report.html"] {
+        assert!(bench.path("run").join(name).exists(), "{name}");
+    }
+}
+
+#[test]
+fn one_recorded_walk_serves_tours_and_experiments() {
+    let bench = Bench::new();
+    // As the window writes a walk: the structure itself.
+    let at = |z: f64| CameraKey { eye: DVec3::new(0.0, 1.6, z), at: DVec3::new(0.4, 1.4, z - 3.0) };
+    let walk = CameraPath { fov_y_deg: 60.0, frames: 4, keyframes: vec![at(3.0), at(1.0)] };
+    std::fs::write(bench.path("mine.json"), serde_json::to_string_pretty(&walk).unwrap()).unwrap();
+    for file in ["mine.json", "walks.json#short"] {
+        let tour =
+            bench.json(&format!("tour room.obj --path {file} --size 32x18 --samples 1 --out tour --json"));
+        assert_eq!(tour["frames"].as_array().unwrap().len(), if file == "mine.json" { 4 } else { 6 });
+        let line = "experiment placement room.obj --quick --size 32x18 --samples 1 --truth-samples 2 --frames 4 --json";
+        let lab = bench.json(&format!("{line} --path {file} --out {}", file.replace('#', "-")));
+        // Two modes, six walks, five rules.
+        assert_eq!((&lab["cells"], &lab["is_complete"]), (&json!(60), &json!(true)));
+        let policies = lab.pointer("/exact/policies").unwrap().as_array().unwrap();
+        let none = policies.iter().find(|p| p["rule"] == "none" && p["walk"] == "slow").unwrap();
+        assert_eq!(
+            (number(none, "/references"), number(none, "/unseen_percent")),
+            (0.0, number(none, "/type3_percent"))
+        );
+    }
 }
 
 #[test]
@@ -230,7 +260,7 @@ fn help_lists_the_keys_of_the_window() {
     let output = Bench::new().run("--help");
     assert!(output.status.success());
     let text = String::from_utf8(output.stdout).unwrap();
-    for words in ["fly forward", "W, Up", "save the finished picture as PNG", "Exit codes"] {
+    for words in ["fly forward", "W, Up", "save a picture", "Exit codes"] {
         assert!(text.contains(words), "'{words}' is not in: {text}");
     }
 }

@@ -35,7 +35,7 @@ fn usage_errors_end_with_two() {
         ("render room.obj -o a.exr --aov warmth", "primitive"),
         ("render room.obj -o a.png --reference 1,1,1", "EX,EY,EZ:LX,LY,LZ"),
         ("render room.obj", "--output"),
-        ("tour room.obj --out run --placement grid", "later version"),
+        ("tour room.obj --out run --placement gird", "greedy, grid, none"),
         ("tour room.obj --out run --threshold 101", "0 to 100"),
         ("tour room.obj", "--out"),
         ("experiment table2 room.obj --out run", "there are table1"),

@@ -3,8 +3,8 @@
 use super::*;
 use afterimage::raster::color::ToneMap;
 use afterimage_ui::window::keymap::BINDINGS;
+use afterimage_ui::window::presentation::{Coloring, Heatmap};
 use afterimage_ui::window::state::{Severity, Work};
-use afterimage_ui::window::viewport::{Coloring, Heatmap};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, vec2};
 

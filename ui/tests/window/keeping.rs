@@ -168,7 +168,7 @@ fn a_changed_model_is_loaded_again_and_a_broken_one_is_not_shown() {
 fn settings_of_the_window_are_kept_and_reset_one_by_one() {
     let home = Home::new();
     let mut harness = home.open();
-    harness.get_by_label("Settings").click();
+    harness.get_by_label_contains("Settings").click();
     harness.run_steps(3);
     harness.get_by_label("views change at once").click();
     harness.run_steps(2);

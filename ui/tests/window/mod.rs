@@ -1,14 +1,20 @@
 //! The real app with its real threads on a small scene, driven by events.
 
+mod comparing;
 mod driving;
 mod editing;
 mod keeping;
+mod keys;
+mod measured;
 mod moving;
 mod pictures;
 mod pixels;
+mod real;
 mod room;
 mod seeing;
+mod storm;
 mod threads;
+mod timewarp;
 
 use afterimage::Scene;
 use afterimage_ui::window::{App, SceneSource, WindowRequest};

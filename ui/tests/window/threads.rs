@@ -2,6 +2,7 @@
 
 use super::small_room;
 use afterimage::reference::PlacementPolicy;
+use afterimage::reference::placement::NONE;
 use afterimage::render::render_antialiased;
 use afterimage::trace::parallel::NEVER;
 use afterimage::{Camera, Mode, Tracer, WalkthroughSettings};
@@ -35,9 +36,17 @@ impl Bench {
 
     fn wish(&self, x: f64) -> Wish {
         let camera = Camera { eye: DVec3::new(x, 1.6, 2.0), ..*self.tracer.scene().start() };
-        let mut settings = WalkthroughSettings { placement: PlacementPolicy::None, ..Default::default() };
+        let mut settings =
+            WalkthroughSettings { placement: PlacementPolicy::new(&NONE, 0.0), ..Default::default() };
         settings.render.trace.samples = 1;
-        Wish { camera, size: [96, 64], settings, budget: Duration::ZERO, is_paused: false }
+        Wish {
+            camera,
+            size: [96, 64],
+            settings,
+            budget: Duration::ZERO,
+            is_paused: false,
+            is_compared: false,
+        }
     }
 
     /// Orders the picture that is there and waits for it.

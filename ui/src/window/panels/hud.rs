@@ -2,7 +2,7 @@
 
 use super::super::fly_camera::Gait;
 use super::super::state::{State, Work};
-use super::swatch;
+use super::{comparison, swatch};
 use afterimage::render::AuditEstimate;
 use egui::{Color32, RichText, Ui};
 
@@ -24,6 +24,7 @@ pub fn show(ui: &mut Ui, state: &State) {
         state_line(ui, state);
         egui::Grid::new("hud").num_columns(2).min_col_width(76.0).show(ui, |ui| {
             frame_rows(ui, state);
+            comparison::figures(state).into_iter().for_each(|(name, value)| line(ui, name, value));
             line(ui, "window", format!("{:.0} ms", state.window_ms));
             let gait = if state.fly.gait() == Gait::Walk { "walking" } else { "flying" };
             line(ui, gait, format!("{} m/s", three_digits(state.fly.speed_m_per_s())));

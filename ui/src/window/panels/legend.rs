@@ -1,8 +1,8 @@
 //! What the colours of the heatmap mean, and its switches.
 
 use super::super::keymap::{Action, keys_of};
+use super::super::presentation::{Coloring, Heatmap};
 use super::super::state::{Command, Options, State};
-use super::super::viewport::{Coloring, Heatmap};
 use super::{TYPE_NAMES, swatch};
 use afterimage::Mode;
 use afterimage::reproject::TypeCounts;
@@ -44,6 +44,10 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             ui.label(RichText::new(percent(types.is_some(), share)).small());
             ui.end_row();
         }
+        swatch(ui, TYPE_NAMES.len());
+        ui.label("Filled until the next frame")
+            .on_hover_text("While you move: the last frame did not see it");
+        ui.end_row();
     });
 }
 

@@ -36,8 +36,13 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 }
 
 fn item(ui: &mut Ui, text: &str, action: Option<Action>) -> bool {
-    let keys = action.map(keys_of).unwrap_or_default();
-    ui.add(Button::new(text).shortcut_text(keys)).clicked()
+    let button = Button::new(text);
+    // An empty one would stand in the name that screen readers say.
+    ui.add(match action {
+        Some(action) => button.shortcut_text(keys_of(action)),
+        None => button,
+    })
+    .clicked()
 }
 
 fn scene_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {

@@ -1,5 +1,6 @@
 //! What lies round the viewport and over it. A panel reads the state and asks for changes by commands.
 
+pub mod comparison;
 pub mod daylight;
 pub mod files;
 pub mod help;
@@ -29,6 +30,9 @@ pub const TYPE_COLORS: [Color32; 3] = [
     Color32::from_rgb(0xD5, 0x5E, 0x00),
 ];
 
+/// A pixel that the last frame did not see, filled from beside it until the next one; as in present.wgsl.
+pub const FILLED_COLOR: Color32 = Color32::from_rgb(0xCC, 0x79, 0xA7);
+
 /// What the types are called.
 pub const TYPE_NAMES: [&str; 3] = ["Type 1, reused", "Type 2, mirror or glass", "Type 3, traced"];
 
@@ -54,6 +58,7 @@ pub fn side(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         closed_section(ui, "Sun and sky", |ui| daylight::show(ui, state, commands));
         section(ui, "Plan", |ui| plan::show(ui, state, commands));
         section(ui, "Pixel types", |ui| legend::show(ui, state, commands));
+        section(ui, "Full tracer", |ui| comparison::show(ui, state, commands));
         section(ui, "Quality", |ui| quality::show(ui, state, commands));
         section(ui, "References", |ui| references::show(ui, state, commands));
         section(ui, "Last minute", |ui| plots::show(ui, state));
@@ -86,12 +91,12 @@ pub fn thumbnail(ui: &mut Ui, state: &State, camera: &afterimage::Camera) {
     }
 }
 
-/// A small square of a type's colour, hatched for Type 3.
+/// A small square of a type's colour, hatched for Type 3; past the types, of what is filled.
 pub fn swatch(ui: &mut Ui, number: usize) {
     let (rect, _) = ui.allocate_exact_size(egui::vec2(14.0, 14.0), egui::Sense::hover());
     let painter = ui.painter().with_clip_rect(rect);
-    painter.rect_filled(rect, 2.0, TYPE_COLORS[number]);
-    if number == 2 {
+    painter.rect_filled(rect, 2.0, TYPE_COLORS.get(number).copied().unwrap_or(FILLED_COLOR));
+    if number >= 2 {
         let stroke = egui::Stroke::new(1.5, Color32::from_rgb(0x70, 0x30, 0x00));
         for step in 0..6 {
             let x = rect.left() + step as f32 * 5.0;

@@ -77,8 +77,5 @@ fn area(number: usize, ages: &[f64], lower: &[f64], upper: &[f64]) -> FilledArea
 }
 
 fn threshold(policy: &PlacementPolicy) -> Option<f64> {
-    match *policy {
-        PlacementPolicy::None => None,
-        PlacementPolicy::Threshold { percent } | PlacementPolicy::Predictive { percent } => Some(percent),
-    }
+    policy.rule.has_threshold.then_some(policy.percent)
 }

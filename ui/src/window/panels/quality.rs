@@ -4,7 +4,7 @@ use super::super::fly_camera::ViewChange;
 use super::super::state::{Command, Options, Quality, State};
 use afterimage::Mode;
 use afterimage::raster::color::ToneMap;
-use afterimage::reference::PlacementPolicy;
+use afterimage::reference::{PlacementPolicy, PlacementRule, placement};
 use egui::{Slider, SliderClamping, Ui};
 
 const MB: usize = 1 << 20;
@@ -128,26 +128,25 @@ fn pace_rows(ui: &mut Ui, q: &mut Quality, d: &Quality) {
 }
 
 fn placement_rows(ui: &mut Ui, q: &mut Quality, d: &Quality) {
-    let percent = |policy: &PlacementPolicy| match *policy {
-        PlacementPolicy::Threshold { percent } | PlacementPolicy::Predictive { percent } => percent,
-        PlacementPolicy::None => DEFAULT_PERCENT,
-    };
-    let help = "Where new references are taken: ahead along your way, where you are, or only when you ask.";
-    let (mut number, mut threshold) = (policy_number(&q.walk.placement), percent(&q.walk.placement));
-    row(ui, "Placement", help, &mut number, policy_number(&d.walk.placement), |ui, v| {
-        choice(ui, "placement", v, &[(0, "predictive"), (1, "threshold"), (2, "none")])
+    let about = |rule: &PlacementRule| format!("{}: {}", rule.name, rule.about);
+    let help = format!(
+        "Where new references are taken. {}.",
+        placement::RULES.iter().map(about).collect::<Vec<_>>().join("; ")
+    );
+    let names: Vec<(usize, &str)> = placement::RULES.iter().map(|rule| rule.name).enumerate().collect();
+    let number = |policy: &PlacementPolicy| names.iter().position(|n| n.1 == policy.rule.name).unwrap_or(0);
+    let mut chosen = number(&q.walk.placement);
+    row(ui, "Placement", &help, &mut chosen, number(&d.walk.placement), |ui, v| {
+        choice(ui, "placement", v, &names)
     });
-    if number < 2 {
+    q.walk.placement.rule = &placement::RULES[chosen];
+    if q.walk.placement.rule.has_threshold {
         let help = "A new reference is taken when more of the picture than this is Type 3.";
-        row(ui, "Threshold", help, &mut threshold, percent(&d.walk.placement), |ui, v| {
+        let usual = d.walk.placement.percent;
+        row(ui, "Threshold", help, &mut q.walk.placement.percent, usual, |ui, v| {
             ui.add(Slider::new(v, 0.5..=50.0).logarithmic(true).fixed_decimals(1).suffix(" %"))
         });
     }
-    q.walk.placement = match number {
-        0 => PlacementPolicy::Predictive { percent: threshold },
-        1 => PlacementPolicy::Threshold { percent: threshold },
-        _ => PlacementPolicy::None,
-    };
     let help = "Memory for references; the least useful ones go first.";
     let mut megabytes = q.walk.cache_bytes / MB;
     row(ui, "Cache limit", help, &mut megabytes, d.walk.cache_bytes / MB, |ui, v| {
@@ -155,17 +154,6 @@ fn placement_rows(ui: &mut Ui, q: &mut Quality, d: &Quality) {
     });
     if megabytes != q.walk.cache_bytes / MB {
         q.walk.cache_bytes = megabytes * MB;
-    }
-}
-
-/// The threshold of a policy that comes after none, in percent.
-const DEFAULT_PERCENT: f64 = 5.0;
-
-fn policy_number(policy: &PlacementPolicy) -> usize {
-    match policy {
-        PlacementPolicy::Predictive { .. } => 0,
-        PlacementPolicy::Threshold { .. } => 1,
-        PlacementPolicy::None => 2,
     }
 }
 

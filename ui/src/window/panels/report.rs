@@ -13,7 +13,17 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         ui.weak("No scene yet.");
     }
     path_field(ui, state, commands);
+    stiffness(ui, state);
     warnings(ui, state, commands);
+}
+
+fn stiffness(ui: &mut Ui, state: &State) {
+    let Some(scene) = &state.scene else { return };
+    egui::CollapsingHeader::new("Numerical stiffness").id_salt("stiffness").show(ui, |ui| {
+        for said in &scene.stiffness {
+            ui.add(egui::Label::new(RichText::new(said).small()).wrap());
+        }
+    });
 }
 
 /// What is in the scene, what it needs, and what the renderer therefore leaves out.
@@ -42,7 +52,7 @@ fn path_field(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let label = ui.label("Model file");
     ui.horizontal(|ui| {
         let mut text = state.path_text.clone();
-        let field = egui::TextEdit::singleline(&mut text).hint_text("path to an .obj").desired_width(165.0);
+        let field = egui::TextEdit::singleline(&mut text).hint_text("path to a model").desired_width(165.0);
         let field = ui.add(field).labelled_by(label.id);
         if field.changed() {
             commands.push(Command::SetPathText(text.clone()));

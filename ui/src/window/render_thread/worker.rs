@@ -1,6 +1,7 @@
 //! The work of the thread that makes frames: takes wishes in, renders, asks for references, hands pictures out.
 
 use super::{Lending, Message, Order, Picture, Shared, Wake, Wish};
+use crate::picture::memory;
 use crate::window::frames::{PublishedFrame, locked};
 use crate::window::reference_thread::{Job, Outcome};
 use afterimage::reference::{ReferenceFrame, ReferenceId};
@@ -100,16 +101,30 @@ impl Worker {
                 && inbox.wish.is_none()
                 && (self.can_resume(generation) || self.can_refine(generation));
             if is_due || has_news || can_go_on {
+                let is_new = inbox.wish.is_some();
                 self.wish = wish;
                 inbox.wish = None;
                 let (orders, outcomes) =
                     (std::mem::take(&mut inbox.orders), std::mem::take(&mut inbox.outcomes));
                 drop(inbox);
+                if is_new {
+                    self.refuse_too_large();
+                }
                 outcomes.into_iter().for_each(|o| self.take_in(o));
                 orders.into_iter().for_each(|o| self.carry_out(o));
                 return Some(generation);
             }
             inbox = shared.bell.wait(inbox).unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+
+    /// A wish that memory cannot hold is dropped with a message: a failed allocation would end the program.
+    fn refuse_too_large(&mut self) {
+        let Some([width, height]) = self.wish.map(|w| w.size) else { return };
+        if let Err(why) = memory::check(u64::from(width) * u64::from(height), 1) {
+            self.wish = None;
+            self.say(Message::Failed(format!("a picture of {width} x {height}: {why}")));
+            (self.wake)();
         }
     }
 
@@ -127,7 +142,8 @@ impl Worker {
     /// the next frames are the cheaper for it.
     fn can_refine(&self, generation: u64) -> bool {
         let is_shown = self.rendered == Some(generation) && self.converged != Some(generation);
-        is_shown && self.job.is_none() && self.asked.is_none() && self.can_render()
+        let is_compared = self.wish.is_some_and(|w| w.is_compared);
+        is_shown && !is_compared && self.job.is_none() && self.asked.is_none() && self.can_render()
     }
 
     fn carry_out(&mut self, order: Order) {
@@ -197,12 +213,15 @@ impl Worker {
             walk.set_settings(wish.settings);
             self.refused.clear();
         }
+        if wish.is_compared {
+            walk.drop_refinement();
+        }
         let mut published = shared.exchange.spare();
         let added = &self.added;
         let made = catch_unwind(AssertUnwindSafe(|| {
             self.pool.install(|| {
                 walk.render(&wish.camera, wish.size, &stop);
-                published.fill(walk.frame(), walk.used(), generation);
+                published.fill(walk.frame(), &walk.tracer().scene().frame, walk.used(), generation);
                 published.list(walk.cache(), walk.used(), added);
             });
         }));
@@ -226,7 +245,7 @@ impl Worker {
                 if is_useless() {
                     return None;
                 }
-                published.fill(walk.frame(), walk.used(), generation);
+                published.fill(walk.frame(), &walk.tracer().scene().frame, walk.used(), generation);
                 published.list(walk.cache(), walk.used(), added);
                 published.is_refinement = !walk.frame().stats.is_complete;
                 Some(published)
@@ -250,7 +269,7 @@ impl Worker {
                 if is_useless() || state.of == 0 {
                     return (state, None);
                 }
-                published.fill(walk.frame(), walk.used(), generation);
+                published.fill(walk.frame(), &walk.tracer().scene().frame, walk.used(), generation);
                 published.list(walk.cache(), walk.used(), added);
                 published.is_refinement = true;
                 (state, Some(published))
@@ -378,6 +397,7 @@ pub(in crate::window) fn panic_text(panic: &(dyn Any + Send)) -> String {
 mod tests {
     use super::*;
     use afterimage::reference::PlacementPolicy;
+    use afterimage::reference::placement::THRESHOLD;
     use afterimage::scene::{Material, SceneBuilder};
     use afterimage::{Mode, Tracer, WalkthroughSettings};
     use crossbeam_channel::{Receiver, unbounded};
@@ -390,12 +410,19 @@ mod tests {
         builder.add_quad(corners, Vec2::ONE, material);
         let tracer = Arc::new(Tracer::new(Arc::new(builder.finish().unwrap())));
         let mut settings = WalkthroughSettings {
-            placement: PlacementPolicy::Threshold { percent: 5.0 },
+            placement: PlacementPolicy::new(&THRESHOLD, 5.0),
             ..WalkthroughSettings::default()
         };
         settings.render.mode = Mode::Paper;
         let camera = Camera::look_at(DVec3::new(0.5, 0.5, 0.5), DVec3::new(0.5, 0.5, 0.0), 60.0);
-        let wish = Wish { camera, size: [16, 16], settings, budget: Duration::ZERO, is_paused: false };
+        let wish = Wish {
+            camera,
+            size: [16, 16],
+            settings,
+            budget: Duration::ZERO,
+            is_paused: false,
+            is_compared: false,
+        };
         let (jobs, sent) = unbounded();
         let (messages, said) = unbounded();
         let worker = Worker {

@@ -1,6 +1,6 @@
 //! What controls ask for: panels and keys make commands, only the app carries them out.
 
-use super::{Change, FileCommand, Look, Options, PictureCommand, Quality, Severity, SunControls};
+use super::{Change, Compare, FileCommand, Look, Options, PictureCommand, Quality, Severity, SunControls};
 use crate::window::fly_camera::Gait;
 use crate::window::load::SceneSource;
 use crate::window::plan::PlanView;
@@ -41,6 +41,7 @@ pub enum Command {
     SetLook(Look),
     ShowSettings(bool),
     CopyPose,
+    Compare(Compare, f32),
     CopyText(String),
     Dismiss(u64),
     FullScreen,

@@ -1,6 +1,7 @@
 //! What the window knows and shows. Panels read it and return [`Command`]s; only the app changes it.
 
 mod command;
+mod comparison;
 mod edits;
 mod history;
 mod look;
@@ -14,6 +15,7 @@ mod sun;
 mod work;
 
 pub use command::{Command, Editing, Moving, Seeing};
+pub use comparison::{Compare, Comparison, Pair, PictureError, difference};
 pub use edits::{Change, Edits};
 pub use history::{HISTORY, Sample};
 pub use look::{FileCommand, Look};
@@ -31,8 +33,8 @@ use super::frames::PublishedFrame;
 use super::load::{Progress, SceneSource};
 use super::plan::{Plan, PlanView};
 use super::playback::{Playback, Recording};
+use super::presentation::{Coloring, Heatmap, Overlay, Presentation};
 use super::thumbnails::Thumbnails;
-use super::viewport::{Coloring, Heatmap, Presentation};
 use afterimage::{Camera, WalkthroughSettings};
 use std::collections::VecDeque;
 use std::path::PathBuf;
@@ -81,6 +83,8 @@ pub struct State {
     pub recording: Option<Recording>,
     /// The name of a saved view that is being changed: which, and what is typed.
     pub renaming: Option<(usize, String)>,
+    /// The comparison with the full tracer.
+    pub comparison: Comparison,
     /// Changes of the scene; there as soon as a scene is.
     pub edits: Option<Edits>,
     /// What the controls of sun and sky show.
@@ -142,6 +146,7 @@ impl State {
             playback: Playback::default(),
             recording: None,
             renaming: None,
+            comparison: Comparison::default(),
             edits: None,
             sun: SunControls::default(),
             sight: Sight::default(),
@@ -166,6 +171,7 @@ impl State {
             has_outline: self.options.has_outline,
             exposure_ev: self.quality.exposure_ev,
             tone_map: self.quality.tone_map,
+            overlay: Overlay::None,
         }
     }
 

@@ -1,7 +1,7 @@
 //! What is switched on.
 
 use crate::window::fly_camera::ViewChange;
-use crate::window::viewport::{Coloring, Heatmap};
+use crate::window::presentation::{Coloring, Heatmap};
 
 /// What is switched on.
 #[derive(Clone, Copy, Debug, PartialEq)]

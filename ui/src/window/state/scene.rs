@@ -32,6 +32,8 @@ pub struct SceneInfo {
     pub vertices: usize,
     /// Lights.
     pub lights: usize,
+    /// How hard it is on numbers, in sentences.
+    pub stiffness: Vec<String>,
     /// Textures.
     pub textures: usize,
     /// Extent along x, y and z, metres.
@@ -52,6 +54,7 @@ impl SceneInfo {
             triangles: scene.triangles.len(),
             vertices: scene.positions.len(),
             lights: scene.lights.len(),
+            stiffness: scene.stiffness.sentences(),
             textures: scene.textures.len(),
             extent_m: (scene.bounds_m[1] - scene.bounds_m[0]).to_array(),
             needs: scene.needs,
@@ -61,6 +64,7 @@ impl SceneInfo {
     /// Takes over what a change of materials or light has changed.
     pub fn relight(&mut self, scene: &Scene) {
         (self.lights, self.needs) = (scene.lights.len(), scene.needs);
+        self.stiffness = scene.stiffness.sentences();
     }
 }
 

@@ -1,0 +1,25 @@
+//! What failing memory or a bug elsewhere would do to a reference, done on purpose: to see that it stays where it is.
+
+use super::ReferenceFrame;
+use crate::math::hash::Key;
+
+impl ReferenceFrame {
+    /// Flips one random bit in the share `share` (0..1) of all pixels, in disparity, triangle, light or count. Returns
+    /// which pixels were hit. For tests of robustness.
+    pub fn flip_bits(&mut self, share: f32, seed: u64) -> Vec<u32> {
+        let damaged: Vec<u32> = (0..self.view.pixel_count() as u32)
+            .filter(|&pixel| Key::of_pixel(seed, pixel).pair()[0] < share)
+            .collect();
+        for &pixel in &damaged {
+            let [which, bit] = Key::of_pixel(seed, pixel).with(1).pair();
+            let (at, bit) = (pixel as usize, 1u32 << (bit * 32.0) as u32);
+            match (which * 4.0) as u32 {
+                0 => self.disparity[at] = f32::from_bits(self.disparity[at].to_bits() ^ bit),
+                1 => self.triangle[at] ^= bit,
+                2 => self.light[at] ^= bit,
+                _ => self.reflections.iter_mut().skip(at).take(1).for_each(|count| *count ^= bit as u8),
+            }
+        }
+        damaged
+    }
+}

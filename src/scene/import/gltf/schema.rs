@@ -1,0 +1,290 @@
+//! The parts of glTF 2.0's JSON that are read. Lists stay as text until an item is needed: a broken item costs only
+//! itself, and an item that nobody uses costs nothing.
+//!
+//! Source: the glTF 2.0 specification, section 5, and the KHR extensions named in the fields.
+
+use serde::Deserialize;
+use serde_json::value::RawValue;
+use std::borrow::Cow;
+
+#[derive(Deserialize, Default)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct Root<'t> {
+    pub(super) asset: Asset,
+    pub(super) scene: Option<usize>,
+    #[serde(borrow)]
+    pub(super) scenes: Vec<&'t RawValue>,
+    #[serde(borrow)]
+    pub(super) nodes: Vec<&'t RawValue>,
+    #[serde(borrow)]
+    pub(super) meshes: Vec<&'t RawValue>,
+    #[serde(borrow)]
+    pub(super) materials: Vec<&'t RawValue>,
+    #[serde(borrow)]
+    pub(super) textures: Vec<&'t RawValue>,
+    #[serde(borrow)]
+    pub(super) images: Vec<&'t RawValue>,
+    #[serde(borrow)]
+    pub(super) accessors: Vec<&'t RawValue>,
+    #[serde(borrow)]
+    pub(super) buffer_views: Vec<&'t RawValue>,
+    #[serde(borrow)]
+    pub(super) buffers: Vec<&'t RawValue>,
+    #[serde(borrow)]
+    pub(super) cameras: Vec<&'t RawValue>,
+    #[serde(borrow)]
+    pub(super) animations: Vec<&'t RawValue>,
+    pub(super) extensions_used: Vec<String>,
+    pub(super) extensions_required: Vec<String>,
+    #[serde(borrow)]
+    pub(super) extensions: RootExtensions<'t>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(default)]
+pub(super) struct RootExtensions<'t> {
+    #[serde(borrow, rename = "KHR_lights_punctual")]
+    pub(super) lights: Lights<'t>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(default)]
+pub(super) struct Lights<'t> {
+    #[serde(borrow)]
+    pub(super) lights: Vec<&'t RawValue>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(default)]
+pub(super) struct Asset {
+    pub(super) version: Option<String>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(default)]
+pub(super) struct Scene {
+    pub(super) nodes: Vec<usize>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(default)]
+pub(super) struct Node {
+    pub(super) name: Option<String>,
+    pub(super) children: Vec<usize>,
+    pub(super) mesh: Option<usize>,
+    pub(super) camera: Option<usize>,
+    pub(super) skin: Option<usize>,
+    pub(super) matrix: Option<[f64; 16]>,
+    pub(super) translation: Option<[f64; 3]>,
+    pub(super) rotation: Option<[f64; 4]>,
+    pub(super) scale: Option<[f64; 3]>,
+    pub(super) extensions: NodeExtensions,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(default)]
+pub(super) struct NodeExtensions {
+    #[serde(rename = "KHR_lights_punctual")]
+    pub(super) light: Option<NodeLight>,
+}
+
+#[derive(Deserialize)]
+pub(super) struct NodeLight {
+    pub(super) light: usize,
+}
+
+#[derive(Deserialize)]
+pub(super) struct Mesh<'t> {
+    pub(super) name: Option<String>,
+    #[serde(borrow)]
+    pub(super) primitives: Vec<&'t RawValue>,
+}
+
+#[derive(Deserialize)]
+pub(super) struct Primitive<'t> {
+    #[serde(default)]
+    pub(super) attributes: Attributes,
+    pub(super) indices: Option<usize>,
+    pub(super) material: Option<usize>,
+    pub(super) mode: Option<u32>,
+    #[serde(borrow, default)]
+    pub(super) targets: Option<&'t RawValue>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(default, rename_all = "UPPERCASE")]
+pub(super) struct Attributes {
+    pub(super) position: Option<usize>,
+    pub(super) normal: Option<usize>,
+    pub(super) texcoord_0: Option<usize>,
+    pub(super) texcoord_1: Option<usize>,
+    pub(super) color_0: Option<usize>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Accessor {
+    pub(super) buffer_view: Option<usize>,
+    #[serde(default)]
+    pub(super) byte_offset: u64,
+    pub(super) count: u64,
+    pub(super) component_type: u32,
+    #[serde(rename = "type")]
+    pub(super) shape: String,
+    #[serde(default)]
+    pub(super) normalized: bool,
+    pub(super) sparse: Option<Sparse>,
+}
+
+#[derive(Deserialize)]
+pub(super) struct Sparse {
+    pub(super) count: u64,
+    pub(super) indices: SparsePart,
+    pub(super) values: SparsePart,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct SparsePart {
+    pub(super) buffer_view: usize,
+    #[serde(default)]
+    pub(super) byte_offset: u64,
+    pub(super) component_type: Option<u32>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct BufferView {
+    pub(super) buffer: usize,
+    #[serde(default)]
+    pub(super) byte_offset: u64,
+    pub(super) byte_length: u64,
+    pub(super) byte_stride: Option<u64>,
+}
+
+#[derive(Deserialize)]
+pub(super) struct Buffer<'t> {
+    #[serde(borrow)]
+    pub(super) uri: Option<Cow<'t, str>>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Image<'t> {
+    #[serde(borrow)]
+    pub(super) uri: Option<Cow<'t, str>>,
+    pub(super) buffer_view: Option<usize>,
+}
+
+#[derive(Deserialize)]
+pub(super) struct Texture {
+    pub(super) source: Option<usize>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct Material {
+    pub(super) name: Option<String>,
+    pub(super) pbr_metallic_roughness: Pbr,
+    pub(super) emissive_factor: [f64; 3],
+    pub(super) emissive_texture: Option<TextureInfo>,
+    pub(super) alpha_mode: Option<String>,
+    pub(super) alpha_cutoff: Option<f64>,
+    pub(super) extensions: MaterialExtensions,
+}
+
+#[derive(Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct Pbr {
+    pub(super) base_color_factor: [f64; 4],
+    pub(super) base_color_texture: Option<TextureInfo>,
+    pub(super) metallic_factor: f64,
+    pub(super) roughness_factor: f64,
+    pub(super) metallic_roughness_texture: Option<TextureInfo>,
+}
+
+impl Default for Pbr {
+    fn default() -> Self {
+        Self {
+            base_color_factor: [1.0; 4],
+            base_color_texture: None,
+            metallic_factor: 1.0,
+            roughness_factor: 1.0,
+            metallic_roughness_texture: None,
+        }
+    }
+}
+
+#[derive(Deserialize, Default)]
+#[serde(default)]
+pub(super) struct MaterialExtensions {
+    #[serde(rename = "KHR_materials_transmission")]
+    pub(super) transmission: Option<Transmission>,
+    #[serde(rename = "KHR_materials_ior")]
+    pub(super) ior: Option<Ior>,
+    #[serde(rename = "KHR_materials_emissive_strength")]
+    pub(super) emissive_strength: Option<EmissiveStrength>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct Transmission {
+    pub(super) transmission_factor: f64,
+}
+
+#[derive(Deserialize)]
+pub(super) struct Ior {
+    pub(super) ior: Option<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct EmissiveStrength {
+    pub(super) emissive_strength: Option<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct TextureInfo {
+    pub(super) index: usize,
+    #[serde(default)]
+    pub(super) tex_coord: u32,
+    #[serde(default)]
+    pub(super) extensions: TextureExtensions,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(default)]
+pub(super) struct TextureExtensions {
+    #[serde(rename = "KHR_texture_transform")]
+    pub(super) transform: Option<TextureTransform>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct TextureTransform {
+    pub(super) offset: Option<[f64; 2]>,
+    pub(super) scale: Option<[f64; 2]>,
+    pub(super) rotation: f64,
+    pub(super) tex_coord: Option<u32>,
+}
+
+#[derive(Deserialize)]
+pub(super) struct Camera {
+    pub(super) name: Option<String>,
+    pub(super) perspective: Option<Perspective>,
+}
+
+#[derive(Deserialize)]
+pub(super) struct Perspective {
+    pub(super) yfov: f64,
+}
+
+#[derive(Deserialize)]
+pub(super) struct Light {
+    pub(super) name: Option<String>,
+    #[serde(rename = "type")]
+    pub(super) kind: String,
+    pub(super) color: Option<[f64; 3]>,
+    pub(super) intensity: Option<f64>,
+}

@@ -1,0 +1,184 @@
+//! Every way bytes from outside come in, each as a function of bytes that asserts what must hold whatever they are.
+//!
+//! The fuzz targets, the property tests and the replay of the corpus all call these.
+
+use afterimage::camera_path::CameraPath;
+use afterimage::experiment::run::{Journal, merge, read_manifest};
+use afterimage::scene::import::{ImportOptions, load};
+use afterimage::scene::{MaterialKind, Scene, SceneError};
+use afterimage::{Camera, raster::load::Picture};
+use std::cell::RefCell;
+use std::path::{Path, PathBuf};
+
+/// A name and what it does with bytes.
+pub(crate) type EntryPoint = (&'static str, fn(&[u8]));
+
+/// All of them, by the names that the fuzz targets and the corpus have.
+pub(crate) const ALL: &[EntryPoint] = &[
+    ("obj", obj),
+    ("mtl", mtl),
+    ("texture", texture),
+    ("gltf", gltf),
+    ("sidecar", sidecar),
+    ("walk", walk),
+    ("journal", journal),
+    ("picture", picture),
+];
+
+const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl a\nf 1/1 2/2 3/3\n";
+
+/// A model.
+pub(crate) fn obj(bytes: &[u8]) {
+    check_load("scene.obj", &[("scene.obj", bytes)]);
+}
+
+/// The material library of a sound model.
+pub(crate) fn mtl(bytes: &[u8]) {
+    let obj = format!("mtllib scene.mtl\n{TRIANGLE}usemtl b\nf 1/1 2/2 3/3\n");
+    check_load("scene.obj", &[("scene.obj", obj.as_bytes()), ("scene.mtl", bytes)]);
+}
+
+/// The picture of a sound material; the first byte chooses the name it has.
+pub(crate) fn texture(bytes: &[u8]) {
+    const NAMES: [&str; 6] = ["a.png", "a.jpg", "a.tga", "a.bmp", "a.hdr", "a"];
+    let Some((first, bytes)) = bytes.split_first() else { return };
+    let name = NAMES[usize::from(*first) % NAMES.len()];
+    let mtl = format!("newmtl a\nKd 1 1 1\nmap_Kd {name}\nmap_d {name}\nmap_Ke {name}\n");
+    let obj = format!("mtllib scene.mtl\n{TRIANGLE}");
+    check_load("scene.obj", &[("scene.obj", obj.as_bytes()), ("scene.mtl", mtl.as_bytes()), (name, bytes)]);
+}
+
+/// A glTF model, as text or binary by its first bytes.
+pub(crate) fn gltf(bytes: &[u8]) {
+    let name = if bytes.starts_with(b"glTF") { "scene.glb" } else { "scene.gltf" };
+    check_load(name, &[(name, bytes)]);
+}
+
+/// The file of settings beside a sound model.
+pub(crate) fn sidecar(bytes: &[u8]) {
+    check_load("scene.obj", &[("scene.obj", TRIANGLE.as_bytes()), ("scene.afterimage.toml", bytes)]);
+}
+
+/// A walk.
+pub(crate) fn walk(bytes: &[u8]) {
+    for name in [None, Some("a")] {
+        let Ok(walk) = CameraPath::from_json(bytes, name) else { continue };
+        for frame in [0, 1, walk.frames / 2, walk.frames - 1] {
+            check_camera(&walk.camera(frame, walk.frames).expect("a walk has key frames"));
+        }
+        assert!(walk.length_m() >= 0.0);
+    }
+}
+
+/// The journal and the description of a run.
+pub(crate) fn journal(bytes: &[u8]) {
+    in_folder(&[("journal.jsonl", bytes), ("manifest.json", bytes)], |folder| {
+        let before = Journal::read(folder).expect("a journal is read as far as it is whole");
+        let _ = read_manifest(folder);
+        let into = folder.join("merged");
+        let _ = merge(&[folder.to_owned()], &into, afterimage::experiment::run::Session::default());
+        let _ = std::fs::remove_dir_all(into);
+        assert_eq!(Journal::open(folder).expect("a journal can be gone on with").done(), before);
+        // What was dropped is dropped from the file too: it is whole now.
+        assert_eq!(Journal::read(folder).expect("a journal is read"), before);
+    });
+}
+
+/// A picture that is to be compared.
+pub(crate) fn picture(bytes: &[u8]) {
+    in_folder(&[("a", bytes)], |folder| {
+        let Ok(picture) = Picture::load(&folder.join("a")) else { return };
+        assert_eq!(picture.values.len(), (picture.size[0] * picture.size[1]) as usize);
+        assert!(picture.display().iter().all(|v| v.is_finite()));
+    });
+}
+
+fn check_load(name: &str, files: &[(&str, &[u8])]) {
+    in_folder(files, |folder| check(load(&folder.join(name), &limited(), &|_, _| true)));
+}
+
+/// Limits that a small file must not get near; they keep a hostile one from taking the machine along.
+fn limited() -> ImportOptions {
+    let mut options = ImportOptions::default();
+    options.limits.texture_bytes = 4 << 20;
+    options.limits.textures_bytes = 8 << 20;
+    options.limits.buffers_bytes = 8 << 20;
+    options.limits.gltf_vertices = 200_000;
+    options
+}
+
+/// What must hold of every outcome.
+pub(crate) fn check(outcome: Result<Scene, SceneError>) {
+    match outcome {
+        Ok(scene) => check_scene(&scene),
+        Err(error) => {
+            let message = error.to_string();
+            assert!(!message.contains("importer failed"), "a panic inside: {message}");
+            assert!(message.len() < 2000, "an endless message: {message}");
+        }
+    }
+}
+
+fn check_scene(scene: &Scene) {
+    assert!(!scene.triangles.is_empty() && !scene.views.is_empty() && !scene.materials.is_empty());
+    assert!(scene.bounds_m.iter().all(|b| b.is_finite()));
+    assert!(scene.normals.iter().all(|n| n.is_finite()));
+    assert!(scene.uvs.iter().all(|uv| uv.is_finite()));
+    for (triangle, material) in scene.triangles.iter().zip(&scene.triangle_materials) {
+        assert!(triangle.iter().all(|v| scene.positions[*v as usize].is_finite()));
+        assert!((material.0 as usize) < scene.materials.len());
+    }
+    scene.views.iter().for_each(|view| check_camera(&view.camera));
+    scene.materials.iter().for_each(check_material);
+    for texture in &scene.textures {
+        assert_eq!(texture.texels.len(), (texture.width * texture.height) as usize);
+    }
+    for warning in &scene.warnings {
+        assert!(!warning.message.is_empty() && warning.message.len() < 20_000, "{warning:?}");
+        assert!(!warning.file.is_empty(), "{warning:?}");
+    }
+}
+
+fn check_material(m: &afterimage::scene::Material) {
+    let specular = match m.kind {
+        MaterialKind::Diffuse => glam::Vec3::ZERO,
+        MaterialKind::Mirror { reflectance, .. } => reflectance,
+        MaterialKind::Glass { eta, transmittance } => {
+            assert!((1.0..=10.0).contains(&eta), "{m:?}");
+            transmittance
+        }
+    };
+    let sum = m.diffuse + specular;
+    assert!(m.diffuse.min_element() >= 0.0 && specular.min_element() >= 0.0, "{m:?}");
+    assert!(sum.max_element() <= 1.0 + 1e-5, "it reflects more than arrives: {m:?}");
+    assert!(m.emission.is_finite() && m.emission.min_element() >= 0.0, "{m:?}");
+}
+
+fn check_camera(camera: &Camera) {
+    assert!(camera.eye.is_finite() && camera.forward().is_finite(), "{camera:?}");
+    assert!(camera.fov_y > 0.0 && camera.fov_y < std::f64::consts::PI, "{camera:?}");
+}
+
+/// Calls `work` with a folder that holds these files and nothing else.
+fn in_folder(files: &[(&str, &[u8])], work: impl FnOnce(&Path)) {
+    thread_local! {
+        static FOLDER: RefCell<Option<tempfile::TempDir>> = const { RefCell::new(None) };
+    }
+    let folder: PathBuf = FOLDER.with(|folder| {
+        let mut folder = folder.borrow_mut();
+        let made = folder.get_or_insert_with(|| {
+            // In memory where the system has such a place: a fuzzer writes a million files.
+            let memory = Path::new("/dev/shm");
+            let in_memory = memory.is_dir().then(|| tempfile::tempdir_in(memory).ok()).flatten();
+            in_memory.unwrap_or_else(|| tempfile::tempdir().expect("a temporary folder"))
+        });
+        made.path().to_owned()
+    });
+    for (name, bytes) in files {
+        std::fs::write(folder.join(name), bytes).expect("a file in a temporary folder");
+    }
+    work(&folder);
+    for (name, _) in files {
+        let _ = std::fs::remove_file(folder.join(name));
+    }
+}

@@ -1,0 +1,226 @@
+//! Materials, pictures, lights and cameras.
+
+use super::super::textures::png;
+use super::super::{Folder, assert_clean, material, warning};
+use super::Model;
+use afterimage::scene::{Light, Material, MaterialKind};
+use glam::{DVec3, Vec2, Vec3};
+use serde_json::{Value, json};
+
+fn paint(json: Value) -> Material {
+    let mut json = json;
+    json["name"] = "a".into();
+    let scene = Model::painted(json).load();
+    material(&scene, "a").clone()
+}
+
+fn pbr(pbr: Value) -> Value {
+    json!({"pbrMetallicRoughness": pbr})
+}
+
+#[test]
+fn metal_and_roughness_decide_the_kind() {
+    let base = [0.5, 0.25, 0.125, 1.0];
+    let of = |metal: f64, rough: f64| {
+        paint(pbr(json!({"baseColorFactor": base, "metallicFactor": metal, "roughnessFactor": rough})))
+    };
+    let color = Vec3::new(0.5, 0.25, 0.125);
+    let mirror = of(1.0, 0.0);
+    assert_eq!(mirror.kind, MaterialKind::Mirror { reflectance: color, fresnel: false });
+    assert_eq!(mirror.diffuse, Vec3::ZERO);
+    for (metal, rough) in [(1.0, 0.5), (0.0, 0.0), (0.5, 0.05)] {
+        assert_eq!((of(metal, rough).kind, of(metal, rough).diffuse), (MaterialKind::Diffuse, color));
+    }
+    // What is not said is metal, and rough.
+    assert_eq!(paint(json!({})).kind, MaterialKind::Diffuse);
+}
+
+#[test]
+fn a_picture_of_metal_and_roughness_counts_with_its_mean() {
+    let with = |texel: [u8; 4]| {
+        let mut model = Model::painted(json!({"name": "a"}));
+        let texture = model.texture(&png(2, 2, &[texel]));
+        model.json["materials"][0]["pbrMetallicRoughness"] =
+            json!({"metallicRoughnessTexture": {"index": texture}});
+        let scene = model.load();
+        assert!(scene.textures.is_empty(), "it is not kept");
+        material(&scene, "a").kind
+    };
+    assert!(matches!(with([0, 5, 255, 255]), MaterialKind::Mirror { .. }));
+    assert_eq!(with([0, 200, 255, 255]), MaterialKind::Diffuse);
+    assert_eq!(with([0, 5, 100, 255]), MaterialKind::Diffuse);
+}
+
+#[test]
+fn transmission_is_glass_and_the_rest_stays_diffuse() {
+    let glass = |factor: f64, ior: Value| {
+        let mut json = pbr(json!({"baseColorFactor": [1.0, 0.5, 0.5, 1.0], "metallicFactor": 0.0}));
+        json["extensions"] =
+            json!({"KHR_materials_transmission": {"transmissionFactor": factor}, "KHR_materials_ior": ior});
+        paint(json)
+    };
+    let clear = glass(1.0, json!({"ior": 1.25}));
+    assert_eq!(clear.kind, MaterialKind::Glass { eta: 1.25, transmittance: Vec3::new(1.0, 0.5, 0.5) });
+    assert_eq!(clear.diffuse, Vec3::ZERO);
+    let milky = glass(0.25, json!({}));
+    assert_eq!(milky.kind, MaterialKind::Glass { eta: 1.5, transmittance: Vec3::new(0.25, 0.125, 0.125) });
+    assert_eq!(milky.diffuse, Vec3::new(0.75, 0.375, 0.375));
+}
+
+#[test]
+fn emission_is_a_light_of_that_radiance() {
+    let mut model = Model::painted(json!({
+        "name": "lamp", "emissiveFactor": [1.0, 0.5, 0.0],
+        "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 8.0}},
+    }));
+    let scene = model.load();
+    let [Light::Quad { radiance, .. }] = scene.lights[..] else { panic!("{:?}", scene.lights) };
+    assert_eq!(radiance, Vec3::new(8.0, 4.0, 0.0));
+    // Half of the picture glows.
+    let texture = model.texture(&png(2, 1, &[[255; 4], [0, 0, 0, 255]]));
+    model.json["materials"][0]["emissiveTexture"] = json!({"index": texture});
+    assert_eq!(material(&model.load(), "lamp").emission, Vec3::new(4.0, 2.0, 0.0));
+}
+
+const CHESS: [[u8; 4]; 4] = [[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255], [255, 255, 255, 255]];
+
+fn colored(transform: Value) -> Model {
+    let mut model = Model::painted(json!({"name": "a"}));
+    let texture = model.texture(&png(2, 2, &CHESS));
+    let info = json!({"index": texture, "extensions": {"KHR_texture_transform": transform}});
+    model.json["materials"][0]["pbrMetallicRoughness"] = json!({"baseColorTexture": info});
+    model
+}
+
+#[test]
+fn pictures_lie_the_right_way_up_wherever_they_are_kept() {
+    let check = |scene: &afterimage::Scene| {
+        assert_clean(scene);
+        let used = material(scene, "a").diffuse_texture.unwrap();
+        let texture = &scene.textures[used.texture.0 as usize];
+        // The corner at the origin shows the picture's lower left texel, blue.
+        let corner =
+            scene.positions.iter().position(|p| scene.frame.world_from_scene(*p).length() < 1e-6).unwrap();
+        let uv = scene.uvs[corner] * used.scale + used.offset;
+        assert!((texture.color(uv + Vec2::new(0.25, 0.25)) - Vec3::Z).length() < 1e-3, "{uv}");
+    };
+    let mut model = colored(json!({}));
+    check(&model.load());
+    model.json["images"][0] =
+        json!({"uri": format!("data:image/png;base64,{}", super::base64(&png(2, 2, &CHESS)))});
+    check(&model.load());
+    model.json["images"][0] = json!({"uri": "textures%2Fmy%20wood.png"});
+    let folder = Folder::with_obj("")
+        .add("scene.gltf", model.embedded())
+        .add("textures/my wood.png", png(2, 2, &CHESS));
+    check(&super::super::load(&folder.path("scene.gltf"), &folder.options, &|_, _| true).unwrap());
+}
+
+#[test]
+fn a_texture_transform_moves_downwards_as_gltf_counts() {
+    // Half the size, moved half down: the square shows the lower left texel alone.
+    let scene = colored(json!({"scale": [0.5, 0.5], "offset": [0.0, 0.5]})).load();
+    let used = material(&scene, "a").diffuse_texture.unwrap();
+    let of = |uv: Vec2| scene.textures[0].color(uv * used.scale + used.offset);
+    assert!((of(Vec2::splat(0.5)) - Vec3::Z).length() < 1e-3, "{used:?}");
+    let turned = colored(json!({"rotation": 1.0})).load();
+    assert!(warning(&turned, "turned by").2.contains("without turning"));
+}
+
+fn with_alpha(alpha: Value, texels: &[[u8; 4]]) -> (afterimage::Scene, Material) {
+    let mut json = alpha;
+    json["name"] = "a".into();
+    let mut model = Model::painted(json);
+    let texture = model.texture(&png(2, 1, texels));
+    model.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = json!({"index": texture});
+    let scene = model.load();
+    let material = material(&scene, "a").clone();
+    (scene, material)
+}
+
+#[test]
+fn a_mask_cuts_at_its_cutoff() {
+    let texels = [[255, 255, 255, 90], [255, 255, 255, 110]];
+    for (cutoff, kept) in [(0.5, [false, false]), (0.4, [false, true]), (0.3, [true, true])] {
+        let (scene, material) = with_alpha(json!({"alphaMode": "MASK", "alphaCutoff": cutoff}), &texels);
+        let mask = &scene.textures[material.alpha_texture.unwrap().texture.0 as usize];
+        let is_kept = |u: f32| mask.alpha(Vec2::new(u, 0.5)) >= 0.5;
+        assert_eq!([is_kept(0.25), is_kept(0.75)], kept, "{cutoff}");
+    }
+    let (_, opaque) = with_alpha(json!({"alphaMode": "OPAQUE"}), &texels);
+    assert_eq!(opaque.alpha_texture, None);
+}
+
+#[test]
+fn a_blend_thins_evenly_or_cuts_where_the_picture_varies() {
+    let thin = paint(
+        json!({"alphaMode": "BLEND", "pbrMetallicRoughness": {"baseColorFactor": [1.0, 1.0, 1.0, 0.25]}}),
+    );
+    assert_eq!(thin.kind, MaterialKind::Glass { eta: 1.0, transmittance: Vec3::splat(0.75) });
+    assert_eq!(thin.diffuse, Vec3::splat(0.25));
+    let (scene, cut) = with_alpha(json!({"alphaMode": "BLEND"}), &[[255, 255, 255, 0], [255, 255, 255, 255]]);
+    assert!(cut.alpha_texture.is_some() && warning(&scene, "one half").2.contains("blends"));
+}
+
+#[test]
+fn values_out_of_range_are_clamped_and_said() {
+    let mut model =
+        Model::painted(pbr(json!({"baseColorFactor": [2.0, -1.0, 0.5, 1.0], "metallicFactor": 0.0})));
+    model.json["materials"][0]["name"] = "a".into();
+    let scene = model.load();
+    assert_eq!(material(&scene, "a").diffuse, Vec3::new(1.0, 0.0, 0.5));
+    assert!(warning(&scene, "out of their ranges").2.starts_with("2 "));
+}
+
+#[test]
+fn lights_and_cameras_stand_where_their_nodes_are() {
+    let mut model = Model::square();
+    model.json["extensions"] = json!({"KHR_lights_punctual": {"lights": [
+        {"type": "point", "color": [1.0, 0.5, 0.25], "intensity": 40.0},
+        {"type": "directional", "intensity": 3.0},
+        {"type": "spot", "intensity": 2.0, "spot": {}},
+        {"type": "directional"}, {"type": "laser"},
+    ]}});
+    let light = |i: usize| json!({"KHR_lights_punctual": {"light": i}});
+    model.node(json!({"translation": [0.0, 3.0, 0.0], "extensions": light(0)}));
+    // A quarter turn about X: -Z becomes +Y, so the light comes from below.
+    let turn = [std::f64::consts::FRAC_1_SQRT_2, 0.0, 0.0, std::f64::consts::FRAC_1_SQRT_2];
+    model.node(json!({"rotation": turn, "extensions": light(1)}));
+    for i in 2..5 {
+        model.node(json!({"extensions": light(i)}));
+    }
+    model.push("cameras", json!({"type": "perspective", "perspective": {"yfov": 1.0, "znear": 0.1}}));
+    model.push("cameras", json!({"type": "orthographic"}));
+    model.node(json!({"name": "hall", "camera": 0, "translation": [5.0, 6.0, 7.0], "rotation": turn}));
+    model.node(json!({"camera": 1}));
+    let scene = model.load();
+    let square = scene.frame.units_per_metre.powi(2) as f32;
+    let Light::Point { position, intensity } = scene.lights[0] else { panic!("{:?}", scene.lights) };
+    assert!(scene.frame.world_from_scene(position).distance(DVec3::new(0.0, 3.0, 0.0)) < 1e-3);
+    assert!((intensity / square - Vec3::new(40.0, 20.0, 10.0)).length() < 1e-3);
+    let sun = scene.lights.iter().find_map(|l| match l {
+        Light::Sun { direction, irradiance, .. } => Some((*direction, *irradiance)),
+        _ => None,
+    });
+    let (direction, irradiance) = sun.unwrap();
+    assert!((direction - Vec3::NEG_Y).length() < 1e-5 && irradiance == Vec3::splat(3.0), "{direction}");
+    let camera = &scene.views[0];
+    assert_eq!((camera.name.as_str(), camera.camera.eye), ("hall", DVec3::new(5.0, 6.0, 7.0)));
+    assert!((camera.camera.forward() - DVec3::Y).length() < 1e-6 && (camera.camera.fov_y - 1.0).abs() < 1e-9);
+    for doubt in ["spot light", "after the first", "no known kind", "no perspective"] {
+        warning(&scene, doubt);
+    }
+}
+
+#[test]
+fn the_file_beside_the_model_has_the_last_word() {
+    let mut model = Model::painted(json!({"name": "a"}));
+    model.push("cameras", json!({"type": "perspective", "perspective": {"yfov": 1.0}}));
+    model.node(json!({"name": "theirs", "camera": 0}));
+    let toml = "[[material]]\nname = \"a\"\nkind = \"mirror\"\n[start]\neye = [1, 2, 3]\nat = [0, 0, 0]\n";
+    let folder = Folder::with_obj("").add("scene.gltf", model.embedded()).add("scene.afterimage.toml", toml);
+    let scene = super::super::load(&folder.path("scene.gltf"), &folder.options, &|_, _| true).unwrap();
+    assert!(matches!(material(&scene, "a").kind, MaterialKind::Mirror { .. }));
+    assert_eq!(scene.start().eye, DVec3::new(1.0, 2.0, 3.0));
+    assert_eq!(scene.views[1].name, "theirs");
+}

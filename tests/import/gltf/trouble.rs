@@ -1,0 +1,181 @@
+//! Broken and hostile files.
+
+use super::super::{Folder, warning};
+use super::{F32, Model, load_text};
+use afterimage::scene::SceneError;
+use serde_json::json;
+
+#[test]
+fn a_broken_item_costs_only_itself_and_names_its_line() {
+    let mut model = Model::square();
+    model.node(json!({"mesh": 0, "translation": "far"}));
+    model.node(json!({"mesh": 9}));
+    let text = model.embedded();
+    let scene = load_text(&text).unwrap();
+    assert_eq!(scene.triangles.len(), 2);
+    let line = text.lines().position(|l| l.contains("far")).unwrap() as u64;
+    let (file, at, message) = warning(&scene, "cannot be read");
+    // The item begins up to two lines above the value.
+    assert!(
+        file == "scene.gltf" && (line - 2..=line + 1).contains(&at) && message.contains("nodes[1]"),
+        "{at} {message}"
+    );
+    assert!(warning(&scene, "does not exist").2.contains("meshes[9] of 1"));
+}
+
+#[test]
+fn json_that_is_none_names_its_line() {
+    let error = load_text("{\n\"asset\": {\"version\": \"2.0\"},\n\"nodes\": [}\n").unwrap_err();
+    assert!(matches!(error, SceneError::Line { line: 3, .. }), "{error}");
+    let folder = Folder::with_obj("").add("scene.gltf", b"{\n\"a\": \"\xff\"}");
+    let error = super::super::load(&folder.path("scene.gltf"), &folder.options, &|_, _| true).unwrap_err();
+    assert!(
+        matches!(error, SceneError::Line { line: 2, .. }) && error.to_string().contains("UTF-8"),
+        "{error}"
+    );
+}
+
+#[test]
+fn files_that_cannot_be_shown_say_why() {
+    let said = |json: serde_json::Value| load_text(&json.to_string()).unwrap_err().to_string();
+    assert!(said(json!({"asset": {"version": "1.0"}})).contains("glTF 1.0"));
+    assert!(said(json!({})).contains("no faces"));
+    let mut model = Model::square();
+    model.json["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]);
+    assert!(model.try_load().unwrap_err().to_string().contains("without compression"));
+    model.json["extensionsRequired"] = json!(["KHR_xyz"]);
+    model.json["animations"] = json!([{}]);
+    let scene = model.load();
+    assert!(warning(&scene, "not supported").2.contains("KHR_xyz"));
+    warning(&scene, "animations are not played");
+}
+
+#[test]
+fn a_binary_file_cut_anywhere_is_an_error_or_a_part() {
+    let bytes = Model::square().glb();
+    for end in 0..bytes.len() {
+        let folder = Folder::with_obj("").add("scene.glb", &bytes[..end]);
+        let outcome = super::super::load(&folder.path("scene.glb"), &folder.options, &|_, _| true);
+        if let Err(error) = outcome {
+            assert!(!error.to_string().contains("importer failed"), "{end}: {error}");
+        }
+    }
+}
+
+#[test]
+fn numbers_outside_their_buffer_are_never_read() {
+    let huge = u64::MAX;
+    let spoil: [(&str, &str, serde_json::Value); 9] = [
+        ("accessors", "count", 5.into()),
+        ("accessors", "count", huge.into()),
+        ("accessors", "count", 0.into()),
+        ("accessors", "byteOffset", 1.into()),
+        ("accessors", "byteOffset", huge.into()),
+        ("bufferViews", "byteLength", huge.into()),
+        ("bufferViews", "byteOffset", huge.into()),
+        ("bufferViews", "byteStride", 2.into()),
+        ("bufferViews", "byteStride", huge.into()),
+    ];
+    for (list, key, value) in spoil {
+        let mut model = Model::square();
+        // A second mesh stays sound.
+        let position = model.accessor(&super::SQUARE, F32, "VEC3");
+        model.mesh(json!({"attributes": {"POSITION": position}}));
+        model.node(json!({"mesh": 1}));
+        model.json[list][0][key] = value.clone();
+        let scene = model.load();
+        assert_eq!(scene.triangles.len(), 1, "{list} {key} {value}");
+        assert!(scene.warnings.iter().any(|w| w.line > 0), "{list} {key} {value}: {:?}", scene.warnings);
+    }
+}
+
+#[test]
+fn a_triangle_of_a_missing_vertex_is_left_out() {
+    let mut model = Model::square();
+    let indices = model.accessor(&[0u32, 1, 2, 0, 2, u32::MAX, 4, 4, 4], super::U32, "SCALAR");
+    model.json["meshes"][0]["primitives"][0]["indices"] = indices.into();
+    let scene = model.load();
+    assert_eq!(scene.triangles.len(), 1);
+    assert!(warning(&scene, "does not exist").2.contains("2 of primitive 0"));
+}
+
+#[test]
+fn circles_and_second_parents_are_shown_once() {
+    let mut model = Model::square();
+    model.json["nodes"] = json!([{"children": [1, 2]}, {"children": [0, 2, 1]}, {"mesh": 0}]);
+    let scene = model.load();
+    assert_eq!(scene.triangles.len(), 2);
+    assert!(warning(&scene, "two parents").2.starts_with("3 "));
+}
+
+#[test]
+fn a_small_file_cannot_ask_for_endless_copies() {
+    let mut model = Model::square();
+    for _ in 0..10 {
+        model.node(json!({"mesh": 0}));
+    }
+    let mut folder = Folder::with_obj("").add("scene.gltf", model.embedded());
+    let path = folder.path("scene.gltf");
+    folder.options.limits.gltf_vertices = 44;
+    assert!(super::super::load(&path, &folder.options, &|_, _| true).is_ok());
+    folder.options.limits.gltf_vertices = 43;
+    let error = super::super::load(&path, &folder.options, &|_, _| true).unwrap_err();
+    assert!(matches!(error, SceneError::TooLarge { count: 44, limit: 43, .. }), "{error}");
+    // A count without any numbers behind it.
+    let mut model = Model::empty();
+    model.push("accessors", json!({"count": 4_000_000_000u64, "componentType": F32, "type": "VEC3"}));
+    model.mesh(json!({"attributes": {"POSITION": 0}}));
+    model.node(json!({"mesh": 0}));
+    assert!(matches!(model.try_load(), Err(SceneError::TooLarge { .. })));
+}
+
+#[test]
+fn nothing_outside_the_folder_is_opened() {
+    let model = Model::square();
+    for uri in [
+        "../secret.bin",
+        "..%2Fsecret.bin",
+        "file:///etc/passwd",
+        "/etc/passwd",
+        "//host/share/a.bin",
+        "\\\\host\\a.bin",
+    ] {
+        let folder =
+            Folder::with_obj("").add("inner/scene.gltf", model.text(Some(uri))).add("secret.bin", &model.bin);
+        let load = |options| super::super::load(&folder.path("inner/scene.gltf"), options, &|_, _| true);
+        let error = load(&folder.options).unwrap_err().to_string();
+        assert!(error.contains("buffer"), "{uri}: {error}");
+        let mut trusting = folder.options.clone();
+        trusting.allow_outside = true;
+        assert_eq!(load(&trusting).is_ok(), uri.contains("secret"), "{uri}");
+    }
+}
+
+#[test]
+fn all_buffers_together_have_a_budget() {
+    let model = Model::square();
+    let mut folder =
+        Folder::with_obj("").add("scene.gltf", model.text(Some("a.bin"))).add("a.bin", &model.bin);
+    let path = folder.path("scene.gltf");
+    folder.options.limits.buffers_bytes = model.bin.len() as u64;
+    assert!(super::super::load(&path, &folder.options, &|_, _| true).is_ok());
+    folder.options.limits.buffers_bytes -= 1;
+    let error = super::super::load(&path, &folder.options, &|_, _| true).unwrap_err().to_string();
+    assert!(error.contains("at most"), "{error}");
+    folder.options.limits.gltf_bytes = 100;
+    let error = super::super::load(&path, &folder.options, &|_, _| true).unwrap_err().to_string();
+    assert!(error.contains("at most 100 are read"), "{error}");
+}
+
+#[test]
+fn every_phase_of_a_gltf_can_be_cancelled() {
+    use afterimage::scene::import::Phase;
+    let mut model = Model::painted(json!({}));
+    let texture = model.texture(&super::super::textures::png(1, 1, &[[9, 9, 9, 255]]));
+    model.json["materials"][0]["pbrMetallicRoughness"] = json!({"baseColorTexture": {"index": texture}});
+    let folder = Folder::with_obj("").add("scene.gltf", model.embedded());
+    for phase in [Phase::Reading, Phase::Parsing, Phase::Textures, Phase::Building] {
+        let outcome = super::super::load(&folder.path("scene.gltf"), &folder.options, &|p, _| p != phase);
+        assert!(matches!(outcome, Err(SceneError::Cancelled)), "{phase:?}");
+    }
+}

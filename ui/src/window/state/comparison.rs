@@ -1,0 +1,109 @@
+//! The picture against the full tracer's: what is shown of it, how far it is and how much they differ.
+
+use super::Quality;
+use crate::window::frames::{PublishedFrame, rgb9e5_decoded};
+use afterimage::raster::color::srgb8;
+use afterimage::raster::metrics::{CompareError, error_picture, flip_map, psnr_db};
+use glam::Vec3;
+
+/// What is shown of the comparison while its key is not held.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Compare {
+    /// Nothing.
+    #[default]
+    Off,
+    /// The picture on the left, the full tracer's on the right.
+    Split,
+    /// How visible the difference of each pixel is (FLIP).
+    Errors,
+}
+
+/// How far a picture is from the full tracer's, as both are shown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PictureError {
+    /// Peak signal-to-noise ratio, decibels.
+    pub psnr_db: f64,
+    /// Mean FLIP, 0 to 1.
+    pub flip_mean: f64,
+}
+
+/// Two pictures that were measured: the frame's generation, the full tracer's pass, and the exposure.
+pub type Pair = (u64, u32, f32);
+
+/// The comparison with the full tracer.
+#[derive(Debug)]
+pub struct Comparison {
+    /// What is shown of it.
+    pub shows: Compare,
+    /// The full tracer's picture is shown for as long as its key is held.
+    pub is_held: bool,
+    /// Where the picture ends and the full tracer's begins, 0..1 from the left.
+    pub split: f32,
+    /// The full tracer's picture of the very view that is shown.
+    pub full: Option<PublishedFrame>,
+    /// How far the picture is from it, and which two pictures were measured.
+    pub error: Option<(Pair, PictureError)>,
+}
+
+impl Default for Comparison {
+    fn default() -> Self {
+        Self { shows: Compare::Off, is_held: false, split: 0.5, full: None, error: None }
+    }
+}
+
+impl Comparison {
+    /// True while a picture of the full tracer is asked for.
+    pub fn is_wanted(&self) -> bool {
+        self.is_held || self.shows != Compare::Off
+    }
+
+    /// How far it is, in words; `None` where nothing is compared.
+    pub fn progress_text(&self) -> Option<String> {
+        self.is_wanted().then(|| match self.full.as_ref().map(|full| full.stats.refined) {
+            None => "tracing".to_owned(),
+            Some(refined) if refined.is_complete => "converged".to_owned(),
+            Some(refined) => format!("pass {}/{}", refined.pass.max(1), refined.of.max(1)),
+        })
+    }
+}
+
+/// The difference of two pictures as they are shown, and its map as sRGB, row-major.
+///
+/// # Errors
+/// As of [`flip_map`].
+pub fn difference(
+    picture: &[u32],
+    full: &[u32],
+    size: [u32; 2],
+    quality: &Quality,
+) -> Result<(PictureError, Vec<[u8; 3]>), CompareError> {
+    let shown = |packed: &u32| {
+        let [r, g, b] = srgb8(rgb9e5_decoded(*packed), quality.exposure_ev, quality.tone_map).map(f32::from);
+        Vec3::new(r, g, b) / 255.0
+    };
+    let [picture, full] = [picture, full].map(|p| p.iter().map(shown).collect::<Vec<Vec3>>());
+    let map = flip_map(&picture, &full, size)?;
+    let flip_mean = map.iter().map(|&e| f64::from(e)).sum::<f64>() / map.len().max(1) as f64;
+    Ok((PictureError { psnr_db: psnr_db(&picture, &full), flip_mean }, error_picture(&map)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::window::frames::rgb9e5;
+    use afterimage::WalkthroughSettings;
+    use afterimage::raster::metrics::PSNR_OF_EQUALS_DB;
+
+    #[test]
+    fn equal_pictures_do_not_differ_and_a_spot_is_found() {
+        let quality = Quality::new(WalkthroughSettings::default());
+        let mut picture = vec![rgb9e5(Vec3::splat(0.3)); 32 * 32];
+        let full = picture.clone();
+        let (error, map) = difference(&picture, &full, [32, 32], &quality).unwrap();
+        assert_eq!((error.psnr_db, error.flip_mean), (PSNR_OF_EQUALS_DB, 0.0));
+        picture[16 * 32 + 16] = rgb9e5(Vec3::new(4.0, 0.0, 0.0));
+        let (error, marked) = difference(&picture, &full, [32, 32], &quality).unwrap();
+        assert!(error.psnr_db < 40.0 && error.flip_mean > 1e-3);
+        assert!(marked[16 * 32 + 16] != map[16 * 32 + 16] && marked[0] == map[0]);
+    }
+}

@@ -1,0 +1,232 @@
+//! The last frame as seen from where the camera is by now: the picture follows the hand at the display's rate, however
+//! long the renderer takes. On the graphics card, in the frame's own pixels.
+//!
+//! Every pixel of the new view is traced through the last frame's depths. Along its ray the source pixel and the source
+//! disparity are linear on the picture, so that a walk along a line from near to far finds the first surface: relief
+//! mapping (Policarpo, Oliveira and Comba, I3D 2005) with a depth image as the relief. Where the first surface is one
+//! that the frame did not see, its farthest neighbour on the line stands in, and the pixel is marked as filled. Source
+//! of the idea: positional timewarp (van Waveren, VRST 2016).
+
+use afterimage::Camera;
+use afterimage::camera::{SceneFrame, View};
+use egui_wgpu::wgpu;
+use glam::{DMat3, DVec3};
+
+/// The longest walk along a line, in steps. More find thinner things after a large motion: 32 bridge a hundred pixels
+/// by strides of three.
+pub const MOST_STEPS: u32 = 32;
+
+/// The same where the processor draws, and every step is taken from the renderer.
+pub const MOST_STEPS_IN_SOFTWARE: u32 = 12;
+
+/// Displacement in pixels, and whether the pixel is filled: half floats keep a displacement of 64 pixels to 1/32.
+const MAP_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+
+/// The way from one view's picture to another's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reprojection {
+    /// Pixels of the frame (x, y, 1) from those of the new view, for what is infinitely far.
+    source_from_target: DMat3,
+    /// The new eye on the frame's picture; times inverse depth it is what nearness adds.
+    epipole: DVec3,
+    size: [u32; 2],
+    /// The largest disparity of the frame.
+    nearest: f32,
+}
+
+impl Reprojection {
+    /// From a frame's camera to another one. `nearest` is the frame's largest disparity, in scene units.
+    pub fn new(from: &Camera, to: &Camera, scene: &SceneFrame, size: [u32; 2], nearest: f32) -> Self {
+        let [source, target] = [from, to].map(|camera| View::new(camera, scene, size));
+        let source_pixel_from_scene = source.scene_from_pixel_f64.inverse();
+        Self {
+            source_from_target: source_pixel_from_scene * target.scene_from_pixel_f64,
+            epipole: source_pixel_from_scene * (target.eye_f64 - source.eye_f64),
+            size,
+            nearest,
+        }
+    }
+
+    fn params(&self, most_steps: u32) -> Params {
+        let back = self.source_from_target.inverse();
+        let column = |v: DVec3| v.as_vec3().extend(0.0).to_array();
+        let columns = |m: DMat3| [m.x_axis, m.y_axis, m.z_axis].map(column);
+        Params {
+            source_from_target: columns(self.source_from_target),
+            epipole: column(self.epipole),
+            target_from_source: columns(back),
+            back: column(back * -self.epipole),
+            size: self.size,
+            most_steps,
+            nearest: self.nearest,
+        }
+    }
+}
+
+/// As `Warp` of timewarp.wgsl is laid out.
+#[repr(C)]
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+struct Params {
+    source_from_target: [[f32; 4]; 3],
+    epipole: [f32; 4],
+    target_from_source: [[f32; 4]; 3],
+    back: [f32; 4],
+    size: [u32; 2],
+    most_steps: u32,
+    nearest: f32,
+}
+
+const _: () = assert!(size_of::<Params>() == 144);
+
+/// The pass that makes a map: for every pixel of the new view, where it is found in the frame.
+pub struct Timewarp {
+    pipeline: wgpu::RenderPipeline,
+    layout: wgpu::BindGroupLayout,
+    params: wgpu::Buffer,
+    most_steps: u32,
+}
+
+/// A map of a frame's size, and the depths it is made from.
+pub struct WarpMap {
+    /// Displacement in pixels to where a pixel is found, and 1 in the third channel where it is filled.
+    pub map: wgpu::Texture,
+    /// Disparity of the frame, one f32 a pixel.
+    pub disparity: wgpu::Texture,
+    view: wgpu::TextureView,
+    bind_group: wgpu::BindGroup,
+}
+
+impl Timewarp {
+    /// Makes the pipeline. `None` where the adapter cannot draw to such a map: frames are then shown as they are.
+    pub fn new(adapter: &wgpu::Adapter, device: &wgpu::Device) -> Option<Self> {
+        let uses = adapter.get_texture_format_features(MAP_FORMAT).allowed_usages;
+        if !uses.contains(wgpu::TextureUsages::RENDER_ATTACHMENT) {
+            return None;
+        }
+        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("timewarp"),
+            entries: &[
+                entry(
+                    0,
+                    wgpu::BindingType::Texture {
+                        sample_type: wgpu::TextureSampleType::Float { filterable: false },
+                        view_dimension: wgpu::TextureViewDimension::D2,
+                        multisampled: false,
+                    },
+                ),
+                entry(
+                    1,
+                    wgpu::BindingType::Buffer {
+                        ty: wgpu::BufferBindingType::Uniform,
+                        has_dynamic_offset: false,
+                        min_binding_size: None,
+                    },
+                ),
+            ],
+        });
+        let is_software = adapter.get_info().device_type == wgpu::DeviceType::Cpu;
+        Some(Self {
+            pipeline: pipeline(device, &layout),
+            layout,
+            params: device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("timewarp"),
+                size: size_of::<Params>() as u64,
+                usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            }),
+            most_steps: if is_software { MOST_STEPS_IN_SOFTWARE } else { MOST_STEPS },
+        })
+    }
+
+    /// Room for frames of a size.
+    pub fn make_map(&self, device: &wgpu::Device, size: [u32; 2]) -> WarpMap {
+        let texture = |format, usage| {
+            device.create_texture(&wgpu::TextureDescriptor {
+                label: Some("timewarp"),
+                size: wgpu::Extent3d { width: size[0], height: size[1], depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage: usage | wgpu::TextureUsages::TEXTURE_BINDING,
+                view_formats: &[],
+            })
+        };
+        let drawn = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
+        let map = texture(MAP_FORMAT, drawn);
+        let disparity = texture(wgpu::TextureFormat::R32Float, wgpu::TextureUsages::COPY_DST);
+        let depths = disparity.create_view(&wgpu::TextureViewDescriptor::default());
+        let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("timewarp"),
+            layout: &self.layout,
+            entries: &[
+                wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&depths) },
+                wgpu::BindGroupEntry { binding: 1, resource: self.params.as_entire_binding() },
+            ],
+        });
+        let view = map.create_view(&wgpu::TextureViewDescriptor::default());
+        WarpMap { map, disparity, view, bind_group }
+    }
+
+    /// Draws the map of a reprojection.
+    pub fn draw(
+        &self,
+        queue: &wgpu::Queue,
+        encoder: &mut wgpu::CommandEncoder,
+        map: &WarpMap,
+        reprojection: &Reprojection,
+    ) {
+        let params = reprojection.params(self.most_steps);
+        queue.write_buffer(&self.params, 0, bytemuck::bytes_of(&params));
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("timewarp"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &map.view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                    store: wgpu::StoreOp::Store,
+                },
+            })],
+            ..Default::default()
+        });
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &map.bind_group, &[]);
+        pass.draw(0..3, 0..1);
+    }
+}
+
+fn entry(binding: u32, ty: wgpu::BindingType) -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry { binding, visibility: wgpu::ShaderStages::FRAGMENT, ty, count: None }
+}
+
+fn pipeline(device: &wgpu::Device, layout: &wgpu::BindGroupLayout) -> wgpu::RenderPipeline {
+    let shader = device.create_shader_module(wgpu::include_wgsl!("timewarp.wgsl"));
+    let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some("timewarp"),
+        bind_group_layouts: &[Some(layout)],
+        immediate_size: 0,
+    });
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some("timewarp"),
+        layout: Some(&pipeline_layout),
+        vertex: wgpu::VertexState {
+            module: &shader,
+            entry_point: Some("vertex"),
+            compilation_options: Default::default(),
+            buffers: &[],
+        },
+        primitive: wgpu::PrimitiveState::default(),
+        depth_stencil: None,
+        multisample: wgpu::MultisampleState::default(),
+        fragment: Some(wgpu::FragmentState {
+            module: &shader,
+            entry_point: Some("fragment"),
+            compilation_options: Default::default(),
+            targets: &[Some(MAP_FORMAT.into())],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}

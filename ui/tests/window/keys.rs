@@ -1,0 +1,300 @@
+//! Every key of the map does what the map says; one without a check here fails.
+
+use super::*;
+use afterimage_ui::window::fly_camera::Gait;
+use afterimage_ui::window::keymap::{Action, BINDINGS, Chord, Keyboard, Pressed};
+use afterimage_ui::window::state::{Compare, Options, PictureSettings, PictureSize, State};
+use egui::{Key, Modifiers, ViewportCommand, vec2};
+use glam::DVec3;
+
+type Window = Harness<'static, App>;
+
+fn press(window: &mut Window, chord: Chord) {
+    let modifiers =
+        Modifiers { shift: chord.shift, ctrl: chord.ctrl, command: chord.ctrl, ..Modifiers::NONE };
+    window.key_press_modifiers(modifiers, chord.key);
+    window.run_steps(2);
+}
+
+fn state(window: &Window) -> &State {
+    window.state().state()
+}
+
+fn camera(window: &Window) -> afterimage::Camera {
+    *state(window).fly.camera()
+}
+
+fn arrive(window: &mut Window) {
+    window.step();
+    for _ in 0..120 {
+        if !state(window).fly.is_easing() {
+            return;
+        }
+        window.step();
+    }
+    panic!("the camera never arrives");
+}
+
+/// The way that a held key leads, as a person sees it: right, up, ahead.
+fn way(window: &mut Window, key: Key) -> DVec3 {
+    let before = camera(window);
+    window.key_down(key);
+    window.run_steps(6);
+    window.key_up(key);
+    window.step();
+    let way = before.world_from_camera().transpose() * (camera(window).eye - before.eye);
+    DVec3::new(way.x, camera(window).eye.y - before.eye.y, -way.z)
+}
+
+fn says(window: &Window, text: &str) -> bool {
+    state(window).notices.iter().any(|notice| notice.text.contains(text))
+}
+
+/// Presses a key and returns what was switched on before and is after.
+fn options(window: &mut Window, chord: Chord) -> [Options; 2] {
+    let before = state(window).options;
+    press(window, chord);
+    [before, state(window).options]
+}
+
+fn orders(window: &Window, wanted: &ViewportCommand) -> bool {
+    window.output().viewport_output.values().any(|viewport| viewport.commands.contains(wanted))
+}
+
+fn moves(window: &mut Window, action: Action, chord: Chord, index: usize) {
+    match action {
+        Action::Forward => assert!(way(window, chord.key).z > 0.1),
+        Action::Back => assert!(way(window, chord.key).z < -0.1),
+        Action::Left => assert!(way(window, chord.key).x < -0.1),
+        Action::Right => assert!(way(window, chord.key).x > 0.1),
+        Action::Up => assert!(way(window, chord.key).y > 0.1),
+        Action::Down => assert!(way(window, chord.key).y < -0.1),
+        Action::ToggleWalk => {
+            press(window, chord);
+            assert_eq!(state(window).fly.gait(), Gait::Walk);
+            press(window, chord);
+            assert_eq!(state(window).fly.gait(), Gait::Fly);
+        }
+        Action::Focus => {
+            let before = camera(window);
+            window.hover_at(viewport_centre(window) + vec2(90.0, 40.0));
+            window.step();
+            press(window, chord);
+            arrive(window);
+            assert!(camera(window).yaw != before.yaw && camera(window).pitch != before.pitch);
+        }
+        Action::FrameAll => {
+            press(window, chord);
+            arrive(window);
+            assert!(camera(window).eye.y > 3.0, "above the room");
+        }
+        _ => changes_view(window, action, chord, index),
+    }
+}
+
+fn changes_view(window: &mut Window, action: Action, chord: Chord, index: usize) {
+    match action {
+        Action::NextView | Action::PreviousView => {
+            let (count, before) =
+                (state(window).scene.as_ref().map_or(0, |s| s.views.len()), state(window).view_index);
+            press(window, chord);
+            arrive(window);
+            let step = if action == Action::NextView { 1 } else { count - 1 };
+            assert_eq!(state(window).view_index, (before + step) % count);
+        }
+        Action::GoToView => {
+            let view = state(window).scene.as_ref().and_then(|s| s.views.get(index).map(|v| v.camera));
+            press(window, chord);
+            arrive(window);
+            match view {
+                Some(view) => assert_eq!(camera(window), view),
+                None => assert!(says(window, &format!("Ctrl+{}", index + 1))),
+            }
+        }
+        Action::SaveView => {
+            press(window, chord);
+            let key = Some(index as u8 + 1);
+            let views = &state(window).scene.as_ref().expect("a scene").views;
+            let saved = views.iter().find(|v| v.key == key).expect("a view of this key");
+            assert_eq!(saved.camera, camera(window));
+        }
+        Action::Level => {
+            press(window, chord);
+            arrive(window);
+            assert_eq!(camera(window).pitch, 0.0);
+        }
+        Action::NarrowFov | Action::WidenFov => {
+            let before = camera(window).fov_y;
+            press(window, chord);
+            assert_eq!(camera(window).fov_y > before, action == Action::WidenFov);
+        }
+        _ => shows(window, action, chord),
+    }
+}
+
+fn shows(window: &mut Window, action: Action, chord: Chord) {
+    match action {
+        Action::DarkerExposure | Action::BrighterExposure => {
+            let before = state(window).quality.exposure_ev;
+            press(window, chord);
+            let step = state(window).quality.exposure_ev - before;
+            assert_eq!(step, if action == Action::BrighterExposure { 0.5 } else { -0.5 });
+        }
+        Action::ResetExposure => {
+            window.key_press(Key::Minus);
+            press(window, chord);
+            assert_eq!(state(window).quality.exposure_ev, state(window).default_quality.exposure_ev);
+        }
+        Action::CycleHeatmap => {
+            let [before, after] = options(window, chord);
+            assert!(before.heatmap != after.heatmap);
+        }
+        Action::ToggleByReference => {
+            let [before, after] = options(window, chord);
+            assert!(before.coloring != after.coloring);
+        }
+        Action::ToggleOutline => {
+            let [before, after] = options(window, chord);
+            assert!(before.has_outline != after.has_outline);
+        }
+        Action::TogglePanels => {
+            let [before, after] = options(window, chord);
+            assert!(before.shows_panels != after.shows_panels);
+            press(window, chord);
+        }
+        Action::ToggleStatistics => {
+            let [before, after] = options(window, chord);
+            assert!(before.shows_statistics != after.shows_statistics);
+        }
+        Action::Help => {
+            let [before, after] = options(window, chord);
+            assert!(!before.shows_help && after.shows_help);
+            press(window, chord);
+            assert!(!state(window).options.shows_help);
+        }
+        Action::Escape => {
+            window.key_press(Key::F1);
+            window.run_steps(2);
+            press(window, chord);
+            assert!(!state(window).options.shows_help);
+        }
+        Action::FullScreen => {
+            window.key_press_modifiers(Modifiers::NONE, chord.key);
+            window.step();
+            assert!(orders(window, &ViewportCommand::Fullscreen(true)));
+        }
+        _ => works(window, action, chord),
+    }
+}
+
+fn works(window: &mut Window, action: Action, chord: Chord) {
+    match action {
+        Action::Pause => {
+            let [before, after] = options(window, chord);
+            assert!(!before.is_paused && after.is_paused);
+            press(window, chord);
+        }
+        Action::AddReference => {
+            settle(window);
+            let before = held(window);
+            press(window, chord);
+            step_until(window, "one more reference", |app| {
+                app.state().references_used_and_held()[1] > before
+            });
+        }
+        Action::ClearCache => {
+            press(window, chord);
+            assert!(state(window).asks_to_clear);
+            window.key_press(Key::Escape);
+            window.run_steps(2);
+            assert!(!state(window).asks_to_clear);
+        }
+        Action::ShowFull => {
+            settle(window);
+            window.key_down(chord.key);
+            step_until(window, "the full tracer's picture", |app| app.state().comparison.full.is_some());
+            assert!(state(window).comparison.is_held);
+            window.key_up(chord.key);
+            window.run_steps(2);
+            assert!(!state(window).comparison.is_held);
+        }
+        Action::CompareSplit | Action::CompareErrors => {
+            let wanted = if action == Action::CompareSplit { Compare::Split } else { Compare::Errors };
+            press(window, chord);
+            assert_eq!(state(window).comparison.shows, wanted);
+            press(window, chord);
+            assert_eq!(state(window).comparison.shows, Compare::Off);
+        }
+        _ => asks(window, action, chord),
+    }
+}
+
+fn asks(window: &mut Window, action: Action, chord: Chord) {
+    match action {
+        Action::Reload => {
+            settle(window);
+            let newest = window.state().threads().generation();
+            press(window, chord);
+            step_until(window, "the scene again", |app| {
+                app.loading().is_none() && app.threads().generation() > newest
+            });
+        }
+        Action::Screenshot => {
+            press(window, chord);
+            step_until(window, "a picture", |app| {
+                app.state().notices.iter().any(|n| n.text.contains("saved"))
+            });
+        }
+        Action::CopyPose => {
+            window.event(egui::Event::Copy);
+            window.step();
+            let is_pose = |c: &egui::OutputCommand| matches!(c, egui::OutputCommand::CopyText(t) if t.starts_with("--eye "));
+            assert!(window.output().platform_output.commands.iter().any(is_pose));
+        }
+        Action::PastePose => {
+            window.event(egui::Event::Paste("--eye 1,1,1 --look-at 0,1,1".to_owned()));
+            arrive(window);
+            assert!(camera(window).eye.distance(DVec3::ONE) < 1e-6);
+        }
+        Action::AddPathKey => {
+            press(window, chord);
+            assert!(state(window).playback.is_own);
+        }
+        Action::PlayPath => {
+            press(window, chord);
+            assert!(state(window).playback.is_playing);
+            press(window, chord);
+            assert!(!state(window).playback.is_playing);
+        }
+        // Only that the key asks for it: a dialog of the desktop would stay open, the others have tests of their own.
+        Action::Open
+        | Action::SaveSession
+        | Action::ScreenshotWithoutBackground
+        | Action::SaveSequence
+        | Action::Measure
+        | Action::Undo
+        | Action::Redo => {
+            let modifiers =
+                Modifiers { shift: chord.shift, ctrl: chord.ctrl, command: chord.ctrl, ..Modifiers::NONE };
+            let (key, physical_key) = (chord.key, Some(chord.key));
+            let event = egui::Event::Key { key, physical_key, pressed: true, repeat: false, modifiers };
+            let pressed = Keyboard::default().update(&[event], false);
+            assert_eq!(pressed, [Pressed { action, chord: 0 }]);
+        }
+        moving => panic!("{moving:?} has no check"),
+    }
+}
+
+#[test]
+fn every_key_does_what_the_map_says() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let picture =
+        PictureSettings { size: PictureSize::Pixels([40, 30]), antialias: 2, ..PictureSettings::default() };
+    let asked = WindowRequest { pictures: Some(folder.path().to_owned()), picture, ..request() };
+    let mut window = open(asked, false);
+    for binding in BINDINGS {
+        for (index, chord) in binding.chords.iter().enumerate() {
+            moves(&mut window, binding.action, *chord, index);
+        }
+    }
+}

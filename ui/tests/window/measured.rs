@@ -1,0 +1,138 @@
+//! Measurements of the real window, to be run alone on a machine:
+//!
+//! ```sh
+//! cargo build --release
+//! AFTERIMAGE_PROGRAM=$PWD/target/release/afterimage cargo test -p afterimage-ui measured -- --ignored --nocapture --test-threads=1
+//! ```
+
+use super::real::Desk;
+use super::*;
+use std::fmt::Write as _;
+use std::thread::sleep;
+
+const PRESSES: usize = 40;
+
+/// Says a figure past the test runner.
+fn say(text: &str) {
+    writeln!(std::io::stderr(), "measured: {text}").expect("stderr");
+}
+
+/// The picture's part of the screen, without figures and panels.
+fn picture(desk: &Desk) -> Vec<u8> {
+    let screen = desk.raw_screen();
+    let (row, header) = (1280 * 4, screen.len() - 1280 * 800 * 4);
+    (420..700).flat_map(|y| screen[header + y * row + 500 * 4..header + y * row + 800 * 4].to_vec()).collect()
+}
+
+/// Milliseconds until something holds.
+fn ms_until(since: Instant, mut holds: impl FnMut() -> bool) -> f64 {
+    while !holds() {
+        assert!(since.elapsed() < DEADLINE, "waited in vain");
+    }
+    since.elapsed().as_secs_f64() * 1e3
+}
+
+/// Presses a key again and again; milliseconds from each press to another picture, sorted.
+fn latencies(desk: &Desk, pause: Duration) -> Vec<f64> {
+    let mut all: Vec<f64> = (0..PRESSES)
+        .map(|i| {
+            sleep(pause);
+            let before = picture(desk);
+            let key = if i % 2 == 0 { "d" } else { "a" };
+            let start = Instant::now();
+            desk.xdotool(&format!("keydown {key}"));
+            let ms = ms_until(start, || picture(desk) != before);
+            desk.xdotool(&format!("keyup {key}"));
+            ms
+        })
+        .collect();
+    all.sort_by(f64::total_cmp);
+    all
+}
+
+fn say_latencies(what: &str, all: &[f64], screenshot_ms: f64) {
+    let (median, last) = (all[all.len() / 2], all[all.len() - 1]);
+    say(&format!(
+        "{what}: key to changed picture {median:.0} ms median, {last:.0} ms longest of {}; a look at the screen takes {screenshot_ms:.0} ms",
+        all.len()
+    ));
+}
+
+fn screenshot_ms(desk: &Desk) -> f64 {
+    let start = Instant::now();
+    (0..20).for_each(|_| drop(picture(desk)));
+    start.elapsed().as_secs_f64() * 1e3 / 20.0
+}
+
+#[test]
+#[ignore = "a measurement, alone on the machine"]
+fn measured_start() {
+    let start = Instant::now();
+    let Some(desk) = Desk::open_with(&["builtin:gallery"]) else { return };
+    let window = start.elapsed().as_secs_f64() * 1e3;
+    let ms = ms_until(start, || {
+        let pixels = picture(&desk);
+        pixels.chunks_exact(4).any(|p| p[..3] != pixels[..3])
+    });
+    say(&format!(
+        "start of Xvfb and program to a window {window:.0} ms, to the first picture of the gallery {ms:.0} ms"
+    ));
+}
+
+#[test]
+#[ignore = "a measurement, alone on the machine"]
+fn measured_latency() {
+    // In full with many samples a frame takes seconds: the renderer is busy all the time, and shows nothing new.
+    let Some(desk) = Desk::open_with(&["builtin:gallery", "--mode", "full", "--samples", "64"]) else {
+        return;
+    };
+    desk.pose();
+    say_latencies(
+        "gallery, renderer busy",
+        &latencies(&desk, Duration::from_millis(700)),
+        screenshot_ms(&desk),
+    );
+}
+
+#[test]
+#[ignore = "a measurement, alone on the machine"]
+fn measured_million_triangles() {
+    let Some(desk) = Desk::open_with_model(&waves(708)) else { return };
+    desk.pose();
+    say_latencies("a million triangles", &latencies(&desk, Duration::from_millis(700)), screenshot_ms(&desk));
+}
+
+/// A wavy floor of `2 * side * side` triangles.
+fn waves(side: usize) -> String {
+    let mut text = String::new();
+    for (i, j) in (0..=side).flat_map(|i| (0..=side).map(move |j| (i, j))) {
+        let (x, z) = (i as f64 * 0.05, j as f64 * 0.05);
+        let _ = writeln!(text, "v {x:.3} {:.3} {z:.3}", (x.sin() + z.cos()) * 0.5);
+    }
+    for (i, j) in (0..side).flat_map(|i| (0..side).map(move |j| (i, j))) {
+        let at = i * (side + 1) + j + 1;
+        let _ = writeln!(text, "f {} {} {} {}", at, at + 1, at + side + 2, at + side + 1);
+    }
+    text
+}
+
+#[test]
+#[ignore = "a measurement, alone on the machine"]
+fn measured_rest() {
+    let secs: u64 = std::env::var("AFTERIMAGE_SECS").ok().and_then(|s| s.parse().ok()).unwrap_or(60);
+    let Some(desk) = Desk::open_with(&["builtin:gallery"]) else { return };
+    desk.pose();
+    // Notices go away, references are added, the picture is complete.
+    sleep(Duration::from_secs(20));
+    let (busy, kilobytes) = desk.usage();
+    let start = Instant::now();
+    sleep(Duration::from_secs(20));
+    let share = (desk.usage().0 - busy) / start.elapsed().as_secs_f64();
+    say(&format!("at rest: {:.2} % of a core", share * 100.0));
+    let walk_start = Instant::now();
+    while walk_start.elapsed() < Duration::from_secs(secs) {
+        desk.xdotool("keydown d sleep 1 keyup d keydown a sleep 1 keyup a");
+    }
+    let after = desk.usage().1;
+    say(&format!("memory: {} MB, after {secs} s of moving {} MB", kilobytes / 1024, after / 1024));
+}
