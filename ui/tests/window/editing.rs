@@ -62,16 +62,15 @@ fn a_clicked_surface_is_made_a_mirror_and_matte_again() {
 }
 
 #[test]
-fn the_old_picture_stays_until_the_new_scene_has_one() {
+fn the_old_picture_stays_until_there_is_one_of_the_new_scene() {
     let mut harness = app();
     click(&mut harness, 0.0, 180.0);
     let newest = generation(&harness);
     harness.get_by_label("Mirror").click_accesskit();
     step_until(&mut harness, "the first picture of the new scene", |app| {
-        let frame = app.state().frame.as_ref().expect("never without a picture");
-        assert!(frame.stats.is_complete, "nor with half of one");
-        frame.generation > newest
+        app.state().frame.as_ref().expect("never without a picture").generation > newest
     });
+    settle(&mut harness);
 }
 
 #[test]
