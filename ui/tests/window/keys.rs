@@ -179,9 +179,10 @@ fn shows(window: &mut Window, action: Action, chord: Chord) {
             assert!(!state(window).options.shows_help);
         }
         Action::FullScreen => {
-            window.key_press_modifiers(Modifiers::NONE, chord.key);
+            window.key_down(chord.key);
             window.step();
             assert!(orders(window, &ViewportCommand::Fullscreen(true)));
+            window.key_up(chord.key);
         }
         _ => works(window, action, chord),
     }

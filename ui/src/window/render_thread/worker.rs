@@ -419,7 +419,7 @@ mod tests {
             camera,
             size: [16, 16],
             settings,
-            budget: Duration::ZERO,
+            budget: Duration::from_secs(3600),
             is_paused: false,
             is_compared: false,
         };
