@@ -37,7 +37,7 @@ impl StandIns {
         for (&pixel, value) in list.iter().zip(done) {
             self.known[pixel as usize] = value.unwrap_or(Vec3::NAN);
         }
-        let known = |pixel: usize| Some((self.known[pixel], 1.0)).filter(|(v, _)| !v.is_nan());
+        let known = |pixel: usize| Some(self.known[pixel]).filter(|v| !v.is_nan());
         let surroundings = Surroundings::gather([width, height], known, &mut self.levels);
         let around = |&pixel: &u32| {
             let pixel = pixel as usize;

@@ -27,9 +27,7 @@ pub fn fill_unknown(values: &mut [Vec3], is_known: &[bool], width: usize, levels
         return;
     }
     let size = [width, values.len() / width];
-    // The bright count less, or a lamp would outshine all around it.
-    let known =
-        |pixel: usize| is_known[pixel].then(|| (values[pixel], 1.0 / (1.0 + values[pixel].max_element())));
+    let known = |pixel: usize| is_known[pixel].then_some(values[pixel]);
     let surroundings = Surroundings::gather(size, known, levels);
     values.par_chunks_mut(width).zip(is_known.par_chunks(width)).enumerate().for_each(|(y, (row, known))| {
         for (x, value) in row.iter_mut().enumerate().filter(|(x, _)| !known[*x]) {
@@ -39,10 +37,10 @@ pub fn fill_unknown(values: &mut [Vec3], is_known: &[bool], width: usize, levels
 }
 
 impl<'a> Surroundings<'a> {
-    /// Sums up a picture of `size` pixels, of which `known` tells what is known and how much it counts.
+    /// Sums up a picture of `size` pixels, of which `known` tells what is known.
     pub fn gather(
         size: [usize; 2],
-        known: impl Fn(usize) -> Option<(Vec3, f32)> + Sync,
+        known: impl Fn(usize) -> Option<Vec3> + Sync,
         levels: &'a mut Levels,
     ) -> Self {
         let mut sizes = Vec::new();
@@ -55,8 +53,7 @@ impl<'a> Surroundings<'a> {
             let (below, level) = levels.split_at_mut(sizes.len());
             let from = |x: usize, y: usize| match below.last() {
                 Some(level) => level[y * finer[0] + x],
-                None => known(y * size[0] + x)
-                    .map_or((Vec3::ZERO, 0.0), |(value, weight)| (value * weight, weight)),
+                None => known(y * size[0] + x).map_or((Vec3::ZERO, 0.0), weighted),
             };
             let cell = |cell: usize| {
                 let (x, y) = (cell % coarser[0] * 2, cell / coarser[0] * 2);
@@ -95,4 +92,10 @@ impl<'a> Surroundings<'a> {
         }
         (total > 0.0).then(|| sum / total)
     }
+}
+
+/// The bright count less, or a lamp would outshine all around it.
+fn weighted(value: Vec3) -> (Vec3, f32) {
+    let weight = 1.0 / (1.0 + value.max_element());
+    (value * weight, weight)
 }
