@@ -69,12 +69,15 @@ fn row(harness: &mut Harness<'static, App>) -> Vec<[u8; 3]> {
 #[test]
 fn held_x_shows_the_other_picture_and_c_a_part_of_it() {
     let Some(mut harness) = app_with_graphics() else { return };
-    let own = row(&mut harness);
     harness.key_down(Key::X);
     step_until(&mut harness, "the full tracer's picture", |app| app.state().comparison.full.is_some());
     harness.run_steps(2);
     let full = row(&mut harness);
     harness.key_up(Key::X);
+    // A reference may have come meanwhile.
+    settle(&mut harness);
+    harness.run_steps(2);
+    let own = row(&mut harness);
     harness.key_press(Key::C);
     harness.run_steps(2);
     let split = row(&mut harness);
