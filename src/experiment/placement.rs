@@ -1,7 +1,7 @@
 //! Where references should stand: every placement rule on the same walks.
 //!
 //! A cell is a walk in a mode under a policy. What is compared is what the viewer waits for (pixels that no reference
-//! knows) at equal tracing, in frames and references together: a rule that traces more may well know more.
+//! knows) with no more tracing, in frames and references together: a rule that traces more may well know more.
 
 mod plan;
 mod report;

@@ -7,7 +7,7 @@ use super::{
 };
 use crate::camera::Camera;
 use crate::camera_path::{CameraKey, CameraPath};
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DQuat, DVec3, Vec2, Vec3};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 use std::path::PathBuf;
@@ -196,10 +196,12 @@ impl SceneBuilder {
         let lights = self.lights(&positions, &frame);
         let needs = Needs::of(&self.materials, &lights, self.sky.as_ref());
         let solids = solids::classify(&positions, &self.triangles, &self.triangle_materials, &self.materials);
-        if self.views.is_empty() {
+        let own_view = self.views.first().map(|view| view.camera);
+        if own_view.is_none() {
             self.views.push(NamedView { name: "start".to_owned(), camera: overview(bounds_m) });
         }
-        let walk = self.walk.take().unwrap_or_else(|| turn_in_place(&self.views[0].camera));
+        let usual_walk = || own_view.map_or_else(|| orbit(bounds_m), |camera| turn_in_place(&camera));
+        let walk = self.walk.take().unwrap_or_else(usual_walk);
         let mut scene = Scene {
             name: self.name,
             hash: String::new(),
@@ -337,7 +339,19 @@ fn overview([low, high]: [DVec3; 2]) -> Camera {
     Camera::look_at(centre + DVec3::new(0.5, 0.35, 0.8) * distance, centre, 60.0)
 }
 
-/// Once around from where the camera stands, for a model that brings no walk of its own.
+/// Once around the model from outside, beginning at its [`overview`], for one that brings neither view nor walk.
+fn orbit([low, high]: [DVec3; 2]) -> CameraPath {
+    const KEYS: i32 = 16;
+    let start = overview([low, high]);
+    let centre = low + (high - low) / 2.0;
+    let key = |i: i32| {
+        let turn = DQuat::from_rotation_y(f64::from(i) * std::f64::consts::TAU / f64::from(KEYS));
+        CameraKey { eye: centre + turn * (start.eye - centre), at: centre }
+    };
+    CameraPath { fov_y_deg: start.fov_y.to_degrees(), frames: 240, keyframes: (0..=KEYS).map(key).collect() }
+}
+
+/// Once around from where the camera stands, for a model that brings a view but no walk of its own.
 fn turn_in_place(camera: &Camera) -> CameraPath {
     let key = |quarter: i32| {
         let turned = Camera { yaw: camera.yaw + f64::from(quarter) * std::f64::consts::FRAC_PI_2, ..*camera };

@@ -34,11 +34,12 @@ fn kind<'a>(records: &'a [&RunRecord], kind: &'a str) -> impl Iterator<Item = &'
     records.iter().copied().filter(move |r| r.text("kind") == Some(kind))
 }
 
-/// A rule against [`BASELINE`] at equal tracing, walk by walk.
+/// A rule against [`BASELINE`] with no more tracing, walk by walk.
 struct Verdict {
     mode: &'static str,
     rule: &'static str,
-    /// Its open pixels over those of the baseline, a value for every walk on which both traced equally much.
+    /// Its open pixels over those of the baseline, a value for every walk: the mean over all amounts of tracing that either
+    /// of them spent and the other reached.
     ratios: Vec<f64>,
 }
 
@@ -52,11 +53,11 @@ impl Verdict {
     fn sentence(&self) -> String {
         let (mode, rule) = (self.mode, self.rule);
         let Some(ratio) = self.ratio() else {
-            return format!("Mode {mode}: {rule} and {BASELINE} never trace equally much; see the chart.");
+            return format!("Mode {mode}: {rule} and {BASELINE} cannot be compared; see the chart.");
         };
         let wins = self.ratios.iter().filter(|r| **r < 1.0).count();
         format!(
-            "Mode {mode}: at equal tracing {rule} leaves {ratio:.2} times as many open pixels as {BASELINE} (geometric \
+            "Mode {mode}: with no more tracing {rule} leaves {ratio:.2} times as many open pixels as {BASELINE} (geometric \
              mean), fewer on {wins} of {} walks.",
             self.ratios.len()
         )
@@ -67,10 +68,11 @@ fn verdict(mode: &'static str, rule: &'static str, records: &[&RunRecord]) -> Ve
     let ratios = walks::WALKS.iter().filter_map(|(walk, _)| {
         let baseline = curve(records, walk, BASELINE, mode);
         let ours = curve(records, walk, rule, mode);
-        let ratio = |&[work, open]: &[f64; 2]| {
-            at(&baseline, work).filter(|o| *o > 0.0 && open > 0.0).map(|o| (open / o).ln())
+        let ratio = |&[work, _]: &[f64; 2]| {
+            let [open, usual] = [least_open(&ours, work)?, least_open(&baseline, work)?];
+            (open > 0.0 && usual > 0.0).then(|| (open / usual).ln())
         };
-        let logs: Vec<f64> = ours.iter().filter_map(ratio).collect();
+        let logs: Vec<f64> = ours.iter().chain(&baseline).filter_map(ratio).collect();
         (!logs.is_empty()).then(|| (logs.iter().sum::<f64>() / logs.len() as f64).exp())
     });
     Verdict { mode, rule, ratios: ratios.collect() }
@@ -87,14 +89,10 @@ fn curve(records: &[&RunRecord], walk: &str, rule: &str, mode: &str) -> Vec<[f64
     points
 }
 
-/// A curve's value at an amount of tracing within its range.
-fn at(curve: &[[f64; 2]], work: f64) -> Option<f64> {
-    if let Some(same) = curve.iter().find(|p| p[0] == work) {
-        return Some(same[1]);
-    }
-    let pair = curve.windows(2).find(|p| p[0][0] <= work && work <= p[1][0])?;
-    let share = (work - pair[0][0]) / (pair[1][0] - pair[0][0]);
-    Some(pair[0][1] + (pair[1][1] - pair[0][1]) * share)
+/// The fewest open pixels that a rule reaches at any of its percentages with no more tracing than this: more references
+/// can spare the frames more than they cost, so that a curve runs back and has no value at an amount.
+fn least_open(curve: &[[f64; 2]], work: f64) -> Option<f64> {
+    curve.iter().filter(|p| p[0] <= work).map(|p| p[1]).min_by(f64::total_cmp)
 }
 
 fn summary(records: &[&RunRecord], verdicts: &[Verdict]) -> Value {
@@ -102,7 +100,7 @@ fn summary(records: &[&RunRecord], verdicts: &[Verdict]) -> Value {
     for v in verdicts {
         rules.insert(
             v.rule.to_owned(),
-            json!({"open_ratio_at_equal_tracing": v.ratio(), "walks": v.ratios.len()}),
+            json!({"open_ratio_with_no_more_tracing": v.ratio(), "walks": v.ratios.len()}),
         );
     }
     let rows: Vec<&RunRecord> = kind(records, "summary").collect();
