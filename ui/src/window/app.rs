@@ -101,6 +101,8 @@ pub struct App {
     pub(super) is_planning: bool,
     /// Scenes opened so far.
     pub(super) scenes_opened: u64,
+    /// The window closes when it is asked to, whatever is not saved.
+    pub(super) may_close: bool,
 }
 
 impl App {
@@ -149,6 +151,7 @@ impl App {
             is_editing: false,
             is_planning: false,
             scenes_opened: 0,
+            may_close: false,
             request,
         };
         app.state.picture.settings = app.request.picture.clone();
@@ -186,7 +189,7 @@ impl App {
     }
 
     /// Begins to load a scene; the old one stays until the new one is complete.
-    pub(super) fn open(&mut self, source: SceneSource) {
+    pub(super) fn load(&mut self, source: SceneSource) {
         match Loader::start(source, self.wake.clone()) {
             Ok(loader) => self.loader = Some(loader),
             Err(error) => self.state.notify(Severity::Error, format!("loading cannot be started: {error}")),
@@ -221,7 +224,7 @@ impl App {
                     self.state.notify(Severity::Info, format!("saved {}", path.display()));
                 }
                 News::Edited(edited) => self.take_edited(*edited),
-                News::SavedLook(saved) => self.take_saved_look(*saved),
+                News::SavedLook(saved) => self.take_saved_look(ctx, *saved),
                 News::Plan(scene, plan) => self.take_plan(scene, plan),
                 News::Session(saved) => self.session_saved(saved),
                 News::Kept(Ok(())) => {}
@@ -311,7 +314,7 @@ impl App {
             self.state.meters_from = is_metered.then_some(generation);
         }
         let source = self.state.scene.as_ref().map(|s| s.source.clone());
-        source.iter().for_each(|source| self.keep_scene(source));
+        source.iter().for_each(|source| self.keep_scene(source, is_reload));
         self.sent = None;
     }
 
@@ -452,6 +455,7 @@ impl eframe::App for App {
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
         let ctx = ui.ctx().clone();
         self.poll(&ctx);
+        self.hold_close(&ctx);
         self.state.note_window_secs(ctx.input(|i| i.unstable_dt));
         self.state.work = self.work();
         let mut commands = self.key_commands(&ctx);
@@ -467,14 +471,8 @@ impl eframe::App for App {
             panels::notices::drop_hint(ui, response.rect);
         }
         panels::notices::show(&ctx, response.rect, &self.state, &mut commands);
-        if self.state.asks_to_clear {
-            panels::notices::ask_to_clear(&ctx, &self.state, &mut commands);
-        }
         if self.state.shows_settings {
             panels::files::settings(&ctx, &self.state, &mut commands);
-        }
-        if self.state.recovery.is_some() {
-            panels::files::ask_to_recover(&ctx, &mut commands);
         }
         if self.state.picture.is_open {
             panels::picture::show(&ctx, &self.state, &mut commands);
@@ -485,6 +483,7 @@ impl eframe::App for App {
         if self.state.options.shows_help {
             panels::help::show(&ctx, &self.state, &mut commands);
         }
+        panels::questions::show(&ctx, &self.state, &mut commands);
         commands.into_iter().for_each(|command| self.apply(&ctx, command));
         let graphics = self.graphics.clone();
         self.compare(graphics.as_ref());

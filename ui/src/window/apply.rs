@@ -14,17 +14,11 @@ impl App {
     pub(super) fn apply(&mut self, ctx: &Context, command: Command) {
         let state = &mut self.state;
         match command {
-            Command::Open(source) => self.open(source),
+            Command::Open(source) => self.open_anew(source),
             Command::OpenPath(path) => self.open_path(path),
             Command::Browse => self.browse(),
-            Command::CancelLoading => {
-                self.loader = None;
-                self.forget_awaited();
-            }
-            Command::Reload => {
-                let source = state.scene.as_ref().map(|s| s.source.clone());
-                source.into_iter().for_each(|source| self.open(source));
-            }
+            Command::CancelLoading => self.cancel_loading(),
+            Command::Reload => self.reload(),
             Command::SetPathText(text) => state.path_text = text,
             Command::SetQuality(quality) => state.quality = quality,
             Command::SetOptions(options) => {
@@ -48,6 +42,8 @@ impl App {
             }
             Command::AddReference => self.order(Order::AddReference(*self.state.fly.camera())),
             Command::Remove(id) => self.order(Order::Remove(id)),
+            Command::Answer(answer) => self.answer(ctx, answer),
+            Command::Quit => ctx.send_viewport_cmd(ViewportCommand::Close),
             Command::Picture(command) => self.picture(command),
             Command::Files(command) => self.keep(command),
             Command::SetLook(look) => self.set_look(ctx, look),

@@ -6,6 +6,7 @@ use super::load::SceneSource;
 use super::session::{EXTENSION, Session};
 use super::state::{FileCommand, Severity};
 use super::{render_thread::Wake, screenshot};
+use crate::settings;
 use afterimage::Camera;
 use afterimage::raster::save::{write_atomically, write_new_atomically};
 use crossbeam_channel::{RecvTimeoutError, Sender, bounded};
@@ -22,6 +23,9 @@ const WATCH_EVERY: Duration = Duration::from_secs(1);
 /// So many files are remembered.
 const MOST_RECENT: usize = 10;
 
+/// A session is refused beyond this: hours of a recorded walk, thirty poses a second, are less.
+const MOST_SESSION_BYTES: u64 = 64 << 20;
+
 /// How the names of sessions begin that are kept for the case of a crash.
 const RECOVERY: &str = "recovery-";
 
@@ -32,8 +36,8 @@ pub(super) struct Keeping {
     file: Option<PathBuf>,
     /// What its file has that this version does not know.
     other: Table,
-    /// To be brought back once its scene is there.
-    pub(super) awaited: Option<Session>,
+    /// To be brought back once its scene is there, with its file.
+    pub(super) awaited: Option<(Session, PathBuf)>,
     /// As it was kept last.
     kept: String,
     kept_camera: Option<Camera>,
@@ -104,18 +108,12 @@ impl App {
 
     /// Opens a session; one that is kept for a crash and broken is put aside, so that it is not offered for ever.
     pub(super) fn open_session(&mut self, path: PathBuf) {
-        let text = std::fs::read_to_string(&path).map_err(|e| format!("cannot read {}: {e}", path.display()));
+        let text = settings::read_text(&path, MOST_SESSION_BYTES);
         let is_recovery = is_recovery(&path);
         match text.and_then(|text| Session::parse(&text, &path)) {
             Ok(session) => {
                 let here = session_source(&session, &path);
-                if is_recovery {
-                    // From here on it is kept anew.
-                    let _ = std::fs::remove_file(&path);
-                } else {
-                    self.keeping.file = Some(path);
-                }
-                self.keeping.awaited = Some(session);
+                self.keeping.awaited = Some((session, path));
                 self.open(here);
             }
             Err(message) => {
@@ -129,9 +127,17 @@ impl App {
 
     /// Goes on with a scene that has just been shown: the session that waits for it, the list of recent files, the watch
     /// over its files.
-    pub(super) fn keep_scene(&mut self, source: &SceneSource) {
-        if let Some(session) = self.keeping.awaited.take() {
+    pub(super) fn keep_scene(&mut self, source: &SceneSource, is_reload: bool) {
+        if let Some((session, file)) = self.keeping.awaited.take() {
             self.keeping.other = session.restore(&mut self.state);
+            self.keeping.file = (!is_recovery(&file)).then_some(file.clone());
+            if is_recovery(&file) {
+                // From here on it is kept anew.
+                let _ = std::fs::remove_file(&file);
+            }
+        } else if !is_reload {
+            // The session of another scene is not to be written over.
+            (self.keeping.file, self.keeping.other) = (None, Table::new());
         }
         self.keeping.watch = None;
         let SceneSource::File { path, .. } = source else { return };
@@ -239,7 +245,8 @@ fn session_source(session: &Session, path: &Path) -> SceneSource {
 }
 
 fn read_recent(path: &Path) -> Vec<PathBuf> {
-    let table: Option<Table> = std::fs::read_to_string(path).ok().and_then(|text| text.parse().ok());
+    let text = settings::read_text(path, settings::MOST_BYTES);
+    let table: Option<Table> = text.ok().and_then(|text| text.parse().ok());
     let files = table.as_ref().and_then(|t| t.get("files")).and_then(toml::Value::as_array);
     let paths = files.into_iter().flatten().filter_map(|f| f.as_str().map(PathBuf::from));
     paths.take(MOST_RECENT).collect()

@@ -14,6 +14,7 @@ mod full_tracing;
 mod input;
 mod keeping;
 pub mod keymap;
+mod leaving;
 pub mod load;
 mod moving;
 mod opening;

@@ -10,6 +10,7 @@ use std::path::PathBuf;
 impl App {
     /// Opens whatever a file is.
     pub(super) fn open_path(&mut self, path: PathBuf) {
+        self.forget_awaited();
         if is_picture(&path) {
             return self.in_background("afterimage-picture", move || {
                 News::View(read_view(&path).map(|view| beside(view, &path)))
@@ -43,10 +44,28 @@ impl App {
             // Loaded again, one stays where one is.
             self.state.fly.jump_to(view.camera);
         }
+        self.forget_awaited();
         self.request.camera = Some(view.camera);
         self.request.exposure_ev = view.exposure_ev.or(self.request.exposure_ev);
         self.expected_hash = Some(view.scene_hash);
         self.open(source);
+    }
+
+    /// Opens a scene for its own sake: what waited for another one is forgotten.
+    pub(super) fn open_anew(&mut self, source: SceneSource) {
+        self.forget_awaited();
+        self.open(source);
+    }
+
+    /// Loads the scene that is shown again.
+    pub(super) fn reload(&mut self) {
+        let source = self.state.scene.as_ref().map(|s| s.source.clone());
+        source.into_iter().for_each(|source| self.open(source));
+    }
+
+    pub(super) fn cancel_loading(&mut self) {
+        self.loader = None;
+        self.forget_awaited();
     }
 
     /// The scene that something waited for does not come.

@@ -5,6 +5,7 @@ mod driving;
 mod editing;
 mod keeping;
 mod keys;
+mod leaving;
 mod measured;
 mod moving;
 mod pictures;

@@ -16,6 +16,7 @@ pub mod picture;
 pub mod plan;
 pub mod plots;
 pub mod quality;
+pub mod questions;
 pub mod references;
 pub mod report;
 pub mod views;
