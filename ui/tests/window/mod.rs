@@ -1,5 +1,6 @@
 //! The real app with its real threads on a small scene, driven by events.
 
+mod accessible;
 mod comparing;
 mod driving;
 mod editing;
