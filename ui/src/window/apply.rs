@@ -1,8 +1,9 @@
 //! Commands as deeds: the only place where a panel's or a key's wish changes anything.
 
-use super::app::{App, News};
+use super::app::App;
 use super::fly_camera::ViewChange;
 use super::load::SceneSource;
+use super::news::News;
 use super::pose_text::pose_flags;
 use super::render_thread::Order;
 use super::state::{Command, Compare, Look, Severity};

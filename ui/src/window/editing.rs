@@ -1,8 +1,9 @@
 //! Changes of the scene, as deeds: the look is changed at once, the scene follows on a thread of its own, and the old
 //! picture stays until there is one of the new scene.
 
-use super::app::{App, News};
+use super::app::App;
 use super::load::SceneSource;
+use super::news::News;
 use super::render_thread::{Order, panic_text};
 use super::state::{Answer, Editing, Edits, SavedView, Severity, Sight};
 use super::walking::Obstacles;

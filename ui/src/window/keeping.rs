@@ -1,14 +1,15 @@
 //! Nothing is lost: sessions are saved and brought back, also after a crash; recent files are remembered, and a model that
 //! changes on the disk is loaded again.
 
-use super::app::{App, News};
+use super::app::App;
 use super::load::SceneSource;
+use super::news::News;
 use super::session::{EXTENSION, Session};
 use super::state::{FileCommand, Severity};
 use super::{render_thread::Wake, screenshot};
 use crate::settings;
 use afterimage::Camera;
-use afterimage::raster::save::{write_atomically, write_new_atomically};
+use afterimage::raster::save::{SaveError, write_atomically, write_new_atomically};
 use crossbeam_channel::{RecvTimeoutError, Sender, bounded};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
@@ -224,15 +225,19 @@ fn save_session(
 ) -> Result<PathBuf, String> {
     let mut result = Err("there is no folder to save sessions in".to_owned());
     if let Some(path) = file {
-        return write_atomically(&path, text.as_bytes()).map(|()| path).map_err(|e| e.to_string());
+        return write_atomically(&path, text.as_bytes()).map(|()| path).map_err(not_saved);
     }
     for folder in folders {
-        result = write_new_atomically(folder, stem, EXTENSION, text.as_bytes()).map_err(|e| e.to_string());
+        result = write_new_atomically(folder, stem, EXTENSION, text.as_bytes()).map_err(not_saved);
         if result.is_ok() {
             break;
         }
     }
     result
+}
+
+fn not_saved(error: SaveError) -> String {
+    format!("{error}; free some space, or choose another folder in Scene, Picture settings")
 }
 
 /// A session may have been moved together with its model.
@@ -315,4 +320,18 @@ fn watch(path: PathBuf, tell: impl Fn(PathBuf) -> bool + Send + 'static, wake: W
     };
     let started = std::thread::Builder::new().name("afterimage-watch".to_owned()).spawn(run);
     started.is_ok().then_some(end)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn a_full_disk_is_told_with_what_to_do() {
+        let full = PathBuf::from("/dev/full");
+        assert!(full.exists(), "every Linux has one");
+        let told = save_session("version = 1\n", Some(full), &[], "a").unwrap_err();
+        assert!(told.contains("No space") && told.contains("free some space"), "{told}");
+    }
 }

@@ -1,8 +1,10 @@
 //! The real app with its real threads on a small scene, driven by events.
 
 mod accessible;
+mod adapter;
 mod comparing;
 mod driving;
+mod dropping;
 mod editing;
 mod keeping;
 mod keys;
