@@ -6,6 +6,7 @@
 use crate::cli::flags;
 use afterimage::Mode;
 use afterimage::raster::color::ToneMap;
+use afterimage::raster::load::read_bounded;
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
@@ -81,6 +82,9 @@ pub const NAMES: [&str; 12] = [
 
 /// Letters and controls are from half to three times their usual size.
 pub const UI_SCALES: std::ops::RangeInclusive<f32> = 0.5..=3.0;
+
+/// A file of settings, by the user or beside a scene, is read up to here; the importer reads no more either.
+pub(crate) const MOST_BYTES: u64 = 16 << 20;
 
 /// Names the file of the user's settings.
 pub const CONFIG_VARIABLE: &str = "AFTERIMAGE_CONFIG";
@@ -183,16 +187,27 @@ fn beside(scene: &str) -> PathBuf {
 
 /// A file's table; `None` where there is no file.
 fn table_of(path: &Path, warnings: &mut Vec<String>) -> Option<Table> {
-    let text = match std::fs::read_to_string(path) {
-        Ok(text) => text,
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return None,
-        Err(error) => {
-            warnings
-                .push(format!("{} cannot be read, so its settings are left aside: {error}", path.display()));
-            return None;
-        }
-    };
+    if is_absent(path) {
+        return None;
+    }
+    let text = read_text(path, MOST_BYTES)
+        .map_err(|cause| warnings.push(format!("{cause}; its settings are left aside")))
+        .ok()?;
     text.parse().map_err(|error| warnings.push(broken(path, &text, &error))).ok()
+}
+
+/// Where it cannot be told, reading says why.
+fn is_absent(path: &Path) -> bool {
+    path.metadata().is_err_and(|error| error.kind() == std::io::ErrorKind::NotFound)
+}
+
+/// The text of a file that the program keeps, of at most so many bytes.
+///
+/// # Errors
+/// A message for people.
+pub(crate) fn read_text(path: &Path, most: u64) -> Result<String, String> {
+    let bytes = read_bounded(path, most).map_err(|error| error.to_string())?;
+    String::from_utf8(bytes).map_err(|_| format!("{} is no text in UTF-8", path.display()))
 }
 
 /// A sentence with the line for what is no TOML.
@@ -220,11 +235,7 @@ pub(crate) fn suggestion(word: &str, known: &[&str]) -> String {
 /// # Errors
 /// A message for people.
 pub fn write(path: &Path, name: &str, value: Option<toml_edit::Value>) -> Result<(), String> {
-    let text = match std::fs::read_to_string(path) {
-        Ok(text) => text,
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => String::new(),
-        Err(error) => return Err(format!("the settings in {} cannot be read: {error}", path.display())),
-    };
+    let text = if is_absent(path) { String::new() } else { read_text(path, MOST_BYTES)? };
     let mut document: toml_edit::DocumentMut = text.parse().map_err(|error| {
         format!("the settings in {} are not changed, because the file is broken: {error}", path.display())
     })?;
@@ -291,6 +302,24 @@ mod tests {
         assert!(warnings[0].contains("s.toml, line 2"), "{warnings:?}");
         let (_, warnings) = load(Some(&folder.path().join("none.toml")), None, variables(&[]));
         assert_eq!(warnings, Vec::<String>::new());
+    }
+
+    #[test]
+    fn what_is_no_file_of_settings_is_left_aside_unread() {
+        let folder = tempfile::tempdir().unwrap();
+        let huge = folder.path().join("huge.toml");
+        std::fs::File::create(&huge).unwrap().set_len(MOST_BYTES + 1).unwrap();
+        let latin = folder.path().join("latin.toml");
+        std::fs::write(&latin, b"pictures = '/home/jos\xe9'\n").unwrap();
+        for (path, words) in
+            [(&huge, "longer than"), (&latin, "UTF-8"), (&folder.path().to_owned(), "regular file")]
+        {
+            let (settings, warnings) = load(Some(path), None, variables(&[]));
+            assert_eq!(settings, Settings::default());
+            assert!(warnings.len() == 1 && warnings[0].contains(words), "{warnings:?}");
+            assert!(write(path, "theme", Some("dark".into())).is_err());
+        }
+        assert_eq!(std::fs::metadata(&huge).unwrap().len(), MOST_BYTES + 1, "it is not touched");
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use super::failure::Failure;
 use super::flags::Flags;
 use super::output;
-use super::scene::{Loaded, load};
+use super::scene::{Loaded, load, place};
 use afterimage::scene::{Light, MaterialKind, Scene};
 use afterimage::trace::specular::truncation_bound;
 use clap::Args;
@@ -112,7 +112,7 @@ fn table(loaded: &Loaded) -> String {
         text += &format!("  {said}\n");
     }
     for w in &scene.warnings {
-        text += &format!("  {}:{}: {}\n", w.file, w.line, w.message);
+        text += &format!("  {}{}\n", place(w), w.message);
     }
     text
 }

@@ -68,15 +68,19 @@ const WARNINGS_SHOWN: usize = 5;
 
 fn report(scene: &Scene) {
     for w in scene.warnings.iter().take(WARNINGS_SHOWN) {
-        let place = match (w.file.as_str(), w.line) {
-            ("", _) => String::new(),
-            (file, 0) => format!("{file}: "),
-            (file, line) => format!("{file}, line {line}: "),
-        };
-        output::say(&format!("warning: {place}{}", w.message));
+        output::say(&format!("warning: {}{}", place(w), w.message));
     }
     if let Some(more) = scene.warnings.len().checked_sub(WARNINGS_SHOWN).filter(|n| *n > 0) {
         output::say(&format!("and {more} more warnings; 'afterimage inspect' lists them"));
+    }
+}
+
+/// Where a warning comes from, as far as it is known.
+pub(super) fn place(warning: &Warning) -> String {
+    match (warning.file.as_str(), warning.line) {
+        ("", _) => String::new(),
+        (file, 0) => format!("{file}: "),
+        (file, line) => format!("{file}, line {line}: "),
     }
 }
 

@@ -3,7 +3,7 @@
 use super::failure::Failure;
 use super::flags::Flags;
 use super::{Common, interrupt, output, paths, pose, scene, tour};
-use crate::picture::restore::{beside, is_picture, read_view};
+use crate::picture::restore::{PictureView, beside, is_picture, read_view};
 use crate::window::state::{Look, WINDOW_SAMPLES};
 use crate::window::{self, SceneSource, WindowRequest};
 use clap::Parser;
@@ -25,14 +25,14 @@ pub(super) fn start(scene: Option<&str>, flags: &Flags, common: &Common) -> Resu
     output::say(&format!(
         "no display was found; walking the scene's tour headless at {width}x{height} into {OUT}/"
     ));
+    let view = picture_view(scene)?;
+    let scene = view.as_ref().map(|v| v.scene.as_str()).or(scene);
     tour::run(&headless_tour(scene), &flags)
 }
 
 fn open_window(scene: Option<&str>, flags: &Flags, common: &Common) -> Result<(), Failure> {
     let options = scene::import_options(flags);
-    let picture = scene.map(Path::new).filter(|path| is_picture(path));
-    let view = picture.map(|path| read_view(path).map(|view| beside(view, path))).transpose();
-    let view = view.map_err(Failure::Failed)?;
+    let view = picture_view(scene)?;
     let scene = view.as_ref().map(|v| v.scene.as_str()).or(scene);
     let flags =
         &Flags { exposure: flags.exposure.or(view.as_ref().and_then(|v| v.exposure_ev)), ..flags.clone() };
@@ -58,6 +58,13 @@ fn open_window(scene: Option<&str>, flags: &Flags, common: &Common) -> Result<()
     trace.seed = flags.seed;
     request.settings.render.mode = flags.mode;
     window::run(request).map_err(|error| Failure::Failed(error.to_string()))
+}
+
+/// What a picture shows, where it is one that was named.
+fn picture_view(scene: Option<&str>) -> Result<Option<PictureView>, Failure> {
+    let picture = scene.map(Path::new).filter(|path| is_picture(path));
+    let view = picture.map(|path| read_view(path).map(|view| beside(view, path))).transpose();
+    view.map_err(Failure::Failed)
 }
 
 /// The tour with its defaults, as if its command had been typed.

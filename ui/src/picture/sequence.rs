@@ -4,6 +4,7 @@
 use super::{Output, PictureJob, Shows};
 use afterimage::Tracer;
 use afterimage::camera_path::CameraPath;
+use afterimage::raster::load::read_bounded;
 use afterimage::raster::save::write_atomically;
 use afterimage::raster::stream::Target;
 use afterimage::trace::parallel::Stop;
@@ -141,8 +142,8 @@ impl Sequence {
                     return Ok(folder);
                 }
                 Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {
-                    let found = std::fs::read_to_string(folder.join(DESCRIPTION));
-                    if found.is_ok_and(|text| text == description) && !self.is_whole(&folder) {
+                    let found = read_bounded(&folder.join(DESCRIPTION), description.len() as u64);
+                    if found.is_ok_and(|bytes| bytes == description.as_bytes()) && !self.is_whole(&folder) {
                         return Ok(folder);
                     }
                 }

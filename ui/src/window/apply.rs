@@ -1,8 +1,9 @@
 //! Commands as deeds: the only place where a panel's or a key's wish changes anything.
 
-use super::app::{App, News};
+use super::app::App;
 use super::fly_camera::ViewChange;
 use super::load::SceneSource;
+use super::news::News;
 use super::pose_text::pose_flags;
 use super::render_thread::Order;
 use super::state::{Command, Compare, Look, Severity};
@@ -14,17 +15,11 @@ impl App {
     pub(super) fn apply(&mut self, ctx: &Context, command: Command) {
         let state = &mut self.state;
         match command {
-            Command::Open(source) => self.open(source),
+            Command::Open(source) => self.open_anew(source),
             Command::OpenPath(path) => self.open_path(path),
             Command::Browse => self.browse(),
-            Command::CancelLoading => {
-                self.loader = None;
-                self.forget_awaited();
-            }
-            Command::Reload => {
-                let source = state.scene.as_ref().map(|s| s.source.clone());
-                source.into_iter().for_each(|source| self.open(source));
-            }
+            Command::CancelLoading => self.cancel_loading(),
+            Command::Reload => self.reload(),
             Command::SetPathText(text) => state.path_text = text,
             Command::SetQuality(quality) => state.quality = quality,
             Command::SetOptions(options) => {
@@ -48,6 +43,8 @@ impl App {
             }
             Command::AddReference => self.order(Order::AddReference(*self.state.fly.camera())),
             Command::Remove(id) => self.order(Order::Remove(id)),
+            Command::Answer(answer) => self.answer(ctx, answer),
+            Command::Quit => ctx.send_viewport_cmd(ViewportCommand::Close),
             Command::Picture(command) => self.picture(command),
             Command::Files(command) => self.keep(command),
             Command::SetLook(look) => self.set_look(ctx, look),

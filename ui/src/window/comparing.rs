@@ -1,8 +1,9 @@
 //! Comparing with the full tracer: starts its picture once the view is at rest, drops it when the view changes, and
 //! measures how far the two are apart.
 
-use super::app::{App, News};
+use super::app::App;
 use super::full_tracing::{FullTracing, Subject};
+use super::news::News;
 use super::presentation::Overlay;
 use super::render_thread::give_way;
 use super::state::{Compare, Pair, PictureError, Severity, difference};

@@ -1,10 +1,11 @@
 //! Changes of the scene, as deeds: the look is changed at once, the scene follows on a thread of its own, and the old
 //! picture stays until there is one of the new scene.
 
-use super::app::{App, News};
+use super::app::App;
 use super::load::SceneSource;
+use super::news::News;
 use super::render_thread::{Order, panic_text};
-use super::state::{Editing, Edits, SavedView, Severity, Sight};
+use super::state::{Answer, Editing, Edits, SavedView, Severity, Sight};
 use super::walking::Obstacles;
 use afterimage::Tracer;
 use afterimage::scene::{Look, Scene, import};
@@ -121,7 +122,7 @@ impl App {
         self.follow_look();
     }
 
-    fn save_beside(&mut self) {
+    pub(super) fn save_beside(&mut self) {
         let (Some(edits), Some(scene)) = (&self.state.edits, &self.state.scene) else { return };
         let SceneSource::File { path, .. } = &scene.source else {
             let text = format!(
@@ -137,14 +138,20 @@ impl App {
         });
     }
 
-    /// Says how saving went.
-    pub(super) fn take_saved_look(&mut self, saved: SavedLook) {
+    /// Says how saving went, and does what waited for it.
+    pub(super) fn take_saved_look(&mut self, ctx: &egui::Context, saved: SavedLook) {
         match saved.result {
             Ok(path) => {
                 self.state.edits.iter_mut().for_each(|e| e.set_saved(saved.look.clone()));
                 self.state.notify(Severity::Info, format!("saved {}", path.display()));
+                self.leave(ctx);
             }
-            Err(text) => self.state.notify(Severity::Error, text),
+            Err(text) => {
+                if self.state.leaving.is_some() {
+                    self.answer(ctx, Answer::Stay);
+                }
+                self.state.notify(Severity::Error, text);
+            }
         }
     }
 

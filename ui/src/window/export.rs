@@ -290,3 +290,31 @@ fn save(
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use afterimage::raster::color::ToneMap;
+    use afterimage::scene::builtin;
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn a_full_disk_is_told_with_what_to_do() {
+        let tracer = Tracer::new(Arc::new(builtin::build("furnace").unwrap()));
+        let job = PictureJob {
+            scene_name: "builtin:furnace".to_owned(),
+            camera: tracer.scene().views[0].camera,
+            size: [64, 64],
+            settings: RenderSettings { mode: Mode::Full, ..RenderSettings::default() },
+            antialias: None,
+            background: Background::Shown,
+            exposure_ev: 0.0,
+            tone_map: ToneMap::default(),
+        };
+        let output = Output { target: Target::File("/dev/full".into()), shows: Shows::Display };
+        let (part, cancel) = (Arc::default(), Arc::default());
+        let told = save(&job, &tracer, &[], &output, &Report { part, cancel, wake: Arc::new(|| {}) });
+        let told = told.unwrap_err();
+        assert!(told.contains("No space") && told.contains("free some space"), "{told}");
+    }
+}

@@ -23,7 +23,7 @@ const EXPOSURE_STEP_EV: f32 = 0.5;
 impl App {
     /// What was pressed or dropped since the last frame.
     pub(super) fn key_commands(&mut self, ctx: &Context) -> Vec<Command> {
-        let typing = ctx.text_edit_focused();
+        let typing = ctx.text_edit_focused() || self.state.is_asking();
         let (events, dropped) = ctx.input(|i| (i.raw.events.clone(), i.raw.dropped_files.clone()));
         let pressed = self.keyboard.update(&events, typing);
         let mut commands: Vec<Command> = pressed.into_iter().flat_map(|p| self.command_of(p)).collect();
@@ -74,6 +74,7 @@ impl App {
             Action::ClearCache => Command::AskToClear,
             Action::Open => Command::Browse,
             Action::SaveSession => Command::Files(FileCommand::SaveSession),
+            Action::Quit => Command::Quit,
             Action::Reload => Command::Reload,
             Action::Screenshot => Command::Picture(PictureCommand::Save),
             Action::ScreenshotWithoutBackground => Command::Picture(PictureCommand::SaveWithoutBackground),

@@ -1,13 +1,15 @@
 //! Nothing is lost: sessions are saved and brought back, also after a crash; recent files are remembered, and a model that
 //! changes on the disk is loaded again.
 
-use super::app::{App, News};
+use super::app::App;
 use super::load::SceneSource;
+use super::news::News;
 use super::session::{EXTENSION, Session};
 use super::state::{FileCommand, Severity};
 use super::{render_thread::Wake, screenshot};
+use crate::settings;
 use afterimage::Camera;
-use afterimage::raster::save::{write_atomically, write_new_atomically};
+use afterimage::raster::save::{SaveError, write_atomically, write_new_atomically};
 use crossbeam_channel::{RecvTimeoutError, Sender, bounded};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
@@ -22,6 +24,9 @@ const WATCH_EVERY: Duration = Duration::from_secs(1);
 /// So many files are remembered.
 const MOST_RECENT: usize = 10;
 
+/// A session is refused beyond this: hours of a recorded walk, thirty poses a second, are less.
+const MOST_SESSION_BYTES: u64 = 64 << 20;
+
 /// How the names of sessions begin that are kept for the case of a crash.
 const RECOVERY: &str = "recovery-";
 
@@ -32,8 +37,8 @@ pub(super) struct Keeping {
     file: Option<PathBuf>,
     /// What its file has that this version does not know.
     other: Table,
-    /// To be brought back once its scene is there.
-    pub(super) awaited: Option<Session>,
+    /// To be brought back once its scene is there, with its file.
+    pub(super) awaited: Option<(Session, PathBuf)>,
     /// As it was kept last.
     kept: String,
     kept_camera: Option<Camera>,
@@ -104,18 +109,12 @@ impl App {
 
     /// Opens a session; one that is kept for a crash and broken is put aside, so that it is not offered for ever.
     pub(super) fn open_session(&mut self, path: PathBuf) {
-        let text = std::fs::read_to_string(&path).map_err(|e| format!("cannot read {}: {e}", path.display()));
+        let text = settings::read_text(&path, MOST_SESSION_BYTES);
         let is_recovery = is_recovery(&path);
         match text.and_then(|text| Session::parse(&text, &path)) {
             Ok(session) => {
                 let here = session_source(&session, &path);
-                if is_recovery {
-                    // From here on it is kept anew.
-                    let _ = std::fs::remove_file(&path);
-                } else {
-                    self.keeping.file = Some(path);
-                }
-                self.keeping.awaited = Some(session);
+                self.keeping.awaited = Some((session, path));
                 self.open(here);
             }
             Err(message) => {
@@ -129,9 +128,17 @@ impl App {
 
     /// Goes on with a scene that has just been shown: the session that waits for it, the list of recent files, the watch
     /// over its files.
-    pub(super) fn keep_scene(&mut self, source: &SceneSource) {
-        if let Some(session) = self.keeping.awaited.take() {
+    pub(super) fn keep_scene(&mut self, source: &SceneSource, is_reload: bool) {
+        if let Some((session, file)) = self.keeping.awaited.take() {
             self.keeping.other = session.restore(&mut self.state);
+            self.keeping.file = (!is_recovery(&file)).then_some(file.clone());
+            if is_recovery(&file) {
+                // From here on it is kept anew.
+                let _ = std::fs::remove_file(&file);
+            }
+        } else if !is_reload {
+            // The session of another scene is not to be written over.
+            (self.keeping.file, self.keeping.other) = (None, Table::new());
         }
         self.keeping.watch = None;
         let SceneSource::File { path, .. } = source else { return };
@@ -218,15 +225,19 @@ fn save_session(
 ) -> Result<PathBuf, String> {
     let mut result = Err("there is no folder to save sessions in".to_owned());
     if let Some(path) = file {
-        return write_atomically(&path, text.as_bytes()).map(|()| path).map_err(|e| e.to_string());
+        return write_atomically(&path, text.as_bytes()).map(|()| path).map_err(not_saved);
     }
     for folder in folders {
-        result = write_new_atomically(folder, stem, EXTENSION, text.as_bytes()).map_err(|e| e.to_string());
+        result = write_new_atomically(folder, stem, EXTENSION, text.as_bytes()).map_err(not_saved);
         if result.is_ok() {
             break;
         }
     }
     result
+}
+
+fn not_saved(error: SaveError) -> String {
+    format!("{error}; free some space, or choose another folder in Scene, Picture settings")
 }
 
 /// A session may have been moved together with its model.
@@ -239,7 +250,8 @@ fn session_source(session: &Session, path: &Path) -> SceneSource {
 }
 
 fn read_recent(path: &Path) -> Vec<PathBuf> {
-    let table: Option<Table> = std::fs::read_to_string(path).ok().and_then(|text| text.parse().ok());
+    let text = settings::read_text(path, settings::MOST_BYTES);
+    let table: Option<Table> = text.ok().and_then(|text| text.parse().ok());
     let files = table.as_ref().and_then(|t| t.get("files")).and_then(toml::Value::as_array);
     let paths = files.into_iter().flatten().filter_map(|f| f.as_str().map(PathBuf::from));
     paths.take(MOST_RECENT).collect()
@@ -308,4 +320,18 @@ fn watch(path: PathBuf, tell: impl Fn(PathBuf) -> bool + Send + 'static, wake: W
     };
     let started = std::thread::Builder::new().name("afterimage-watch".to_owned()).spawn(run);
     started.is_ok().then_some(end)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn a_full_disk_is_told_with_what_to_do() {
+        let full = PathBuf::from("/dev/full");
+        assert!(full.exists(), "every Linux has one");
+        let told = save_session("version = 1\n", Some(full), &[], "a").unwrap_err();
+        assert!(told.contains("No space") && told.contains("free some space"), "{told}");
+    }
 }

@@ -2,10 +2,16 @@
 //!
 //! Keys are meant by their place on the keyboard, so that WASD is one hand's square on every layout.
 
-use crate::settings::suggestion;
-use egui::{Event, Key, Modifiers};
-use std::sync::OnceLock;
-use toml::{Table, Value};
+mod chord;
+mod keyboard;
+mod rebinding;
+
+pub use chord::Chord;
+pub use keyboard::{Keyboard, Pressed};
+pub use rebinding::{bindings, install, rebound};
+
+use chord::{ctrl, ctrl_shift, plain, shift};
+use egui::Key;
 
 /// What a key does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -41,6 +47,7 @@ pub enum Action {
     Pause,
     Open,
     SaveSession,
+    Quit,
     Reload,
     Screenshot,
     ScreenshotWithoutBackground,
@@ -59,17 +66,6 @@ pub enum Action {
     Escape,
 }
 
-/// A key with the modifiers that must be held; Alt is never asked for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Chord {
-    /// By its place, named after the US layout.
-    pub key: Key,
-    /// With Shift.
-    pub shift: bool,
-    /// With Ctrl (Command on a Mac).
-    pub ctrl: bool,
-}
-
 /// One line of the table.
 #[derive(Clone, Copy, Debug)]
 pub struct Binding {
@@ -81,22 +77,6 @@ pub struct Binding {
     pub held: bool,
     /// For people.
     pub help: &'static str,
-}
-
-const fn plain(key: Key) -> Chord {
-    Chord { key, shift: false, ctrl: false }
-}
-
-const fn shift(key: Key) -> Chord {
-    Chord { key, shift: true, ctrl: false }
-}
-
-const fn ctrl(key: Key) -> Chord {
-    Chord { key, shift: false, ctrl: true }
-}
-
-const fn ctrl_shift(key: Key) -> Chord {
-    Chord { key, shift: true, ctrl: true }
 }
 
 const fn hold(action: Action, chords: &'static [Chord], help: &'static str) -> Binding {
@@ -167,6 +147,7 @@ pub const BINDINGS: &[Binding] = &[
     press(Action::Pause, &[plain(Key::P)], "pause or resume the renderer"),
     press(Action::Open, &[ctrl(Key::O)], "open a model, a session or a picture's view"),
     press(Action::SaveSession, &[ctrl(Key::S)], "save the session"),
+    press(Action::Quit, &[ctrl(Key::Q)], "close the window"),
     press(Action::Reload, &[plain(Key::F5)], "load the scene again"),
     press(Action::Screenshot, &[plain(Key::F12)], "save a picture"),
     press(Action::ScreenshotWithoutBackground, &[ctrl(Key::F12)], "save a picture without the sky"),
@@ -185,91 +166,6 @@ pub const BINDINGS: &[Binding] = &[
     press(Action::Escape, &[plain(Key::Escape)], "close what is open (never quits)"),
 ];
 
-static REBOUND: OnceLock<Vec<Binding>> = OnceLock::new();
-
-/// The table as the user has it: [`BINDINGS`], or what [`install`] made of them.
-pub fn bindings() -> &'static [Binding] {
-    REBOUND.get().map_or(BINDINGS, Vec::as_slice)
-}
-
-/// Binds keys anew, once, before any of them is shown or pressed.
-///
-/// # Errors
-/// As [`rebound`]; the keys stay as they were.
-pub fn install(keys: &Table) -> Result<(), String> {
-    let table = rebound(keys)?;
-    // A second call comes from a second start in one process; the first one's keys are shown already.
-    let _ = REBOUND.set(table);
-    Ok(())
-}
-
-/// The table with other keys for some actions: `add-reference = "B"`, `forward = ["W", "Up"]`; an empty list takes the
-/// keys away.
-///
-/// # Errors
-/// Where an action or a key is unknown, or a key would do two things: one message for all of it, and nothing is changed.
-pub fn rebound(keys: &Table) -> Result<Vec<Binding>, String> {
-    let names: Vec<String> = BINDINGS.iter().map(|b| b.action.name()).collect();
-    let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    let (mut table, mut troubles) = (BINDINGS.to_vec(), Vec::new());
-    for (name, value) in keys {
-        match (names.iter().position(|n| n == name), chords(value)) {
-            (None, _) => troubles.push(format!("there is no action '{name}', {}", suggestion(name, &names))),
-            (_, Err(cause)) => troubles.push(format!("{name}: {cause}")),
-            // Once in the life of the program.
-            (Some(at), Ok(chords)) => table[at].chords = chords.leak(),
-        }
-    }
-    troubles.extend(conflicts(&table));
-    if troubles.is_empty() {
-        return Ok(table);
-    }
-    Err(format!("[keys] is left aside, the usual keys hold: {}", troubles.join("; ")))
-}
-
-/// Keys that would do two things. What is held acts whatever modifiers do, so it takes its key with all of them but
-/// Ctrl.
-fn conflicts(table: &[Binding]) -> Vec<String> {
-    let all: Vec<(&Binding, Chord)> =
-        table.iter().flat_map(|b| b.chords.iter().map(move |c| (b, *c))).collect();
-    let clash = |(a, x): &(&Binding, Chord), (b, y): &(&Binding, Chord)| {
-        x == y || ((a.held && b.held) && x.key == y.key)
-    };
-    let mut troubles = Vec::new();
-    for (i, first) in all.iter().enumerate() {
-        for second in all[i + 1..].iter().filter(|second| clash(first, second)) {
-            let (a, b) = (first.0.action.name(), second.0.action.name());
-            troubles.push(format!("{} is bound to both {a} and {b}", second.1.name()));
-        }
-    }
-    troubles
-}
-
-fn chords(value: &Value) -> Result<Vec<Chord>, String> {
-    let wanted = "a key like \"Ctrl+K\" or a list of them is wanted";
-    match value {
-        Value::String(text) => Ok(vec![Chord::parse(text)?]),
-        Value::Array(list) => {
-            list.iter().map(|v| v.as_str().ok_or(wanted.to_owned()).and_then(Chord::parse)).collect()
-        }
-        _ => Err(wanted.to_owned()),
-    }
-}
-
-impl Action {
-    /// As it is written in files: `add-reference`.
-    pub fn name(self) -> String {
-        let mut name = String::new();
-        for c in format!("{self:?}").chars() {
-            if c.is_uppercase() && !name.is_empty() {
-                name.push('-');
-            }
-            name.extend(c.to_lowercase());
-        }
-        name
-    }
-}
-
 /// What the mouse and the modifiers do, in the words of the help.
 pub const MOUSE: &[(&str, &str)] = &[
     ("Drag, left or right button", "look around"),
@@ -281,56 +177,6 @@ pub const MOUSE: &[(&str, &str)] = &[
     ("Alt held", "five times as slow"),
     ("Drop a file", "open a model, a session or a picture's view"),
 ];
-
-impl Chord {
-    /// Reads `K`, `Shift+K`, `Ctrl+F12`.
-    fn parse(text: &str) -> Result<Self, String> {
-        let (mut chord, mut rest) = (plain(Key::A), text.trim());
-        loop {
-            if let Some(after) = rest.strip_prefix("Shift+") {
-                (chord.shift, rest) = (true, after);
-            } else if let Some(after) = rest.strip_prefix("Ctrl+") {
-                (chord.ctrl, rest) = (true, after);
-            } else {
-                break;
-            }
-        }
-        let name = match rest {
-            "PgUp" => "PageUp",
-            "PgDn" => "PageDown",
-            "?" => "Slash",
-            name => name,
-        };
-        chord.shift |= rest == "?";
-        chord.key = Key::from_name(name).ok_or_else(|| format!("there is no key '{text}'"))?;
-        match chord.key {
-            Key::Tab => Err("Tab belongs to the focus".to_owned()),
-            _ => Ok(chord),
-        }
-    }
-
-    /// As it is printed on keys.
-    pub fn name(&self) -> String {
-        let prefix = match (self.ctrl, self.shift) {
-            (true, true) => "Ctrl+Shift+",
-            (true, _) => "Ctrl+",
-            (_, true) if self.key == Key::Slash => return "?".to_owned(),
-            (_, true) => "Shift+",
-            _ => "",
-        };
-        let key = match self.key {
-            Key::OpenBracket => "[",
-            Key::CloseBracket => "]",
-            Key::Minus => "-",
-            Key::Equals => "=",
-            Key::PageUp => "PgUp",
-            Key::PageDown => "PgDn",
-            Key::Escape => "Esc",
-            key => key.name(),
-        };
-        format!("{prefix}{key}")
-    }
-}
 
 impl Binding {
     /// The keys as text; a long row is shown by its ends.
@@ -354,81 +200,9 @@ pub fn help_text() -> String {
     keys.chain(mouse).map(|(keys, help)| format!("  {keys:<28} {help}\n")).collect()
 }
 
-/// An action that was asked for once.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Pressed {
-    /// What.
-    pub action: Action,
-    /// By which of its chords: saved views are counted by it.
-    pub chord: usize,
-}
-
-/// Which keys are down.
-#[derive(Debug, Default)]
-pub struct Keyboard {
-    down: Vec<Key>,
-}
-
-impl Keyboard {
-    /// Takes the events of one frame of the window; returns what was pressed. While text is being typed nothing is
-    /// pressed or held; without the window's focus nothing is held, because releases no longer arrive.
-    pub fn update(&mut self, events: &[Event], typing: bool) -> Vec<Pressed> {
-        let mut pressed = Vec::new();
-        for event in events {
-            match event {
-                Event::WindowFocused(false) => self.down.clear(),
-                Event::Key { key, physical_key, pressed: is_press, repeat, modifiers } => {
-                    let place = physical_key.unwrap_or(*key);
-                    if !is_press {
-                        self.down.retain(|k| *k != place);
-                    } else if !typing && !repeat {
-                        self.press(*key, place, *modifiers, &mut pressed);
-                    }
-                }
-                _ => {}
-            }
-        }
-        if typing {
-            self.down.clear();
-        }
-        pressed
-    }
-
-    fn press(&mut self, key: Key, place: Key, modifiers: Modifiers, pressed: &mut Vec<Pressed>) {
-        if !modifiers.command && !self.down.contains(&place) {
-            self.down.push(place);
-        }
-        // The question mark sits elsewhere on other layouts; it is the one key that is meant by its sign.
-        let chord = match key {
-            Key::Questionmark => shift(Key::Slash),
-            _ => Chord { key: place, shift: modifiers.shift, ctrl: modifiers.command },
-        };
-        for binding in bindings().iter().filter(|b| !b.held) {
-            if let Some(at) = binding.chords.iter().position(|c| *c == chord) {
-                pressed.push(Pressed { action: binding.action, chord: at });
-            }
-        }
-    }
-
-    /// True while any key of an action is down.
-    pub fn is_held(&self, action: Action) -> bool {
-        let is_down = |c: &Chord| self.down.contains(&c.key);
-        bindings().iter().any(|b| b.held && b.action == action && b.chords.iter().any(is_down))
-    }
-
-    /// +1, -1 or 0 by two opposite actions.
-    pub fn axis(&self, positive: Action, negative: Action) -> f64 {
-        f64::from(i8::from(self.is_held(positive)) - i8::from(self.is_held(negative)))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn key(key: Key, place: Key, pressed: bool, modifiers: Modifiers) -> Event {
-        Event::Key { key, physical_key: Some(place), pressed, repeat: false, modifiers }
-    }
 
     #[test]
     fn no_key_is_bound_twice_and_no_action_listed_twice() {
@@ -448,83 +222,5 @@ mod tests {
         let text = help_text();
         assert!(BINDINGS.iter().all(|b| text.contains(b.help) && text.contains(&b.keys())));
         assert!(text.contains("1-9"));
-    }
-
-    #[test]
-    fn keys_are_meant_by_place_and_held_until_released() {
-        let mut keyboard = Keyboard::default();
-        // On a French keyboard the key at W says Z.
-        keyboard.update(&[key(Key::Z, Key::W, true, Modifiers::NONE)], false);
-        assert_eq!(keyboard.axis(Action::Forward, Action::Back), 1.0);
-        keyboard.update(&[key(Key::Z, Key::W, false, Modifiers::NONE)], false);
-        assert_eq!(keyboard.axis(Action::Forward, Action::Back), 0.0);
-    }
-
-    #[test]
-    fn lost_focus_and_typing_release_everything() {
-        let mut keyboard = Keyboard::default();
-        let w = key(Key::W, Key::W, true, Modifiers::NONE);
-        keyboard.update(std::slice::from_ref(&w), false);
-        keyboard.update(&[Event::WindowFocused(false)], false);
-        assert!(!keyboard.is_held(Action::Forward));
-        keyboard.update(std::slice::from_ref(&w), true);
-        assert!(!keyboard.is_held(Action::Forward));
-        assert!(keyboard.update(&[key(Key::T, Key::T, true, Modifiers::NONE)], true).is_empty());
-    }
-
-    #[test]
-    fn shift_tells_actions_apart_but_does_not_stop_flying() {
-        let mut keyboard = Keyboard::default();
-        let plain = keyboard.update(&[key(Key::T, Key::T, true, Modifiers::NONE)], false);
-        let shifted = keyboard.update(&[key(Key::T, Key::T, true, Modifiers::SHIFT)], false);
-        assert_eq!(plain, [Pressed { action: Action::CycleHeatmap, chord: 0 }]);
-        assert_eq!(shifted, [Pressed { action: Action::ToggleByReference, chord: 0 }]);
-        keyboard.update(&[key(Key::W, Key::W, true, Modifiers::SHIFT)], false);
-        assert!(keyboard.is_held(Action::Forward));
-    }
-
-    #[test]
-    fn saved_views_are_counted_by_their_key() {
-        let pressed = Keyboard::default().update(&[key(Key::Num3, Key::Num3, true, Modifiers::NONE)], false);
-        assert_eq!(pressed, [Pressed { action: Action::GoToView, chord: 2 }]);
-    }
-
-    fn table(text: &str) -> Result<Vec<Binding>, String> {
-        rebound(&text.parse().unwrap())
-    }
-
-    #[test]
-    fn every_key_reads_back_as_it_is_printed() {
-        for chord in BINDINGS.iter().flat_map(|b| b.chords) {
-            assert_eq!(Chord::parse(&chord.name()).as_ref(), Ok(chord));
-        }
-    }
-
-    #[test]
-    fn keys_can_be_bound_anew() {
-        let table = table("add-reference = 'B'\nforward = ['W', 'I']\nnext-view = []\nlevel = 'L'").unwrap();
-        let keys = |action| table.iter().find(|b| b.action == action).map(Binding::keys);
-        assert_eq!(keys(Action::AddReference).as_deref(), Some("B"));
-        assert_eq!(keys(Action::Forward).as_deref(), Some("W, I"));
-        assert_eq!(keys(Action::NextView).as_deref(), Some(""));
-        assert_eq!(keys(Action::Level).as_deref(), Some("L"));
-        assert_eq!(keys(Action::Back), BINDINGS.iter().find(|b| b.action == Action::Back).map(Binding::keys));
-    }
-
-    #[test]
-    fn conflicts_and_mistakes_are_refused_in_one_message() {
-        let error =
-            table("add-reference = 'K'\nadd-refrence = 'B'\nlevel = 'Hyper+J'\nfocus = 7").unwrap_err();
-        for words in [
-            "K is bound to both add-reference and add-path-key",
-            "did you mean 'add-reference'?",
-            "no key 'Hyper+J'",
-            "a key like",
-            "the usual keys hold",
-        ] {
-            assert!(error.contains(words), "'{words}' is not in: {error}");
-        }
-        assert!(table("pause = 'Tab'").unwrap_err().contains("focus"));
-        assert!(table("forward = 'Ctrl+W'\nback = 'W'").unwrap_err().contains("both"));
     }
 }

@@ -2,20 +2,25 @@
 //!
 //! The window's thread only reads input and shows the newest finished frame; it never waits for the renderer.
 
+mod adapter;
 mod aim;
 pub mod app;
 mod apply;
+mod canvas;
 mod comparing;
 mod editing;
 mod export;
 pub mod fly_camera;
 pub mod frames;
+mod full_screen_pass;
 mod full_tracing;
 mod input;
 mod keeping;
 pub mod keymap;
+mod leaving;
 pub mod load;
 mod moving;
+mod news;
 mod opening;
 pub mod panels;
 pub mod plan;
@@ -33,6 +38,7 @@ pub mod thumbnails;
 pub mod timewarp;
 pub mod viewport;
 pub mod walking;
+mod wishing;
 
 use afterimage::raster::color::ToneMap;
 use afterimage::reference::PlacementPolicy;

@@ -1,7 +1,8 @@
 //! Commands of views, paths and the way one moves, as deeds.
 
-use super::app::{App, News};
+use super::app::App;
 use super::fly_camera::Gait;
+use super::news::News;
 use super::playback::Recording;
 use super::pose_text::pose_of_flags;
 use super::screenshot;

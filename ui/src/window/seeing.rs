@@ -1,7 +1,8 @@
 //! Looking more closely, as deeds: pixels, distances, single references, the plan.
 
-use super::app::{App, News};
+use super::app::App;
 use super::frames::{PublishedFrame, rgb9e5_decoded, supplier_byte};
+use super::news::News;
 use super::plan::Plan;
 use super::projection::Projection;
 use super::render_thread::{Lending, Order};

@@ -7,6 +7,7 @@
 //! that the frame did not see, its farthest neighbour on the line stands in, and the pixel is marked as filled. Source
 //! of the idea: positional timewarp (van Waveren, VRST 2016).
 
+use super::full_screen_pass as pass;
 use afterimage::Camera;
 use afterimage::camera::{SceneFrame, View};
 use egui_wgpu::wgpu;
@@ -106,52 +107,28 @@ impl Timewarp {
         let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("timewarp"),
             entries: &[
-                entry(
-                    0,
-                    wgpu::BindingType::Texture {
-                        sample_type: wgpu::TextureSampleType::Float { filterable: false },
-                        view_dimension: wgpu::TextureViewDimension::D2,
-                        multisampled: false,
-                    },
-                ),
-                entry(
-                    1,
-                    wgpu::BindingType::Buffer {
-                        ty: wgpu::BufferBindingType::Uniform,
-                        has_dynamic_offset: false,
-                        min_binding_size: None,
-                    },
-                ),
+                pass::texture_entry(0, wgpu::TextureSampleType::Float { filterable: false }),
+                pass::uniform_entry(1),
             ],
         });
         let is_software = adapter.get_info().device_type == wgpu::DeviceType::Cpu;
         Some(Self {
-            pipeline: pipeline(device, &layout),
+            pipeline: pass::pipeline(
+                device,
+                "timewarp",
+                &layout,
+                wgpu::include_wgsl!("timewarp.wgsl"),
+                MAP_FORMAT,
+            ),
             layout,
-            params: device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("timewarp"),
-                size: size_of::<Params>() as u64,
-                usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            }),
+            params: pass::uniform_buffer(device, "timewarp", size_of::<Params>()),
             most_steps: if is_software { MOST_STEPS_IN_SOFTWARE } else { MOST_STEPS },
         })
     }
 
     /// Room for frames of a size.
     pub fn make_map(&self, device: &wgpu::Device, size: [u32; 2]) -> WarpMap {
-        let texture = |format, usage| {
-            device.create_texture(&wgpu::TextureDescriptor {
-                label: Some("timewarp"),
-                size: wgpu::Extent3d { width: size[0], height: size[1], depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format,
-                usage: usage | wgpu::TextureUsages::TEXTURE_BINDING,
-                view_formats: &[],
-            })
-        };
+        let texture = |format, usage| pass::texture(device, "timewarp", size, format, usage);
         let drawn = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
         let map = texture(MAP_FORMAT, drawn);
         let disparity = texture(wgpu::TextureFormat::R32Float, wgpu::TextureUsages::COPY_DST);
@@ -195,38 +172,4 @@ impl Timewarp {
         pass.set_bind_group(0, &map.bind_group, &[]);
         pass.draw(0..3, 0..1);
     }
-}
-
-fn entry(binding: u32, ty: wgpu::BindingType) -> wgpu::BindGroupLayoutEntry {
-    wgpu::BindGroupLayoutEntry { binding, visibility: wgpu::ShaderStages::FRAGMENT, ty, count: None }
-}
-
-fn pipeline(device: &wgpu::Device, layout: &wgpu::BindGroupLayout) -> wgpu::RenderPipeline {
-    let shader = device.create_shader_module(wgpu::include_wgsl!("timewarp.wgsl"));
-    let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some("timewarp"),
-        bind_group_layouts: &[Some(layout)],
-        immediate_size: 0,
-    });
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("timewarp"),
-        layout: Some(&pipeline_layout),
-        vertex: wgpu::VertexState {
-            module: &shader,
-            entry_point: Some("vertex"),
-            compilation_options: Default::default(),
-            buffers: &[],
-        },
-        primitive: wgpu::PrimitiveState::default(),
-        depth_stencil: None,
-        multisample: wgpu::MultisampleState::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: &shader,
-            entry_point: Some("fragment"),
-            compilation_options: Default::default(),
-            targets: &[Some(MAP_FORMAT.into())],
-        }),
-        multiview_mask: None,
-        cache: None,
-    })
 }

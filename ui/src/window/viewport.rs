@@ -1,6 +1,7 @@
 //! The picture on the screen: textures of the newest frame and the pipeline that shows them.
 
 use super::frames::PublishedFrame;
+use super::full_screen_pass as pass;
 use super::presentation::{Overlay, Presentation};
 use super::timewarp::{Reprojection, Timewarp, WarpMap};
 use afterimage::raster::color::ToneMap;
@@ -184,25 +185,24 @@ impl ViewGpu {
         let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("viewport"),
             entries: &[
-                texture_entry(0, wgpu::TextureSampleType::Float { filterable: true }),
-                entry(1, wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering)),
-                texture_entry(2, wgpu::TextureSampleType::Uint),
-                texture_entry(3, wgpu::TextureSampleType::Uint),
-                entry(
-                    4,
-                    wgpu::BindingType::Buffer {
-                        ty: wgpu::BufferBindingType::Uniform,
-                        has_dynamic_offset: false,
-                        min_binding_size: None,
-                    },
-                ),
-                texture_entry(5, wgpu::TextureSampleType::Float { filterable: false }),
-                texture_entry(6, wgpu::TextureSampleType::Float { filterable: true }),
-                texture_entry(7, wgpu::TextureSampleType::Float { filterable: true }),
+                pass::texture_entry(0, wgpu::TextureSampleType::Float { filterable: true }),
+                pass::entry(1, wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering)),
+                pass::texture_entry(2, wgpu::TextureSampleType::Uint),
+                pass::texture_entry(3, wgpu::TextureSampleType::Uint),
+                pass::uniform_entry(4),
+                pass::texture_entry(5, wgpu::TextureSampleType::Float { filterable: false }),
+                pass::texture_entry(6, wgpu::TextureSampleType::Float { filterable: true }),
+                pass::texture_entry(7, wgpu::TextureSampleType::Float { filterable: true }),
             ],
         });
         Self {
-            pipeline: pipeline(device, &layout, target),
+            pipeline: pass::pipeline(
+                device,
+                "viewport",
+                &layout,
+                wgpu::include_wgsl!("present.wgsl"),
+                target,
+            ),
             layout,
             sampler: device.create_sampler(&wgpu::SamplerDescriptor {
                 label: Some("viewport"),
@@ -210,12 +210,7 @@ impl ViewGpu {
                 min_filter: wgpu::FilterMode::Linear,
                 ..Default::default()
             }),
-            params: device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("viewport"),
-                size: size_of::<Params>() as u64,
-                usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            }),
+            params: pass::uniform_buffer(device, "viewport", size_of::<Params>()),
             encode: !target.is_srgb(),
             timewarp: Timewarp::new(adapter, device),
             no_map: texture(device, [1, 1], wgpu::TextureFormat::Rgba16Float)
@@ -268,68 +263,13 @@ impl Textures {
             bytes_per_row: Some(self.size[0] * bytes_per_pixel),
             rows_per_image: None,
         };
-        queue.write_texture(texture.as_image_copy(), bytes, layout, extent(self.size));
+        let [width, height] = self.size;
+        let extent = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
+        queue.write_texture(texture.as_image_copy(), bytes, layout, extent);
     }
 }
 
 /// A texture that is written from the processor and read in shaders.
 fn texture(device: &wgpu::Device, size: [u32; 2], format: wgpu::TextureFormat) -> wgpu::Texture {
-    device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("viewport"),
-        size: extent(size),
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-        view_formats: &[],
-    })
-}
-
-fn extent([width, height]: [u32; 2]) -> wgpu::Extent3d {
-    wgpu::Extent3d { width, height, depth_or_array_layers: 1 }
-}
-
-fn entry(binding: u32, ty: wgpu::BindingType) -> wgpu::BindGroupLayoutEntry {
-    wgpu::BindGroupLayoutEntry { binding, visibility: wgpu::ShaderStages::FRAGMENT, ty, count: None }
-}
-
-fn texture_entry(binding: u32, sample_type: wgpu::TextureSampleType) -> wgpu::BindGroupLayoutEntry {
-    let view_dimension = wgpu::TextureViewDimension::D2;
-    entry(binding, wgpu::BindingType::Texture { sample_type, view_dimension, multisampled: false })
-}
-
-/// Matches egui's own pass: no depth, one sample.
-fn pipeline(
-    device: &wgpu::Device,
-    layout: &wgpu::BindGroupLayout,
-    target: wgpu::TextureFormat,
-) -> wgpu::RenderPipeline {
-    let shader = device.create_shader_module(wgpu::include_wgsl!("present.wgsl"));
-    let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some("viewport"),
-        bind_group_layouts: &[Some(layout)],
-        immediate_size: 0,
-    });
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("viewport"),
-        layout: Some(&pipeline_layout),
-        vertex: wgpu::VertexState {
-            module: &shader,
-            entry_point: Some("vertex"),
-            compilation_options: Default::default(),
-            buffers: &[],
-        },
-        primitive: wgpu::PrimitiveState::default(),
-        depth_stencil: None,
-        multisample: wgpu::MultisampleState::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: &shader,
-            entry_point: Some("fragment"),
-            compilation_options: Default::default(),
-            targets: &[Some(target.into())],
-        }),
-        multiview_mask: None,
-        cache: None,
-    })
+    pass::texture(device, "viewport", size, format, wgpu::TextureUsages::COPY_DST)
 }

@@ -165,6 +165,15 @@ fn without_a_display_the_program_walks_headless() {
 }
 
 #[test]
+fn without_a_display_a_picture_walks_the_tour_of_its_scene() {
+    let bench = Bench::new();
+    assert!(bench.run("render room.obj --size 16x12 --samples 1 -o a.png").status.success());
+    let output = bench.run("a.png --size 32x24 --samples 1 --json");
+    assert!(output.status.success(), "{}", super::stderr(&output));
+    assert!(bench.names("afterimage-out").contains(&"summary.json".to_owned()));
+}
+
+#[test]
 fn throughput_answers_with_the_contract() {
     let bench = Bench::new();
     let answer =

@@ -94,6 +94,24 @@ fn a_session_is_opened_by_name() {
 }
 
 #[test]
+fn the_session_of_one_scene_is_not_written_over_by_another() {
+    let home = Home::new();
+    std::fs::write(home.path("other.obj"), format!("{TRIANGLE}v 1 1 0\nf 2 3 4\n")).expect("a file");
+    let mut harness = home.open();
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::S);
+    said(&mut harness, "triangle-0001.afterimage-session.toml");
+    harness.input_mut().dropped_files.push(Arc::new(driving::Dropped(home.path("other.obj"))));
+    step_until(&mut harness, "the other scene", |app| {
+        app.state().scene.as_ref().is_some_and(|s| s.triangles == 2)
+    });
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::S);
+    said(&mut harness, "other-0001.afterimage-session.toml");
+    let first = home.path("afterimage-triangle-0001.afterimage-session.toml");
+    assert!(std::fs::read_to_string(first).expect("the session").contains("triangle.obj"));
+    settle(&mut harness);
+}
+
+#[test]
 fn a_session_of_another_version_is_said_and_left_alone() {
     let home = Home::new();
     let path = home.path("a.afterimage-session.toml");

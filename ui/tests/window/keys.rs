@@ -226,6 +226,12 @@ fn works(window: &mut Window, action: Action, chord: Chord) {
             press(window, chord);
             assert_eq!(state(window).comparison.shows, Compare::Off);
         }
+        Action::Quit => {
+            let (key, physical_key, modifiers) = (chord.key, Some(chord.key), Modifiers::COMMAND);
+            window.event(egui::Event::Key { key, physical_key, pressed: true, repeat: false, modifiers });
+            window.step();
+            assert!(orders(window, &ViewportCommand::Close));
+        }
         _ => asks(window, action, chord),
     }
 }

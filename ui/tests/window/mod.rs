@@ -1,10 +1,14 @@
 //! The real app with its real threads on a small scene, driven by events.
 
+mod accessible;
+mod adapter;
 mod comparing;
 mod driving;
+mod dropping;
 mod editing;
 mod keeping;
 mod keys;
+mod leaving;
 mod measured;
 mod moving;
 mod pictures;

@@ -13,7 +13,7 @@ const PROGRAM: &str = env!("CARGO_BIN_EXE_afterimage");
 const SCREEN: [u32; 2] = [1280, 800];
 
 /// Another process decides when it is done; it is asked so often.
-const POLL: Duration = Duration::from_millis(40);
+pub(super) const POLL: Duration = Duration::from_millis(40);
 
 /// A floor with two blocks; the importer gives it a sun and a sky.
 const COURTYARD: &str = "\
@@ -66,6 +66,7 @@ fn display() -> Option<Display> {
 pub(super) struct Desk {
     app: Child,
     display: Display,
+    window: String,
     folder: tempfile::TempDir,
 }
 
@@ -89,21 +90,26 @@ fn program(display: &str, folder: &Path) -> Command {
 }
 
 impl Desk {
-    fn open() -> Option<Self> {
+    pub(super) fn open() -> Option<Self> {
         Self::open_with_model(COURTYARD)
     }
 
     /// A window on a model, by its text.
     pub(super) fn open_with_model(model: &str) -> Option<Self> {
-        Self::start(Some(model), &["model.obj", "--samples", "1"])
+        Self::start(Some(model), &["model.obj", "--samples", "1"], &[])
+    }
+
+    /// A window on the courtyard, with variables of the environment.
+    pub(super) fn open_in(variables: &[(&str, &str)]) -> Option<Self> {
+        Self::start(Some(COURTYARD), &["model.obj", "--samples", "1"], variables)
     }
 
     /// A window opened with arguments.
     pub(super) fn open_with(arguments: &[&str]) -> Option<Self> {
-        Self::start(None, arguments)
+        Self::start(None, arguments, &[])
     }
 
-    fn start(model: Option<&str>, arguments: &[&str]) -> Option<Self> {
+    fn start(model: Option<&str>, arguments: &[&str], variables: &[(&str, &str)]) -> Option<Self> {
         let display = display()?;
         let folder = tempfile::tempdir().expect("a folder");
         if let Some(text) = model {
@@ -111,17 +117,32 @@ impl Desk {
         }
         let app = program(&display.name, folder.path())
             .args(arguments)
+            .envs(variables.iter().copied())
             .stderr(Stdio::null())
             .spawn()
             .expect("the program starts");
-        let desk = Self { app, display, folder };
-        let window = desk.wait_for("a window", || {
+        let mut desk = Self { app, display, window: String::new(), folder };
+        desk.window = desk.wait_for("a window", || {
             let found = desk.run("xdotool", &["search", "--onlyvisible", "--name", "^Afterimage"]);
             found.lines().last().map(str::to_owned)
         });
         // Without a window manager nobody else gives the keys to it.
-        desk.run("xdotool", &["windowfocus", "--sync", &window]);
+        desk.run("xdotool", &["windowfocus", "--sync", &desk.window]);
         Some(desk)
+    }
+
+    pub(super) fn display(&self) -> &str {
+        &self.display.name
+    }
+
+    /// The window's number.
+    pub(super) fn window(&self) -> u32 {
+        self.window.parse().expect("a number")
+    }
+
+    /// Where the program was started.
+    pub(super) fn folder(&self) -> &Path {
+        self.folder.path()
     }
 
     fn run(&self, tool: &str, arguments: &[&str]) -> String {
@@ -135,7 +156,7 @@ impl Desk {
         self.run("xdotool", &line.split_whitespace().collect::<Vec<_>>());
     }
 
-    fn wait_for<T>(&self, what: &str, mut look: impl FnMut() -> Option<T>) -> T {
+    pub(super) fn wait_for<T>(&self, what: &str, mut look: impl FnMut() -> Option<T>) -> T {
         let start = Instant::now();
         loop {
             if let Some(found) = look() {
@@ -211,22 +232,22 @@ impl Desk {
         screen.pixels().filter(|p| p.0 == color).count() as f64 / f64::from(SCREEN[0] * SCREEN[1])
     }
 
-    fn wait_for_share(&self, name: &str, color: [u8; 3], least: f64) {
+    pub(super) fn wait_for_share(&self, name: &str, color: [u8; 3], least: f64) {
         self.wait_for(name, || (self.share(name, color) >= least).then_some(()));
     }
 
-    fn saved(&self, extension: &str) -> Option<PathBuf> {
+    pub(super) fn saved(&self, extension: &str) -> Option<PathBuf> {
         let files = std::fs::read_dir(self.folder.path()).expect("the folder");
         let paths = files.filter_map(|file| Some(file.ok()?.path()));
         paths.into_iter().find(|path| path.extension().is_some_and(|e| e == extension))
     }
 }
 
-const TYPE1: [u8; 3] = [0x00, 0x72, 0xB2];
+pub(super) const TYPE1: [u8; 3] = [0x00, 0x72, 0xB2];
 /// The ground of panels: a fifth of the window, half of it with the help.
 const PANEL: [u8; 3] = [0x1B, 0x1B, 0x1B];
 /// A point of the picture, away from panels and figures.
-const MIDDLE: &str = "600 500";
+pub(super) const MIDDLE: &str = "600 500";
 
 #[test]
 fn a_person_walks_looks_and_saves() {

@@ -10,7 +10,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         ui.label("Compare")
             .on_hover_text(format!("Hold {} for the whole picture", keys_of(Action::ShowFull)));
-        ui.selectable_value(&mut shows, Compare::Off, "Off");
+        ui.selectable_value(&mut shows, Compare::Off, "Off").accessible_name("Compare off");
         ui.selectable_value(&mut shows, Compare::Split, "Split")
             .on_hover_text(format!("Key {}", keys_of(Action::CompareSplit)));
         ui.selectable_value(&mut shows, Compare::Errors, "Error map")

@@ -118,7 +118,7 @@ fn place_rows(ui: &mut Ui, place: &mut PlaceAndTime) {
     slider(ui, "Longitude", "Positive in the east", &mut place.longitude_deg, -180.0..=180.0, 2, "°");
     date_row(ui, place);
     let help = "By the clocks of the place";
-    let label = ui.label("Time").on_hover_text(help);
+    let label = ui.label("Time of day").on_hover_text(help);
     let clock = Slider::new(&mut place.hours, 0.0..=24.0).custom_formatter(|hours, _| clock_text(hours));
     ui.add(clock.custom_parser(clock_hours).step_by(1.0 / 12.0)).labelled_by(label.id).on_hover_text(help);
     ui.end_row();

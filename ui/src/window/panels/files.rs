@@ -1,4 +1,4 @@
-//! Recent files, the question after a crash, and the looks of the window.
+//! Recent files, and the looks of the window.
 
 use super::super::state::{Command, FileCommand, Look, State};
 use crate::settings::{Theme, UI_SCALES};
@@ -18,26 +18,6 @@ pub fn recent_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             ui.separator();
             if ui.button("Forget these").clicked() {
                 commands.push(Command::Files(FileCommand::ForgetRecent));
-            }
-        });
-    });
-}
-
-/// Asks whether a session that was cut short goes on.
-pub fn ask_to_recover(ctx: &egui::Context, commands: &mut Vec<Command>) {
-    egui::Modal::new(egui::Id::unique("recover")).show(ctx, |ui| {
-        ui.set_width(320.0);
-        ui.heading("Go on where you were?");
-        ui.label(
-            "The program did not end as it should the last time. Scene, pose, views and path were kept.",
-        );
-        ui.add_space(8.0);
-        ui.horizontal(|ui| {
-            if ui.button("Go on").clicked() {
-                commands.push(Command::Files(FileCommand::Recover));
-            }
-            if ui.button("Start anew").clicked() {
-                commands.push(Command::Files(FileCommand::DiscardRecovery));
             }
         });
     });

@@ -14,7 +14,8 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         ui.label("Heatmap").on_hover_text(format!("Key {}", keys_of(Action::CycleHeatmap)));
         for (heatmap, name) in [(Heatmap::Off, "Off"), (Heatmap::Blend, "Blend"), (Heatmap::Only, "Only")] {
-            ui.selectable_value(&mut options.heatmap, heatmap, name);
+            let choice = ui.selectable_value(&mut options.heatmap, heatmap, name);
+            choice.accessible_name(format!("Heatmap {}", name.to_lowercase()));
         }
     });
     ui.horizontal(|ui| {

@@ -73,6 +73,10 @@ fn scene_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     if item(ui, "Copy pose", Some(Action::CopyPose)) {
         commands.push(Command::CopyPose);
     }
+    ui.separator();
+    if item(ui, "Quit", Some(Action::Quit)) {
+        commands.push(Command::Quit);
+    }
 }
 
 fn edit_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
@@ -94,7 +98,9 @@ fn edit_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 fn view_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     for (i, view) in state.scene.iter().flat_map(|s| s.views.iter().enumerate()) {
         let key = view.key.map_or(String::new(), |key| format!("{key}  "));
-        if item(ui, &format!("{key}{}", view.name), None) {
+        let button = ui.add(Button::new(format!("{key}{}", view.name)));
+        // The list of views has a button of the same text.
+        if button.accessible_name(format!("Go to {}", view.name)).clicked() {
             commands.push(Command::Moving(Moving::GoToView(i)));
         }
     }

@@ -77,25 +77,3 @@ pub fn drop_hint(ui: &Ui, viewport: Rect) {
         Color32::WHITE,
     );
 }
-
-/// Asks before all references go.
-pub fn ask_to_clear(ctx: &egui::Context, state: &State, commands: &mut Vec<Command>) {
-    let [_, held] = state.references_used_and_held();
-    let modal = egui::Modal::new(egui::Id::unique("clear")).show(ctx, |ui| {
-        ui.set_width(300.0);
-        ui.heading("Clear all references?");
-        ui.label(format!("{held} are held. They are traced again where they are needed."));
-        ui.add_space(8.0);
-        ui.horizontal(|ui| {
-            if ui.button("Clear all").clicked() {
-                commands.push(Command::Clear);
-            }
-            if ui.button("Keep").clicked() {
-                commands.push(Command::KeepReferences);
-            }
-        });
-    });
-    if modal.should_close() {
-        commands.push(Command::KeepReferences);
-    }
-}

@@ -1,6 +1,8 @@
 //! What controls ask for: panels and keys make commands, only the app carries them out.
 
-use super::{Change, Compare, FileCommand, Look, Options, PictureCommand, Quality, Severity, SunControls};
+use super::{
+    Answer, Change, Compare, FileCommand, Look, Options, PictureCommand, Quality, Severity, SunControls,
+};
 use crate::window::fly_camera::Gait;
 use crate::window::load::SceneSource;
 use crate::window::plan::PlanView;
@@ -37,6 +39,8 @@ pub enum Command {
     KeepReferences,
     Remove(ReferenceId),
     Picture(PictureCommand),
+    Answer(Answer),
+    Quit,
     Files(FileCommand),
     SetLook(Look),
     ShowSettings(bool),

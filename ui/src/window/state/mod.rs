@@ -4,6 +4,7 @@ mod command;
 mod comparison;
 mod edits;
 mod history;
+mod leaving;
 mod look;
 mod notices;
 mod options;
@@ -18,6 +19,7 @@ pub use command::{Command, Editing, Moving, Seeing};
 pub use comparison::{Compare, Comparison, Pair, PictureError, difference};
 pub use edits::{Change, Edits};
 pub use history::{HISTORY, Sample};
+pub use leaving::{Answer, Leaving};
 pub use look::{FileCommand, Look};
 pub use notices::{Notice, Severity};
 pub use options::Options;
@@ -67,6 +69,8 @@ pub struct State {
     pub path_text: String,
     /// The question whether to clear the references is open.
     pub asks_to_clear: bool,
+    /// What waits for an answer, because it would lose changes.
+    pub leaving: Option<Leaving>,
     /// The person has not moved yet.
     pub shows_hint: bool,
     /// The first complete frame from this generation on sets the exposure: a model from a file has just been opened.
@@ -138,6 +142,7 @@ impl State {
             notices: Vec::new(),
             path_text: String::new(),
             asks_to_clear: false,
+            leaving: None,
             shows_hint: true,
             meters_from: None,
             window_ms: 0.0,
@@ -195,6 +200,11 @@ impl State {
             let before = if self.window_ms > 0.0 { self.window_ms } else { secs * 1000.0 };
             self.window_ms = before * FADE + secs * 1000.0 * (1.0 - FADE);
         }
+    }
+
+    /// True while a question is open: it has the keyboard.
+    pub fn is_asking(&self) -> bool {
+        self.leaving.is_some() || self.asks_to_clear || self.recovery.is_some()
     }
 
     /// The frame's references that are held, and those that it used.

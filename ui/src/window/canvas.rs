@@ -1,0 +1,56 @@
+//! The picture in the middle of the window: its room, what lies over it, and the newest frame in it.
+
+use super::app::App;
+use super::panels;
+use super::presentation::Presentation;
+use super::timewarp::Reprojection;
+use super::viewport;
+
+/// Where the picture is to be drawn.
+pub(super) struct Canvas {
+    painter: egui::Painter,
+    shape: egui::layers::ShapeIdx,
+    rect: egui::Rect,
+}
+
+impl App {
+    /// Takes the viewport's room; its picture is drawn once it is known where the camera goes in this very frame.
+    pub(super) fn viewport(&mut self, ui: &mut egui::Ui) -> (egui::Response, Canvas) {
+        let rect = ui.available_rect_before_wrap();
+        let response = ui.allocate_rect(rect, egui::Sense::click_and_drag());
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "3D viewport"));
+        let points_to_pixels = ui.ctx().pixels_per_point();
+        self.viewport_size =
+            [rect.width(), rect.height()].map(|points| (points * points_to_pixels).round() as u32);
+        ui.painter().rect_filled(rect, 0.0, egui::Color32::from_gray(24));
+        let canvas =
+            Canvas { painter: ui.painter().clone(), shape: ui.painter().add(egui::Shape::Noop), rect };
+        panels::overlay::show(ui, rect, &self.state);
+        let inner = rect.shrink(10.0);
+        if self.state.options.shows_statistics && inner.is_positive() {
+            ui.scope_builder(egui::UiBuilder::new().max_rect(inner), |ui| panels::hud::show(ui, &self.state));
+        }
+        if self.state.shows_hint && self.state.loading.is_none() && inner.is_positive() {
+            panels::hud::hint(ui, rect);
+        }
+        (response, canvas)
+    }
+
+    /// Draws the newest frame, as it is seen from where the camera is by now.
+    pub(super) fn draw(&self, canvas: Canvas) {
+        if self.graphics.is_some() && canvas.rect.is_positive() {
+            let points_to_pixels = canvas.painter.ctx().pixels_per_point();
+            let presentation = Presentation { overlay: self.overlay(), ..self.state.presentation() };
+            let shape = viewport::shape(canvas.rect, points_to_pixels, presentation, self.reprojection());
+            canvas.painter.set(canvas.shape, shape);
+        }
+    }
+
+    /// The way from the newest frame to the camera; `None` at rest, and for frames of a scene that was left.
+    fn reprojection(&self) -> Option<Reprojection> {
+        let (frame, camera) = (self.state.frame.as_ref()?, self.state.fly.camera());
+        let is_elsewhere = frame.camera != *camera && frame.generation >= self.scene_since;
+        is_elsewhere
+            .then(|| Reprojection::new(&frame.camera, camera, &frame.scene_frame, frame.size, frame.nearest))
+    }
+}

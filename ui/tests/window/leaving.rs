@@ -1,0 +1,146 @@
+//! Changes that are not saved are asked about before they are lost.
+
+use super::*;
+use afterimage_ui::window::state::{Edits, Severity};
+use egui::{Key, ViewportCommand, ViewportEvent, ViewportId};
+
+/// A wall on the disk that was made a mirror, which is not saved yet.
+struct Changed {
+    folder: tempfile::TempDir,
+    window: Harness<'static, App>,
+}
+
+impl Changed {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        let model = folder.path().join("wall.obj");
+        std::fs::write(&model, "usemtl wall\nv -1 0 0\nv 1 0 0\nv 1 2 0\nv -1 2 0\nf 1 2 3 4\n")
+            .expect("a file");
+        let mut window = open(WindowRequest { scene: Some(SceneSource::file(&model)), ..request() }, false);
+        make_mirror(&mut window, 0.0);
+        Self { folder, window }
+    }
+
+    fn saved(&self) -> Option<String> {
+        std::fs::read_to_string(self.folder.path().join("wall.afterimage.toml")).ok()
+    }
+}
+
+/// Changes what is seen so far below the centre.
+fn make_mirror(window: &mut Harness<'static, App>, down: f32) {
+    editing::click(window, 0.0, down);
+    window.get_by_label("Mirror").click_accesskit();
+    settle(window);
+    assert!(is_unsaved(window.state()));
+}
+
+fn is_unsaved(app: &App) -> bool {
+    app.state().edits.as_ref().is_some_and(Edits::is_unsaved)
+}
+
+/// The desktop asks the window to close; true where that was held up.
+fn close(window: &mut Harness<'static, App>) -> bool {
+    window.input_mut().viewports.entry(ViewportId::ROOT).or_default().events.push(ViewportEvent::Close);
+    window.step();
+    let is_held = orders(window, &ViewportCommand::CancelClose);
+    window.input_mut().viewports.entry(ViewportId::ROOT).or_default().events.clear();
+    window.run_steps(2);
+    is_held
+}
+
+fn orders(window: &Harness<'static, App>, wanted: &ViewportCommand) -> bool {
+    window.output().viewport_output.values().any(|viewport| viewport.commands.contains(wanted))
+}
+
+/// Steps until the window closes itself.
+fn wait_for_close(window: &mut Harness<'static, App>) {
+    let start = Instant::now();
+    while !orders(window, &ViewportCommand::Close) {
+        assert!(start.elapsed() < DEADLINE, "it stays open");
+        std::thread::yield_now();
+        window.step();
+    }
+}
+
+#[test]
+fn closing_asks_and_enter_saves() {
+    let mut changed = Changed::new();
+    assert!(close(&mut changed.window));
+    assert!(changed.window.get_by_label("Save").is_focused(), "the first answer has the keyboard");
+    let before = *changed.window.state().state().fly.camera();
+    changed.window.key_down(Key::W);
+    changed.window.run_steps(3);
+    changed.window.key_up(Key::W);
+    assert_eq!(*changed.window.state().state().fly.camera(), before, "a question has the keys");
+    changed.window.key_press(Key::Enter);
+    wait_for_close(&mut changed.window);
+    assert!(changed.saved().is_some_and(|text| text.contains("kind = \"mirror\"")));
+    assert!(!close(&mut changed.window), "it is not asked again");
+}
+
+#[test]
+fn escape_stays_and_tab_reaches_the_other_answers() {
+    let mut changed = Changed::new();
+    assert!(close(&mut changed.window));
+    changed.window.key_press(Key::Escape);
+    changed.window.run_steps(2);
+    assert!(changed.window.query_by_label("Don't save").is_none());
+    assert!(is_unsaved(changed.window.state()), "nothing is lost");
+    assert!(close(&mut changed.window));
+    changed.window.key_press(Key::Tab);
+    changed.window.run_steps(2);
+    assert!(changed.window.get_by_label("Don't save").is_focused());
+    changed.window.key_down(Key::Enter);
+    wait_for_close(&mut changed.window);
+    assert_eq!(changed.saved(), None);
+}
+
+#[test]
+fn what_cannot_be_saved_is_not_left() {
+    let mut changed = Changed::new();
+    std::fs::create_dir(changed.folder.path().join("wall.afterimage.toml")).expect("a folder in the way");
+    assert!(close(&mut changed.window));
+    changed.window.get_by_label("Save").click();
+    step_until(&mut changed.window, "a message", |app| {
+        app.state().notices.iter().any(|n| n.severity == Severity::Error)
+    });
+    assert!(!orders(&changed.window, &ViewportCommand::Close) && is_unsaved(changed.window.state()));
+    assert!(changed.window.state().state().leaving.is_none(), "the message can be read");
+}
+
+#[test]
+fn another_scene_waits_for_the_answer() {
+    let mut changed = Changed::new();
+    let other = changed.folder.path().join("triangle.obj");
+    std::fs::write(&other, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").expect("a file");
+    let triangles = |app: &App| app.state().scene.as_ref().map(|s| s.triangles);
+    for answer in ["Cancel", "Don't save"] {
+        changed.window.input_mut().dropped_files.push(Arc::new(driving::Dropped(other.clone())));
+        changed.window.run_steps(3);
+        assert!(changed.window.state().loading().is_none());
+        assert_eq!(triangles(changed.window.state()), Some(2));
+        changed.window.get_by_label(answer).click();
+        changed.window.run_steps(2);
+    }
+    step_until(&mut changed.window, "the other scene", |app| triangles(app) == Some(1));
+    settle(&mut changed.window);
+    assert_eq!(changed.saved(), None);
+    assert!(!close(&mut changed.window), "nothing is left to be lost");
+}
+
+#[test]
+fn a_scene_of_the_program_offers_no_saving() {
+    let mut window = app();
+    make_mirror(&mut window, 180.0);
+    assert!(close(&mut window));
+    assert!(window.query_by_label("Save").is_none());
+    window.get_by_label("Lose changes").click();
+    wait_for_close(&mut window);
+}
+
+#[test]
+fn without_changes_nothing_is_asked() {
+    let mut window = app();
+    assert!(!close(&mut window));
+    assert!(window.state().state().leaving.is_none());
+}
