@@ -5,7 +5,7 @@ use super::flags::Flags;
 use super::progress::SharedProgress;
 use super::{interrupt, output};
 use afterimage::scene::import::{self, ImportOptions, Phase};
-use afterimage::scene::{SceneError, builtin};
+use afterimage::scene::{SceneError, Warning, builtin};
 use afterimage::{Scene, Tracer};
 use serde_json::{Value, json};
 use std::path::Path;
