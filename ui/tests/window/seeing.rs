@@ -74,17 +74,11 @@ fn a_reference_is_switched_off_shown_and_chosen() {
     let number = first(harness.state()).id.0;
     harness.get_by_label(&format!("Disable reference {number}")).click_accesskit();
     step_until(&mut harness, "a frame without it", |app| !first(app).is_enabled);
-    settle(&mut harness);
-    let app = harness.state();
-    let stands_in = app
-        .state()
-        .frame
-        .as_ref()
-        .expect("a frame")
-        .references
-        .iter()
-        .any(|r| r.is_enabled && r.contribution > 0.1);
-    assert!(stands_in, "the policy took another");
+    // The frame thread comes to rest before it knows that the policy wants one, so rest is not what to wait for.
+    step_until(&mut harness, "another in its place", |app| {
+        let frame = app.state().frame.as_ref().expect("a frame");
+        frame.references.iter().any(|r| r.is_enabled && r.contribution > 0.1)
+    });
     harness.step();
     harness.get_by_label(&format!("Enable reference {number}")).click_accesskit();
     step_until(&mut harness, "a frame with it", |app| first(app).is_enabled);
