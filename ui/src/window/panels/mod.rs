@@ -37,13 +37,9 @@ pub const FILLED_COLOR: Color32 = Color32::from_rgb(0xCC, 0x79, 0xA7);
 /// What the types are called.
 pub const TYPE_NAMES: [&str; 3] = ["Type 1, reused", "Type 2, mirror or glass", "Type 3, traced"];
 
-/// Sets egui's look: its labels are greyer than small figures can bear (4.5 : 1 against the panel is asked for), and its
-/// small letters smaller than can be read at an arm's length.
+/// Sets egui's look: its labels are greyer than small figures can bear (4.5 : 1 against the panel is asked for).
 pub fn install_style(ctx: &egui::Context) {
     ctx.all_styles_mut(|style| {
-        if let Some(small) = style.text_styles.get_mut(&egui::TextStyle::Small) {
-            small.size = 10.5;
-        }
         let visuals = &mut style.visuals;
         let gray = if visuals.dark_mode { 190 } else { 50 };
         visuals.widgets.noninteractive.fg_stroke.color = Color32::from_gray(gray);

@@ -173,6 +173,8 @@ fn buttons(ui: &mut Ui, state: &State, sheet: &Sheet, commands: &mut Vec<Command
             view = PlanView::default();
         }
         ui.checkbox(&mut view.follows, "Follow me");
+        ui.weak(format!("at {:.1} m", sheet.plan.height_m))
+            .on_hover_text("Height of the cut above the origin");
     });
     if view != state.plan_view {
         commands.push(Command::Seeing(Seeing::SetPlanView(view)));
