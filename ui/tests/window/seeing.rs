@@ -19,7 +19,9 @@ fn a_click_tells_what_is_there() {
     assert!((found.depth_m - found.distance_m).abs() < 1e-6, "in the centre depth is distance");
     let facts = found.pixel.expect("the frame is of this pose");
     let frame = harness.state().state().frame.as_ref().expect("a frame");
-    assert_eq!(facts.at, frame.size.map(|s| s / 2));
+    // In a picture with an odd side the centre of the window lies between two pixels.
+    let off = [0, 1].map(|axis| facts.at[axis].abs_diff(frame.size[axis] / 2));
+    assert!(off.into_iter().all(|o| o <= 1), "{:?} of {:?}", facts.at, frame.size);
     assert!(
         facts.supplier.is_some() || facts.kind.number() == 3,
         "someone lent what is not traced: {facts:?}"
