@@ -7,6 +7,7 @@ pub mod bands;
 mod finish;
 pub mod frame;
 mod look_up;
+mod reference_job;
 pub mod refine;
 pub mod renderer;
 mod stand_in;
@@ -15,10 +16,11 @@ pub mod walkthrough;
 
 pub use audit::statistics::AuditEstimate;
 pub use frame::{Frame, FrameStats, StageSecs};
+pub use reference_job::ReferenceJob;
 pub use refine::{RefineState, render_antialiased};
 pub use renderer::Renderer;
 pub use steadiness::Steadiness;
-pub use walkthrough::{ReferenceJob, Walkthrough, WalkthroughSettings};
+pub use walkthrough::{Walkthrough, WalkthroughSettings};
 
 use crate::trace::TraceSettings;
 use serde::{Deserialize, Serialize};

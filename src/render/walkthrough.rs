@@ -6,11 +6,11 @@ use super::ahead::Ahead;
 use super::audit::{Audited, Auditor};
 use super::refine::{PASSES, RefineState, Refinement};
 use super::steadiness::SteadinessWatch;
-use super::{Frame, Mode, RenderSettings, Renderer};
+use super::{Frame, Mode, ReferenceJob, RenderSettings, Renderer};
 use crate::camera::{Camera, View};
 use crate::reference::cache::CachedReference;
 use crate::reference::{
-    KnownLight, Observation, PlacementPolicy, ReferenceCache, ReferenceFrame, ReferenceId, open_percent,
+    Observation, PlacementPolicy, ReferenceCache, ReferenceFrame, ReferenceId, open_percent,
 };
 use crate::trace::parallel::Stop;
 use crate::trace::{TraceSettings, Tracer};
@@ -371,34 +371,5 @@ impl Walkthrough {
     /// Adds a finished reference. One of another epoch is refused and `None` returned.
     pub fn insert(&mut self, reference: ReferenceFrame) -> Option<ReferenceId> {
         (reference.epoch == self.tracer.epoch()).then(|| self.cache.insert(Arc::new(reference)))
-    }
-}
-
-/// A reference to be traced.
-#[derive(Clone, Debug)]
-pub struct ReferenceJob {
-    /// Of this scene.
-    pub tracer: Arc<Tracer>,
-    /// Here.
-    pub camera: Camera,
-    /// In pixels.
-    pub size: [u32; 2],
-    /// Samples, bounces, seed.
-    pub settings: TraceSettings,
-    /// What is known already and need not be lit; `None` lights every pixel, as the paper does.
-    pub known: Option<KnownLight>,
-}
-
-impl ReferenceJob {
-    /// Traces it on the current thread pool. `None` after a stop.
-    pub fn trace(&self, stop: Stop<'_>) -> Option<ReferenceFrame> {
-        let (tracer, camera, size, settings) = (&self.tracer, &self.camera, self.size, &self.settings);
-        match &self.known {
-            None => ReferenceFrame::trace(tracer, camera, size, settings, stop),
-            Some(known) => {
-                let lookup = known.lookup(tracer.epoch());
-                ReferenceFrame::trace_sparse(tracer, camera, size, settings, &lookup, stop)
-            }
-        }
     }
 }

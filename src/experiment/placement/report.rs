@@ -219,3 +219,16 @@ fn over_time(mode: &str, walk: &str, records: &[&RunRecord]) -> Chart {
         ..Chart::default()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::least_open;
+
+    #[test]
+    fn a_curve_that_runs_back_is_judged_by_what_it_reaches_so_far() {
+        // Fewer references make the frames trace more: the second point is worse in both.
+        let curve = [[16.0, 9.5], [18.0, 19.0], [22.0, 29.0], [28.0, 7.9]];
+        let found = [15.9, 16.0, 20.0, 27.9, 28.0].map(|work| least_open(&curve, work));
+        assert_eq!(found, [None, Some(9.5), Some(9.5), Some(9.5), Some(7.9)]);
+    }
+}

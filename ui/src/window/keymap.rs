@@ -147,7 +147,7 @@ pub const BINDINGS: &[Binding] = &[
     press(Action::Pause, &[plain(Key::P)], "pause or resume the renderer"),
     press(Action::Open, &[ctrl(Key::O)], "open a model, a session or a picture's view"),
     press(Action::SaveSession, &[ctrl(Key::S)], "save the session"),
-    press(Action::Quit, &[ctrl(Key::Q)], "close the window (asks where changes are not saved)"),
+    press(Action::Quit, &[ctrl(Key::Q)], "close the window"),
     press(Action::Reload, &[plain(Key::F5)], "load the scene again"),
     press(Action::Screenshot, &[plain(Key::F12)], "save a picture"),
     press(Action::ScreenshotWithoutBackground, &[ctrl(Key::F12)], "save a picture without the sky"),

@@ -180,22 +180,7 @@ impl RenderThread {
             .start_handler(|_| give_way())
             .build()
             .map_err(io::Error::other)?;
-        let mut worker = Worker {
-            shared: shared.clone(),
-            pool,
-            jobs,
-            messages: sender,
-            wake,
-            walk: None,
-            wish: None,
-            job: None,
-            refused: Vec::new(),
-            asked: None,
-            wants_picture: false,
-            rendered: None,
-            converged: None,
-            added: Vec::new(),
-        };
+        let mut worker = Worker::new(shared.clone(), pool, jobs, sender, wake);
         let name = "afterimage-frames".to_owned();
         let frames = std::thread::Builder::new().name(name).spawn(move || worker.run())?;
         Ok(Self { shared, messages, frames: Some(frames), references: Some(references) })

@@ -7,6 +7,7 @@ use afterimage_ui::window::pose_text::pose_of_flags;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread::sleep;
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_afterimage");
@@ -63,12 +64,19 @@ fn display() -> Option<Display> {
     Some(Display { server, name: format!(":{}", number.trim()) })
 }
 
+/// Programs that draw by the processor take every core: two beside each other waited a minute for their windows.
+static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
+
 pub(super) struct Desk {
     app: Child,
     display: Display,
     window: String,
     folder: tempfile::TempDir,
+    _turn: MutexGuard<'static, ()>,
 }
+
+/// What the program said, in its folder.
+const SAID: &str = "said.txt";
 
 impl Drop for Desk {
     fn drop(&mut self) {
@@ -110,6 +118,7 @@ impl Desk {
     }
 
     fn start(model: Option<&str>, arguments: &[&str], variables: &[(&str, &str)]) -> Option<Self> {
+        let turn = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
         let display = display()?;
         let folder = tempfile::tempdir().expect("a folder");
         if let Some(text) = model {
@@ -118,10 +127,10 @@ impl Desk {
         let app = program(&display.name, folder.path())
             .args(arguments)
             .envs(variables.iter().copied())
-            .stderr(Stdio::null())
+            .stderr(std::fs::File::create(folder.path().join(SAID)).expect("a file"))
             .spawn()
             .expect("the program starts");
-        let mut desk = Self { app, display, window: String::new(), folder };
+        let mut desk = Self { app, display, window: String::new(), folder, _turn: turn };
         desk.window = desk.wait_for("a window", || {
             let found = desk.run("xdotool", &["search", "--onlyvisible", "--name", "^Afterimage"]);
             found.lines().last().map(str::to_owned)
@@ -162,9 +171,14 @@ impl Desk {
             if let Some(found) = look() {
                 return found;
             }
-            assert!(start.elapsed() < DEADLINE, "waited in vain: {what}; see {}", self.shoot("in-vain"));
+            assert!(start.elapsed() < DEADLINE, "waited in vain: {what}; {}", self.evidence());
             sleep(POLL);
         }
+    }
+
+    fn evidence(&self) -> String {
+        let said = std::fs::read_to_string(self.folder.path().join(SAID)).unwrap_or_default();
+        format!("see {}; the program said: {said}", self.shoot("in-vain"))
     }
 
     /// The pose that the program copies, once it no longer changes.

@@ -19,9 +19,7 @@ fn a_click_tells_what_is_there() {
     assert!((found.depth_m - found.distance_m).abs() < 1e-6, "in the centre depth is distance");
     let facts = found.pixel.expect("the frame is of this pose");
     let frame = harness.state().state().frame.as_ref().expect("a frame");
-    // In a picture with an odd side the centre of the window lies between two pixels.
-    let off = [0, 1].map(|axis| facts.at[axis].abs_diff(frame.size[axis] / 2));
-    assert!(off.into_iter().all(|o| o <= 1), "{:?} of {:?}", facts.at, frame.size);
+    assert_eq!(facts.at, frame.size.map(|s| s / 2));
     assert!(
         facts.supplier.is_some() || facts.kind.number() == 3,
         "someone lent what is not traced: {facts:?}"
@@ -76,11 +74,17 @@ fn a_reference_is_switched_off_shown_and_chosen() {
     let number = first(harness.state()).id.0;
     harness.get_by_label(&format!("Disable reference {number}")).click_accesskit();
     step_until(&mut harness, "a frame without it", |app| !first(app).is_enabled);
-    // The frame thread comes to rest before it knows that the policy wants one, so rest is not what to wait for.
-    step_until(&mut harness, "another in its place", |app| {
-        let frame = app.state().frame.as_ref().expect("a frame");
-        frame.references.iter().any(|r| r.is_enabled && r.contribution > 0.1)
-    });
+    settle(&mut harness);
+    let app = harness.state();
+    let stands_in = app
+        .state()
+        .frame
+        .as_ref()
+        .expect("a frame")
+        .references
+        .iter()
+        .any(|r| r.is_enabled && r.contribution > 0.1);
+    assert!(stands_in, "the policy took another");
     harness.step();
     harness.get_by_label(&format!("Enable reference {number}")).click_accesskit();
     step_until(&mut harness, "a frame with it", |app| first(app).is_enabled);
@@ -156,4 +160,18 @@ fn the_report_is_filtered() {
     harness.get_by_label("Filter the warnings").type_text("GONE.mtl");
     harness.run_steps(3);
     harness.get_by_label_contains("1 shown");
+}
+
+#[test]
+fn the_picture_keeps_its_size_whatever_the_panel_says() {
+    let mut harness = begin(request(), false);
+    harness.step();
+    let room = |harness: &Harness<'static, App>| harness.get_by_label("3D viewport").rect();
+    let first = room(&harness);
+    step_until(&mut harness, "a plan", |app| app.state().plan.is_some());
+    settle(&mut harness);
+    for step in 0..60 {
+        harness.step();
+        assert_eq!(room(&harness), first, "at step {step}: every other size is another picture to render");
+    }
 }

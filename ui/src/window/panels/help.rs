@@ -6,7 +6,7 @@ use egui::{RichText, Ui};
 
 /// Shows the keys over everything else.
 pub fn show(ctx: &egui::Context, state: &State, commands: &mut Vec<Command>) {
-    let room = ctx.content_rect().size() - egui::vec2(60.0, 140.0);
+    let room = ctx.content_rect().size() - egui::vec2(60.0, 118.0);
     let modal = egui::Modal::new(egui::Id::unique("help")).show(ctx, |ui| {
         ui.set_width(room.x.clamp(200.0, WIDTH));
         ui.horizontal(|ui| {
@@ -28,7 +28,7 @@ pub fn show(ctx: &egui::Context, state: &State, commands: &mut Vec<Command>) {
 }
 
 /// Both columns side by side with the longest line in each.
-const WIDTH: f32 = 800.0;
+const WIDTH: f32 = 920.0;
 
 /// One or two columns of lines, as there is room; the mouse comes last.
 fn table(ui: &mut Ui) {
@@ -38,7 +38,7 @@ fn table(ui: &mut Ui) {
     ui.columns(count, |columns| {
         let parts = lines.chunks(lines.len().div_ceil(count));
         for (side, (ui, lines)) in columns.iter_mut().zip(parts).enumerate() {
-            egui::Grid::new(("help", side)).num_columns(2).spacing([14.0, 5.0]).show(ui, |ui| {
+            egui::Grid::new(("help", side)).num_columns(2).spacing([14.0, 3.0]).show(ui, |ui| {
                 for (keys, help) in lines {
                     ui.label(RichText::new(keys).strong());
                     ui.label(*help);

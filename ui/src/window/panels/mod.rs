@@ -37,9 +37,13 @@ pub const FILLED_COLOR: Color32 = Color32::from_rgb(0xCC, 0x79, 0xA7);
 /// What the types are called.
 pub const TYPE_NAMES: [&str; 3] = ["Type 1, reused", "Type 2, mirror or glass", "Type 3, traced"];
 
-/// Sets egui's look: its labels are greyer than small figures can bear (4.5 : 1 against the panel is asked for).
+/// Sets egui's look: its labels are greyer than small figures can bear (4.5 : 1 against the panel is asked for), and its
+/// small letters smaller than can be read at an arm's length.
 pub fn install_style(ctx: &egui::Context) {
     ctx.all_styles_mut(|style| {
+        if let Some(small) = style.text_styles.get_mut(&egui::TextStyle::Small) {
+            small.size = 10.5;
+        }
         let visuals = &mut style.visuals;
         let gray = if visuals.dark_mode { 190 } else { 50 };
         visuals.widgets.noninteractive.fg_stroke.color = Color32::from_gray(gray);
@@ -47,8 +51,12 @@ pub fn install_style(ctx: &egui::Context) {
     });
 }
 
-/// The panel on the right.
+/// The panel on the right. What is too wide in it is cut: were the panel to grow, the picture would be rendered anew at
+/// another size, and its references with it.
 pub fn side(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+    let room = ui.available_rect_before_wrap();
+    ui.allocate_rect(room, egui::Sense::hover());
+    let ui = &mut ui.new_child(egui::UiBuilder::new().max_rect(room));
     egui::ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
         ui.spacing_mut().item_spacing.y = 5.0;
         section(ui, "Scene", |ui| report::show(ui, state, commands));

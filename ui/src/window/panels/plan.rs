@@ -162,7 +162,7 @@ fn steer(ui: &Ui, state: &State, sheet: &Sheet, response: &Response, commands: &
 
 fn buttons(ui: &mut Ui, state: &State, sheet: &Sheet, commands: &mut Vec<Command>) {
     let mut view = state.plan_view;
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         if ui.button("+").accessible_name("Zoom in on the plan").clicked() {
             view = sheet.view.zoomed(1.5, sheet.view.centre_m);
         }

@@ -26,7 +26,8 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             "None yet."
         });
     }
-    egui::ScrollArea::vertical().id_salt("references").max_height(LIST_HEIGHT).show(ui, |ui| {
+    let area = egui::ScrollArea::vertical().id_salt("references").max_height(LIST_HEIGHT);
+    area.min_scrolled_height(LIST_HEIGHT).auto_shrink([false, true]).show(ui, |ui| {
         for reference in frame.references.iter().rev() {
             ui.separator();
             entry(ui, state, reference, "reference", commands);

@@ -94,8 +94,14 @@ fn warnings(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     });
 }
 
+/// Some ten warnings.
+const LIST_HEIGHT: f32 = 160.0;
+
 fn list(ui: &mut Ui, lines: &[String], commands: &mut Vec<Command>) {
-    let area = egui::ScrollArea::vertical().max_height(160.0).id_salt("warning list");
+    let area = egui::ScrollArea::vertical()
+        .max_height(LIST_HEIGHT)
+        .min_scrolled_height(LIST_HEIGHT)
+        .id_salt("warning list");
     let row_height = ui.text_style_height(&egui::TextStyle::Small);
     area.show_rows(ui, row_height, lines.len(), |ui, rows| {
         for line in &lines[rows] {

@@ -14,7 +14,9 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     if ui.button("Save this view").on_hover_text(help).clicked() {
         commands.push(Command::Moving(Moving::AddView));
     }
-    egui::ScrollArea::vertical().id_salt("views").max_height(LIST_HEIGHT).show(ui, |ui| {
+    let area = egui::ScrollArea::vertical().id_salt("views").max_height(LIST_HEIGHT);
+    // As wide as the panel, or its bar would lie over the buttons; as high even where the panel itself is scrolled.
+    area.min_scrolled_height(LIST_HEIGHT).auto_shrink([false, true]).show(ui, |ui| {
         for (i, view) in scene.views.iter().enumerate() {
             entry(ui, state, i, view, commands);
         }

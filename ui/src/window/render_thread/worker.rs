@@ -55,6 +55,32 @@ pub(super) struct Worker {
 }
 
 impl Worker {
+    /// Without a scene yet.
+    pub(super) fn new(
+        shared: Arc<Shared>,
+        pool: rayon::ThreadPool,
+        jobs: Sender<Job>,
+        messages: Sender<Message>,
+        wake: Wake,
+    ) -> Self {
+        Self {
+            shared,
+            pool,
+            jobs,
+            messages,
+            wake,
+            walk: None,
+            wish: None,
+            job: None,
+            refused: Vec::new(),
+            asked: None,
+            wants_picture: false,
+            rendered: None,
+            converged: None,
+            added: Vec::new(),
+        }
+    }
+
     pub(super) fn run(&mut self) {
         while let Some(generation) = self.wait() {
             if self.can_render() && self.rendered != Some(generation) {

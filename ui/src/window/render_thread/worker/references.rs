@@ -70,12 +70,12 @@ impl Worker {
     }
 }
 
-/// The pose at which the policy wants a reference, unless there already is one of just that pose: a view whose Type 3
-/// stays high all the same would ask for it for ever.
+/// The pose at which the policy wants a reference, unless there already is one in use of just that pose: a view whose Type 3
+/// stays high all the same would ask for it for ever. One that is switched off is as good as gone, and replaced.
 fn wanted(walk: &Walkthrough, size: [u32; 2]) -> Option<Camera> {
     let camera = walk.wanted_reference()?;
     let is_same = |e: &afterimage::reference::cache::CachedReference| {
-        e.frame.camera == camera && e.frame.view.size == size
+        e.is_enabled && e.frame.camera == camera && e.frame.view.size == size
     };
     (!walk.cache().entries().iter().any(is_same)).then_some(camera)
 }
@@ -114,22 +114,9 @@ mod tests {
         };
         let (jobs, sent) = unbounded();
         let (messages, said) = unbounded();
-        let worker = Worker {
-            shared: Arc::default(),
-            pool: rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap(),
-            jobs,
-            messages,
-            wake: Arc::new(|| {}),
-            walk: Some(Walkthrough::new(tracer, settings)),
-            wish: Some(wish),
-            job: None,
-            refused: Vec::new(),
-            asked: None,
-            wants_picture: false,
-            rendered: None,
-            converged: None,
-            added: Vec::new(),
-        };
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+        let mut worker = Worker::new(Arc::default(), pool, jobs, messages, Arc::new(|| {}));
+        (worker.walk, worker.wish) = (Some(Walkthrough::new(tracer, settings)), Some(wish));
         (worker, sent, said)
     }
 
@@ -151,5 +138,27 @@ mod tests {
         worker.render(0);
         worker.request_reference();
         assert_eq!(sent.try_iter().count(), 1);
+    }
+
+    #[test]
+    fn a_reference_that_is_switched_off_is_replaced_at_its_pose_and_only_once() {
+        let (mut worker, sent, _said) = worker();
+        worker.render(0);
+        let trace_one = |worker: &mut Worker| {
+            worker.request_reference();
+            let job = sent.try_recv().ok()?;
+            let frame = job.reference.trace(&|| false).expect("nobody stops it");
+            worker.take_in(Outcome::Traced(Box::new(frame)));
+            worker.render(0);
+            Some(())
+        };
+        assert!(trace_one(&mut worker).is_some() && trace_one(&mut worker).is_none());
+        let walk = worker.walk.as_mut().unwrap();
+        let first = walk.cache().entries()[0].id;
+        walk.cache_mut().set_enabled(first, false);
+        worker.render(0);
+        assert!(trace_one(&mut worker).is_some() && trace_one(&mut worker).is_none());
+        let entries = worker.walk.as_ref().unwrap().cache().entries();
+        assert!(entries.len() == 2 && entries[0].frame.camera == entries[1].frame.camera);
     }
 }
