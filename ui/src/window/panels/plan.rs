@@ -162,7 +162,7 @@ fn steer(ui: &Ui, state: &State, sheet: &Sheet, response: &Response, commands: &
 
 fn buttons(ui: &mut Ui, state: &State, sheet: &Sheet, commands: &mut Vec<Command>) {
     let mut view = state.plan_view;
-    ui.horizontal_wrapped(|ui| {
+    ui.horizontal(|ui| {
         if ui.button("+").accessible_name("Zoom in on the plan").clicked() {
             view = sheet.view.zoomed(1.5, sheet.view.centre_m);
         }
@@ -173,8 +173,6 @@ fn buttons(ui: &mut Ui, state: &State, sheet: &Sheet, commands: &mut Vec<Command
             view = PlanView::default();
         }
         ui.checkbox(&mut view.follows, "Follow me");
-        ui.weak(format!("at {:.1} m", sheet.plan.height_m))
-            .on_hover_text("Height of the cut above the origin");
     });
     if view != state.plan_view {
         commands.push(Command::Seeing(Seeing::SetPlanView(view)));
