@@ -264,3 +264,45 @@ fn what_mirrors_and_glass_show_is_shaded_once() {
     let off = (mean(&second) / mean(&first) - 1.0).abs();
     assert!(off < 0.01, "the light is that of the first frame: {off}");
 }
+
+/// A post on a floor before a mirror, lit by a point: its shadow has sharp edges, and there is no noise.
+fn post_and_mirror() -> Arc<Tracer> {
+    let mut b = SceneBuilder::new("post");
+    let matte = b.add_material(Material::diffuse("matte", Vec3::splat(0.6)));
+    let mirror = b.add_material(Material::mirror("mirror", Vec3::splat(0.9)));
+    quad(&mut b, dvec(-6.0, 0.0, 6.0), dvec(12.0, 0.0, 0.0), dvec(0.0, 0.0, -9.0), matte);
+    quad(&mut b, dvec(-6.0, 0.0, -3.0), dvec(12.0, 0.0, 0.0), dvec(0.0, 4.0, 0.0), mirror);
+    cuboid(&mut b, dvec(-0.1, 0.0, -0.1), dvec(0.1, 1.2, 0.1), matte, false);
+    b.point_lights.push((dvec(2.1, 2.7, 1.3), Vec3::splat(9.0)));
+    Arc::new(Tracer::new(Arc::new(b.finish().unwrap())))
+}
+
+/// What was traced for another pixel lies beside the edge; where light jumps only the very place will do.
+#[test]
+fn the_edge_of_a_shadow_stays_in_its_place_seen_at_once_and_in_a_mirror() {
+    let tracer = post_and_mirror();
+    let trace = TraceSettings { samples: 16, ..TRACE };
+    let mut walk = walkthrough(&tracer);
+    let render = RenderSettings { mode: Mode::Exact, trace };
+    walk.set_settings(WalkthroughSettings { render, ..*walk.settings() });
+    let [mut direct, mut mirrored] = [0; 2];
+    for i in 0..12 {
+        // A third of a pixel a frame.
+        let eye = dvec(0.3 + 0.01 * f64::from(i), 1.7, 4.2);
+        let camera = Camera::look_at(eye, dvec(-0.6, 0.3, -1.0), 50.0);
+        let frame = walk.render(&camera, SIZE, NEVER).clone();
+        add_wanted(&mut walk);
+        let settings = RenderSettings { mode: Mode::Full, trace };
+        let mut renderer = Renderer::default();
+        let truth = renderer.render(&tracer, &camera, SIZE, &settings, &[], NEVER);
+        for pixel in (0..frame.radiance.len()).filter(|_| i >= 3) {
+            let (shown, right) = (frame.radiance[pixel], truth.radiance[pixel]);
+            let is_off = (shown - right).abs().max_element() > 0.2 * shown.max(right).max_element();
+            match truth.types[pixel] {
+                PixelType::Secondary => mirrored += u32::from(is_off),
+                _ => direct += u32::from(is_off),
+            }
+        }
+    }
+    assert!(direct <= 9 && mirrored <= 9, "{direct} direct, {mirrored} mirrored pixels in nine frames");
+}

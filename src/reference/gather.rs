@@ -14,7 +14,11 @@ use glam::Vec3;
 
 /// Samples fall into two groups, as on both sides of a shadow's edge, where one gap between them is at least this share
 /// of their whole range. Four samples of mere noise have such a gap once in eight times.
-const EDGE_GAP: f32 = 0.8;
+pub(super) const EDGE_GAP: f32 = 0.8;
+
+/// Samples of sixteen shadow rays that differ by more than this share are parted by a shadow's edge however they are spread
+/// between.
+pub(super) const WIDE: f32 = 0.5;
 
 /// How a view's pixels meet one reference.
 #[derive(Debug)]
@@ -73,7 +77,7 @@ impl Toward<'_> {
         let triangle = &points.triangle[at..at + TILE_SIDE];
         let gathered = self.collect(simd, &footprint, triangle);
         if gathered.total.simd_ge(f32x8::splat(simd, LEAST_WEIGHT)).any_true() {
-            gathered.add_to(simd, slot, at, footprint.density, found);
+            gathered.add_to(simd, (slot, self.reference.wide), at, footprint.density, found);
         }
     }
 
@@ -207,7 +211,7 @@ impl<S: Simd> Gathered<S> {
     /// Adds up what a tile finds. What is extrapolated from few samples yields to what is interpolated, the coarse to
     /// the fine.
     #[inline(always)]
-    fn add_to(&self, simd: S, slot: u8, at: usize, density: f32x8<S>, found: &mut TileLight) {
+    fn add_to(&self, simd: S, (slot, wide): (u8, f32), at: usize, density: f32x8<S>, found: &mut TileLight) {
         let (zero, one) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
         let total = self.total;
         let enough = total.simd_ge(f32x8::splat(simd, LEAST_WEIGHT));
@@ -227,8 +231,9 @@ impl<S: Simd> Gathered<S> {
         let best = load(simd, &found.best_weight, at);
         let better = weight.simd_gt(best);
         store(better.select(weight, best), &mut found.best_weight, at);
-        let jump = self.has_gap().select(spread, zero);
-        store(better.select(jump, load(simd, &found.jump, at)), &mut found.jump, at);
+        let is_wide = spread.simd_gt(f32x8::splat(simd, wide));
+        let jump = (self.has_gap() | is_wide).select(spread, zero);
+        store(load(simd, &found.jump, at).max(enough.select(jump, zero)), &mut found.jump, at);
         let mut bits = better.to_bitmask();
         while bits != 0 {
             found.slot[at + bits.trailing_zeros() as usize] = slot;

@@ -9,8 +9,11 @@ use super::ReferenceFrame;
 use super::cache::CachedReference;
 use super::directory::{Directory, MOST_SLOTS, PackedNormal, SlotMask};
 use super::frame::NEAREST_DEPTH;
+use super::gather::{EDGE_GAP, WIDE};
 use super::light::{LightScale, UNLIT};
+use super::tile_light::{LEAST_COVERAGE, MOST_JUMP, MOST_LOSS};
 use crate::trace::SceneEpoch;
+use arrayvec::ArrayVec;
 use glam::{Mat3, Vec3};
 
 /// A sample belongs to the point's surface where it lies off the plane of the point by less than this share of the
@@ -30,6 +33,9 @@ pub const MOST_MAGNIFICATION: f32 = 1024.0;
 /// References averaged for a point met after a mirror or behind glass; more would cost more than their noise is worth.
 const ENOUGH: usize = 3;
 
+/// At most, where those are coarser than what is shown.
+const MOST_FOUND: usize = 8;
+
 /// A reference made ready for look-ups.
 #[derive(Debug)]
 pub(super) struct LookupReference<'a> {
@@ -46,6 +52,9 @@ pub(super) struct LookupReference<'a> {
     /// Distance of two samples at depth one.
     pub(super) step: f32,
     pub(super) size: [f32; 2],
+    /// Samples that differ by more than this share are parted by a shadow's edge however they are spread between: [`WIDE`]
+    /// where there is little noise.
+    pub(super) wide: f32,
 }
 
 impl<'a> LookupReference<'a> {
@@ -64,6 +73,7 @@ impl<'a> LookupReference<'a> {
             eye: view.eye,
             step: view.scene_from_pixel.x_axis.length(),
             size: view.size.map(|s| s as f32),
+            wide: WIDE * frame.settings.noise(),
         }
     }
 
@@ -78,10 +88,10 @@ impl<'a> LookupReference<'a> {
             }
     }
 
-    /// The light at a point with a unit normal on the side that is asked for, and how much it is worth: samples per unit
-    /// of surface, in scene units, squared. `None` where this reference does not see that side of the point.
+    /// The light at a point with a unit normal on the side that is asked for. `None` where this reference does not see
+    /// that side of the point.
     #[inline]
-    pub(super) fn light_at(&self, position: Vec3, normal: Vec3, triangle: u32) -> Option<(Vec3, f32)> {
+    pub(super) fn light_at(&self, position: Vec3, normal: Vec3, triangle: u32) -> Option<Sampled> {
         let offset = position - self.eye;
         let height = normal.dot(offset);
         let q = self.pixel_from_scene * offset;
@@ -94,29 +104,71 @@ impl<'a> LookupReference<'a> {
         }
         let tolerance = PLANE_TOLERANCE * self.step * q.z / -height + DEPTH_ROUNDING;
         let plane = self.scene_from_pixel.transpose() * (normal / height);
-        let (sum, weight) = self.gather(x, y, plane, tolerance, triangle);
+        let (sum, coverage, [spread, jump]) = self.gather(x, y, plane, tolerance, triangle);
         let density = -height / (self.step * self.step * q.z * q.z * q.z);
-        (weight >= LEAST_WEIGHT).then(|| (sum / weight, weight * density * density))
+        let weight = coverage * density * density;
+        let known = Sampled { light: sum / coverage, weight, density, coverage, spread, jump };
+        (coverage >= LEAST_WEIGHT).then_some(known)
     }
 
-    /// Sums the light of the samples around (x, y) that lie on a plane, given as disparity by picture coordinates.
+    /// Sums the light of the samples around (x, y) that lie on a plane, given as disparity by picture coordinates. Told are
+    /// the sum, its bilinear weight, and how far the samples jump.
     #[inline]
-    fn gather(&self, x: f32, y: f32, plane: Vec3, tolerance: f32, triangle: u32) -> (Vec3, f32) {
+    fn gather(&self, x: f32, y: f32, plane: Vec3, tolerance: f32, triangle: u32) -> (Vec3, f32, [f32; 2]) {
         let ([x0, wx], [y0, wy]) = (corner(x, self.size[0]), corner(y, self.size[1]));
         let base = y0 as usize * self.size[0] as usize + x0 as usize;
         let (mut sum, mut total) = (Vec3::ZERO, 0.0);
+        let mut brightness = ArrayVec::<f32, 4>::new();
         for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
             let at = base + dy * self.size[0] as usize + dx;
             let expected = plane.dot(Vec3::new(x0 + 0.5 + dx as f32, y0 + 0.5 + dy as f32, 1.0));
             let agrees = (self.disparity[at] - expected).abs() <= tolerance * expected;
             if agrees && self.light[at] != UNLIT && self.is_alike(at, triangle) {
                 let weight = (if dx == 0 { 1.0 - wx } else { wx }) * (if dy == 0 { 1.0 - wy } else { wy });
-                sum += weight * self.scale.unpack(self.light[at]);
+                let light = self.scale.unpack(self.light[at]);
+                sum += weight * light;
                 total += weight;
+                brightness.push(light.max_element());
             }
         }
-        (sum, total)
+        (sum, total, spread_and_jump(&mut brightness, self.wide))
     }
+}
+
+/// What one reference knows of a point.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sampled {
+    pub(super) light: Vec3,
+    /// What it is worth: coverage times density squared.
+    weight: f32,
+    /// Samples per unit of surface, in scene units.
+    density: f32,
+    /// The share of bilinear weight that was found.
+    coverage: f32,
+    /// How far the samples differ, as a share of the brightest.
+    spread: f32,
+    /// The same where they lie on both sides of a shadow's edge; else zero.
+    jump: f32,
+}
+
+/// By how much a few values differ, as a share of the largest, where one gap between them is most of their range.
+#[inline]
+fn spread_and_jump(brightness: &mut [f32], wide: f32) -> [f32; 2] {
+    brightness.sort_unstable_by(f32::total_cmp);
+    let (Some(&least), Some(&most)) = (brightness.first(), brightness.last()) else { return [0.0; 2] };
+    let range = most - least;
+    let gap = brightness.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f32::max);
+    let spread = range / most.max(f32::MIN_POSITIVE);
+    [spread, if gap >= EDGE_GAP * range || spread > wide { spread } else { 0.0 }]
+}
+
+/// The light arriving at a point, as the radiance of a white surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FoundLight {
+    /// By channel.
+    pub light: Vec3,
+    /// True where it is extrapolated beyond the samples, or between samples on both sides of a shadow's edge.
+    pub is_guess: bool,
 }
 
 /// The first of the two samples around a picture coordinate, and the weight of the second.
@@ -134,6 +186,8 @@ pub struct LookupSet<'a> {
     /// By slot.
     pub(super) references: Vec<Option<LookupReference<'a>>>,
     pub(super) usable: SlotMask,
+    /// Of the noisiest reference, over that of sixteen shadow rays.
+    pub(super) noise: f32,
 }
 
 impl<'a> LookupSet<'a> {
@@ -141,14 +195,15 @@ impl<'a> LookupSet<'a> {
     pub fn new(directory: &'a Directory, entries: &'a [CachedReference], epoch: SceneEpoch) -> Self {
         let mut references = Vec::new();
         references.resize_with(MOST_SLOTS, || None);
-        let mut usable = 0;
+        let (mut usable, mut noise) = (0, 1.0f32);
         for entry in entries.iter().filter(|e| e.is_usable(epoch)) {
             if entry.frame.view.size.iter().all(|&s| s >= 2) {
                 references[entry.slot] = Some(LookupReference::new(&entry.frame, directory.normals()));
                 usable |= 1 << entry.slot;
+                noise = noise.max(entry.frame.settings.noise());
             }
         }
-        Self { directory, references, usable }
+        Self { directory, references, usable, noise }
     }
 
     /// References that may be asked.
@@ -161,22 +216,36 @@ impl<'a> LookupSet<'a> {
         self.usable == 0
     }
 
-    /// The light arriving at a point in scene space with a unit normal on the side that is asked for, as the radiance of
-    /// a white surface: the mean over the first three references that see it, weighted by the square of their sample density.
-    /// `None` where no reference does.
-    pub fn light_at(&self, position: Vec3, normal: Vec3, triangle: u32) -> Option<Vec3> {
+    /// The light arriving at a point in scene space with a unit normal on the side that is asked for: the mean over
+    /// references that see it, weighted by the square of their sample density; three of them, and a few more while none is as
+    /// fine as `footprint`, the distance of two points that the picture shows. `None` where no reference sees it.
+    pub fn light_at(
+        &self,
+        position: Vec3,
+        normal: Vec3,
+        triangle: u32,
+        footprint: f32,
+    ) -> Option<FoundLight> {
         let mut mask = self.directory.mask(self.directory.cell_of(position)) & self.usable;
         let (mut sum, mut total, mut found) = (Vec3::ZERO, 0.0, 0);
-        while mask != 0 && found < ENOUGH {
+        let (mut coverage, mut jump, mut loss) = (0.0f32, 0.0f32, f32::INFINITY);
+        let mut finest = 0.0f32;
+        while mask != 0 && (found < ENOUGH || finest < 0.5 && found < MOST_FOUND) {
             let slot = mask.trailing_zeros() as usize;
             mask &= mask - 1;
             let Some(reference) = &self.references[slot] else { continue };
-            if let Some((light, weight)) = reference.light_at(position, normal, triangle) {
-                sum += weight * light;
-                total += weight;
+            if let Some(known) = reference.light_at(position, normal, triangle) {
+                sum += known.weight * known.light;
+                total += known.weight;
                 found += 1;
+                let fine = (known.density * footprint * footprint).min(1.0);
+                finest = finest.max(fine);
+                coverage = coverage.max(known.coverage);
+                jump = jump.max(known.jump);
+                loss = loss.min(known.spread * (1.0 - fine));
             }
         }
-        (total > 0.0).then(|| sum / total)
+        let is_guess = coverage < LEAST_COVERAGE || jump > MOST_JUMP || loss > MOST_LOSS * self.noise;
+        (total > 0.0).then(|| FoundLight { light: sum / total, is_guess })
     }
 }

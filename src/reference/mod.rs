@@ -19,7 +19,7 @@ pub use cache::{CachedReference, KnownLight, ReferenceCache, ReferenceId};
 pub use directory::Directory;
 pub use disparity_tiles::DisparityTiles;
 pub use frame::ReferenceFrame;
-pub use lookup::LookupSet;
+pub use lookup::{FoundLight, LookupSet};
 pub use pixel_warp::{PixelWarp, RowWarp};
 pub use placement::{Observation, PlacementPolicy, PlacementRule};
 pub use point_cache::{Place, PointCache, TracedPoint};

@@ -28,6 +28,10 @@ const LEVELS: [i32; 2] = [-12, 10];
 /// A point lends its light to places off its plane by less than this share of the cell.
 const PLANE_SHARE: f32 = 0.25;
 
+/// Light of neighbouring cells that differs by more than this share is parted by the edge of a shadow. Two points of sixteen
+/// shadow rays each differ so rarely by noise alone, and where they do more points are traced, no fewer.
+const EDGE: f32 = 0.5;
+
 /// Moves the borders of cells off the round coordinates that walls like to have, where rounding would decide.
 const BORDER: Vec3 = Vec3::new(0.371, 0.619, 0.453);
 
@@ -42,6 +46,13 @@ pub struct Place {
     pub footprint: f32,
 }
 
+impl Place {
+    /// The same place to within an eighth of the footprint: as good as the very point.
+    pub fn here(self) -> Self {
+        Self { footprint: self.footprint * 0.125, ..self }
+    }
+}
+
 /// Light traced at a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TracedPoint {
@@ -51,6 +62,8 @@ pub struct TracedPoint {
     pub light: Vec3,
     /// Shadow rays per light it was traced with.
     pub samples: u32,
+    /// Its noise over that of sixteen shadow rays, at least one.
+    pub noise: f32,
     /// That it was traced for.
     pub pixel: u32,
 }
@@ -62,15 +75,27 @@ struct Entry {
     /// Of the cell; together with the bucket 50 bits of its name.
     tag: u32,
     normal: PackedNormal,
-    /// Zero where nothing is held.
+    /// Zero where nothing is held; [`AT_EDGE`] is set where a neighbour differs.
     samples: u8,
 }
+
+/// A bit of [`Entry::samples`]; what is left counts up to 127.
+const AT_EDGE: u8 = 0x80;
 
 const _: () = assert!(size_of::<Entry>() == 32, "two to a line of cache");
 
 impl Entry {
     const NONE: Self =
         Self { position: Vec3::ZERO, light: Vec3::ZERO, tag: 0, normal: PackedNormal::ZERO, samples: 0 };
+}
+
+/// Light that is held for a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct KeptLight {
+    /// Arriving, as the radiance of a white surface.
+    pub light: Vec3,
+    /// True where a shadow's edge passes nearby, so that light of another point of the cell may be far off.
+    pub is_at_edge: bool,
 }
 
 /// The cell of a place: its bucket, its tag, its size.
@@ -115,16 +140,16 @@ impl PointCache {
     fn enter_one(&mut self, point: &TracedPoint) {
         let place = &point.place;
         let cell = cell_of(place, level_of(place));
-        let bucket = &mut self.buckets[cell.bucket];
         let entry = Entry {
             position: place.position,
             light: point.light,
             tag: cell.tag,
             normal: PackedNormal::of_unit(place.normal),
-            samples: u8::try_from(point.samples).unwrap_or(u8::MAX),
+            samples: packed_samples(point.samples) | self.mark_edge(point, &cell),
         };
+        let bucket = &mut self.buckets[cell.bucket];
         match bucket.iter_mut().find(|e| e.samples > 0 && e.serves(place, &cell)) {
-            Some(known) if known.samples >= entry.samples => {}
+            Some(known) if known.count() >= entry.count() => {}
             Some(known) => *known = entry,
             None => {
                 bucket.rotate_right(1);
@@ -133,23 +158,55 @@ impl PointCache {
         }
     }
 
+    /// Marks the neighbours that a new point differs from. Told is the mark that it gets itself.
+    fn mark_edge(&mut self, point: &TracedPoint, cell: &Cell) -> u8 {
+        let place = &point.place;
+        let (u, v) = place.normal.any_orthonormal_pair();
+        let mut mark = 0;
+        for side in [u, -u, v, -v] {
+            let beside = Place { position: place.position + side * cell.side, ..*place };
+            let there = cell_of(&beside, level_of(place));
+            let entries = &mut self.buckets[there.bucket];
+            for entry in entries.iter_mut().filter(|e| e.samples > 0 && e.serves(&beside, &there)) {
+                let step = (entry.light - point.light).abs().max_element();
+                let edge = EDGE * point.noise.max((16.0 / f32::from(entry.count())).sqrt());
+                if step > edge * entry.light.max(point.light).max_element() {
+                    entry.samples |= AT_EDGE;
+                    mark = AT_EDGE;
+                }
+            }
+        }
+        mark
+    }
+
     /// The light of a place, where it was traced with at least so many samples. Only of the epoch last entered for.
     #[inline]
-    pub fn find(&self, place: &Place, samples: u32) -> Option<Vec3> {
+    pub fn find(&self, place: &Place, samples: u32) -> Option<KeptLight> {
         if self.buckets.is_empty() {
             return None;
         }
         let level = level_of(place);
-        let samples = u8::try_from(samples).unwrap_or(u8::MAX).max(1);
+        let samples = packed_samples(samples).max(1);
         (0..LEVELS_ASKED).find_map(|finer| {
             let cell = cell_of(place, level - finer);
             let entries = &self.buckets[cell.bucket];
-            entries.iter().find(|e| e.samples >= samples && e.serves(place, &cell)).map(|e| e.light)
+            let entry = entries.iter().find(|e| e.count() >= samples && e.serves(place, &cell))?;
+            Some(KeptLight { light: entry.light, is_at_edge: entry.samples & AT_EDGE != 0 })
         })
     }
 }
 
+fn packed_samples(samples: u32) -> u8 {
+    samples.min(u32::from(!AT_EDGE)) as u8
+}
+
 impl Entry {
+    /// Shadow rays per light.
+    #[inline(always)]
+    fn count(&self) -> u8 {
+        self.samples & !AT_EDGE
+    }
+
     #[inline(always)]
     fn serves(&self, place: &Place, cell: &Cell) -> bool {
         self.tag == cell.tag
@@ -185,6 +242,10 @@ mod tests {
         Place { position: Vec3::from(position), normal: Vec3::Y, footprint }
     }
 
+    fn found(cache: &PointCache, place: &Place, samples: u32) -> Option<Vec3> {
+        cache.find(place, samples).map(|kept| kept.light)
+    }
+
     fn epochs() -> [SceneEpoch; 2] {
         let scene = Arc::new(builtin::build("furnace").unwrap());
         [0; 2].map(|_| Tracer::new(scene.clone()).epoch())
@@ -196,24 +257,28 @@ mod tests {
         let mut cache = PointCache::default();
         let light = Vec3::new(1.0, 2.0, 3.0);
         let [epoch, other] = epochs();
-        cache.enter(epoch, &mut vec![TracedPoint { place: at, light, samples: 4, pixel: 0 }]);
-        assert_eq!(cache.find(&at, 4), Some(light));
-        assert_eq!(cache.find(&Place { footprint: 0.49, ..at }, 4), Some(light), "half of an octave farther");
-        assert_eq!(cache.find(&at, 5), None, "too few samples");
-        assert_eq!(cache.find(&Place { normal: -Vec3::Y, ..at }, 4), None, "the other side");
-        assert_eq!(cache.find(&Place { normal: Vec3::X, ..at }, 4), None, "a wall");
+        cache.enter(epoch, &mut vec![TracedPoint { place: at, light, samples: 4, noise: 2.0, pixel: 0 }]);
+        assert_eq!(found(&cache, &at, 4), Some(light));
+        assert_eq!(
+            found(&cache, &Place { footprint: 0.49, ..at }, 4),
+            Some(light),
+            "half of an octave farther"
+        );
+        assert_eq!(found(&cache, &at, 5), None, "too few samples");
+        assert_eq!(found(&cache, &Place { normal: -Vec3::Y, ..at }, 4), None, "the other side");
+        assert_eq!(found(&cache, &Place { normal: Vec3::X, ..at }, 4), None, "a wall");
         let above = Place { position: at.position + Vec3::Y * 0.07, ..at };
-        assert_eq!(cache.find(&above, 4), None, "a step of more than a quarter of the cell");
+        assert_eq!(found(&cache, &above, 4), None, "a step of more than a quarter of the cell");
         let mut lent = 0;
         for i in 0..40 * 40 {
             let off = Vec3::new((i % 40) as f32 - 20.0, 0.0, (i / 40) as f32 - 20.0) * 0.025;
-            let found = cache.find(&Place { position: at.position + off, ..at }, 4);
+            let found = found(&cache, &Place { position: at.position + off, ..at }, 4);
             assert!(found.is_none() || off.abs().max_element() <= 0.25, "lent to {off}");
             lent += u32::from(found.is_some());
         }
         assert!((80..=121).contains(&lent), "one cell of 10 by 10 places: {lent}");
-        cache.enter(other, &mut vec![TracedPoint { place: at, light, samples: 4, pixel: 0 }]);
-        assert_eq!(cache.find(&at, 4), None, "another state of the scene");
+        cache.enter(other, &mut vec![TracedPoint { place: at, light, samples: 4, noise: 2.0, pixel: 0 }]);
+        assert_eq!(found(&cache, &at, 4), None, "another state of the scene");
     }
 
     #[test]
@@ -222,12 +287,33 @@ mod tests {
         let mut cache = PointCache::default();
         let epoch = epochs()[0];
         for (samples, brightness) in [(4, 1.0), (16, 2.0), (16, 3.0), (1, 4.0)] {
-            let point = TracedPoint { place: at, light: Vec3::splat(brightness), samples, pixel: 0 };
+            let point =
+                TracedPoint { place: at, light: Vec3::splat(brightness), samples, noise: 1.0, pixel: 0 };
             cache.enter(epoch, &mut vec![point]);
         }
-        assert_eq!(cache.find(&at, 16), Some(Vec3::splat(2.0)));
-        let unknown = TracedPoint { place: place([9.0; 3], 0.5), light: Vec3::NAN, samples: 16, pixel: 0 };
+        assert_eq!(found(&cache, &at, 16), Some(Vec3::splat(2.0)));
+        let unknown =
+            TracedPoint { place: place([9.0; 3], 0.5), light: Vec3::NAN, samples: 16, noise: 1.0, pixel: 0 };
         cache.enter(epoch, &mut vec![unknown]);
-        assert_eq!(cache.find(&unknown.place, 1), None, "not a number");
+        assert_eq!(found(&cache, &unknown.place, 1), None, "not a number");
+    }
+
+    #[test]
+    fn points_on_both_sides_of_a_shadows_edge_are_marked_and_no_others() {
+        let epoch = epochs()[0];
+        let kept = |brightness: [f32; 3]| {
+            let mut cache = PointCache::default();
+            for (i, brightness) in (0..).zip(brightness) {
+                let place = place([0.1 + 0.5 * i as f32, 0.2, 0.3], 0.5);
+                let point =
+                    TracedPoint { place, light: Vec3::splat(brightness), samples: 16, noise: 1.0, pixel: i };
+                cache.enter(epoch, &mut vec![point]);
+            }
+            [0.1, 0.6, 1.1].map(|x| cache.find(&place([x, 0.2, 0.3], 0.5), 16).unwrap().is_at_edge)
+        };
+        assert_eq!(kept([1.0, 0.9, 0.1]), [false, true, true]);
+        assert_eq!(kept([0.0, 1.0, 0.0]), [true, true, true]);
+        assert_eq!(kept([1.0, 0.8, 0.6]), [false, false, false], "noise");
+        assert_eq!(kept([0.0, 0.0, 0.0]), [false, false, false], "dark");
     }
 }

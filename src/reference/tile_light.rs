@@ -7,10 +7,10 @@ use glam::Vec3;
 /// Light that less than this share of bilinear weight was found for is extrapolated: the nearest samples lie beyond an
 /// edge, and what shadow falls along the edge is not known. On a view of fluted columns, with all such pixels traced, 0.5
 /// gave 40.9 dB on 3 % of the pixels, 0.65 43.8 dB on 6 %, 0.8 45.5 dB on 8 %.
-const LEAST_COVERAGE: f32 = 0.8;
+pub(super) const LEAST_COVERAGE: f32 = 0.8;
 
 /// Samples whose brightness jumps by more than this share lie on both sides of a shadow's edge.
-const MOST_JUMP: f32 = 0.25;
+pub(super) const MOST_JUMP: f32 = 0.25;
 
 /// Of a tile that shows one plane, the rows whose light is looked up; bit per pixel.
 pub(super) const ROWS_ASKED: u64 = 0xff00_ff00_00ff_00ff;
@@ -18,6 +18,9 @@ pub(super) const ROWS_ASKED: u64 = 0xff00_ff00_00ff_00ff;
 /// The rows between them, each with the rows above and below that it is interpolated from, and the share of the latter.
 const ROWS_BETWEEN: [(usize, usize, usize, f32); 4] =
     [(1, 0, 2, 0.5), (3, 2, 5, 1.0 / 3.0), (4, 2, 5, 2.0 / 3.0), (6, 5, 7, 0.5)];
+
+/// Light of which interpolation smooths away more than this share is a guess as well.
+pub(super) const MOST_LOSS: f32 = 0.12;
 
 /// Rows are interpolated where the light above and below differs by less than this share: less than what sixteen shadow
 /// rays are off by. On two views of the gallery that took 0.4 and 0.7 dB off the error of reused pixels, and the pictures of the error show no row.
@@ -66,6 +69,8 @@ pub struct TileLight {
     /// Bit per pixel whose light was interpolated, so that no other reference need be asked.
     pub(super) covered: u64,
     pub(super) choice: Option<Choice>,
+    /// Of the references, over that of sixteen shadow rays.
+    pub(super) noise: f32,
 }
 
 impl TilePoints {
@@ -107,6 +112,7 @@ impl TileLight {
         known: 0,
         covered: 0,
         choice: None,
+        noise: 1.0,
     };
 
     /// Turns the sums of some pixels into means.
@@ -149,7 +155,9 @@ impl TileLight {
     /// True where a known pixel's light is a guess: extrapolated beyond the samples, or between samples that differ.
     #[inline(always)]
     pub fn is_guess(&self, pixel: usize) -> bool {
-        self.is_extrapolated(pixel) || self.jump[pixel] > MOST_JUMP
+        self.is_extrapolated(pixel)
+            || self.jump[pixel] > MOST_JUMP
+            || self.smoothed[pixel] > MOST_LOSS * self.noise
     }
 
     /// True where a known pixel's light is extrapolated beyond the samples.

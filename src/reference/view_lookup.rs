@@ -3,7 +3,7 @@
 use super::PixelWarp;
 use super::directory::{ALIKE_COSINE, MOST_SLOTS, SlotMask};
 use super::gather::Toward;
-use super::lookup::{LookupReference, LookupSet};
+use super::lookup::{FoundLight, LookupReference, LookupSet};
 use super::tile_light::{ROWS_ASKED, TileLight, TilePoints};
 use crate::camera::View;
 use crate::math::simd;
@@ -53,7 +53,7 @@ impl<'a> ViewLookup<'a> {
     /// Finds the light of the wanted pixels of a tile. Where the tile shows one plane, every other row is asked, and the
     /// rest only where those around it differ.
     pub fn gather(&self, points: &TilePoints, found: &mut TileLight) {
-        *found = TileLight { choice: found.choice.take(), ..TileLight::NONE };
+        *found = TileLight { choice: found.choice.take(), noise: self.set.noise, ..TileLight::NONE };
         if self.set.usable == 0 || points.wanted == 0 {
             return;
         }
@@ -115,10 +115,11 @@ impl<'a> ViewLookup<'a> {
         while open != 0 {
             let pixel = open.trailing_zeros() as usize;
             open &= open - 1;
-            if let Some(light) = self.set.light_at(
+            if let Some(FoundLight { light, .. }) = self.set.light_at(
                 self.position(points, pixel),
                 points.normal_at(pixel),
                 points.triangle[pixel],
+                self.view.scene_from_pixel.x_axis.length() / points.disparity[pixel],
             ) {
                 (found.light[0][pixel], found.light[1][pixel], found.light[2][pixel]) = light.into();
                 found.known |= 1 << pixel;
@@ -188,6 +189,7 @@ const _: () = assert!(MOST_SLOTS <= 256, "a slot fits a byte");
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::reference::lookup::Sampled;
     use crate::reference::{ReferenceCache, ReferenceFrame, TileSurfaces};
     use crate::scene::builtin;
     use crate::trace::parallel::NEVER;
@@ -223,7 +225,7 @@ mod tests {
                 // Where a tile's middle is not seen its rows are not asked; those pixels are looked up alone.
                 let Some(in_row) = in_row else { continue };
                 rows_find += 1;
-                let is_same = alone.is_some_and(|(light, _)| {
+                let is_same = alone.is_some_and(|Sampled { light, .. }| {
                     (light - in_row).abs().max_element() <= 1e-3 * light.max(in_row).max_element()
                 });
                 differ += u32::from(!is_same);

@@ -117,8 +117,14 @@ impl Renderer {
     ) {
         let start = Instant::now();
         let frame = &self.frame;
-        let finish =
-            Finish { tracer, view: &frame.view, lookup, points: &self.points, settings: &settings.trace };
+        let finish = Finish {
+            tracer,
+            view: &frame.view,
+            lookup,
+            points: &self.points,
+            settings: &settings.trace,
+            checks: settings.mode == Mode::Exact,
+        };
         let due = self.secondary.len().div_ceil(part);
         let (list, specular) = (&self.secondary[..due], &mut self.specular[..due]);
         let (spent, complete) = trace_missing(list, specular, stop, |pixel, spent| {
@@ -141,7 +147,14 @@ impl Renderer {
         let start = Instant::now();
         let trace = shading_of_unseen(settings);
         let frame = &self.frame;
-        let finish = Finish { tracer, view: &frame.view, lookup, points: &self.points, settings: &trace };
+        let finish = Finish {
+            tracer,
+            view: &frame.view,
+            lookup,
+            points: &self.points,
+            settings: &trace,
+            checks: settings.mode == Mode::Exact,
+        };
         let due = self.unseen.len().div_ceil(part);
         let (list, traced) = (&self.unseen[..due], &mut self.traced[..due]);
         let (spent, complete) = trace_missing(list, traced, stop, |pixel, spent| {
@@ -166,8 +179,14 @@ impl Renderer {
     ) {
         let start = Instant::now();
         let frame = &self.frame;
-        let finish =
-            Finish { tracer, view: &frame.view, lookup, points: &self.points, settings: &settings.trace };
+        let finish = Finish {
+            tracer,
+            view: &frame.view,
+            lookup,
+            points: &self.points,
+            settings: &settings.trace,
+            checks: settings.mode == Mode::Exact,
+        };
         let (spent, complete) = trace_missing(&self.uncertain, &mut self.checked, stop, |pixel, spent| {
             let at = pixel as usize;
             finish.check(pixel, frame.triangle[at], frame.radiance[at], spent)

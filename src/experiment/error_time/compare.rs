@@ -48,7 +48,9 @@ pub(super) fn full_error_at(full: &[SecsAndError], secs: f64) -> Option<f64> {
     let last = full.iter().rposition(|[t, _]| *t <= secs)?;
     let [t0, e0] = full[last];
     let Some(&[t1, e1]) = full.get(last + 1) else { return Some(e0) };
-    Some(e0 * (e1 / e0).powf((secs / t0).ln() / (t1 / t0).ln()))
+    // No power leads from or to an error of zero, as all have where a picture is black: then what is sure to be reached.
+    let share = (secs / t0).ln() / (t1 / t0).ln();
+    Some(if e0 > 0.0 && e1 > 0.0 { e0 * (e1 / e0).powf(share) } else { e0 })
 }
 
 /// The places, in order of time, of those that nothing else beats in both.
@@ -117,6 +119,7 @@ mod tests {
         assert_eq!(full_error_at(&FULL, 0.9), None);
         assert!((full_error_at(&FULL, 2.0).unwrap() - 0.8 / 2f64.sqrt()).abs() < 1e-12);
         assert_eq!(full_error_at(&FULL, 99.0), Some(0.2));
+        assert_eq!(full_error_at(&[[1.0, 0.0], [4.0, 0.0]], 2.0), Some(0.0), "a black picture");
     }
 
     #[test]

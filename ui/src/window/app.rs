@@ -64,6 +64,10 @@ pub struct App {
     pub(super) scenes_opened: u64,
     /// The window closes when it is asked to, whatever is not saved.
     pub(super) may_close: bool,
+    /// The control that the picture is.
+    pub(super) viewport: Option<egui::Id>,
+    /// The changes of the scene that is shown were given up for the one that is loading.
+    pub(super) discards: bool,
 }
 
 impl App {
@@ -113,6 +117,8 @@ impl App {
             is_planning: false,
             scenes_opened: 0,
             may_close: false,
+            viewport: None,
+            discards: false,
             request,
         };
         app.state.picture.settings = app.request.picture.clone();

@@ -18,6 +18,7 @@ impl App {
     pub(super) fn viewport(&mut self, ui: &mut egui::Ui) -> (egui::Response, Canvas) {
         let rect = ui.available_rect_before_wrap();
         let response = ui.allocate_rect(rect, egui::Sense::click_and_drag());
+        self.viewport = Some(response.id);
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "3D viewport"));
         let points_to_pixels = ui.ctx().pixels_per_point();
         self.viewport_size =

@@ -3,7 +3,7 @@
 use super::aim;
 use super::app::App;
 use super::fly_camera::{Gait, Motion, SPEED_FACTOR};
-use super::keymap::{Action, Pressed};
+use super::keymap::{Action, Attention, Pressed};
 use super::panels::legend;
 use super::presentation::{Coloring, Heatmap};
 use super::state::{
@@ -25,7 +25,14 @@ impl App {
     pub(super) fn key_commands(&mut self, ctx: &Context) -> Vec<Command> {
         let typing = ctx.text_edit_focused() || self.state.is_asking();
         let (events, dropped) = ctx.input(|i| (i.raw.events.clone(), i.raw.dropped_files.clone()));
-        let pressed = self.keyboard.update(&events, typing);
+        let attention = match () {
+            () if typing => Attention::Text,
+            () if ctx.memory(|m| m.focused().is_some_and(|id| Some(id) != self.viewport)) => {
+                Attention::Control
+            }
+            () => Attention::View,
+        };
+        let pressed = self.keyboard.update(&events, attention);
         let mut commands: Vec<Command> = pressed.into_iter().flat_map(|p| self.command_of(p)).collect();
         if !typing {
             commands.extend(events.iter().filter_map(clipboard_command));

@@ -7,7 +7,7 @@ mod keyboard;
 mod rebinding;
 
 pub use chord::Chord;
-pub use keyboard::{Keyboard, Pressed};
+pub use keyboard::{Attention, Keyboard, Pressed};
 pub use rebinding::{bindings, install, rebound};
 
 use chord::{ctrl, ctrl_shift, plain, shift};

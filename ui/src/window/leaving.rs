@@ -4,7 +4,9 @@
 use super::app::App;
 use super::load::SceneSource;
 use super::state::{Answer, Edits, Leaving};
+use afterimage::Tracer;
 use egui::{Context, ViewportCommand};
+use std::sync::Arc;
 
 impl App {
     /// Begins to load a scene, at once or when it is known what becomes of the changes of this one. They survive a
@@ -15,6 +17,16 @@ impl App {
             return self.load(source);
         }
         self.state.leaving = Some(Leaving::Open(source));
+    }
+
+    /// Shows a scene that was loaded, or asks first what becomes of changes made while it was.
+    pub(super) fn show_or_ask(&mut self, source: SceneSource, tracer: Arc<Tracer>) {
+        let is_reload = self.state.scene.as_ref().is_some_and(|s| s.source.label() == source.label());
+        if is_reload || self.discards || !self.has_unsaved_changes() {
+            self.discards = false;
+            return self.show_scene(source, tracer);
+        }
+        self.state.leaving = Some(Leaving::Show(source, tracer));
     }
 
     /// Holds the window open where closing it would lose changes.
@@ -36,7 +48,10 @@ impl App {
         match answer {
             // Goes on once they are saved.
             Answer::Save => self.save_beside(),
-            Answer::Discard => self.leave(ctx),
+            Answer::Discard => {
+                self.discards = matches!(self.state.leaving, Some(Leaving::Open(_)));
+                self.leave(ctx);
+            }
             Answer::Stay => {
                 self.state.leaving = None;
                 self.forget_awaited();
@@ -52,6 +67,7 @@ impl App {
                 ctx.send_viewport_cmd(ViewportCommand::Close);
             }
             Some(Leaving::Open(source)) => self.load(source),
+            Some(Leaving::Show(source, tracer)) => self.show_scene(source, tracer),
             None => {}
         }
     }

@@ -33,8 +33,9 @@ impl App {
             Some(result) => {
                 (self.loader, self.state.loading) = (None, None);
                 match result {
-                    Ok(tracer) => self.show_scene(source, tracer),
+                    Ok(tracer) => self.show_or_ask(source, tracer),
                     Err(message) => {
+                        self.discards = false;
                         self.forget_awaited();
                         self.state.notify(Severity::Error, message);
                     }
@@ -43,7 +44,7 @@ impl App {
         }
     }
 
-    fn show_scene(&mut self, source: SceneSource, tracer: Arc<Tracer>) {
+    pub(super) fn show_scene(&mut self, source: SceneSource, tracer: Arc<Tracer>) {
         let is_reload = self.state.scene.as_ref().is_some_and(|s| s.source.label() == source.label());
         let scene = SceneInfo::new(source, &tracer);
         let (view_index, start) = self.start_pose(&scene);
@@ -162,7 +163,7 @@ impl App {
     }
 
     pub(super) fn cancel_loading(&mut self) {
-        self.loader = None;
+        (self.loader, self.discards) = (None, false);
         self.forget_awaited();
     }
 

@@ -2,7 +2,7 @@
 
 use super::*;
 use afterimage_ui::window::fly_camera::Gait;
-use afterimage_ui::window::keymap::{Action, BINDINGS, Chord, Keyboard, Pressed};
+use afterimage_ui::window::keymap::{Action, Attention, BINDINGS, Chord, Keyboard, Pressed};
 use afterimage_ui::window::state::{Compare, Options, PictureSettings, PictureSize, State};
 use egui::{Key, Modifiers, ViewportCommand, vec2};
 use glam::DVec3;
@@ -285,7 +285,7 @@ fn asks(window: &mut Window, action: Action, chord: Chord) {
                 Modifiers { shift: chord.shift, ctrl: chord.ctrl, command: chord.ctrl, ..Modifiers::NONE };
             let (key, physical_key) = (chord.key, Some(chord.key));
             let event = egui::Event::Key { key, physical_key, pressed: true, repeat: false, modifiers };
-            let pressed = Keyboard::default().update(&[event], false);
+            let pressed = Keyboard::default().update(&[event], Attention::View);
             assert_eq!(pressed, [Pressed { action, chord: 0 }]);
         }
         moving => panic!("{moving:?} has no check"),

@@ -128,6 +128,33 @@ fn another_scene_waits_for_the_answer() {
     assert!(!close(&mut changed.window), "nothing is left to be lost");
 }
 
+/// The file is dropped and the surface changed in the same frame, so that the scene comes after the change.
+#[test]
+fn what_is_changed_while_another_scene_loads_is_asked_about() {
+    for answer in ["Cancel", "Don't save", "Save"] {
+        let mut changed = Changed::new();
+        changed.window.get_by_label("Save beside the scene").click();
+        step_until(&mut changed.window, "saved", |app| !is_unsaved(app));
+        let saved = changed.saved();
+        let other = changed.folder.path().join("triangle.obj");
+        std::fs::write(&other, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").expect("a file");
+        let triangles = |app: &App| app.state().scene.as_ref().map(|s| s.triangles);
+        changed.window.input_mut().dropped_files.push(Arc::new(driving::Dropped(other)));
+        changed.window.get_by_label("Glass").click_accesskit();
+        step_until(&mut changed.window, "the question", |app| app.state().leaving.is_some());
+        assert_eq!(triangles(changed.window.state()), Some(2), "the changed scene is still there");
+        assert!(is_unsaved(changed.window.state()));
+        changed.window.get_by_label(answer).click();
+        if answer == "Cancel" {
+            settle(&mut changed.window);
+            assert!(triangles(changed.window.state()) == Some(2) && is_unsaved(changed.window.state()));
+        } else {
+            step_until(&mut changed.window, "the other scene", |app| triangles(app) == Some(1));
+        }
+        assert_eq!(changed.saved() != saved, answer == "Save");
+    }
+}
+
 #[test]
 fn a_scene_of_the_program_offers_no_saving() {
     let mut window = app();

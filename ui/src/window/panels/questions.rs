@@ -61,7 +61,7 @@ fn ask_to_leave(ctx: &Context, state: &State, leaving: &Leaving, commands: &mut 
     let Some(scene) = &state.scene else { return };
     let heading = match leaving {
         Leaving::Close => "Save changes before closing?",
-        Leaving::Open(_) => "Save changes before opening another scene?",
+        Leaving::Open(_) | Leaving::Show(..) => "Save changes before opening another scene?",
     };
     let name = scene.source.label();
     let answer = Command::Answer;

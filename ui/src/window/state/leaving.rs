@@ -1,6 +1,8 @@
 //! What waits for an answer, because it would lose changes that are not saved.
 
 use crate::window::load::SceneSource;
+use afterimage::Tracer;
+use std::sync::Arc;
 
 /// What was asked for.
 #[derive(Clone, Debug)]
@@ -9,6 +11,8 @@ pub enum Leaving {
     Close,
     /// Another scene.
     Open(SceneSource),
+    /// The same, after that scene was loaded: something was changed meanwhile.
+    Show(SceneSource, Arc<Tracer>),
 }
 
 /// What becomes of the changes.
