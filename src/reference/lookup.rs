@@ -245,7 +245,8 @@ impl<'a> LookupSet<'a> {
                 loss = loss.min(known.spread * (1.0 - fine));
             }
         }
-        let is_guess = coverage < LEAST_COVERAGE || jump > MOST_JUMP || loss > MOST_LOSS * self.noise;
+        let is_guess =
+            coverage < LEAST_COVERAGE || jump > MOST_JUMP * self.noise || loss > MOST_LOSS * self.noise;
         (total > 0.0).then(|| FoundLight { light: sum / total, is_guess })
     }
 }

@@ -156,7 +156,7 @@ impl TileLight {
     #[inline(always)]
     pub fn is_guess(&self, pixel: usize) -> bool {
         self.is_extrapolated(pixel)
-            || self.jump[pixel] > MOST_JUMP
+            || self.jump[pixel] > MOST_JUMP * self.noise
             || self.smoothed[pixel] > MOST_LOSS * self.noise
     }
 

@@ -171,11 +171,13 @@ fn refracted(point: &SurfacePoint, d: Vec3, eta: f32) -> Vec3 {
 /// The share of unpolarised light mirrored by a dielectric; `eta` is the index on the side the light comes from over
 /// that on the other side. One under total internal reflection.
 pub fn fresnel_dielectric(cos: f32, eta: f32) -> f32 {
-    let sin2 = eta * eta * (1.0 - cos * cos).max(0.0);
-    if sin2 >= 1.0 {
+    // In f64: near the critical angle the difference loses what an f32 holds.
+    let (cos_wide, eta_wide) = (f64::from(cos), f64::from(eta));
+    let cos2_through = 1.0 - eta_wide * eta_wide * (1.0 - cos_wide * cos_wide).max(0.0);
+    if cos2_through <= 0.0 {
         return 1.0;
     }
-    let cos_through = (1.0 - sin2).sqrt();
+    let cos_through = cos2_through.sqrt() as f32;
     let parallel = (cos - eta * cos_through) / (cos + eta * cos_through);
     let perpendicular = (eta * cos - cos_through) / (eta * cos + cos_through);
     ((parallel * parallel + perpendicular * perpendicular) / 2.0).clamp(0.0, 1.0)
