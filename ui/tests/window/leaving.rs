@@ -133,7 +133,7 @@ fn another_scene_waits_for_the_answer() {
 fn what_is_changed_while_another_scene_loads_is_asked_about() {
     for answer in ["Cancel", "Don't save", "Save"] {
         let mut changed = Changed::new();
-        changed.window.get_by_label("Save beside the scene").click();
+        changed.window.get_by_label("Save beside the scene").click_accesskit();
         step_until(&mut changed.window, "saved", |app| !is_unsaved(app));
         let saved = changed.saved();
         let other = changed.folder.path().join("triangle.obj");
@@ -144,6 +144,7 @@ fn what_is_changed_while_another_scene_loads_is_asked_about() {
         step_until(&mut changed.window, "the question", |app| app.state().leaving.is_some());
         assert_eq!(triangles(changed.window.state()), Some(2), "the changed scene is still there");
         assert!(is_unsaved(changed.window.state()));
+        changed.window.run_steps(2);
         changed.window.get_by_label(answer).click();
         if answer == "Cancel" {
             settle(&mut changed.window);
