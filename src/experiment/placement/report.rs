@@ -57,8 +57,8 @@ impl Verdict {
         };
         let wins = self.ratios.iter().filter(|r| **r < 1.0).count();
         format!(
-            "Mode {mode}: with no more tracing {rule} leaves {ratio:.2} times as many open pixels as {BASELINE} (geometric \
-             mean), fewer on {wins} of {} walks.",
+            "Mode {mode}: within the same limit of tracing {rule} leaves {ratio:.2} times as many open pixels as {BASELINE} \
+             (geometric mean), fewer on {wins} of {} walks.",
             self.ratios.len()
         )
     }
