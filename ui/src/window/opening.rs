@@ -18,7 +18,10 @@ impl App {
     pub(super) fn load(&mut self, source: SceneSource) {
         match Loader::start(source, self.wake.clone()) {
             Ok(loader) => self.loader = Some(loader),
-            Err(error) => self.state.notify(Severity::Error, format!("loading cannot be started: {error}")),
+            Err(error) => {
+                self.discards = false;
+                self.state.notify(Severity::Error, format!("loading cannot be started: {error}"));
+            }
         }
     }
 
