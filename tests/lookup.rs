@@ -285,10 +285,10 @@ fn the_edge_of_a_shadow_stays_in_its_place_seen_at_once_and_in_a_mirror() {
     let mut walk = walkthrough(&tracer);
     let render = RenderSettings { mode: Mode::Exact, trace };
     walk.set_settings(WalkthroughSettings { render, ..*walk.settings() });
-    let [mut direct, mut mirrored] = [0; 2];
+    let mut off = 0;
     for i in 0..12 {
         // A third of a pixel a frame.
-        let eye = dvec(0.3 + 0.01 * f64::from(i), 1.7, 4.2);
+        let eye = dvec(0.3 + 0.03 * f64::from(i), 1.7, 4.2);
         let camera = Camera::look_at(eye, dvec(-0.6, 0.3, -1.0), 50.0);
         let frame = walk.render(&camera, SIZE, NEVER).clone();
         add_wanted(&mut walk);
@@ -297,12 +297,9 @@ fn the_edge_of_a_shadow_stays_in_its_place_seen_at_once_and_in_a_mirror() {
         let truth = renderer.render(&tracer, &camera, SIZE, &settings, &[], NEVER);
         for pixel in (0..frame.radiance.len()).filter(|_| i >= 3) {
             let (shown, right) = (frame.radiance[pixel], truth.radiance[pixel]);
-            let is_off = (shown - right).abs().max_element() > 0.2 * shown.max(right).max_element();
-            match truth.types[pixel] {
-                PixelType::Secondary => mirrored += u32::from(is_off),
-                _ => direct += u32::from(is_off),
-            }
+            off += u32::from((shown - right).abs().max_element() > 0.2 * shown.max(right).max_element());
         }
     }
-    assert!(direct <= 9 && mirrored <= 9, "{direct} direct, {mirrored} mirrored pixels in nine frames");
+    // Lent within a whole footprint it was 7, unchecked in the mirror 46.
+    assert_eq!(off, 0, "pixels in nine frames");
 }
