@@ -37,8 +37,15 @@ fn pictures(scene: Scene) -> Vec<Vec<Vec3>> {
 
 #[test]
 fn a_scene_with_everything_forced_on_has_the_same_pictures_bit_for_bit() {
-    let everything =
-        Needs { mirror: true, glass: true, textures: true, alpha: true, area_lights: true, sky: true };
+    let everything = Needs {
+        mirror: true,
+        glass: true,
+        textures: true,
+        alpha: true,
+        area_lights: true,
+        sky: true,
+        needles: true,
+    };
     let mut left_out = 0;
     for name in builtin::NAMES {
         let scene = builtin::build(name).unwrap();

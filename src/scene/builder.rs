@@ -194,7 +194,7 @@ impl SceneBuilder {
             Duplicates::find(&positions, &self.triangles, &self.triangle_materials, &self.materials);
         (mended.duplicates_hidden, mended.duplicates_seen) = (duplicates.hidden.len(), duplicates.seen);
         let lights = self.lights(&positions, &frame);
-        let needs = Needs::of(&self.materials, &lights, self.sky.as_ref());
+        let needs = Needs::of(&self.materials, &lights, self.sky.as_ref(), false);
         let solids = solids::classify(&positions, &self.triangles, &self.triangle_materials, &self.materials);
         let own_view = self.views.first().map(|view| view.camera);
         if own_view.is_none() {
@@ -225,7 +225,7 @@ impl SceneBuilder {
             stiffness: Stiffness::default(),
         };
         scene.hash = hash_of(&scene);
-        scene.stiffness = Stiffness::of(&scene, mended);
+        scene.set_stiffness(mended);
         Ok(scene)
     }
 

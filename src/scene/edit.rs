@@ -74,7 +74,7 @@ impl Scene {
             found.push(Light::Sky);
         }
         (self.lights, self.sky) = (found, daylight.sky);
-        self.needs = Needs::of(&self.materials, &self.lights, self.sky.as_ref());
+        self.needs = Needs::of(&self.materials, &self.lights, self.sky.as_ref(), self.needs.needles);
         self.solids =
             solids::classify(&self.positions, &self.triangles, &self.triangle_materials, &self.materials);
         self.hash = hash_of(self);

@@ -18,10 +18,12 @@ pub struct Needs {
     pub area_lights: bool,
     /// Rays may leave the scene into a sky.
     pub sky: bool,
+    /// Some triangle is a needle ([`super::Stiffness::needles`]), whose hits are checked.
+    pub needles: bool,
 }
 
 impl Needs {
-    pub(super) fn of(materials: &[Material], lights: &[Light], sky: Option<&Sky>) -> Self {
+    pub(super) fn of(materials: &[Material], lights: &[Light], sky: Option<&Sky>, needles: bool) -> Self {
         let any = |test: fn(&Material) -> bool| materials.iter().any(test);
         Self {
             mirror: any(|m| matches!(m.kind, MaterialKind::Mirror { .. })),
@@ -30,7 +32,13 @@ impl Needs {
             alpha: any(|m| m.alpha_texture.is_some()),
             area_lights: lights.iter().any(|l| matches!(l, Light::Quad { .. } | Light::Triangles { .. })),
             sky: sky.is_some(),
+            needles,
         }
+    }
+
+    /// True where not every hit of a triangle stands.
+    pub(crate) fn checks_hits(&self) -> bool {
+        self.alpha || self.needles
     }
 
     /// In words, what the renderer does not do because the scene does not need it.
@@ -42,6 +50,7 @@ impl Needs {
             (self.alpha, "alpha test"),
             (self.area_lights, "area lights"),
             (self.sky, "sky"),
+            (self.needles, "check of hits on needles"),
         ]
         .into_iter()
         .filter_map(|(needed, what)| (!needed).then_some(what))

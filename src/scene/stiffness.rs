@@ -61,7 +61,7 @@ pub struct Stiffness {
 
 impl Stiffness {
     /// What a complete scene shows, and what was mended on its way in.
-    pub(super) fn of(scene: &Scene, mended: Mended) -> Self {
+    fn of(scene: &Scene, mended: Mended) -> Self {
         let [low, high] = scene.bounds_m;
         let farthest_m = low.abs().max(high.abs()).max_element();
         let farthest = scene.positions.par_iter().map(|p| p.abs().max_element()).reduce(|| 0.0, f32::max);
@@ -128,6 +128,14 @@ impl Stiffness {
             ));
         }
         said
+    }
+}
+
+impl Scene {
+    /// Finds the numbers of a scene that is complete but for them, and what they ask of the renderer.
+    pub(super) fn set_stiffness(&mut self, mended: Mended) {
+        self.stiffness = Stiffness::of(self, mended);
+        self.needs.needles = self.stiffness.needles > 0;
     }
 }
 

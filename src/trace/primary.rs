@@ -12,6 +12,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
+/// How far beyond its triangle a hit may lie, as a share of the distance.
+const REACH_SLACK: f32 = 1e-3;
+
 /// A scene made ready for rays.
 #[derive(Debug)]
 pub struct Tracer {
@@ -98,8 +101,8 @@ impl Tracer {
 
     /// The nearest surface along a ray. Cut-out texels are no surface.
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
-        if self.scene.needs.alpha {
-            self.bvh.closest(ray, |hit| self.is_covered(hit))
+        if self.scene.needs.checks_hits() {
+            self.bvh.closest(ray, |hit| self.stands(ray, hit))
         } else {
             self.bvh.closest(ray, |_| true)
         }
@@ -111,7 +114,7 @@ impl Tracer {
     /// left out and windows light their room. `occluder` is shared by rays towards one light from one point; with three
     /// sheets of glass in a row it may decide in which order they are multiplied.
     pub fn transmittance(&self, ray: &Ray, occluder: &mut Occluder) -> Vec3 {
-        if !self.scene.needs.alpha && !self.scene.needs.glass {
+        if !self.scene.needs.checks_hits() && !self.scene.needs.glass {
             return if self.bvh.any_near(ray, occluder, |_| true) { Vec3::ZERO } else { Vec3::ONE };
         }
         let mut passed = Vec3::ONE;
@@ -121,7 +124,7 @@ impl Tracer {
                     passed *= transmittance * self.straight_passage(ray, hit, eta);
                     false
                 }
-                _ => !self.scene.needs.alpha || self.is_covered(hit),
+                _ => self.stands(ray, hit),
             });
         if blocked { Vec3::ZERO } else { passed }
     }
@@ -138,8 +141,24 @@ impl Tracer {
         }
     }
 
+    /// True where the surface is there and met where it lies.
+    pub(super) fn stands(&self, ray: &Ray, hit: &Hit) -> bool {
+        let needs = self.scene.needs;
+        (!needs.alpha || self.is_covered(hit)) && (!needs.needles || self.is_in_reach(ray, hit))
+    }
+
+    /// True where a hit lies no nearer and no farther than its triangle, by a thousandth. On needles it may not: the
+    /// products of their corners have no more bits than they are wide (Embree, issue 387).
+    fn is_in_reach(&self, ray: &Ray, hit: &Hit) -> bool {
+        let along = ray.direction / ray.direction.length_squared();
+        let t = self.scene.corners(hit.triangle).map(|corner| (corner - ray.origin).dot(along));
+        let (low, high) = (t[0].min(t[1]).min(t[2]), t[0].max(t[1]).max(t[2]));
+        let slack = REACH_SLACK * low.abs().max(high.abs());
+        low - slack <= hit.t && hit.t <= high + slack
+    }
+
     /// Alpha test: true where the surface is there.
-    pub(super) fn is_covered(&self, hit: &Hit) -> bool {
+    fn is_covered(&self, hit: &Hit) -> bool {
         let Some(map) = self.scene.material_of(hit.triangle).alpha_texture else { return true };
         let uv = interpolate_uv(&self.scene, hit.triangle, [hit.b1, hit.b2]);
         self.scene.textures[map.texture.0 as usize].alpha(uv * map.scale + map.offset) >= 0.5

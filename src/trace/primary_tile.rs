@@ -11,7 +11,8 @@ impl Tracer {
     /// [`Self::closest`] finds, several times as fast. Rays beyond the picture's edge are traced as well.
     pub fn closest_in_tile(&self, view: &View, corner: [u32; 2], tile: &mut RayTile, hits: &mut TileHits) {
         *tile = primary_tile(view, corner);
-        self.bvh().closest_in_tile(tile, !self.scene().needs.alpha, |_, hit| self.is_covered(hit), hits);
+        let stands = |ray: usize, hit: &Hit| self.stands(&tile.ray(ray), hit);
+        self.bvh().closest_in_tile(tile, !self.scene().needs.checks_hits(), stands, hits);
     }
 
     /// The same, as if surfaces of glass that scatter nothing were not there.
@@ -26,7 +27,8 @@ impl Tracer {
             return self.closest_in_tile(view, corner, tile, hits);
         }
         *tile = primary_tile(view, corner);
-        let is_there = |_: usize, hit: &Hit| !self.is_clear_glass(hit.triangle) && self.is_covered(hit);
+        let is_there =
+            |ray: usize, hit: &Hit| !self.is_clear_glass(hit.triangle) && self.stands(&tile.ray(ray), hit);
         self.bvh().closest_in_tile(tile, false, is_there, hits);
     }
 

@@ -40,9 +40,7 @@ impl Tracer {
         let direction = direction.try_normalize()?.as_vec3();
         let origin = frame.scene_from_world_f64(origin_m).as_vec3();
         let ray = Ray { origin, direction, t_max: (reach_m * frame.units_per_metre) as f32 };
-        let has_alpha = self.scene().needs.alpha;
-        let hit =
-            self.bvh().closest(&ray, |hit| stops(hit.triangle) && (!has_alpha || self.is_covered(hit)))?;
+        let hit = self.bvh().closest(&ray, |hit| stops(hit.triangle) && self.stands(&ray, hit))?;
         Some(self.probe_of(&ray, &hit))
     }
 

@@ -4,7 +4,6 @@
 //! section 3.1: of all ways to fold, the one that costs a random ray least, found from the leaves up. We differ: a
 //! leaf of four triangles costs no more than one of a single triangle, for a packet tests four at a time.
 
-use super::build::Groups;
 use super::packet::TrianglePacket;
 use super::{Bvh, Child, Node, WIDTH};
 use glam::Vec3;
@@ -53,15 +52,15 @@ impl Ways {
 }
 
 /// The cheapest ways of every subtree.
-fn plan(tree: &Bvh2, groups: &Groups) -> Vec<Ways> {
+fn plan(tree: &Bvh2) -> Vec<Ways> {
     let mut ways = vec![Ways::of_leaf(0.0); tree.nodes.len()];
     let mut counts = vec![0; tree.nodes.len()];
     for i in children_first(tree) {
         let node = &tree.nodes[i];
         let (area, first) = (node.aabb().half_area(), node.first_index as usize);
         if node.is_leaf() {
-            counts[i] = triangles_of_leaf(tree, groups, i).count();
-            ways[i] = Ways::of_leaf(area * PACKET_COST * counts[i].div_ceil(4) as f32);
+            counts[i] = 1;
+            ways[i] = Ways::of_leaf(area * PACKET_COST);
             continue;
         }
         counts[i] = counts[first] + counts[first + 1];
@@ -85,37 +84,24 @@ fn children_first(tree: &Bvh2) -> impl Iterator<Item = usize> {
     order.into_iter().rev()
 }
 
-fn triangles_of_leaf<'a>(tree: &'a Bvh2, groups: &'a Groups, leaf: usize) -> impl Iterator<Item = u32> + 'a {
-    let node = &tree.nodes[leaf];
-    let range = node.first_index as usize..(node.first_index + node.prim_count) as usize;
-    tree.primitive_indices[range].iter().flat_map(|&group| groups.members(group)).copied()
-}
-
 /// The state of folding.
 pub(super) struct Fold<'a> {
     tree: &'a Bvh2,
-    groups: &'a Groups,
     ways: Vec<Ways>,
     corners: &'a [[Vec3; 3]],
     bvh: &'a mut Bvh,
 }
 
 impl<'a> Fold<'a> {
-    pub(super) fn new(
-        tree: &'a Bvh2,
-        groups: &'a Groups,
-        corners: &'a [[Vec3; 3]],
-        bvh: &'a mut Bvh,
-    ) -> Self {
-        Self { tree, groups, ways: plan(tree, groups), corners, bvh }
+    pub(super) fn new(tree: &'a Bvh2, corners: &'a [[Vec3; 3]], bvh: &'a mut Bvh) -> Self {
+        Self { tree, ways: plan(tree), corners, bvh }
     }
 
     /// Folds the subtree at `index`. The machine stack holds at most [`super::build::MAX_DEPTH`] calls.
     pub(super) fn child(&mut self, index: u32) -> Child {
         let ways = &self.ways[index as usize];
         if ways.children_left == 0 {
-            let triangles = self.triangles_below(index);
-            return self.bundle(&triangles, *self.tree.nodes[index as usize].aabb());
+            return self.leaf(&self.triangles_below(index));
         }
         let mut members = Vec::with_capacity(WIDTH);
         self.halve(index, WIDTH, ways.children_left, &mut members);
@@ -144,21 +130,6 @@ impl<'a> Fold<'a> {
         self.roots(first + 1, most - usize::from(left), members);
     }
 
-    /// A leaf, or for more triangles of one box than a leaf holds, nodes of equal boxes above leaves.
-    fn bundle(&mut self, triangles: &[u32], aabb: Aabb) -> Child {
-        if triangles.len() <= 4 {
-            return self.leaf(triangles);
-        }
-        let slot = self.reserve_node();
-        let mut node = EMPTY_NODE;
-        for (lane, part) in triangles.chunks(triangles.len().div_ceil(WIDTH)).enumerate() {
-            let child = self.bundle(part, aabb);
-            node.set(lane, child, &aabb);
-        }
-        self.bvh.nodes[slot] = node;
-        Child(slot as u32)
-    }
-
     /// Parents stand before their children, so that a walk down reads memory forwards.
     fn reserve_node(&mut self) -> usize {
         self.bvh.nodes.push(EMPTY_NODE);
@@ -171,7 +142,7 @@ impl<'a> Fold<'a> {
         while let Some(i) = stack.pop() {
             let node = &self.tree.nodes[i as usize];
             if node.is_leaf() {
-                triangles.extend(triangles_of_leaf(self.tree, self.groups, i as usize));
+                triangles.push(self.tree.primitive_indices[node.first_index as usize]);
             } else {
                 stack.extend([node.first_index, node.first_index + 1]);
             }

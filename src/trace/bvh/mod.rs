@@ -1,12 +1,13 @@
 //! The bounding volume hierarchy: nearest hit and any hit, watertight.
 //!
-//! `obvhs` builds a binary tree (PLOC with reinsertion); we fold it into nodes of eight children and leaves of four
-//! triangles, each tested by one SIMD step. Which instructions do it is chosen while running (`fearless_simd`); every
-//! choice gives the same bits, for none fuses a multiplication with an addition. The library's own traversal was not used because it has neither boxes
-//! that are never missed by rounding (Ize) nor a watertight triangle test, and both must be one piece with the
-//! traversal: a box that is missed makes the best triangle test useless.
+//! A binary tree (`cluster`, improved by `obvhs`) is folded into nodes of eight children and leaves of four triangles,
+//! each tested by one SIMD step. Which instructions do it is chosen while running (`fearless_simd`); every choice gives
+//! the same bits, for none fuses a multiplication with an addition. The library's own traversal was not used because it
+//! has neither boxes that are never missed by rounding (Ize) nor a watertight triangle test, and both must be one piece
+//! with the traversal: a box that is missed makes the best triangle test useless.
 
 mod build;
+mod cluster;
 mod fold;
 mod packet;
 mod slab;

@@ -10,6 +10,7 @@
 use super::packet::TrianglePacket;
 use super::traverse::{STACK, nearest_first};
 use super::{Bvh, Child, Hit, Node};
+use crate::math::Ray;
 use arrayvec::ArrayVec;
 use fearless_simd::{Simd, SimdBase, SimdMask, dispatch, f32x4, f32x8, prelude::*, u32x8};
 use glam::Vec3;
@@ -20,8 +21,7 @@ pub const TILE_SIDE: usize = 8;
 /// Rays of a tile.
 pub const TILE_RAYS: usize = TILE_SIDE * TILE_SIDE;
 
-/// A box counts as behind what was hit only where it begins beyond it by this share: far more than the rounding of
-/// either distance.
+/// The same as [`super::traverse::FARTHER`], from the other side.
 const DEPTH_SLACK: f32 = 1.0 - 1e-5;
 
 /// Rays from one eye through a square of the picture, row by row.
@@ -35,6 +35,13 @@ pub struct RayTile {
     pub directions: [[f32; TILE_RAYS]; 3],
     /// Directions through the four corners of the tile, in order around it. They lie outside all rays by a margin.
     pub corners: [Vec3; 4],
+}
+
+impl RayTile {
+    /// One of the rays.
+    pub fn ray(&self, ray: usize) -> Ray {
+        Ray::new(self.origin, Vec3::from(self.directions.each_ref().map(|of_axis| of_axis[ray])))
+    }
 }
 
 /// What the rays of a tile meet.

@@ -12,6 +12,10 @@ use glam::Vec3;
 /// A node's children but one at every level, and the root.
 pub(super) const STACK: usize = (WIDTH - 1) * MAX_DEPTH + 1;
 
+/// A box counts as behind what was hit only where it begins beyond it by this share: far more than the rounding of
+/// either distance. Without it, which of two triangles at one distance is found would be up to the tree.
+pub(super) const FARTHER: f32 = 1.0 + 1e-5;
+
 /// The packet that blocked the last ray of a bundle.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Occluder(Option<u32>);
@@ -59,7 +63,7 @@ impl Bvh {
                 closest_in_packet(&self.packets[packet], &sheared, &mut best, &accept);
             } else {
                 let node = &self.nodes[next.0 as usize];
-                let (mask, enter) = slab.children(node, best.t);
+                let (mask, enter) = slab.children(node, best.t * FARTHER);
                 if mask != 0 {
                     next = nearest_first(node, mask, enter, &mut stack);
                     continue;
@@ -67,7 +71,7 @@ impl Bvh {
             }
             next = Child::NONE;
             while let Some((child, enter)) = stack.pop() {
-                if enter <= best.t {
+                if enter <= best.t * FARTHER {
                     next = child;
                     break;
                 }

@@ -1,0 +1,135 @@
+//! Merges boxes that lie near each other, from the leaves up, in time bounded by their number.
+//!
+//! Source: Meister, Bittner, "Parallel Locally-Ordered Clustering for Bounding Volume Hierarchy Construction", TVCG 24(3),
+//! 2018, sections 3 and 4. In each round every box looks along the Morton curve for the neighbour with which it makes the
+//! smallest box; two that choose each other are merged. We differ: a round that would merge too few merges every box
+//! with the next. Of boxes each in the next, a round merges one pair: 72 s for 40,000 with `obvhs` 0.4, whose builder
+//! has no such bound.
+
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::node::Bvh2Node;
+use obvhs::ploc::morton::morton_encode_u64_unorm;
+use rayon::prelude::*;
+
+/// Neighbours on each side that a box looks at.
+const REACH: usize = 14;
+
+/// Boxes that one task looks at.
+const CHUNK: usize = 1024;
+
+/// Boxes so few that rounds may merge one pair each: about a millisecond for all of them.
+const FEW: usize = 256;
+
+/// The binary tree over one or more boxes, one a leaf. A round that leaves more than `most_left` of its boxes merges
+/// every box with the next: `0.0` makes a tree as flat as can be.
+pub(super) fn cluster(boxes: &[Aabb], most_left: f32) -> Bvh2 {
+    let primitive_indices = along_the_curve(boxes);
+    let leaf = |(at, &i): (usize, &u32)| Bvh2Node::new(boxes[i as usize], 1, at as u32);
+    let mut current: Vec<Bvh2Node> = primitive_indices.iter().enumerate().map(leaf).collect();
+    let mut next = Vec::with_capacity(current.len());
+    let mut partners = Vec::with_capacity(current.len());
+    let mut nodes = vec![Bvh2Node::default(); 2 * boxes.len() - 1];
+    let mut free = nodes.len();
+    while current.len() > 1 {
+        choose(&current, &mut partners);
+        let pairs = (0..current.len()).filter(|&i| is_first_of_pair(&partners, i)).count();
+        let is_slow = (current.len() - pairs) as f32 > most_left * current.len() as f32;
+        if is_slow && current.len() > FEW {
+            let last = current.len() - 1;
+            partners.iter_mut().enumerate().for_each(|(i, partner)| *partner = (i ^ 1).min(last) as u32);
+        }
+        merge(&current, &partners, &mut nodes[..free], &mut next);
+        free -= 2 * (current.len() - next.len());
+        std::mem::swap(&mut current, &mut next);
+        next.clear();
+    }
+    nodes[0] = current[0];
+    Bvh2 { nodes, primitive_indices, ..Bvh2::default() }
+}
+
+/// The boxes in the order of the Morton codes of their centres.
+fn along_the_curve(boxes: &[Aabb]) -> Vec<u32> {
+    let all = boxes.iter().fold(Aabb::empty(), |all, aabb| all.union(aabb));
+    let low = all.min.as_dvec3();
+    let scale = (all.max.as_dvec3() - low).recip();
+    let code = |aabb: &Aabb| {
+        let centre = (aabb.min.as_dvec3() + aabb.max.as_dvec3()) * 0.5;
+        morton_encode_u64_unorm((centre - low) * scale)
+    };
+    let mut order: Vec<(u64, u32)> =
+        boxes.par_iter().enumerate().map(|(i, aabb)| (code(aabb), i as u32)).collect();
+    order.par_sort_unstable();
+    order.into_iter().map(|(_, i)| i).collect()
+}
+
+fn is_first_of_pair(partners: &[u32], i: usize) -> bool {
+    let partner = partners[i] as usize;
+    partner > i && partners[partner] as usize == i
+}
+
+/// Fills `partners` with the neighbour that each of two or more boxes would merge with.
+fn choose(current: &[Bvh2Node], partners: &mut Vec<u32>) {
+    partners.clear();
+    partners.resize(current.len(), 0);
+    partners.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, partners)| {
+        let first = chunk * CHUNK;
+        choose_in(current, first, partners);
+    });
+}
+
+/// The same for the boxes from `first` on. Every pair is measured once.
+fn choose_in(current: &[Bvh2Node], first: usize, partners: &mut [u32]) {
+    let mut best = [Choice::NONE; CHUNK + 2 * REACH];
+    let from = first.saturating_sub(REACH);
+    let end = first + partners.len();
+    for i in from..end {
+        let bounds = current[i].aabb();
+        let seen = &current[i + 1..current.len().min(i + 1 + REACH)];
+        for (other, j) in seen.iter().zip(i + 1..) {
+            let area = bounds.union(other.aabb()).half_area();
+            best[i - from].or(Choice { area, apart: (i ^ j) as u32, partner: j as u32 });
+            best[j - from].or(Choice { area, apart: (i ^ j) as u32, partner: i as u32 });
+        }
+    }
+    for (partner, choice) in partners.iter_mut().zip(&best[first - from..]) {
+        *partner = choice.partner;
+    }
+}
+
+/// A box to merge with. Of equal areas the pair that differs in the lowest bits wins, which is the same pair seen from
+/// both sides, and of equal boxes pairs all.
+#[derive(Clone, Copy)]
+struct Choice {
+    area: f32,
+    apart: u32,
+    partner: u32,
+}
+
+impl Choice {
+    const NONE: Self = Self { area: f32::INFINITY, apart: u32::MAX, partner: 0 };
+
+    fn or(&mut self, other: Self) {
+        if (other.area, other.apart) < (self.area, self.apart) {
+            *self = other;
+        }
+    }
+}
+
+/// Appends to `next` what is left of `current` when those that chose each other are merged, and puts the merged at the end
+/// of `nodes`, which is free.
+fn merge(current: &[Bvh2Node], partners: &[u32], nodes: &mut [Bvh2Node], next: &mut Vec<Bvh2Node>) {
+    let mut free = nodes.len();
+    for (i, node) in current.iter().enumerate() {
+        let partner = partners[i] as usize;
+        if is_first_of_pair(partners, i) {
+            let other = &current[partner];
+            free -= 2;
+            nodes[free] = *node;
+            nodes[free + 1] = *other;
+            next.push(Bvh2Node::new(node.aabb().union(other.aabb()), 0, free as u32));
+        } else if partner == i || !is_first_of_pair(partners, partner) || partners[partner] as usize != i {
+            next.push(*node);
+        }
+    }
+}
