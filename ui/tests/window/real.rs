@@ -316,6 +316,51 @@ fn a_person_walks_looks_and_saves() {
     desk.shoot("end");
 }
 
+/// Every file that the program syncs takes so long.
+const SLOW_DISK: Duration = Duration::from_secs(10);
+
+/// Makes the disk slow for a program; `None`, said aloud, where `strace` is missing or not allowed to.
+fn slow_disk(program: u32) -> Option<Child> {
+    let slow = format!("inject=fsync,fdatasync:delay_enter={}", SLOW_DISK.as_micros());
+    let arguments = ["-f", "-p", &program.to_string(), "-e", "trace=fsync,fdatasync", "-e", &slow];
+    let tracer = Command::new("strace").args(arguments).stderr(Stdio::null()).spawn();
+    let status = || std::fs::read_to_string(format!("/proc/{program}/status")).unwrap_or_default();
+    let is_traced = |tracer: &mut Child| loop {
+        if status().lines().any(|line| line.starts_with("TracerPid") && !line.ends_with("\t0")) {
+            return true;
+        }
+        if tracer.try_wait().is_ok_and(|ended| ended.is_some()) {
+            return false;
+        }
+        sleep(POLL);
+    };
+    let found = tracer.ok().and_then(|mut tracer| is_traced(&mut tracer).then_some(tracer));
+    if found.is_none() {
+        let is_required = std::env::var("AFTERIMAGE_REQUIRE_GRAPHICS").is_ok_and(|v| v == "1");
+        assert!(!is_required, "strace is missing or not allowed to trace");
+        writeln!(std::io::stderr(), "skipped: a slow disk needs strace, and leave to trace").expect("stderr");
+    }
+    found
+}
+
+#[test]
+fn a_slow_disk_holds_nothing_up() {
+    let Some(desk) = Desk::open() else { return };
+    let start = desk.pose();
+    let Some(mut tracer) = slow_disk(desk.app.id()) else { return };
+    desk.xdotool("key F12");
+    let asked = Instant::now();
+    desk.xdotool("keydown w sleep 0.6 keyup w");
+    let ahead = desk.pose();
+    let took = asked.elapsed();
+    assert!(ahead.eye.distance(start.eye) > 0.3 && took < SLOW_DISK, "it walks on: {ahead:?}, {took:?}");
+    assert!(desk.saved("png").is_none(), "the picture cannot be there yet");
+    desk.wait_for("a picture", || desk.saved("png"));
+    assert!(asked.elapsed() >= SLOW_DISK, "the disk was not slow");
+    let _ = tracer.kill();
+    let _ = tracer.wait();
+}
+
 #[test]
 fn what_is_missing_is_said_in_one_sentence() {
     let Some(display) = display() else { return };
