@@ -39,9 +39,9 @@ pub(super) fn pipeline(
     })
 }
 
-/// A binding that fragments read.
+/// A binding that vertices and fragments read.
 pub(super) fn entry(binding: u32, ty: wgpu::BindingType) -> wgpu::BindGroupLayoutEntry {
-    wgpu::BindGroupLayoutEntry { binding, visibility: wgpu::ShaderStages::FRAGMENT, ty, count: None }
+    wgpu::BindGroupLayoutEntry { binding, visibility: wgpu::ShaderStages::VERTEX_FRAGMENT, ty, count: None }
 }
 
 /// A flat texture with one sample a texel.

@@ -13,14 +13,13 @@ struct Params {
     is_warped: u32,          // 1: the map says where in the frame a pixel is found
     overlay: u32,            // 1 the full tracer's picture, 2 the map of errors
     split: f32,              // overlays begin at this part of the width
-    unused: vec2<u32>,
 };
 
 @group(0) @binding(0) var color: texture_2d<f32>;
 @group(0) @binding(1) var color_sampler: sampler;
 @group(0) @binding(2) var types: texture_2d<u32>;
 @group(0) @binding(3) var suppliers: texture_2d<u32>;
-@group(0) @binding(4) var<uniform> p: Params;
+@group(0) @binding(4) var<uniform> given: array<vec4<u32>, 4>; // Params as the program lays them out
 @group(0) @binding(5) var map: texture_2d<f32>;
 @group(0) @binding(6) var full: texture_2d<f32>;
 @group(0) @binding(7) var errors: texture_2d<f32>;
@@ -28,7 +27,30 @@ struct Params {
 struct Vertex {
     @builtin(position) position: vec4<f32>,
     @location(0) uv: vec2<f32>,
+    @location(1) @interpolate(flat) p0: vec4<u32>,
+    @location(2) @interpolate(flat) p1: vec4<u32>,
+    @location(3) @interpolate(flat) p2: vec4<u32>,
+    @location(4) @interpolate(flat) p3: vec4<u32>,
 };
+
+// Lavapipe (Mesa 22) compiles a fragment shader anew for each value of a uniform that it branches on, at every draw: 50 ms
+// and a megabyte a frame. What comes from the vertex shader it leaves alone.
+var<private> p: Params;
+
+fn unpack(v: Vertex) {
+    p.size = v.p0.xy;
+    p.heatmap = v.p0.z;
+    p.coloring = v.p0.w;
+    p.uv_scale = bitcast<vec2<f32>>(v.p1.xy);
+    p.exposure = bitcast<f32>(v.p1.z);
+    p.tone_map = v.p1.w;
+    p.outline = v.p2.x;
+    p.pixels_per_point = bitcast<f32>(v.p2.y);
+    p.encode = v.p2.z;
+    p.is_warped = v.p2.w;
+    p.overlay = v.p3.x;
+    p.split = bitcast<f32>(v.p3.y);
+}
 
 @vertex
 fn vertex(@builtin(vertex_index) i: u32) -> Vertex {
@@ -36,6 +58,10 @@ fn vertex(@builtin(vertex_index) i: u32) -> Vertex {
     var v: Vertex;
     v.position = vec4<f32>(xy * 2.0 - 1.0, 0.0, 1.0);
     v.uv = vec2<f32>(xy.x, 1.0 - xy.y);
+    v.p0 = given[0];
+    v.p1 = given[1];
+    v.p2 = given[2];
+    v.p3 = given[3];
     return v;
 }
 
@@ -118,6 +144,7 @@ fn overlaid(uv: vec2<f32>) -> vec3<f32> {
 
 @fragment
 fn fragment(v: Vertex) -> @location(0) vec4<f32> {
+    unpack(v);
     var uv = (v.uv - 0.5) * p.uv_scale + 0.5;
     let is_beside = any(uv < vec2<f32>(0.0)) || any(uv > vec2<f32>(1.0));
     var is_filled = false;

@@ -11,7 +11,37 @@ struct Warp {
 };
 
 @group(0) @binding(0) var disparity: texture_2d<f32>;
-@group(0) @binding(1) var<uniform> warp: Warp;
+@group(0) @binding(1) var<uniform> given: array<vec4<u32>, 9>; // Warp as the program lays it out
+
+struct Vertex {
+    @builtin(position) position: vec4<f32>,
+    @location(0) @interpolate(flat) w0: vec4<u32>,
+    @location(1) @interpolate(flat) w1: vec4<u32>,
+    @location(2) @interpolate(flat) w2: vec4<u32>,
+    @location(3) @interpolate(flat) w3: vec4<u32>,
+    @location(4) @interpolate(flat) w4: vec4<u32>,
+    @location(5) @interpolate(flat) w5: vec4<u32>,
+    @location(6) @interpolate(flat) w6: vec4<u32>,
+    @location(7) @interpolate(flat) w7: vec4<u32>,
+    @location(8) @interpolate(flat) w8: vec4<u32>,
+};
+
+// As in present.wgsl: no uniform is read where the fragment shader branches on it.
+var<private> warp: Warp;
+
+fn floats(bits: vec4<u32>) -> vec3<f32> {
+    return bitcast<vec3<f32>>(bits.xyz);
+}
+
+fn unpack(v: Vertex) {
+    warp.source_from_target = mat3x3<f32>(floats(v.w0), floats(v.w1), floats(v.w2));
+    warp.epipole = floats(v.w3);
+    warp.target_from_source = mat3x3<f32>(floats(v.w4), floats(v.w5), floats(v.w6));
+    warp.back = floats(v.w7);
+    warp.size = v.w8.xy;
+    warp.most_steps = v.w8.z;
+    warp.nearest = bitcast<f32>(v.w8.w);
+}
 
 // A source pixel covers a target pixel where it lands no farther from its centre, in pixels: room for surfaces that
 // motion enlarges by three quarters (half a diagonal is 0.7).
@@ -24,9 +54,12 @@ const HALVINGS: u32 = 3u;
 const LEAST_LEFT: f32 = 0.25;
 
 @vertex
-fn vertex(@builtin(vertex_index) i: u32) -> @builtin(position) vec4<f32> {
+fn vertex(@builtin(vertex_index) i: u32) -> Vertex {
     let xy = vec2<f32>(f32((i << 1u) & 2u), f32(i & 2u));
-    return vec4<f32>(xy * 2.0 - 1.0, 0.0, 1.0);
+    return Vertex(
+        vec4<f32>(xy * 2.0 - 1.0, 0.0, 1.0),
+        given[0], given[1], given[2], given[3], given[4], given[5], given[6], given[7], given[8],
+    );
 }
 
 fn is_inside(at: vec2<f32>) -> bool {
@@ -51,8 +84,9 @@ fn filled(source: vec2<f32>, at: vec2<f32>) -> vec4<f32> {
 }
 
 @fragment
-fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
-    let at = position.xy;
+fn fragment(v: Vertex) -> @location(0) vec4<f32> {
+    unpack(v);
+    let at = v.position.xy;
     let far = warp.source_from_target * vec3<f32>(at, 1.0);
     if (far.z <= 0.0) {
         return filled(vec2<f32>(warp.size) * 0.5, at);

@@ -316,6 +316,24 @@ fn a_person_walks_looks_and_saves() {
     desk.shoot("end");
 }
 
+#[test]
+fn drawing_again_and_again_takes_no_memory() {
+    let Some(desk) = Desk::open() else { return };
+    let wander = |steps: u32| {
+        let moves: String = (0..steps)
+            .map(|i| format!("mousemove {} {} sleep 0.03 ", 100 + i % 50, 300 + i * 7 % 90))
+            .collect();
+        desk.xdotool(&moves);
+    };
+    // What is made once is made by then.
+    wander(40);
+    let (_, before) = desk.usage();
+    wander(120);
+    let (_, after) = desk.usage();
+    // Shaders compiled at every draw took 0.5 MB a step.
+    assert!(after < before + 16 * 1024, "{before} KiB grew to {after} KiB; {}", desk.evidence());
+}
+
 /// Every file that the program syncs takes so long.
 const SLOW_DISK: Duration = Duration::from_secs(10);
 
