@@ -89,9 +89,14 @@ impl<'a> LookupReference<'a> {
     }
 
     /// The light at a point with a unit normal on the side that is asked for. `None` where this reference does not see
-    /// that side of the point.
+    /// that side of the point. Whether it is a guess is told only where that is asked.
     #[inline]
-    pub(super) fn light_at(&self, position: Vec3, normal: Vec3, triangle: u32) -> Option<Sampled> {
+    pub(super) fn light_at<const ASKS: bool>(
+        &self,
+        position: Vec3,
+        normal: Vec3,
+        triangle: u32,
+    ) -> Option<Sampled> {
         let offset = position - self.eye;
         let height = normal.dot(offset);
         let q = self.pixel_from_scene * offset;
@@ -104,7 +109,7 @@ impl<'a> LookupReference<'a> {
         }
         let tolerance = PLANE_TOLERANCE * self.step * q.z / -height + DEPTH_ROUNDING;
         let plane = self.scene_from_pixel.transpose() * (normal / height);
-        let (sum, coverage, [spread, jump]) = self.gather(x, y, plane, tolerance, triangle);
+        let (sum, coverage, [spread, jump]) = self.gather::<ASKS>(x, y, plane, tolerance, triangle);
         let density = -height / (self.step * self.step * q.z * q.z * q.z);
         let weight = coverage * density * density;
         let known = Sampled { light: sum / coverage, weight, density, coverage, spread, jump };
@@ -114,7 +119,14 @@ impl<'a> LookupReference<'a> {
     /// Sums the light of the samples around (x, y) that lie on a plane, given as disparity by picture coordinates. Told are
     /// the sum, its bilinear weight, and how far the samples jump.
     #[inline]
-    fn gather(&self, x: f32, y: f32, plane: Vec3, tolerance: f32, triangle: u32) -> (Vec3, f32, [f32; 2]) {
+    fn gather<const ASKS: bool>(
+        &self,
+        x: f32,
+        y: f32,
+        plane: Vec3,
+        tolerance: f32,
+        triangle: u32,
+    ) -> (Vec3, f32, [f32; 2]) {
         let ([x0, wx], [y0, wy]) = (corner(x, self.size[0]), corner(y, self.size[1]));
         let base = y0 as usize * self.size[0] as usize + x0 as usize;
         let (mut sum, mut total) = (Vec3::ZERO, 0.0);
@@ -128,7 +140,9 @@ impl<'a> LookupReference<'a> {
                 let light = self.scale.unpack(self.light[at]);
                 sum += weight * light;
                 total += weight;
-                brightness.push(light.max_element());
+                if ASKS {
+                    brightness.push(light.max_element());
+                }
             }
         }
         (sum, total, spread_and_jump(&mut brightness, self.wide))
@@ -226,15 +240,31 @@ impl<'a> LookupSet<'a> {
         triangle: u32,
         footprint: f32,
     ) -> Option<FoundLight> {
+        self.find::<true>(position, normal, triangle, footprint)
+    }
+
+    /// The same of three references at most, never called a guess.
+    pub fn unchecked_light_at(&self, position: Vec3, normal: Vec3, triangle: u32) -> Option<FoundLight> {
+        self.find::<false>(position, normal, triangle, f32::INFINITY)
+    }
+
+    #[inline]
+    fn find<const ASKS: bool>(
+        &self,
+        position: Vec3,
+        normal: Vec3,
+        triangle: u32,
+        footprint: f32,
+    ) -> Option<FoundLight> {
         let mut mask = self.directory.mask(self.directory.cell_of(position)) & self.usable;
         let (mut sum, mut total, mut found) = (Vec3::ZERO, 0.0, 0);
         let (mut coverage, mut jump, mut loss) = (0.0f32, 0.0f32, f32::INFINITY);
         let mut finest = 0.0f32;
-        while mask != 0 && (found < ENOUGH || finest < 0.5 && found < MOST_FOUND) {
+        while mask != 0 && (found < ENOUGH || ASKS && finest < 0.5 && found < MOST_FOUND) {
             let slot = mask.trailing_zeros() as usize;
             mask &= mask - 1;
             let Some(reference) = &self.references[slot] else { continue };
-            if let Some(known) = reference.light_at(position, normal, triangle) {
+            if let Some(known) = reference.light_at::<ASKS>(position, normal, triangle) {
                 sum += known.weight * known.light;
                 total += known.weight;
                 found += 1;
@@ -245,8 +275,8 @@ impl<'a> LookupSet<'a> {
                 loss = loss.min(known.spread * (1.0 - fine));
             }
         }
-        let is_guess =
-            coverage < LEAST_COVERAGE || jump > MOST_JUMP * self.noise || loss > MOST_LOSS * self.noise;
+        let is_far_off = jump > MOST_JUMP * self.noise || loss > MOST_LOSS * self.noise;
+        let is_guess = ASKS && (coverage < LEAST_COVERAGE || is_far_off);
         (total > 0.0).then(|| FoundLight { light: sum / total, is_guess })
     }
 }

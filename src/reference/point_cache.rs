@@ -66,6 +66,8 @@ pub struct TracedPoint {
     pub noise: f32,
     /// That it was traced for.
     pub pixel: u32,
+    /// Kept for the very place ([`Place::here`]), where nobody asks whether a shadow's edge is near.
+    pub is_very_place: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -140,17 +142,18 @@ impl PointCache {
     fn enter_one(&mut self, point: &TracedPoint) {
         let place = &point.place;
         let cell = cell_of(place, level_of(place));
+        let mark = if point.is_very_place { 0 } else { self.mark_edge(point, &cell) };
         let entry = Entry {
             position: place.position,
             light: point.light,
             tag: cell.tag,
             normal: PackedNormal::of_unit(place.normal),
-            samples: packed_samples(point.samples) | self.mark_edge(point, &cell),
+            samples: packed_samples(point.samples) | mark,
         };
         let bucket = &mut self.buckets[cell.bucket];
         match bucket.iter_mut().find(|e| e.samples > 0 && e.serves(place, &cell)) {
-            Some(known) if known.count() >= entry.count() => {}
-            Some(known) => *known = entry,
+            Some(known) if known.count() >= entry.count() => known.samples |= mark,
+            Some(known) => *known = Entry { samples: entry.samples | known.samples & AT_EDGE, ..entry },
             None => {
                 bucket.rotate_right(1);
                 bucket[0] = entry;
@@ -242,6 +245,10 @@ mod tests {
         Place { position: Vec3::from(position), normal: Vec3::Y, footprint }
     }
 
+    fn traced(place: Place, light: Vec3, samples: u32) -> TracedPoint {
+        TracedPoint { place, light, samples, noise: 1.0, pixel: 0, is_very_place: false }
+    }
+
     fn found(cache: &PointCache, place: &Place, samples: u32) -> Option<Vec3> {
         cache.find(place, samples).map(|kept| kept.light)
     }
@@ -257,7 +264,7 @@ mod tests {
         let mut cache = PointCache::default();
         let light = Vec3::new(1.0, 2.0, 3.0);
         let [epoch, other] = epochs();
-        cache.enter(epoch, &mut vec![TracedPoint { place: at, light, samples: 4, noise: 2.0, pixel: 0 }]);
+        cache.enter(epoch, &mut vec![traced(at, light, 4)]);
         assert_eq!(found(&cache, &at, 4), Some(light));
         assert_eq!(
             found(&cache, &Place { footprint: 0.49, ..at }, 4),
@@ -277,7 +284,7 @@ mod tests {
             lent += u32::from(found.is_some());
         }
         assert!((80..=121).contains(&lent), "one cell of 10 by 10 places: {lent}");
-        cache.enter(other, &mut vec![TracedPoint { place: at, light, samples: 4, noise: 2.0, pixel: 0 }]);
+        cache.enter(other, &mut vec![traced(at, light, 4)]);
         assert_eq!(found(&cache, &at, 4), None, "another state of the scene");
     }
 
@@ -287,13 +294,10 @@ mod tests {
         let mut cache = PointCache::default();
         let epoch = epochs()[0];
         for (samples, brightness) in [(4, 1.0), (16, 2.0), (16, 3.0), (1, 4.0)] {
-            let point =
-                TracedPoint { place: at, light: Vec3::splat(brightness), samples, noise: 1.0, pixel: 0 };
-            cache.enter(epoch, &mut vec![point]);
+            cache.enter(epoch, &mut vec![traced(at, Vec3::splat(brightness), samples)]);
         }
         assert_eq!(found(&cache, &at, 16), Some(Vec3::splat(2.0)));
-        let unknown =
-            TracedPoint { place: place([9.0; 3], 0.5), light: Vec3::NAN, samples: 16, noise: 1.0, pixel: 0 };
+        let unknown = traced(place([9.0; 3], 0.5), Vec3::NAN, 16);
         cache.enter(epoch, &mut vec![unknown]);
         assert_eq!(found(&cache, &unknown.place, 1), None, "not a number");
     }
@@ -303,11 +307,9 @@ mod tests {
         let epoch = epochs()[0];
         let kept = |brightness: [f32; 3]| {
             let mut cache = PointCache::default();
-            for (i, brightness) in (0..).zip(brightness) {
+            for (i, brightness) in brightness.into_iter().enumerate() {
                 let place = place([0.1 + 0.5 * i as f32, 0.2, 0.3], 0.5);
-                let point =
-                    TracedPoint { place, light: Vec3::splat(brightness), samples: 16, noise: 1.0, pixel: i };
-                cache.enter(epoch, &mut vec![point]);
+                cache.enter(epoch, &mut vec![traced(place, Vec3::splat(brightness), 16)]);
             }
             [0.1, 0.6, 1.1].map(|x| cache.find(&place([x, 0.2, 0.3], 0.5), 16).unwrap().is_at_edge)
         };
@@ -315,5 +317,25 @@ mod tests {
         assert_eq!(kept([0.0, 1.0, 0.0]), [true, true, true]);
         assert_eq!(kept([1.0, 0.8, 0.6]), [false, false, false], "noise");
         assert_eq!(kept([0.0, 0.0, 0.0]), [false, false, false], "dark");
+    }
+
+    #[test]
+    fn a_mark_stays_where_a_point_yields_to_one_of_more_samples_and_where_it_does_not() {
+        let epoch = epochs()[0];
+        let [dark, bright] = [[0.1, 0.2, 0.3], [0.6, 0.2, 0.3]].map(|at| place(at, 0.5));
+        let mut cache = PointCache::default();
+        let mut enter = |place, brightness, samples| {
+            cache.enter(epoch, &mut vec![traced(place, Vec3::splat(brightness), samples)]);
+            [dark, bright].map(|at| cache.find(&at, 1).map(|kept| kept.is_at_edge))
+        };
+        assert_eq!(enter(dark, 0.1, 8), [Some(false), None]);
+        assert_eq!(enter(bright, 1.0, 8), [Some(true), Some(true)]);
+        assert_eq!(enter(dark, 0.1, 16), [Some(true), Some(true)], "it replaces one that was marked");
+        let beside = place([1.1, 0.2, 0.3], 0.5);
+        let mut cache = PointCache::default();
+        for (at, brightness) in [(beside, 0.9), (dark, 0.8), (bright, 0.85), (dark, 0.1)] {
+            cache.enter(epoch, &mut vec![traced(at, Vec3::splat(brightness), 16)]);
+        }
+        assert!(cache.find(&dark, 1).unwrap().is_at_edge, "it found an edge and then stayed out");
     }
 }

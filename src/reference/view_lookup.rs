@@ -219,7 +219,8 @@ mod tests {
             lookup.gather_pixels(points, points.wanted, &mut found);
             for pixel in (0..TILE_RAYS).filter(|pixel| points.wanted >> pixel & 1 == 1) {
                 let position = lookup.position(points, pixel);
-                let alone = reference.light_at(position, points.normal_at(pixel), points.triangle[pixel]);
+                let alone =
+                    reference.light_at::<false>(position, points.normal_at(pixel), points.triangle[pixel]);
                 let in_row = (found.known >> pixel & 1 == 1).then(|| found.at(pixel));
                 alone_find += u32::from(alone.is_some());
                 // Where a tile's middle is not seen its rows are not asked; those pixels are looked up alone.

@@ -1,5 +1,6 @@
 //! Finishes the pixels that the look-up left open: mirrors and glass, guesses, and what no reference saw.
 
+use super::{Mode, RenderSettings};
 use crate::camera::View;
 use crate::math::Ray;
 use crate::math::hash::Key;
@@ -35,13 +36,13 @@ impl AddAssign for Spent {
 /// What pixels are finished with.
 #[derive(Clone, Copy)]
 pub(super) struct Finish<'a> {
-    pub(super) tracer: &'a Tracer,
-    pub(super) view: &'a View,
-    pub(super) lookup: &'a LookupSet<'a>,
-    pub(super) points: &'a PointCache,
-    pub(super) settings: &'a TraceSettings,
+    tracer: &'a Tracer,
+    lookup: &'a LookupSet<'a>,
+    view: &'a View,
+    points: &'a PointCache,
+    settings: &'a TraceSettings,
     /// Whether guesses are checked, or taken as they are.
-    pub(super) checks: bool,
+    checks: bool,
 }
 
 /// How a pixel sees a point.
@@ -55,7 +56,17 @@ struct Seen {
     key: Key,
 }
 
-impl Finish<'_> {
+impl<'a> Finish<'a> {
+    pub(super) fn new(
+        tracer: &'a Tracer,
+        lookup: &'a LookupSet<'a>,
+        view: &'a View,
+        points: &'a PointCache,
+        settings: &'a RenderSettings,
+    ) -> Self {
+        Self { tracer, lookup, view, points, settings: &settings.trace, checks: settings.mode == Mode::Exact }
+    }
+
     /// The light that a pixel's mirror or glass shows.
     pub(super) fn specular_of(&self, pixel: u32, triangle: u32, spent: &mut Spent) -> Vec3 {
         let (ray, Some(hit)) = self.hit(pixel, triangle) else { return Vec3::ZERO };
@@ -113,12 +124,16 @@ impl Finish<'_> {
         let albedo = point.albedo(self.tracer.scene());
         let Place { position, normal, footprint } = self.place(point, seen);
         let found = (albedo != Vec3::ZERO)
-            .then(|| self.lookup.light_at(position, normal, point.triangle, footprint))
+            .then(|| {
+                if self.checks {
+                    self.lookup.light_at(position, normal, point.triangle, footprint)
+                } else {
+                    self.lookup.unchecked_light_at(position, normal, point.triangle)
+                }
+            })
             .flatten();
         match found {
-            Some(found) if found.is_guess && self.checks => {
-                self.checked(self.lit(point, found.light), point, seen, spent)
-            }
+            Some(found) if found.is_guess => self.checked(self.lit(point, found.light), point, seen, spent),
             Some(found) => self.lit(point, found.light),
             None => self.unseen(point, seen, spent),
         }
@@ -160,13 +175,10 @@ impl Finish<'_> {
             self.tracer.diffuse_radiance_and_light(point, seen.share, self.settings, seen.key, rays);
         if point.albedo(self.tracer.scene()) != Vec3::ZERO {
             let (samples, noise) = (self.settings.samples_for(seen.share), self.settings.noise());
-            let pixel = seen.pixel;
-            spent.points.extend(places.iter().map(|&place| TracedPoint {
-                place,
-                light,
-                samples,
-                noise,
-                pixel,
+            let (pixel, near) = (seen.pixel, self.place(point, seen));
+            spent.points.extend(places.iter().map(|&place| {
+                let is_very_place = place != near;
+                TracedPoint { place, light, samples, noise, pixel, is_very_place }
             }));
         }
         radiance

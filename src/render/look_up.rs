@@ -117,14 +117,7 @@ impl Renderer {
     ) {
         let start = Instant::now();
         let frame = &self.frame;
-        let finish = Finish {
-            tracer,
-            view: &frame.view,
-            lookup,
-            points: &self.points,
-            settings: &settings.trace,
-            checks: settings.mode == Mode::Exact,
-        };
+        let finish = Finish::new(tracer, lookup, &frame.view, &self.points, settings);
         let due = self.secondary.len().div_ceil(part);
         let (list, specular) = (&self.secondary[..due], &mut self.specular[..due]);
         let (spent, complete) = trace_missing(list, specular, stop, |pixel, spent| {
@@ -145,16 +138,9 @@ impl Renderer {
         stop: Stop<'_>,
     ) {
         let start = Instant::now();
-        let trace = shading_of_unseen(settings);
+        let settings = &RenderSettings { trace: shading_of_unseen(settings), ..*settings };
         let frame = &self.frame;
-        let finish = Finish {
-            tracer,
-            view: &frame.view,
-            lookup,
-            points: &self.points,
-            settings: &trace,
-            checks: settings.mode == Mode::Exact,
-        };
+        let finish = Finish::new(tracer, lookup, &frame.view, &self.points, settings);
         let due = self.unseen.len().div_ceil(part);
         let (list, traced) = (&self.unseen[..due], &mut self.traced[..due]);
         let (spent, complete) = trace_missing(list, traced, stop, |pixel, spent| {
@@ -179,14 +165,7 @@ impl Renderer {
     ) {
         let start = Instant::now();
         let frame = &self.frame;
-        let finish = Finish {
-            tracer,
-            view: &frame.view,
-            lookup,
-            points: &self.points,
-            settings: &settings.trace,
-            checks: settings.mode == Mode::Exact,
-        };
+        let finish = Finish::new(tracer, lookup, &frame.view, &self.points, settings);
         let (spent, complete) = trace_missing(&self.uncertain, &mut self.checked, stop, |pixel, spent| {
             let at = pixel as usize;
             finish.check(pixel, frame.triangle[at], frame.radiance[at], spent)

@@ -32,15 +32,21 @@ pub enum Mode {
     /// The ordinary ray tracer: the baseline, and the truth at many samples.
     Full,
     /// The paper to the letter, for comparison; never improved.
-    #[default]
     Paper,
     /// The primary ray's surface at every pixel, its light looked up in the one best reference and never doubted.
     Fast,
     /// The primary ray's surface at every pixel, its light averaged over references, and checked where it is a guess.
+    #[default]
     Exact,
 }
 
 impl Mode {
+    /// True where every pixel is shaded as in `full`, to the bit. Without references only `fast` does otherwise: it
+    /// shades with fewer samples.
+    pub fn traces_all(self, has_no_references: bool) -> bool {
+        self == Self::Full || has_no_references && self != Self::Fast
+    }
+
     /// The name used on the command line and in records.
     pub fn name(self) -> &'static str {
         match self {

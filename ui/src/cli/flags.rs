@@ -17,7 +17,7 @@ pub(crate) struct Flags {
     pub(crate) given_size: Option<[u32; 2]>,
     /// How frames are made: `full` traces every pixel, `paper` reuses references as the paper does, `fast` and `exact`
     /// look light up in them.
-    #[arg(long, global = true, value_name = "full|paper|fast|exact", default_value = "paper", value_parser = mode)]
+    #[arg(long, global = true, value_name = "full|paper|fast|exact", default_value = "exact", value_parser = mode)]
     pub(crate) mode: Mode,
     /// Shadow rays per light and pixel; 16, in the window 4.
     #[arg(long, global = true, value_name = "N")]

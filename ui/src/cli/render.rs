@@ -119,7 +119,7 @@ fn outputs(args: &RenderArgs) -> Vec<Output> {
 
 /// What can be refused before the scene is loaded.
 fn check(args: &RenderArgs, flags: &Flags) -> Result<(), Failure> {
-    if flags.mode == Mode::Full || (flags.mode == Mode::Paper && args.references.is_empty()) {
+    if flags.mode.traces_all(args.references.is_empty()) {
         memory::check_banded(flags.pixels()).map_err(Failure::Usage)?;
     } else {
         memory::check(flags.pixels(), args.references.len() as u64).map_err(Failure::Usage)?;

@@ -16,7 +16,7 @@ use afterimage::render::bands::{Background, Band, BandedPicture};
 use afterimage::render::{FrameStats, RefineState};
 use afterimage::reproject::TypeCounts;
 use afterimage::trace::parallel::Stop;
-use afterimage::{Camera, Mode, RenderSettings, Renderer, Tracer};
+use afterimage::{Camera, RenderSettings, Renderer, Tracer};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -81,12 +81,7 @@ pub struct MadePicture {
 impl PictureJob {
     /// True where it is traced pixel by pixel, and therefore band by band: nothing of the size of the picture is held.
     pub fn is_banded(&self, references: &[Arc<ReferenceFrame>]) -> bool {
-        let reuses = match self.settings.mode {
-            Mode::Full => false,
-            Mode::Paper => !references.is_empty(),
-            Mode::Fast | Mode::Exact => true,
-        };
-        self.antialias.is_some() || !reuses
+        self.antialias.is_some() || self.settings.mode.traces_all(references.is_empty())
     }
 
     /// Refuses a picture that is too large, before anything is reserved.

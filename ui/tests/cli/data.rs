@@ -25,7 +25,7 @@ fn render_answers_with_the_contract_and_writes_every_file() {
         &["scene", "mode", "size", "samples", "seed", "types", "secs", "rays", "references"],
     );
     assert_eq!(answer["size"], json!([64, 48]));
-    assert_eq!((&answer["references"], &answer["mode"]), (&json!(2), &json!("paper")));
+    assert_eq!((&answer["references"], &answer["mode"]), (&json!(2), &json!("exact")));
     assert!(number(&answer, "/reference_bytes_per_pixel") <= 24.0);
     let secs = ["load", "build", "references", "warp", "secondary", "trace", "frame"];
     assert_eq!(keys(&answer["secs"]), secs);
@@ -89,7 +89,10 @@ fn inspect_answers_with_the_contract() {
     assert_keys(&answer, &wanted);
     assert_eq!((&answer["triangles"], &answer["lights"]), (&json!(16), &json!(1)));
     assert_eq!(answer["bounds_m"], json!([[-2.0, 0.0, -4.0], [2.0, 3.0, 4.0]]));
-    assert_eq!(keys(&answer["needs"]), ["mirror", "glass", "textures", "alpha", "area_lights", "sky"]);
+    assert_eq!(
+        keys(&answer["needs"]),
+        ["mirror", "glass", "textures", "alpha", "area_lights", "sky", "needles"]
+    );
     let kinds: Vec<_> = answer["materials"].as_array().unwrap().iter().map(|m| m["kind"].clone()).collect();
     assert_eq!(kinds, ["diffuse", "mirror", "emissive"]);
 }
@@ -110,7 +113,7 @@ fn the_unit_and_the_up_axis_are_heard() {
 fn tour_records_its_walk() {
     let bench = Bench::new();
     let line = format!(
-        "tour room.obj --path walks.json#short {SMALL} --out run --pictures --measure --truth-samples 16"
+        "tour room.obj --path walks.json#short {SMALL} --mode paper --out run --pictures --measure --truth-samples 16"
     );
     let answer = bench.json(&line);
     assert_keys(

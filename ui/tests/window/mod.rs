@@ -21,6 +21,7 @@ mod threads;
 mod timewarp;
 
 use afterimage::Scene;
+use afterimage::render::Mode;
 use afterimage_ui::window::{App, SceneSource, WindowRequest};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
@@ -43,6 +44,8 @@ fn request() -> WindowRequest {
         ..WindowRequest::default()
     };
     request.settings.render.trace.samples = 1;
+    // In it most pixels of a frame at rest are of Type 1.
+    request.settings.render.mode = Mode::Paper;
     request
 }
 
