@@ -107,8 +107,10 @@ impl Stiffness {
                 self.coordinate_ratio_in_file, self.coordinate_ratio, self.smallest_feature_m
             ),
             format!(
-                "'{}' passes on {:.3} of the light, the most of all materials; brightest over dimmest light {:.1e}",
-                self.reflectance_max_material, self.reflectance_max, self.light_ratio
+                "{} passes on {:.3} of the light, the most of all materials; brightest over dimmest light {:.1e}",
+                named(&self.reflectance_max_material),
+                self.reflectance_max,
+                self.light_ratio
             ),
             format!(
                 "{} needles, the thinnest triangle {:.1e} of its length high; {} triangles lie on an equal one, of \
@@ -137,6 +139,10 @@ impl Scene {
         self.stiffness = Stiffness::of(self, mended);
         self.needs.needles = self.stiffness.needles > 0;
     }
+}
+
+fn named(material: &str) -> String {
+    if material.is_empty() { "a material without a name".to_owned() } else { format!("'{material}'") }
 }
 
 fn passed_on(material: &Material) -> f32 {

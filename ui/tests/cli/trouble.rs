@@ -20,7 +20,7 @@ fn usage_errors_end_with_two() {
         ("render room.obj --size 0x0 -o a.png", "like 1280x720"),
         ("render room.obj --size 1e9x1e9 -o a.png", "like 1280x720"),
         ("render room.obj --size 60000x60000 -o a.png", "16384x16384"),
-        ("render room.obj --size 60000x60000 --mode exact -o a.png", "GB of memory"),
+        ("render room.obj --size 60000x60000 --mode fast -o a.png", "GB of memory"),
         ("render room.obj --no-background --reference 1,1,1:0,0,0 -o a.png", "cannot be used with"),
         ("render room.obj --samples 0 -o a.png", "--samples"),
         ("render room.obj --mode slow -o a.png", "'exact'"),
