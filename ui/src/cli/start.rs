@@ -4,15 +4,17 @@ use super::failure::Failure;
 use super::flags::Flags;
 use super::{Common, interrupt, output, paths, pose, scene, tour};
 use crate::picture::restore::{PictureView, beside, is_picture, read_view};
+use crate::settings::suggestion;
 use crate::window::state::{Look, WINDOW_SAMPLES};
 use crate::window::{self, SceneSource, WindowRequest};
-use clap::Parser;
+use clap::{CommandFactory, Parser};
 use std::path::Path;
 
 /// Where the headless walk leaves its records.
 const OUT: &str = "afterimage-out";
 
 pub(super) fn start(scene: Option<&str>, flags: &Flags, common: &Common) -> Result<(), Failure> {
+    scene.map_or(Ok(()), check_is_no_command)?;
     if window::has_display() {
         return open_window(scene, flags, common);
     }
@@ -28,6 +30,17 @@ pub(super) fn start(scene: Option<&str>, flags: &Flags, common: &Common) -> Resu
     let view = picture_view(scene)?;
     let scene = view.as_ref().map(|v| v.scene.as_str()).or(scene);
     tour::run(&headless_tour(scene), &flags)
+}
+
+/// A word that names no file and could not be a model's was meant as a command.
+fn check_is_no_command(word: &str) -> Result<(), Failure> {
+    if word.contains(['.', '/', '\\', ':']) || Path::new(word).exists() {
+        return Ok(());
+    }
+    let commands = super::Cli::command();
+    let names: Vec<&str> = commands.get_subcommands().map(clap::Command::get_name).collect();
+    let hint = suggestion(word, &names);
+    Err(Failure::Usage(format!("there is no command and no file '{word}'; {hint}")))
 }
 
 fn open_window(scene: Option<&str>, flags: &Flags, common: &Common) -> Result<(), Failure> {

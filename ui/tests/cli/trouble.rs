@@ -24,6 +24,8 @@ fn usage_errors_end_with_two() {
         ("render room.obj --no-background --reference 1,1,1:0,0,0 -o a.png", "cannot be used with"),
         ("render room.obj --samples 0 -o a.png", "--samples"),
         ("render room.obj --mode slow -o a.png", "'exact'"),
+        ("rendr", "did you mean 'render'?"),
+        ("house", "there is no command and no file 'house'; there are render, tour"),
         ("render room.obj --eye nan,0,0 --look-at 0,0,0 -o a.png", "three finite numbers"),
         ("render room.obj --eye 1,2 --look-at 0,0,0 -o a.png", "three finite numbers"),
         ("render room.obj --eye -1,2,3 -o a.png", "--look-at"),
