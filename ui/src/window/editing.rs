@@ -102,6 +102,7 @@ impl App {
         self.threads.order(Order::SetTracer(tracer));
         // Its references are of the scene before.
         self.state.sight.lent = None;
+        // The change is seen at once, at the render scale.
         self.sent = None;
     }
 

@@ -28,8 +28,9 @@ pub struct Wish {
     pub size: [u32; 2],
     /// What to render with.
     pub settings: WalkthroughSettings,
-    /// A frame is shown after so long as it is, the worst done first; at rest it is then gone on with.
-    pub budget: Duration,
+    /// A frame is shown after so long as it is, the worst done first, and then gone on with. `None`: it is shown when it
+    /// is complete, and given up where anything newer is wished for.
+    pub budget: Option<Duration>,
     /// Nothing is rendered while paused.
     pub is_paused: bool,
     /// The picture stays as its mode makes it: one that is compared is not refined.

@@ -14,14 +14,15 @@ const LARGEST_EDGE: f32 = 8192.0;
 impl App {
     /// Sends the pose and the settings where they have changed.
     pub(super) fn send_wish(&mut self) {
-        let q = &self.state.quality;
-        let edge = |pixels: u32| (pixels as f32 * q.render_scale).round().clamp(1.0, LARGEST_EDGE) as u32;
+        let (is_sharp, q) = (self.is_sharp(), &self.state.quality);
+        let scale = if is_sharp { 1.0 } else { q.render_scale };
+        let edge = |pixels: u32| (pixels as f32 * scale).round().clamp(1.0, LARGEST_EDGE) as u32;
         let size = if self.viewport_size.contains(&0) { [0, 0] } else { self.viewport_size.map(edge) };
         let wish = Wish {
             camera: *self.state.fly.camera(),
             size,
             settings: q.walk,
-            budget: Duration::from_secs_f32(q.budget_ms / 1000.0),
+            budget: (!is_sharp).then(|| Duration::from_secs_f32(q.budget_ms / 1000.0)),
             is_paused: self.state.options.is_paused,
             is_compared: self.state.comparison.is_wanted(),
         };
@@ -35,17 +36,41 @@ impl App {
         }
     }
 
+    /// True where nothing has changed since a frame of the render scale was complete: the picture at rest has every pixel of
+    /// the window. Only in modes that go on at rest.
+    fn is_sharp(&self) -> bool {
+        let (q, camera) = (&self.state.quality, self.state.fly.camera());
+        let may_be = q.walk.render.mode.refines() && q.render_scale < 1.0;
+        let is_same = |s: &Wish| s.camera == *camera && s.settings == q.walk && !s.is_paused;
+        may_be
+            && self
+                .sent
+                .as_ref()
+                .filter(|s| is_same(s))
+                .is_some_and(|s| s.budget.is_none() || self.has_rested())
+    }
+
+    fn has_rested(&self) -> bool {
+        // Pictures that are compared keep their size.
+        let is_compared = self.state.comparison.is_wanted();
+        self.moved.elapsed() >= MOTION_TIME && self.has_newest() && !is_compared
+    }
+
+    /// True where what was wished for last is shown whole.
+    fn has_newest(&self) -> bool {
+        let frame = self.state.frame.as_ref();
+        frame.is_some_and(|f| f.generation == self.threads.generation() && f.stats.is_complete)
+    }
+
     pub(super) fn work(&self) -> Work {
         let frame = self.state.frame.as_ref();
-        let is_newest =
-            frame.is_some_and(|f| f.generation == self.threads.generation() && f.stats.is_complete);
         match () {
             () if self.loader.is_some() => Work::Loading,
             () if self.state.scene.is_none() => Work::NoScene,
             () if self.state.options.is_paused => Work::Paused,
             () if self.moved.elapsed() < MOTION_TIME && !self.state.shows_hint => Work::Moving,
             () if self.is_editing => Work::Editing,
-            () if !is_newest => Work::Filling,
+            () if !self.has_newest() => Work::Filling,
             () if self.threads.is_adding_reference() => Work::AddingReference,
             () => match frame.map(|f| f.stats.refined) {
                 Some(refined) if refined.of > 0 && refined.is_complete => Work::Converged,

@@ -51,6 +51,9 @@ fn a_picture_that_is_compared_is_not_refined() {
     let mut request = request();
     request.settings.render.mode = Mode::Exact;
     let mut harness = open(request, false);
+    // The full tracer has every pixel of the window to trace, sixteen times.
+    harness.set_size(egui::vec2(560.0, 400.0));
+    settle(&mut harness);
     harness.key_press(Key::C);
     step_until(&mut harness, "a converged comparison", converged);
     let refined = harness.state().state().frame.as_ref().expect("a frame").stats.refined;

@@ -289,3 +289,18 @@ fn without_a_scene_nothing_is_said_to_be_filling() {
     harness.run_steps(2);
     assert_eq!(harness.state().state().work, Work::NoScene);
 }
+
+#[test]
+fn at_rest_the_picture_has_every_pixel_of_the_window_and_fewer_while_one_moves() {
+    let mut request = request();
+    request.settings.render.mode = Mode::Exact;
+    let mut harness = open(request, false);
+    let width = harness.get_by_label("3D viewport").rect().width();
+    let is_sharp =
+        |app: &App| app.state().frame.as_ref().is_some_and(|f| (f.size[0] as f32 - width).abs() <= 1.0);
+    step_until(&mut harness, "a sharp picture", is_sharp);
+    harness.key_down(Key::W);
+    step_until(&mut harness, "a coarse one", |app| !is_sharp(app));
+    harness.key_up(Key::W);
+    step_until(&mut harness, "a sharp one again", is_sharp);
+}

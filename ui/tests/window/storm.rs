@@ -59,7 +59,7 @@ impl Storm {
         let x = self.below(100) as f64 * 0.01;
         let camera = Camera { eye: DVec3::new(x, 1.6, 2.0), ..*self.tracers[0].scene().start() };
         let size = [self.below(48) as u32, self.below(32) as u32];
-        let budget = Duration::from_millis(self.below(3));
+        let budget = [Some(0), Some(1), Some(2), None][self.below(4) as usize].map(Duration::from_millis);
         Wish {
             camera,
             size,
@@ -107,7 +107,7 @@ impl Storm {
     /// A good wish in a good scene, shown in full.
     fn recovers(&mut self) {
         self.thread.order(Order::SetTracer(self.tracers[0].clone()));
-        let wish = Wish { size: [32, 24], is_paused: false, budget: Duration::ZERO, ..self.wish() };
+        let wish = Wish { size: [32, 24], is_paused: false, budget: Some(Duration::ZERO), ..self.wish() };
         let generation = self.thread.wish(wish);
         while !self.shown.as_ref().is_some_and(|f| f.generation >= generation && f.stats.is_complete) {
             if !self.thread.take_frame(&mut self.shown) {
@@ -136,7 +136,7 @@ impl Storm {
     }
 
     fn plain_wish(&mut self) -> Wish {
-        let mut wish = Wish { size: [64, 48], is_paused: false, budget: Duration::ZERO, ..self.wish() };
+        let mut wish = Wish { size: [64, 48], is_paused: false, budget: Some(Duration::ZERO), ..self.wish() };
         wish.settings.render.mode = Mode::Full;
         wish.settings.placement = PlacementPolicy::new(&NONE, 0.0);
         wish

@@ -43,7 +43,7 @@ impl Bench {
             camera,
             size: [96, 64],
             settings,
-            budget: Duration::ZERO,
+            budget: Some(Duration::ZERO),
             is_paused: false,
             is_compared: false,
         }

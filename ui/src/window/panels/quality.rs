@@ -114,7 +114,8 @@ fn sampling_rows(ui: &mut Ui, q: &mut Quality, d: &Quality) {
 }
 
 fn pace_rows(ui: &mut Ui, q: &mut Quality, d: &Quality) {
-    let help = "Rendered pixels per pixel of the screen, along an edge.";
+    let help = "While you move: rendered pixels per pixel of the screen, along an edge. At rest every mode but paper \
+                goes on to all of them.";
     let mut percent = q.render_scale * 100.0;
     row(ui, "Render scale", help, &mut percent, d.render_scale * 100.0, |ui, v| {
         ui.add(Slider::new(v, 25.0..=100.0).step_by(5.0).fixed_decimals(0).suffix(" %"))

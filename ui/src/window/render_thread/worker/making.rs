@@ -27,7 +27,10 @@ impl Worker {
         let shared = &*self.shared;
         let stop = || {
             let is_useless = shared.quit.load(Ordering::Relaxed) || shared.abandon.load(Ordering::Relaxed);
-            is_useless || start.elapsed() >= wish.budget
+            match wish.budget {
+                Some(budget) => is_useless || start.elapsed() >= budget,
+                None => shared.is_useless(generation),
+            }
         };
         if *walk.settings() != wish.settings {
             walk.set_settings(wish.settings);
@@ -41,13 +44,17 @@ impl Worker {
         let made = catch_unwind(AssertUnwindSafe(|| {
             self.pool.install(|| {
                 walk.render(&wish.camera, wish.size, &stop);
+                if wish.budget.is_none() && shared.is_useless(generation) {
+                    return None;
+                }
                 published.fill(walk.frame(), &walk.tracer().scene().frame, walk.used(), generation);
                 published.list(walk.cache(), walk.used(), added);
-            });
+                Some(published)
+            })
         }));
         self.rendered = Some(generation);
         shared.frames_rendered.fetch_add(1, Ordering::AcqRel);
-        self.publish(made.map(|()| Some(published)));
+        self.publish(made);
     }
 
     /// Goes on for a while with the last frame, which was cut at the budget.

@@ -108,7 +108,7 @@ mod tests {
             camera,
             size: [16, 16],
             settings,
-            budget: Duration::from_secs(3600),
+            budget: Some(Duration::from_secs(3600)),
             is_paused: false,
             is_compared: false,
         };
