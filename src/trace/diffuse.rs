@@ -5,7 +5,7 @@
 //! interreflection is path traced when bounces are asked for.
 
 use super::bvh::Occluder;
-use super::light_sample::{is_behind, sample, sample_count};
+use super::light_sample::{LightSample, is_behind, sample, sample_count};
 use super::pixel::{RayCounts, TraceSettings};
 use super::{SurfacePoint, Tracer};
 use crate::math::Ray;
@@ -58,28 +58,29 @@ impl Tracer {
 
     /// Irradiance that arrives straight from the lights, `samples` shadow rays each.
     pub fn irradiance(&self, point: &SurfacePoint, samples: u32, key: Key, rays: &mut RayCounts) -> Vec3 {
-        self.irradiance_through(point, samples, key, |shadow_ray, occluder| {
+        self.irradiance_through(point, samples, key, |sample, occluder| {
             rays.shadow += 1;
-            self.transmittance(shadow_ray, occluder)
+            rays.clamped += u64::from(sample.is_clamped);
+            self.transmittance(&sample.shadow_ray, occluder)
         })
     }
 
     /// The shadow rays that [`Self::irradiance`] traces, in its order, appended to `rays`.
     pub fn shadow_rays(&self, point: &SurfacePoint, samples: u32, key: Key, rays: &mut Vec<Ray>) {
-        self.irradiance_through(point, samples, key, |shadow_ray, _| {
-            rays.push(*shadow_ray);
+        self.irradiance_through(point, samples, key, |sample, _| {
+            rays.push(sample.shadow_ray);
             Vec3::ZERO
         });
     }
 
-    /// `passed` tells how much light passes along a shadow ray.
+    /// `passed` tells how much light passes along the shadow ray of a sample.
     #[inline(always)]
     fn irradiance_through(
         &self,
         point: &SurfacePoint,
         samples: u32,
         key: Key,
-        mut passed: impl FnMut(&Ray, &mut Occluder) -> Vec3,
+        mut passed: impl FnMut(&LightSample, &mut Occluder) -> Vec3,
     ) -> Vec3 {
         let origin = point.origin_in_front();
         let mut total = Vec3::ZERO;
@@ -94,7 +95,7 @@ impl Tracer {
             for i in 0..count {
                 let u = lattice(i, count, shift);
                 let Some(s) = sample(self.scene(), light, point, origin, u) else { continue };
-                sum += s.irradiance * passed(&s.shadow_ray, &mut occluder);
+                sum += s.irradiance * passed(&s, &mut occluder);
             }
             total += sum / count as f32;
         }

@@ -11,6 +11,8 @@ use std::f32::consts::PI;
 pub(super) struct LightSample {
     pub(super) shadow_ray: Ray,
     pub(super) irradiance: Vec3,
+    /// True where the light is so near that its irradiance was bounded.
+    pub(super) is_clamped: bool,
 }
 
 /// Samples a light needs: a point is seen or not, everything else has an extent.
@@ -65,22 +67,25 @@ pub(super) fn sample(
             let cos = cosine(point, d)?;
             // Nearer than a millionth of the scene's diagonal a point would outshine every number there is.
             const NEAREST: f32 = 1.0 / 1024.0 / 1024.0;
-            let irradiance = *intensity * (cos / d.length_squared().max(NEAREST));
+            let distance2 = d.length_squared();
             Some(LightSample {
                 shadow_ray: Ray { t_max: 1.0, ..Ray::new(origin, *position - origin) },
-                irradiance,
+                irradiance: *intensity * (cos / distance2.max(NEAREST)),
+                is_clamped: distance2 < NEAREST,
             })
         }
         Light::Sun { direction, cos_angular_radius, irradiance } => {
             let d = frame_around(*direction) * uniform_cone(u, *cos_angular_radius);
             let cos = cosine(point, d)?;
-            Some(LightSample { shadow_ray: Ray::new(origin, d), irradiance: *irradiance * cos })
+            let irradiance = *irradiance * cos;
+            Some(LightSample { shadow_ray: Ray::new(origin, d), irradiance, is_clamped: false })
         }
         Light::Sky => {
             let d = frame_around(point.shading_normal) * cosine_hemisphere(u);
             cosine(point, d)?;
             let radiance = scene.sky.as_ref().map_or(Vec3::ZERO, |s| s.radiance(d));
-            Some(LightSample { shadow_ray: Ray::new(origin, d), irradiance: radiance * PI })
+            let irradiance = radiance * PI;
+            Some(LightSample { shadow_ray: Ray::new(origin, d), irradiance, is_clamped: false })
         }
     }
 }
@@ -99,11 +104,14 @@ fn area_sample(
     let area = area_normal.length();
     // A point nearer than a thousandth of the light's size would make the estimate unbounded.
     const NEAREST: f32 = 1.0 / 1024.0 / 1024.0;
-    let distance2 = d.length_squared().max(area * NEAREST);
+    let (nearest2, distance2) = (area * NEAREST, d.length_squared());
+    let is_clamped = distance2 < nearest2;
+    let distance2 = distance2.max(nearest2);
     let projected_area = area_normal.dot(d).abs() / distance2.sqrt();
     Some(LightSample {
         shadow_ray: Ray::segment(origin, on_light),
         irradiance: radiance * (cos * projected_area / distance2),
+        is_clamped,
     })
 }
 

@@ -54,6 +54,8 @@ pub struct RayCounts {
     pub secondary: u64,
     /// Diffusely scattered.
     pub indirect: u64,
+    /// Of those towards lights: so near to one that its irradiance was bounded.
+    pub clamped: u64,
 }
 
 impl RayCounts {
@@ -69,6 +71,7 @@ impl AddAssign for RayCounts {
         self.shadow += other.shadow;
         self.secondary += other.secondary;
         self.indirect += other.indirect;
+        self.clamped += other.clamped;
     }
 }
 

@@ -8,6 +8,7 @@ use super::geometry::imported;
 use super::{Case, Measured, Trial};
 use crate::camera::{Camera, View};
 use crate::experiment::run::LabError;
+use crate::math::Ray;
 use crate::math::hash::Key;
 use crate::raster::color::{ToneMap, display_linear, metered_exposure_ev};
 use crate::render::{Frame, Mode};
@@ -44,6 +45,7 @@ pub(super) const CASES: &[Case] = &[
     Case::new("D8 Ns of 0, 1e6, -5, nan", "pixels that differ in a bit", 0.0, highlights),
     Case::new("D9 a point light at and on a wall", "bad values", 0.0, light_on_wall),
     Case::new("D9 a lamp in a wall's plane", "bad values", 0.0, lamp_on_wall),
+    Case::new("D9 clamps are counted", "shadow rays counted wrongly", 0.0, clamps_counted),
     Case::new("D10 radiance 1e-30 to 1e38", "tone-mapped steps down, or not in 0 to 1", 0.0, tone_map),
     Case::new("D10 a lamp of 1e6", "bad values, full and paper", 0.0, bright_lamp),
     Case::new("D10 a black picture", "exposures that are not absent or finite", 0.0, black_exposure),
@@ -250,6 +252,25 @@ fn light_on_wall(_: &Trial) -> Outcome {
         wrong += bad_values(&full(&tracer, &Room::SHINY.camera()));
         wrong +=
             reference(&tracer, &Room::SHINY.camera(), SIZE).disparity().iter().filter(|d| d.is_nan()).count();
+    }
+    Ok(wrong.into())
+}
+
+/// At the foot of a light the irradiance is bounded where the light is nearer than a thousandth of a unit, and nowhere else.
+fn clamps_counted(_: &Trial) -> Outcome {
+    let mut wrong = 0;
+    for (distance_m, expected) in [(1e-6, 1), (0.5, 0)] {
+        let mut b = Room::SHINY.builder();
+        b.point_lights.push((dvec(0.1, 1.2, -4.0 + distance_m), Vec3::splat(5.0)));
+        let tracer = tracer(b)?;
+        let [from, foot] =
+            [-1.0, -4.0].map(|z| tracer.scene().frame.scene_from_world_f64(dvec(0.1, 1.2, z)).as_vec3());
+        let ray = Ray::new(from, foot - from);
+        let mut rays = RayCounts::default();
+        if let Some(hit) = tracer.closest(&ray) {
+            tracer.irradiance(&tracer.surface(&ray, &hit), 16, Key::of_pixel(26, 0), &mut rays);
+        }
+        wrong += usize::from(rays.clamped != expected);
     }
     Ok(wrong.into())
 }
