@@ -304,7 +304,10 @@ fn a_person_walks_looks_and_saves() {
 
     desk.xdotool("key F1");
     desk.wait_for_share("help", PANEL, 0.35);
-    desk.xdotool("key Escape key F2");
+    // Both keys in one frame would find the help still open.
+    desk.xdotool("key Escape");
+    desk.wait_for("the help to close", || (desk.share("closed", PANEL) < 0.3).then_some(()));
+    desk.xdotool("key F2");
     desk.wait_for("a window without panels", || (desk.share("bare", PANEL) < 0.02).then_some(()));
     desk.xdotool("key F2");
     desk.wait_for_share("panels", PANEL, 0.15);
@@ -318,7 +321,9 @@ fn a_person_walks_looks_and_saves() {
 
 #[test]
 fn drawing_again_and_again_takes_no_memory() {
-    let Some(desk) = Desk::open() else { return };
+    // In the other modes the picture at rest grows, and its memory with it.
+    let arguments = ["model.obj", "--samples", "1", "--mode", "paper"];
+    let Some(desk) = Desk::start(Some(COURTYARD), &arguments, &[]) else { return };
     let wander = |steps: u32| {
         let moves: String = (0..steps)
             .map(|i| format!("mousemove {} {} sleep 0.03 ", 100 + i % 50, 300 + i * 7 % 90))
