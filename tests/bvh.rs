@@ -208,6 +208,12 @@ fn degenerate_input_builds_a_shallow_tree() {
 }
 
 #[test]
+fn boxes_whose_area_is_no_number_end_in_a_tree() {
+    let flat = [[Vec3::ZERO, Vec3::X * 3e38, Vec3::X * -3e38]; 5];
+    assert!(!Bvh::build(&flat).any(&Ray::new(Vec3::Z, Vec3::Y), |_| true));
+}
+
+#[test]
 fn hits_are_the_same_bits_with_and_without_wide_simd() {
     let soup = triangle_soup(5000, 0.1, 8);
     let (wide, narrow) = (Bvh::build(&soup), Bvh::build(&soup).with_baseline_simd());

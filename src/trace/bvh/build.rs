@@ -17,11 +17,8 @@ pub(super) const MAX_DEPTH: usize = 80;
 const REINSERTED: f32 = 0.2;
 
 /// Nodes that a ray may meet on average, above which none is put elsewhere: the search for a better place meets about as
-/// many, so that its time would grow with the square of the triangles.
+/// many, so that its time would grow with the square of the triangles. Of five real buildings 42 to 100 are met.
 const MOST_MET: f32 = 1000.0;
-
-/// The share of its boxes that a round of merging may leave. Those of six real buildings leave at most 0.89.
-const MOST_LEFT: f32 = 0.9375;
 
 impl Bvh {
     /// Builds the tree over triangles given by their corners.
@@ -45,12 +42,12 @@ impl Bvh {
 
 fn binary(corners: &[[Vec3; 3]], triangles: &[u32]) -> Bvh2 {
     let boxes: Vec<Aabb> = triangles.par_iter().map(|&i| bounds_of(&corners[i as usize])).collect();
-    let mut tree = cluster(&boxes, MOST_LEFT);
+    let mut tree = cluster(&boxes, false);
     if nodes_met(&tree) <= MOST_MET {
         ReinsertionOptimizer::default().run(&mut tree, REINSERTED, None);
     }
     if depth_of(&tree) > MAX_DEPTH {
-        tree = cluster(&boxes, 0.0);
+        tree = cluster(&boxes, true);
     }
     tree.primitive_indices.iter_mut().for_each(|i| *i = triangles[*i as usize]);
     tree

@@ -33,8 +33,8 @@ struct Vertex {
     @location(4) @interpolate(flat) p3: vec4<u32>,
 };
 
-// Lavapipe (Mesa 22) compiles a fragment shader anew for each value of a uniform that it branches on, at every draw: 50 ms
-// and a megabyte a frame. What comes from the vertex shader it leaves alone.
+// Lavapipe (Mesa 22) compiles a fragment shader anew for each value of a uniform that it branches on, at every draw, half
+// a megabyte each. What comes from the vertex shader it leaves alone.
 var<private> p: Params;
 
 fn unpack(v: Vertex) {
