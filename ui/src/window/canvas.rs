@@ -6,6 +6,9 @@ use super::presentation::Presentation;
 use super::timewarp::Reprojection;
 use super::viewport;
 
+/// Where there is no picture yet.
+const EMPTY: egui::Color32 = egui::Color32::from_gray(24);
+
 /// Where the picture is to be drawn.
 pub(super) struct Canvas {
     painter: egui::Painter,
@@ -23,7 +26,6 @@ impl App {
         let points_to_pixels = ui.ctx().pixels_per_point();
         self.viewport_size =
             [rect.width(), rect.height()].map(|points| (points * points_to_pixels).round() as u32);
-        ui.painter().rect_filled(rect, 0.0, egui::Color32::from_gray(24));
         let canvas =
             Canvas { painter: ui.painter().clone(), shape: ui.painter().add(egui::Shape::Noop), rect };
         panels::overlay::show(ui, rect, &self.state);
@@ -37,14 +39,16 @@ impl App {
         (response, canvas)
     }
 
-    /// Draws the newest frame, as it is seen from where the camera is by now.
+    /// Draws the newest frame, as it is seen from where the camera is by now. It covers the whole room.
     pub(super) fn draw(&self, canvas: Canvas) {
-        if self.graphics.is_some() && canvas.rect.is_positive() {
+        let shape = if self.graphics.is_some() && self.state.frame.is_some() && canvas.rect.is_positive() {
             let points_to_pixels = canvas.painter.ctx().pixels_per_point();
             let presentation = Presentation { overlay: self.overlay(), ..self.state.presentation() };
-            let shape = viewport::shape(canvas.rect, points_to_pixels, presentation, self.reprojection());
-            canvas.painter.set(canvas.shape, shape);
-        }
+            viewport::shape(canvas.rect, points_to_pixels, presentation, self.reprojection())
+        } else {
+            egui::Shape::rect_filled(canvas.rect, 0.0, EMPTY)
+        };
+        canvas.painter.set(canvas.shape, shape);
     }
 
     /// The way from the newest frame to the camera; `None` at rest, and for frames of a scene that was left.

@@ -2,15 +2,16 @@
 
 use egui_wgpu::wgpu;
 
-/// A pass without depth and with one sample, as egui's own: `vertex` and `fragment` of a shader.
+/// A pass without depth and with one sample, as egui's own: `vertex` and `fragment` of a shader with its constants.
 pub(super) fn pipeline(
     device: &wgpu::Device,
     label: &str,
     layout: &wgpu::BindGroupLayout,
-    shader: wgpu::ShaderModuleDescriptor<'_>,
+    shader: &wgpu::ShaderModule,
+    constants: &[(&str, f64)],
     target: wgpu::TextureFormat,
 ) -> wgpu::RenderPipeline {
-    let shader = device.create_shader_module(shader);
+    let compilation_options = wgpu::PipelineCompilationOptions { constants, ..Default::default() };
     let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: Some(label),
         bind_group_layouts: &[Some(layout)],
@@ -20,23 +21,49 @@ pub(super) fn pipeline(
         label: Some(label),
         layout: Some(&pipeline_layout),
         vertex: wgpu::VertexState {
-            module: &shader,
+            module: shader,
             entry_point: Some("vertex"),
-            compilation_options: Default::default(),
+            compilation_options: compilation_options.clone(),
             buffers: &[],
         },
         primitive: wgpu::PrimitiveState::default(),
         depth_stencil: None,
         multisample: wgpu::MultisampleState::default(),
         fragment: Some(wgpu::FragmentState {
-            module: &shader,
+            module: shader,
             entry_point: Some("fragment"),
-            compilation_options: Default::default(),
+            compilation_options,
             targets: &[Some(target.into())],
         }),
         multiview_mask: None,
         cache: None,
     })
+}
+
+/// Draws all of a target.
+pub(super) fn draw(
+    encoder: &mut wgpu::CommandEncoder,
+    label: &str,
+    target: &wgpu::TextureView,
+    pipeline: &wgpu::RenderPipeline,
+    bind_group: &wgpu::BindGroup,
+) {
+    let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some(label),
+        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+            view: target,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations {
+                load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                store: wgpu::StoreOp::Store,
+            },
+        })],
+        ..Default::default()
+    });
+    pass.set_pipeline(pipeline);
+    pass.set_bind_group(0, bind_group, &[]);
+    pass.draw(0..3, 0..1);
 }
 
 /// A binding that vertices and fragments read.

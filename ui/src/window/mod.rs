@@ -8,6 +8,7 @@ pub mod app;
 mod apply;
 mod canvas;
 mod comparing;
+mod develop;
 mod editing;
 mod export;
 pub mod fly_camera;

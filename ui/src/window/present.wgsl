@@ -1,16 +1,19 @@
-// Shows a finished frame: radiance developed as src/raster/color.rs does it, and the types of its pixels.
+// Shows a finished frame that was developed, and the types of its pixels.
+
+// What a picture does not need is not in its shader: a processor that draws runs both sides of every branch.
+override IS_WARPED: bool;        // the map says where in the frame a pixel is found
+override SHOWS_TYPES: bool;      // heatmap or outline
+override IS_OVERLAID: bool;      // with the full tracer's picture or the map of errors
+override DECODES: bool;          // the target encodes what it is given, so it wants linear colour
 
 struct Params {
     size: vec2<u32>,         // of the frame, pixels
+    map_size: vec2<u32>,     // of the map, pixels
+    uv_scale: vec2<f32>,     // viewport uv -> frame uv about the centre: the frame keeps its shape
     heatmap: u32,            // 0 off, 1 blended, 2 only
     coloring: u32,           // 0 by type, 1 by reference
-    uv_scale: vec2<f32>,     // viewport uv -> frame uv about the centre: the frame keeps its shape
-    exposure: f32,           // a factor
-    tone_map: u32,           // 0 ACES, 1 linear
     outline: u32,            // 1: Type 3 is outlined
     pixels_per_point: f32,
-    encode: u32,             // 1: the target stores what it is given, so sRGB is encoded here
-    is_warped: u32,          // 1: the map says where in the frame a pixel is found
     overlay: u32,            // 1 the full tracer's picture, 2 the map of errors
     split: f32,              // overlays begin at this part of the width
 };
@@ -19,7 +22,7 @@ struct Params {
 @group(0) @binding(1) var color_sampler: sampler;
 @group(0) @binding(2) var types: texture_2d<u32>;
 @group(0) @binding(3) var suppliers: texture_2d<u32>;
-@group(0) @binding(4) var<uniform> given: array<vec4<u32>, 4>; // Params as the program lays them out
+@group(0) @binding(4) var<uniform> given: array<vec4<u32>, 3>; // Params as the program lays them out
 @group(0) @binding(5) var map: texture_2d<f32>;
 @group(0) @binding(6) var full: texture_2d<f32>;
 @group(0) @binding(7) var errors: texture_2d<f32>;
@@ -30,7 +33,6 @@ struct Vertex {
     @location(1) @interpolate(flat) p0: vec4<u32>,
     @location(2) @interpolate(flat) p1: vec4<u32>,
     @location(3) @interpolate(flat) p2: vec4<u32>,
-    @location(4) @interpolate(flat) p3: vec4<u32>,
 };
 
 // Lavapipe (Mesa 22) compiles a fragment shader anew for each value of a uniform that it branches on, at every draw, half
@@ -39,17 +41,14 @@ var<private> p: Params;
 
 fn unpack(v: Vertex) {
     p.size = v.p0.xy;
-    p.heatmap = v.p0.z;
-    p.coloring = v.p0.w;
+    p.map_size = v.p0.zw;
     p.uv_scale = bitcast<vec2<f32>>(v.p1.xy);
-    p.exposure = bitcast<f32>(v.p1.z);
-    p.tone_map = v.p1.w;
+    p.heatmap = v.p1.z;
+    p.coloring = v.p1.w;
     p.outline = v.p2.x;
     p.pixels_per_point = bitcast<f32>(v.p2.y);
-    p.encode = v.p2.z;
-    p.is_warped = v.p2.w;
-    p.overlay = v.p3.x;
-    p.split = bitcast<f32>(v.p3.y);
+    p.overlay = v.p2.z;
+    p.split = bitcast<f32>(v.p2.w);
 }
 
 @vertex
@@ -61,21 +60,7 @@ fn vertex(@builtin(vertex_index) i: u32) -> Vertex {
     v.p0 = given[0];
     v.p1 = given[1];
     v.p2 = given[2];
-    v.p3 = given[3];
     return v;
-}
-
-fn developed(radiance: vec3<f32>) -> vec3<f32> {
-    let x = clamp(radiance * p.exposure, vec3<f32>(0.0), vec3<f32>(65504.0));
-    if (p.tone_map == 1u) {
-        return min(x, vec3<f32>(1.0));
-    }
-    let aces = x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14);
-    return clamp(aces, vec3<f32>(0.0), vec3<f32>(1.0));
-}
-
-fn srgb_from_linear(c: vec3<f32>) -> vec3<f32> {
-    return select(1.055 * pow(c, vec3<f32>(1.0 / 2.4)) - 0.055, 12.92 * c, c <= vec3<f32>(0.0031308));
 }
 
 fn linear_from_srgb(c: vec3<f32>) -> vec3<f32> {
@@ -85,8 +70,8 @@ fn linear_from_srgb(c: vec3<f32>) -> vec3<f32> {
 // A pixel that the frame did not see: filled from beside it until the next frame.
 const FILLED: vec3<f32> = vec3<f32>(204.0, 121.0, 167.0) / 255.0;
 
-fn pixel_at(uv: vec2<f32>) -> vec2<i32> {
-    return clamp(vec2<i32>(uv * vec2<f32>(p.size)), vec2<i32>(0), vec2<i32>(p.size) - vec2<i32>(1));
+fn pixel_at(uv: vec2<f32>, size: vec2<u32>) -> vec2<i32> {
+    return clamp(vec2<i32>(uv * vec2<f32>(size)), vec2<i32>(0), vec2<i32>(size) - vec2<i32>(1));
 }
 
 fn is_type3(t: u32) -> bool {
@@ -139,7 +124,26 @@ fn overlaid(uv: vec2<f32>) -> vec3<f32> {
     if (p.overlay == 2u) {
         return textureSampleLevel(errors, color_sampler, uv, 0.0).rgb;
     }
-    return srgb_from_linear(developed(textureSampleLevel(full, color_sampler, uv, 0.0).rgb));
+    return textureSampleLevel(full, color_sampler, uv, 0.0).rgb;
+}
+
+fn with_types(shown: vec3<f32>, pixel: vec2<i32>, position: vec2<f32>, is_filled: bool) -> vec3<f32> {
+    var mixed = shown;
+    let t = textureLoad(types, pixel, 0).x;
+    if (p.heatmap != 0u) {
+        var tint = color_of_type(t, position);
+        if (p.coloring == 1u) {
+            tint = color_of_reference(textureLoad(suppliers, pixel, 0).x, position);
+        }
+        if (is_filled) {
+            tint = FILLED * hatch(position);
+        }
+        mixed = select(tint, mix(mixed, tint, 0.5), p.heatmap == 1u);
+    }
+    if (p.outline == 1u && is_on_edge(pixel, t)) {
+        mixed = vec3<f32>(213.0, 94.0, 0.0) / 255.0;
+    }
+    return mixed;
 }
 
 @fragment
@@ -148,36 +152,20 @@ fn fragment(v: Vertex) -> @location(0) vec4<f32> {
     var uv = (v.uv - 0.5) * p.uv_scale + 0.5;
     let is_beside = any(uv < vec2<f32>(0.0)) || any(uv > vec2<f32>(1.0));
     var is_filled = false;
-    if (p.is_warped == 1u && !is_beside) {
-        let moved = textureLoad(map, pixel_at(uv), 0);
+    if (IS_WARPED) {
+        let moved = textureLoad(map, pixel_at(uv, p.map_size), 0);
         uv += moved.xy / vec2<f32>(p.size);
         is_filled = moved.z > 0.5;
     }
-    let radiance = textureSampleLevel(color, color_sampler, uv, 0.0).rgb;
-    if (is_beside) {
-        return vec4<f32>(0.0, 0.0, 0.0, 1.0);
+    var shown = textureSampleLevel(color, color_sampler, uv, 0.0).rgb;
+    if (SHOWS_TYPES) {
+        shown = with_types(shown, pixel_at(uv, p.size), v.position.xy, is_filled);
     }
-    var shown = srgb_from_linear(developed(radiance));
-    let pixel = pixel_at(uv);
-    let t = textureLoad(types, pixel, 0).x;
-    if (p.heatmap != 0u) {
-        var tint = color_of_type(t, v.position.xy);
-        if (p.coloring == 1u) {
-            tint = color_of_reference(textureLoad(suppliers, pixel, 0).x, v.position.xy);
-        }
-        if (is_filled) {
-            tint = FILLED * hatch(v.position.xy);
-        }
-        shown = select(tint, mix(shown, tint, 0.5), p.heatmap == 1u);
-    }
-    if (p.outline == 1u && is_on_edge(pixel, t)) {
-        shown = vec3<f32>(213.0, 94.0, 0.0) / 255.0;
-    }
-    if (p.overlay != 0u && v.uv.x >= p.split) {
+    if (IS_OVERLAID && v.uv.x >= p.split) {
         shown = overlaid(uv);
     }
-    if (p.encode == 0u) {
+    if (DECODES) {
         shown = linear_from_srgb(shown);
     }
-    return vec4<f32>(shown, 1.0);
+    return vec4<f32>(select(shown, vec3<f32>(0.0), is_beside), 1.0);
 }

@@ -93,6 +93,8 @@ pub struct WarpMap {
     pub map: wgpu::Texture,
     /// Disparity of the frame, one f32 a pixel.
     pub disparity: wgpu::Texture,
+    /// Of the map, in pixels.
+    pub size: [u32; 2],
     view: wgpu::TextureView,
     bind_group: wgpu::BindGroup,
 }
@@ -117,7 +119,8 @@ impl Timewarp {
                 device,
                 "timewarp",
                 &layout,
-                wgpu::include_wgsl!("timewarp.wgsl"),
+                &device.create_shader_module(wgpu::include_wgsl!("timewarp.wgsl")),
+                &[],
                 MAP_FORMAT,
             ),
             layout,
@@ -142,7 +145,7 @@ impl Timewarp {
             ],
         });
         let view = map.create_view(&wgpu::TextureViewDescriptor::default());
-        WarpMap { map, disparity, view, bind_group }
+        WarpMap { map, disparity, size, view, bind_group }
     }
 
     /// Draws the map of a reprojection.
@@ -155,21 +158,6 @@ impl Timewarp {
     ) {
         let params = reprojection.params(self.most_steps);
         queue.write_buffer(&self.params, 0, bytemuck::bytes_of(&params));
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("timewarp"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &map.view,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
-                    store: wgpu::StoreOp::Store,
-                },
-            })],
-            ..Default::default()
-        });
-        pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, &map.bind_group, &[]);
-        pass.draw(0..3, 0..1);
+        pass::draw(encoder, "timewarp", &map.view, &self.pipeline, &map.bind_group);
     }
 }

@@ -1,39 +1,45 @@
 //! The picture on the screen: textures of the newest frame and the pipeline that shows them.
 
+use super::develop::{Developer, Development, Negative};
 use super::frames::PublishedFrame;
 use super::full_screen_pass as pass;
-use super::presentation::{Overlay, Presentation};
+use super::presentation::{Heatmap, Overlay, Presentation};
 use super::timewarp::{Reprojection, Timewarp, WarpMap};
-use afterimage::raster::color::ToneMap;
 use egui_wgpu::{CallbackResources, CallbackTrait, RenderState, ScreenDescriptor, wgpu};
 
 #[repr(C)]
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 struct Params {
     size: [u32; 2],
+    map_size: [u32; 2],
+    uv_scale: [f32; 2],
     heatmap: u32,
     coloring: u32,
-    uv_scale: [f32; 2],
-    exposure: f32,
-    tone_map: u32,
     outline: u32,
     pixels_per_point: f32,
-    encode: u32,
-    is_warped: u32,
     overlay: u32,
     split: f32,
-    unused: [u32; 2],
 }
 
 // As `Params` of present.wgsl is laid out; a uniform's size is a multiple of 16.
-const _: () = assert!(size_of::<Params>() == 64);
+const _: () = assert!(size_of::<Params>() == 48);
+
+/// What a picture needs of the shader: each has a pipeline of its own, made when it is first shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Needs {
+    is_warped: bool,
+    shows_types: bool,
+    is_overlaid: bool,
+}
 
 struct ViewGpu {
-    pipeline: wgpu::RenderPipeline,
+    pipelines: Vec<(Needs, wgpu::RenderPipeline)>,
+    shader: wgpu::ShaderModule,
+    target: wgpu::TextureFormat,
     layout: wgpu::BindGroupLayout,
     sampler: wgpu::Sampler,
     params: wgpu::Buffer,
-    encode: bool,
+    developer: Developer,
     timewarp: Option<Timewarp>,
     /// Bound where nothing is warped.
     no_map: wgpu::TextureView,
@@ -42,10 +48,10 @@ struct ViewGpu {
 
 struct Textures {
     size: [u32; 2],
-    color: wgpu::Texture,
+    color: Negative,
     types: wgpu::Texture,
     suppliers: wgpu::Texture,
-    full: wgpu::Texture,
+    full: Negative,
     errors: wgpu::Texture,
     warp: Option<WarpMap>,
     bind_group: wgpu::BindGroup,
@@ -67,17 +73,18 @@ pub fn upload(state: &RenderState, frame: &PublishedFrame) {
     if gpu.textures.as_ref().is_none_or(|t| t.size != frame.size) {
         gpu.textures = Some(gpu.make_textures(&state.device, frame.size));
     }
-    if let Some(textures) = &gpu.textures {
+    if let Some(textures) = &mut gpu.textures {
         textures.write(&state.queue, frame);
     }
 }
 
 /// Sends the full tracer's picture of the frame's view; one of another size is left out.
 pub fn upload_full(state: &RenderState, full: &PublishedFrame) {
-    let renderer = state.renderer.read();
-    let textures = renderer.callback_resources.get::<ViewGpu>().and_then(|gpu| gpu.textures.as_ref());
+    let mut renderer = state.renderer.write();
+    let textures = renderer.callback_resources.get_mut::<ViewGpu>().and_then(|gpu| gpu.textures.as_mut());
     if let Some(textures) = textures.filter(|t| t.size == full.size) {
-        textures.put(&state.queue, &textures.full, bytemuck::cast_slice(&full.radiance), 4);
+        textures.put(&state.queue, &textures.full.radiance, bytemuck::cast_slice(&full.radiance), 4);
+        textures.full.expose();
     }
 }
 
@@ -111,7 +118,16 @@ struct Show {
 }
 
 impl Show {
-    fn params(&self, size: [u32; 2], encode: bool, is_warped: bool) -> Params {
+    fn needs(&self, has_map: bool) -> Needs {
+        let p = &self.presentation;
+        Needs {
+            is_warped: has_map && self.reprojection.is_some(),
+            shows_types: p.heatmap != Heatmap::Off || p.has_outline,
+            is_overlaid: p.overlay != Overlay::None,
+        }
+    }
+
+    fn params(&self, size: [u32; 2], map_size: [u32; 2]) -> Params {
         let frame_aspect = size[0] as f32 / size[1].max(1) as f32;
         let p = &self.presentation;
         let (overlay, split) = match p.overlay {
@@ -122,44 +138,46 @@ impl Show {
         };
         Params {
             size,
-            heatmap: p.heatmap as u32,
-            coloring: p.coloring as u32,
+            map_size,
             // The height always fits: a frame made for the window's old shape is cut or bordered left and right.
             uv_scale: [self.aspect / frame_aspect, 1.0],
-            exposure: p.exposure_ev.exp2(),
-            tone_map: p.tone_map as u32,
+            heatmap: p.heatmap as u32,
+            coloring: p.coloring as u32,
             outline: p.has_outline.into(),
             pixels_per_point: self.pixels_per_point,
-            encode: encode.into(),
-            is_warped: is_warped.into(),
             overlay,
             split,
-            unused: [0; 2],
         }
     }
 }
 
-// The shader knows these by number.
-const _: () = assert!(ToneMap::Aces as u32 == 0 && ToneMap::Linear as u32 == 1);
-
 impl CallbackTrait for Show {
     fn prepare(
         &self,
-        _device: &wgpu::Device,
+        device: &wgpu::Device,
         queue: &wgpu::Queue,
         _screen: &ScreenDescriptor,
         encoder: &mut wgpu::CommandEncoder,
         resources: &mut CallbackResources,
     ) -> Vec<wgpu::CommandBuffer> {
-        if let Some(gpu) = resources.get::<ViewGpu>()
-            && let Some(textures) = &gpu.textures
+        if let Some(gpu) = resources.get_mut::<ViewGpu>()
+            && let Some(textures) = &mut gpu.textures
         {
-            let warp = self.reprojection.as_ref().zip(gpu.timewarp.as_ref()).zip(textures.warp.as_ref());
-            if let Some(((reprojection, timewarp), map)) = warp {
+            let needs = self.needs(textures.warp.is_some());
+            let development = Development::new(self.presentation.exposure_ev, self.presentation.tone_map);
+            gpu.developer.develop(queue, encoder, &mut textures.color, development);
+            if needs.is_overlaid {
+                gpu.developer.develop(queue, encoder, &mut textures.full, development);
+            }
+            let map = textures.warp.as_ref();
+            if let Some(((reprojection, timewarp), map)) =
+                self.reprojection.as_ref().zip(gpu.timewarp.as_ref()).zip(map)
+            {
                 timewarp.draw(queue, encoder, map, reprojection);
             }
-            let params = self.params(textures.size, gpu.encode, warp.is_some());
+            let params = self.params(textures.size, map.map_or([1, 1], |map| map.size));
             queue.write_buffer(&gpu.params, 0, bytemuck::bytes_of(&params));
+            gpu.make_pipeline(device, needs);
         }
         Vec::new()
     }
@@ -172,8 +190,9 @@ impl CallbackTrait for Show {
     ) {
         if let Some(gpu) = resources.get::<ViewGpu>()
             && let Some(textures) = &gpu.textures
+            && let Some(pipeline) = gpu.pipeline(self.needs(textures.warp.is_some()))
         {
-            pass.set_pipeline(&gpu.pipeline);
+            pass.set_pipeline(pipeline);
             pass.set_bind_group(0, &textures.bind_group, &[]);
             pass.draw(0..3, 0..1);
         }
@@ -196,13 +215,9 @@ impl ViewGpu {
             ],
         });
         Self {
-            pipeline: pass::pipeline(
-                device,
-                "viewport",
-                &layout,
-                wgpu::include_wgsl!("present.wgsl"),
-                target,
-            ),
+            pipelines: Vec::new(),
+            shader: device.create_shader_module(wgpu::include_wgsl!("present.wgsl")),
+            target,
             layout,
             sampler: device.create_sampler(&wgpu::SamplerDescriptor {
                 label: Some("viewport"),
@@ -211,7 +226,7 @@ impl ViewGpu {
                 ..Default::default()
             }),
             params: pass::uniform_buffer(device, "viewport", size_of::<Params>()),
-            encode: !target.is_srgb(),
+            developer: Developer::new(device),
             timewarp: Timewarp::new(adapter, device),
             no_map: texture(device, [1, 1], wgpu::TextureFormat::Rgba16Float)
                 .create_view(&wgpu::TextureViewDescriptor::default()),
@@ -219,10 +234,28 @@ impl ViewGpu {
         }
     }
 
+    fn pipeline(&self, needs: Needs) -> Option<&wgpu::RenderPipeline> {
+        self.pipelines.iter().find(|(has, _)| *has == needs).map(|(_, pipeline)| pipeline)
+    }
+
+    fn make_pipeline(&mut self, device: &wgpu::Device, needs: Needs) {
+        if self.pipeline(needs).is_none() {
+            let constants = [
+                ("IS_WARPED", needs.is_warped),
+                ("SHOWS_TYPES", needs.shows_types),
+                ("IS_OVERLAID", needs.is_overlaid),
+                ("DECODES", self.target.is_srgb()),
+            ]
+            .map(|(name, is_on)| (name, f64::from(u8::from(is_on))));
+            let pipeline =
+                pass::pipeline(device, "viewport", &self.layout, &self.shader, &constants, self.target);
+            self.pipelines.push((needs, pipeline));
+        }
+    }
+
     fn make_textures(&self, device: &wgpu::Device, size: [u32; 2]) -> Textures {
         let texture = |format| texture(device, size, format);
-        let (color, full) =
-            (texture(wgpu::TextureFormat::Rgb9e5Ufloat), texture(wgpu::TextureFormat::Rgb9e5Ufloat));
+        let [color, full] = [(); 2].map(|()| self.developer.make_negative(device, size));
         let errors = texture(wgpu::TextureFormat::Rgba8Unorm);
         let (types, suppliers) = (texture(wgpu::TextureFormat::R8Uint), texture(wgpu::TextureFormat::R8Uint));
         let warp = self.timewarp.as_ref().map(|timewarp| timewarp.make_map(device, size));
@@ -233,13 +266,13 @@ impl ViewGpu {
             label: Some("viewport"),
             layout: &self.layout,
             entries: &[
-                bind(0, wgpu::BindingResource::TextureView(&view(&color))),
+                bind(0, wgpu::BindingResource::TextureView(&color.developed)),
                 bind(1, wgpu::BindingResource::Sampler(&self.sampler)),
                 bind(2, wgpu::BindingResource::TextureView(&view(&types))),
                 bind(3, wgpu::BindingResource::TextureView(&view(&suppliers))),
                 bind(4, self.params.as_entire_binding()),
                 bind(5, wgpu::BindingResource::TextureView(map.as_ref().unwrap_or(&self.no_map))),
-                bind(6, wgpu::BindingResource::TextureView(&view(&full))),
+                bind(6, wgpu::BindingResource::TextureView(&full.developed)),
                 bind(7, wgpu::BindingResource::TextureView(&view(&errors))),
             ],
         });
@@ -248,8 +281,9 @@ impl ViewGpu {
 }
 
 impl Textures {
-    fn write(&self, queue: &wgpu::Queue, frame: &PublishedFrame) {
-        self.put(queue, &self.color, bytemuck::cast_slice(&frame.radiance), 4);
+    fn write(&mut self, queue: &wgpu::Queue, frame: &PublishedFrame) {
+        self.put(queue, &self.color.radiance, bytemuck::cast_slice(&frame.radiance), 4);
+        self.color.expose();
         self.put(queue, &self.types, &frame.types, 1);
         self.put(queue, &self.suppliers, &frame.suppliers, 1);
         if let Some(warp) = &self.warp {
