@@ -55,7 +55,8 @@ impl App {
     fn reprojection(&self) -> Option<Reprojection> {
         let (frame, camera) = (self.state.frame.as_ref()?, self.state.fly.camera());
         let is_elsewhere = frame.camera != *camera && frame.generation >= self.scene_since;
+        let nearest = frame.depth_ranges.nearest();
         is_elsewhere
-            .then(|| Reprojection::new(&frame.camera, camera, &frame.scene_frame, frame.size, frame.nearest))
+            .then(|| Reprojection::new(&frame.camera, camera, &frame.scene_frame, frame.size, nearest))
     }
 }

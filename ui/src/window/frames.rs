@@ -1,5 +1,6 @@
 //! Finished frames on their way from the render thread to the window, without waiting and without allocating.
 
+use super::depth_ranges::DepthRanges;
 use afterimage::Camera;
 use afterimage::camera::SceneFrame;
 use afterimage::raster::color::metered_exposure_ev;
@@ -43,10 +44,8 @@ pub struct PublishedFrame {
     pub size: [u32; 2],
     /// The space of its disparities.
     pub scene_frame: SceneFrame,
-    /// 1 / depth along the viewing axis in scene units; 0 where nothing is known to be near.
-    pub disparity: Vec<f32>,
-    /// The largest of them.
-    pub nearest: f32,
+    /// 1 / depth along the viewing axis in scene units, of pixels and of squares of them.
+    pub depth_ranges: DepthRanges,
     /// Radiance as shared-exponent colour, the layout of `Rgb9e5Ufloat`.
     pub radiance: Vec<u32>,
     /// [`afterimage::reproject::PixelType`] as numbers.
@@ -76,8 +75,7 @@ impl PublishedFrame {
             camera: Frame::empty().camera,
             size: [0, 0],
             scene_frame: SceneFrame { origin_in_world_m: glam::DVec3::ZERO, units_per_metre: 1.0 },
-            disparity: Vec::new(),
-            nearest: 0.0,
+            depth_ranges: DepthRanges::default(),
             radiance: Vec::new(),
             types: Vec::new(),
             suppliers: Vec::new(),
@@ -95,9 +93,7 @@ impl PublishedFrame {
         (self.generation, self.is_refinement) = (generation, false);
         (self.camera, self.size, self.stats) = (frame.camera, frame.view.size, frame.stats);
         self.scene_frame = *scene;
-        self.disparity.clear();
-        self.disparity.extend(frame.disparity.iter().map(|&d| if d.is_finite() { d } else { 0.0 }));
-        self.nearest = self.disparity.iter().copied().fold(0.0, f32::max);
+        self.depth_ranges.fill(&frame.disparity, self.size);
         frame.radiance.par_iter().map(|&c| rgb9e5(c)).collect_into_vec(&mut self.radiance);
         self.types.clear();
         self.types.extend(frame.types.iter().map(|&t| t as u8));

@@ -100,18 +100,48 @@ pub(super) fn uniform_buffer(device: &wgpu::Device, label: &str, size: usize) ->
 pub(super) fn texture(
     device: &wgpu::Device,
     label: &str,
+    size: [u32; 2],
+    format: wgpu::TextureFormat,
+    usage: wgpu::TextureUsages,
+) -> wgpu::Texture {
+    layered_texture(device, label, size, 1, format, usage)
+}
+
+/// A flat texture with smaller levels, to be read in shaders.
+pub(super) fn layered_texture(
+    device: &wgpu::Device,
+    label: &str,
     [width, height]: [u32; 2],
+    mip_level_count: u32,
     format: wgpu::TextureFormat,
     usage: wgpu::TextureUsages,
 ) -> wgpu::Texture {
     device.create_texture(&wgpu::TextureDescriptor {
         label: Some(label),
         size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-        mip_level_count: 1,
+        mip_level_count,
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
         format,
         usage: usage | wgpu::TextureUsages::TEXTURE_BINDING,
         view_formats: &[],
     })
+}
+
+/// Sends one level of a texture, tightly packed rows.
+pub(super) fn write(
+    queue: &wgpu::Queue,
+    texture: &wgpu::Texture,
+    mip_level: u32,
+    [width, height]: [u32; 2],
+    bytes: &[u8],
+) {
+    let layout = wgpu::TexelCopyBufferLayout {
+        offset: 0,
+        bytes_per_row: Some(bytes.len() as u32 / height.max(1)),
+        rows_per_image: None,
+    };
+    let extent = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
+    let target = wgpu::TexelCopyTextureInfo { mip_level, ..texture.as_image_copy() };
+    queue.write_texture(target, bytes, layout, extent);
 }

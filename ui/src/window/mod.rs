@@ -8,6 +8,7 @@ pub mod app;
 mod apply;
 mod canvas;
 mod comparing;
+pub mod depth_ranges;
 mod develop;
 mod editing;
 mod export;

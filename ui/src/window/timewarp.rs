@@ -3,22 +3,24 @@
 //!
 //! Every pixel of the new view is traced through the last frame's depths. Along its ray the source pixel and the source
 //! disparity are linear on the picture, so that a walk along a line from near to far finds the first surface: relief
-//! mapping (Policarpo, Oliveira and Comba, I3D 2005) with a depth image as the relief. Where the first surface is one
-//! that the frame did not see, its farthest neighbour on the line stands in, and the pixel is marked as filled. Source
-//! of the idea: positional timewarp (van Waveren, VRST 2016).
+//! mapping (Policarpo, Oliveira and Comba, I3D 2005) with a depth image as the relief. Squares of pixels that the ray
+//! passes before or behind are passed in one step (Tevs, Ihrke and Seidel, I3D 2008, with minima as well as maxima), so
+//! that nothing is missed however far the camera went. Where the first surface is one that the frame did not see, what is
+//! beside the one that hid it stands in, and the pixel is marked as filled. Source of the idea: positional timewarp (van
+//! Waveren, VRST 2016).
 
+use super::depth_ranges::{DepthRanges, LEVELS};
 use super::full_screen_pass as pass;
 use afterimage::Camera;
 use afterimage::camera::{SceneFrame, View};
 use egui_wgpu::wgpu;
 use glam::{DMat3, DVec3};
 
-/// The longest walk along a line, in steps. More find thinner things after a large motion: 32 bridge a hundred pixels
-/// by strides of three.
-pub const MOST_STEPS: u32 = 32;
+/// The longest walk along a line, in steps: a bound on the time of a drawing. The walks through the gallery take fewer.
+pub const MOST_STEPS: u32 = 128;
 
-/// The same where the processor draws, and every step is taken from the renderer.
-pub const MOST_STEPS_IN_SOFTWARE: u32 = 12;
+/// Where the processor draws, a map has no more texels than this, and every texel is taken from the renderer.
+pub const MOST_TEXELS_IN_SOFTWARE: u32 = 256 * 1024;
 
 /// Displacement in pixels, and whether the pixel is filled: half floats keep a displacement of 64 pixels to 1/32.
 const MAP_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
@@ -48,17 +50,17 @@ impl Reprojection {
         }
     }
 
-    fn params(&self, most_steps: u32) -> Params {
+    fn params(&self, pixels_per_texel: u32) -> Params {
         let back = self.source_from_target.inverse();
         let column = |v: DVec3| v.as_vec3().extend(0.0).to_array();
         let columns = |m: DMat3| [m.x_axis, m.y_axis, m.z_axis].map(column);
         Params {
             source_from_target: columns(self.source_from_target),
-            epipole: column(self.epipole),
+            epipole: self.epipole.as_vec3().extend(pixels_per_texel as f32).to_array(),
             target_from_source: columns(back),
             back: column(back * -self.epipole),
             size: self.size,
-            most_steps,
+            most_steps: MOST_STEPS,
             nearest: self.nearest,
         }
     }
@@ -69,6 +71,7 @@ impl Reprojection {
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 struct Params {
     source_from_target: [[f32; 4]; 3],
+    /// And pixels of the frame for one of the map.
     epipole: [f32; 4],
     target_from_source: [[f32; 4]; 3],
     back: [f32; 4],
@@ -84,17 +87,17 @@ pub struct Timewarp {
     pipeline: wgpu::RenderPipeline,
     layout: wgpu::BindGroupLayout,
     params: wgpu::Buffer,
-    most_steps: u32,
+    most_texels: u32,
 }
 
-/// A map of a frame's size, and the depths it is made from.
+/// A map of a frame's size or a whole part of it, and the depths it is made from.
 pub struct WarpMap {
-    /// Displacement in pixels to where a pixel is found, and 1 in the third channel where it is filled.
+    /// Displacement in pixels of the frame to where a pixel is found, and 1 in the third channel where it is filled.
     pub map: wgpu::Texture,
-    /// Disparity of the frame, one f32 a pixel.
-    pub disparity: wgpu::Texture,
-    /// Of the map, in pixels.
+    /// Of the map, in texels.
     pub size: [u32; 2],
+    pixels_per_texel: u32,
+    ranges: wgpu::Texture,
     view: wgpu::TextureView,
     bind_group: wgpu::BindGroup,
 }
@@ -125,17 +128,25 @@ impl Timewarp {
             ),
             layout,
             params: pass::uniform_buffer(device, "timewarp", size_of::<Params>()),
-            most_steps: if is_software { MOST_STEPS_IN_SOFTWARE } else { MOST_STEPS },
+            most_texels: if is_software { MOST_TEXELS_IN_SOFTWARE } else { u32::MAX },
         })
     }
 
     /// Room for frames of a size.
     pub fn make_map(&self, device: &wgpu::Device, size: [u32; 2]) -> WarpMap {
-        let texture = |format, usage| pass::texture(device, "timewarp", size, format, usage);
+        let pixels_per_texel = (1..).find(|n| self.is_affordable(size.map(|s| s.div_ceil(*n)))).unwrap_or(1);
+        let map_size = size.map(|s| s.div_ceil(pixels_per_texel));
         let drawn = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
-        let map = texture(MAP_FORMAT, drawn);
-        let disparity = texture(wgpu::TextureFormat::R32Float, wgpu::TextureUsages::COPY_DST);
-        let depths = disparity.create_view(&wgpu::TextureViewDescriptor::default());
+        let map = pass::texture(device, "timewarp", map_size, MAP_FORMAT, drawn);
+        let ranges = pass::layered_texture(
+            device,
+            "depth ranges",
+            DepthRanges::padded(size),
+            LEVELS,
+            wgpu::TextureFormat::Rg32Float,
+            wgpu::TextureUsages::COPY_DST,
+        );
+        let depths = ranges.create_view(&wgpu::TextureViewDescriptor::default());
         let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("timewarp"),
             layout: &self.layout,
@@ -145,7 +156,11 @@ impl Timewarp {
             ],
         });
         let view = map.create_view(&wgpu::TextureViewDescriptor::default());
-        WarpMap { map, disparity, size, view, bind_group }
+        WarpMap { map, size: map_size, pixels_per_texel, ranges, view, bind_group }
+    }
+
+    fn is_affordable(&self, [width, height]: [u32; 2]) -> bool {
+        width.saturating_mul(height) <= self.most_texels
     }
 
     /// Draws the map of a reprojection.
@@ -156,8 +171,17 @@ impl Timewarp {
         map: &WarpMap,
         reprojection: &Reprojection,
     ) {
-        let params = reprojection.params(self.most_steps);
+        let params = reprojection.params(map.pixels_per_texel);
         queue.write_buffer(&self.params, 0, bytemuck::bytes_of(&params));
         pass::draw(encoder, "timewarp", &map.view, &self.pipeline, &map.bind_group);
+    }
+}
+
+impl WarpMap {
+    /// Sends the depths of a frame of the map's size.
+    pub fn write(&self, queue: &wgpu::Queue, ranges: &DepthRanges) {
+        for (level, (size, ranges)) in (0..).zip(ranges.levels()) {
+            pass::write(queue, &self.ranges, level, size, bytemuck::cast_slice(ranges));
+        }
     }
 }

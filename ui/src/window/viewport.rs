@@ -83,7 +83,13 @@ pub fn upload_full(state: &RenderState, full: &PublishedFrame) {
     let mut renderer = state.renderer.write();
     let textures = renderer.callback_resources.get_mut::<ViewGpu>().and_then(|gpu| gpu.textures.as_mut());
     if let Some(textures) = textures.filter(|t| t.size == full.size) {
-        textures.put(&state.queue, &textures.full.radiance, bytemuck::cast_slice(&full.radiance), 4);
+        pass::write(
+            &state.queue,
+            &textures.full.radiance,
+            0,
+            textures.size,
+            bytemuck::cast_slice(&full.radiance),
+        );
         textures.full.expose();
     }
 }
@@ -94,7 +100,7 @@ pub fn upload_errors(state: &RenderState, size: [u32; 2], map: &[[u8; 3]]) {
     let textures = renderer.callback_resources.get::<ViewGpu>().and_then(|gpu| gpu.textures.as_ref());
     if let Some(textures) = textures.filter(|t| t.size == size) {
         let rgba: Vec<[u8; 4]> = map.iter().map(|&[r, g, b]| [r, g, b, u8::MAX]).collect();
-        textures.put(&state.queue, &textures.errors, bytemuck::cast_slice(&rgba), 4);
+        pass::write(&state.queue, &textures.errors, 0, textures.size, bytemuck::cast_slice(&rgba));
     }
 }
 
@@ -282,24 +288,13 @@ impl ViewGpu {
 
 impl Textures {
     fn write(&mut self, queue: &wgpu::Queue, frame: &PublishedFrame) {
-        self.put(queue, &self.color.radiance, bytemuck::cast_slice(&frame.radiance), 4);
+        pass::write(queue, &self.color.radiance, 0, self.size, bytemuck::cast_slice(&frame.radiance));
         self.color.expose();
-        self.put(queue, &self.types, &frame.types, 1);
-        self.put(queue, &self.suppliers, &frame.suppliers, 1);
+        pass::write(queue, &self.types, 0, self.size, &frame.types);
+        pass::write(queue, &self.suppliers, 0, self.size, &frame.suppliers);
         if let Some(warp) = &self.warp {
-            self.put(queue, &warp.disparity, bytemuck::cast_slice(&frame.disparity), 4);
+            warp.write(queue, &frame.depth_ranges);
         }
-    }
-
-    fn put(&self, queue: &wgpu::Queue, texture: &wgpu::Texture, bytes: &[u8], bytes_per_pixel: u32) {
-        let layout = wgpu::TexelCopyBufferLayout {
-            offset: 0,
-            bytes_per_row: Some(self.size[0] * bytes_per_pixel),
-            rows_per_image: None,
-        };
-        let [width, height] = self.size;
-        let extent = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
-        queue.write_texture(texture.as_image_copy(), bytes, layout, extent);
     }
 }
 

@@ -3,6 +3,7 @@
 use super::*;
 use afterimage::Camera;
 use afterimage::camera::{SceneFrame, View};
+use afterimage_ui::window::depth_ranges::DepthRanges;
 use afterimage_ui::window::timewarp::{Reprojection, Timewarp};
 use egui::{Key, vec2};
 use glam::{DVec3, Vec2, Vec3};
@@ -56,7 +57,9 @@ fn warp(from: &Camera, to: &Camera) -> Option<Vec<(Vec2, bool)>> {
         bytes_per_row: Some(SIZE[0] * bytes),
         rows_per_image: None,
     };
-    queue.write_texture(map.disparity.as_image_copy(), bytemuck::cast_slice(&disparity), rows(4), extent);
+    let mut ranges = DepthRanges::default();
+    ranges.fill(&disparity, SIZE);
+    map.write(&queue, &ranges);
     let nearest = disparity.iter().copied().fold(0.0, f32::max);
     let mut encoder = device.create_command_encoder(&Default::default());
     timewarp.draw(&queue, &mut encoder, &map, &Reprojection::new(from, to, &WORLD, SIZE, nearest));
