@@ -165,8 +165,11 @@ impl eframe::App for App {
         self.state.work = self.work();
         let mut commands = self.key_commands(&ctx);
         if self.state.options.shows_panels {
-            egui::Panel::top("menu").show(ui, |ui| panels::menu::show(ui, &self.state, &mut commands));
+            let bare = |frame: egui::Frame| frame.fill(egui::Color32::TRANSPARENT);
+            let menu = egui::Panel::top("menu").frame(bare(egui::Frame::side_top_panel(ui.style())));
+            menu.show(ui, |ui| panels::menu::show(ui, &self.state, &mut commands));
             let side = egui::Panel::right("side").default_size(300.0).size_range(260.0..=460.0);
+            let side = side.frame(bare(egui::Frame::side_top_panel(ui.style())));
             side.show(ui, |ui| panels::side(ui, &self.state, &mut commands));
         }
         let (response, canvas) = egui::CentralPanel::no_frame().show(ui, |ui| self.viewport(ui)).inner;
@@ -203,6 +206,16 @@ impl eframe::App for App {
         }
         if self.state.notices.iter().any(|n| n.severity == Severity::Info) {
             ctx.request_repaint_after(Duration::from_secs(1));
+        }
+    }
+
+    /// The panels' ground: what the window is cleared with costs nothing, and egui's shader much on a processor (it
+    /// divides 24 times a pixel).
+    fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
+        let is_srgb = self.graphics.as_ref().is_some_and(|graphics| graphics.target_format.is_srgb());
+        match visuals.panel_fill {
+            fill if is_srgb => egui::Rgba::from(fill).to_array(),
+            fill => fill.to_normalized_gamma_f32(),
         }
     }
 

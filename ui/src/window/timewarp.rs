@@ -20,7 +20,7 @@ use glam::{DMat3, DVec3};
 pub const MOST_STEPS: u32 = 128;
 
 /// Where the processor draws, a map has no more texels than this, and every texel is taken from the renderer.
-pub const MOST_TEXELS_IN_SOFTWARE: u32 = 256 * 1024;
+pub const MOST_TEXELS_IN_SOFTWARE: u32 = 96 * 1024;
 
 /// Displacement in pixels, and whether the pixel is filled: half floats keep a displacement of 64 pixels to 1/32.
 const MAP_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
