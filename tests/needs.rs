@@ -37,20 +37,11 @@ fn pictures(scene: Scene) -> Vec<Vec<Vec3>> {
 
 #[test]
 fn a_scene_with_everything_forced_on_has_the_same_pictures_bit_for_bit() {
-    let everything = Needs {
-        mirror: true,
-        glass: true,
-        textures: true,
-        alpha: true,
-        area_lights: true,
-        sky: true,
-        needles: true,
-    };
     let mut left_out = 0;
     for name in builtin::NAMES {
         let scene = builtin::build(name).unwrap();
         left_out += scene.needs.left_out().len();
-        let forced = Scene { needs: everything, ..scene.clone() };
+        let forced = Scene { needs: Needs::EVERYTHING, ..scene.clone() };
         let (lean, full) = (pictures(scene), pictures(forced));
         assert!(lean.iter().all(|p| p.iter().any(|r| *r != Vec3::ZERO)), "{name} is black");
         assert!(lean == full, "{name}");

@@ -6,6 +6,7 @@
 mod error_time;
 pub mod errors;
 pub mod measure;
+pub mod needs_speed;
 mod placement;
 pub mod record;
 pub mod run;

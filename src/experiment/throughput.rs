@@ -4,6 +4,7 @@
 //! another library's on the very same rays ([`RayDump`]). Every figure is the median of [`ROUNDS`] after one round
 //! that is not counted.
 
+use super::needs_speed::{NeedsSpeed, needs_speed};
 use super::run::report::{Block, Section, Table};
 use super::run::{
     Cell, CellOutcome, Effort, Experiment, Identity, Lab, LabError, LabSettings, Report, RunRecord,
@@ -108,6 +109,9 @@ pub struct Throughput {
     /// The stages of a frame that is looked up.
     #[serde(flatten)]
     pub stages: StageSpeed,
+    /// What the scene does not need, forced on.
+    #[serde(flatten)]
+    pub needs: NeedsSpeed,
     /// All of a first hit's diffuse light, shadow rays included; divide by the threads for one thread's.
     pub shade_us_per_pixel: f64,
     pub build_secs: f64,
@@ -181,6 +185,9 @@ pub fn measure_throughput(
         memory_gb_per_sec: result.warp.memory_gb_per_sec,
     };
     go_on("the stages of a frame").then(|| result.stages = stage_speed(tracer, settings, &floors))?;
+    if go_on("the frame with every feature forced on") {
+        result.needs = needs_speed(tracer, settings, stop)?;
+    }
     go_on("building").then(|| result.build_secs = build_secs(tracer))?;
     let closest = primary.into_iter().chain(diffuse).collect();
     Some((result, RayDump { closest, any: shadow }))

@@ -23,6 +23,17 @@ pub struct Needs {
 }
 
 impl Needs {
+    /// All that there is: what the choice is measured against.
+    pub const EVERYTHING: Self = Self {
+        mirror: true,
+        glass: true,
+        textures: true,
+        alpha: true,
+        area_lights: true,
+        sky: true,
+        needles: true,
+    };
+
     pub(super) fn of(materials: &[Material], lights: &[Light], sky: Option<&Sky>, needles: bool) -> Self {
         let any = |test: fn(&Material) -> bool| materials.iter().any(test);
         Self {

@@ -94,6 +94,13 @@ fn table(t: &Throughput) -> String {
             ),
         ),
         ("foreseeing", against(t.stages.foresight_ms, t.stages.foresight_floor_ms)),
+        (
+            "features forced on",
+            format!(
+                "full frames {:+.1} %, exact {:+.1} %",
+                t.needs.forced_full_percent, t.needs.forced_exact_percent
+            ),
+        ),
         ("entering a reference", against(t.stages.directory_ms, t.stages.directory_floor_ms)),
         (
             "hierarchy",

@@ -1,6 +1,6 @@
 //! The graphics card: none, one that is lost, and the processor in its place.
 
-use super::real::Desk;
+use super::desk::Desk;
 use super::*;
 use afterimage_ui::window::state::Severity;
 use std::sync::Mutex;

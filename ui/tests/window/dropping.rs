@@ -1,6 +1,7 @@
 //! Files dropped on a real window by the desktop's protocol, as a file manager drops them (XDND, version 5).
 
-use super::real::{Desk, MIDDLE, POLL};
+use super::desk::{Desk, POLL};
+use super::real::MIDDLE;
 use super::*;
 use std::path::Path;
 use std::thread::sleep;

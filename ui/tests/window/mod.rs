@@ -3,6 +3,8 @@
 mod accessible;
 mod adapter;
 mod comparing;
+mod desk;
+mod disk;
 mod driving;
 mod dropping;
 mod editing;

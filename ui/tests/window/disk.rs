@@ -1,0 +1,104 @@
+//! A real window whose disk is slow, or full.
+
+use super::desk::{Desk, POLL};
+use super::*;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::thread::sleep;
+
+/// Every file that the program syncs takes so long.
+const SLOW_DISK: Duration = Duration::from_secs(10);
+
+/// What a full disk answers from a thread's fourth file on: systems that allocate late say so when a file is synced.
+const FULL_DISK: &str = "error=ENOSPC:when=4+";
+
+/// The ground of a message that something failed.
+const ERROR: [u8; 3] = [130, 28, 28];
+
+/// What the system answers to a program that syncs a file; ends when dropped.
+struct Disk(Child);
+
+impl Drop for Disk {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// A disk that does what `strace` injects; `None`, said aloud, where that is missing or not allowed to trace.
+fn disk(program: u32, does: &str) -> Option<Disk> {
+    let inject = format!("inject=fsync,fdatasync:{does}");
+    let arguments = ["-f", "-p", &program.to_string(), "-e", "trace=fsync,fdatasync", "-e", &inject];
+    let tracer = Command::new("strace").args(arguments).stderr(Stdio::null()).spawn();
+    let found = tracer.ok().map(Disk).and_then(|mut disk| is_traced(program, &mut disk.0).then_some(disk));
+    if found.is_none() {
+        let is_required = std::env::var("AFTERIMAGE_REQUIRE_GRAPHICS").is_ok_and(|v| v == "1");
+        assert!(!is_required, "strace is missing or not allowed to trace");
+        writeln!(std::io::stderr(), "skipped: another disk needs strace, and leave to trace")
+            .expect("stderr");
+    }
+    found
+}
+
+/// Waits until every thread of a program is traced; false where the tracer gave up.
+fn is_traced(program: u32, tracer: &mut Child) -> bool {
+    let tasks = || std::fs::read_dir(format!("/proc/{program}/task")).into_iter().flatten().flatten();
+    let is_free = |task: std::fs::DirEntry| {
+        let status = std::fs::read_to_string(task.path().join("status")).unwrap_or_default();
+        status.lines().any(|line| line.starts_with("TracerPid") && line.ends_with("\t0"))
+    };
+    while tasks().any(is_free) {
+        if tracer.try_wait().is_ok_and(|ended| ended.is_some()) {
+            return false;
+        }
+        sleep(POLL);
+    }
+    true
+}
+
+#[test]
+fn a_slow_disk_holds_nothing_up() {
+    let Some(desk) = Desk::open() else { return };
+    let start = desk.pose();
+    let slow = format!("delay_enter={}", SLOW_DISK.as_micros());
+    let Some(disk) = disk(desk.app.id(), &slow) else { return };
+    desk.xdotool("key F12");
+    let asked = Instant::now();
+    desk.xdotool("keydown w sleep 0.6 keyup w");
+    let ahead = desk.pose();
+    let took = asked.elapsed();
+    assert!(ahead.eye.distance(start.eye) > 0.3 && took < SLOW_DISK, "it walks on: {ahead:?}, {took:?}");
+    assert!(desk.saved("png").is_none(), "the picture cannot be there yet");
+    desk.wait_for("a picture", || desk.saved("png"));
+    assert!(asked.elapsed() >= SLOW_DISK, "the disk was not slow");
+    drop(disk);
+}
+
+/// Names in a folder, sorted.
+fn names(folder: &Path) -> Vec<String> {
+    let files = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut names: Vec<String> = files.map(|file| file.file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn a_disk_that_fills_up_loses_no_picture_of_a_sequence_and_it_goes_on() {
+    let Some(desk) = Desk::open() else { return };
+    desk.pose();
+    desk.xdotool("key k");
+    let Some(disk) = disk(desk.app.id(), FULL_DISK) else { return };
+    desk.xdotool("key shift+F12");
+    desk.wait_for_share("full-disk", ERROR, 0.005);
+    let folder = desk.folder().join("afterimage-model-sequence-0001");
+    let made = ["frame_0000.png", "frame_0001.png", "sequence.json"];
+    assert_eq!(names(&folder), made, "two whole pictures and nothing half-written");
+    let written =
+        |name: &str| std::fs::metadata(folder.join(name)).and_then(|m| m.modified()).expect("a time");
+    let first = written(made[0]);
+    drop(disk);
+    desk.xdotool("key shift+F12");
+    desk.wait_for("the third picture", || folder.join("frame_0002.png").exists().then_some(()));
+    assert_eq!(written(made[0]), first, "what was there is not made again");
+    assert!(image::open(folder.join(made[1])).is_ok());
+}
