@@ -92,7 +92,7 @@ impl Sequence {
             let note = |part: f64| progress((f64::from(frame) + part) / f64::from(count));
             let picture = job.make_whole(tracer, &[], &[output], stop, &note);
             let picture = picture.map_err(|error| {
-                format!("{error}; {made} pictures were made: save the sequence again to go on")
+                format!("{error}; pictures made before it: {made}. Save the sequence again to go on")
             })?;
             made += u32::from(picture.is_some());
         }
