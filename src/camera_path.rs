@@ -4,6 +4,7 @@ use crate::camera::Camera;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::f64::consts::FRAC_PI_2;
 
 /// A light year is 9.5e15 m: what lies farther is a mistake, and its distances soon overflow.
 const FARTHEST_M: f64 = 1e15;
@@ -36,6 +37,15 @@ fn default_frames() -> u32 {
 impl CameraPath {
     /// The most frames a walk may have when nothing else is asked for: five hours at 60 a second.
     pub const MOST_FRAMES: u32 = 1_000_000;
+
+    /// Once around from where a camera stands.
+    pub fn turning(camera: &Camera) -> Self {
+        let key = |quarter: i32| {
+            let turned = Camera { yaw: camera.yaw + f64::from(quarter) * FRAC_PI_2, ..*camera };
+            CameraKey { eye: camera.eye, at: camera.eye + turned.forward() }
+        };
+        Self { fov_y_deg: camera.fov_y.to_degrees(), frames: 120, keyframes: (0..=4).map(key).collect() }
+    }
 
     /// Takes the bytes of a JSON file: a walk, or with `name` an object of walks by their names.
     ///

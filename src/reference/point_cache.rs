@@ -68,6 +68,8 @@ pub struct TracedPoint {
     pub pixel: u32,
     /// Kept for the very place ([`Place::here`]), where nobody asks whether a shadow's edge is near.
     pub is_very_place: bool,
+    /// It took the place of a guess that was too far off.
+    pub took_over: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -77,12 +79,14 @@ struct Entry {
     /// Of the cell; together with the bucket 50 bits of its name.
     tag: u32,
     normal: PackedNormal,
-    /// Zero where nothing is held; [`AT_EDGE`] is set where a neighbour differs.
+    /// Zero where nothing is held; [`AT_EDGE`] is set where a neighbour differs, [`TOOK_OVER`] where a guess did.
     samples: u8,
 }
 
-/// A bit of [`Entry::samples`]; what is left counts up to 127.
+/// Bits of [`Entry::samples`]; what is left counts up to 63.
 const AT_EDGE: u8 = 0x80;
+const TOOK_OVER: u8 = 0x40;
+const COUNT: u8 = 0x3f;
 
 const _: () = assert!(size_of::<Entry>() == 32, "two to a line of cache");
 
@@ -98,6 +102,8 @@ pub struct KeptLight {
     pub light: Vec3,
     /// True where a shadow's edge passes nearby, so that light of another point of the cell may be far off.
     pub is_at_edge: bool,
+    /// True where it took the place of a guess when it was traced.
+    pub took_over: bool,
 }
 
 /// The cell of a place: its bucket, its tag, its size.
@@ -148,7 +154,7 @@ impl PointCache {
             light: point.light,
             tag: cell.tag,
             normal: PackedNormal::of_unit(place.normal),
-            samples: packed_samples(point.samples) | mark,
+            samples: packed_samples(point.samples) | mark | if point.took_over { TOOK_OVER } else { 0 },
         };
         let bucket = &mut self.buckets[cell.bucket];
         match bucket.iter_mut().find(|e| e.samples > 0 && e.serves(place, &cell)) {
@@ -194,20 +200,21 @@ impl PointCache {
             let cell = cell_of(place, level - finer);
             let entries = &self.buckets[cell.bucket];
             let entry = entries.iter().find(|e| e.count() >= samples && e.serves(place, &cell))?;
-            Some(KeptLight { light: entry.light, is_at_edge: entry.samples & AT_EDGE != 0 })
+            let has = |bit: u8| entry.samples & bit != 0;
+            Some(KeptLight { light: entry.light, is_at_edge: has(AT_EDGE), took_over: has(TOOK_OVER) })
         })
     }
 }
 
 fn packed_samples(samples: u32) -> u8 {
-    samples.min(u32::from(!AT_EDGE)) as u8
+    samples.min(u32::from(COUNT)) as u8
 }
 
 impl Entry {
     /// Shadow rays per light.
     #[inline(always)]
     fn count(&self) -> u8 {
-        self.samples & !AT_EDGE
+        self.samples & COUNT
     }
 
     #[inline(always)]
@@ -246,7 +253,7 @@ mod tests {
     }
 
     fn traced(place: Place, light: Vec3, samples: u32) -> TracedPoint {
-        TracedPoint { place, light, samples, noise: 1.0, pixel: 0, is_very_place: false }
+        TracedPoint { place, light, samples, noise: 1.0, pixel: 0, is_very_place: false, took_over: false }
     }
 
     fn found(cache: &PointCache, place: &Place, samples: u32) -> Option<Vec3> {

@@ -14,6 +14,10 @@ use std::ops::AddAssign;
 /// ever less error on a frame of the gallery's walk that has little noise; with 0.06 noisy ones stay below the full tracer's.
 const BAD_GUESS: f32 = 0.06;
 
+/// What a place showed when it was traced, the guess or what was traced, it goes on showing until a guess is so many times
+/// farther off, or nearer. References come and go, guesses with them, and at one threshold the colour would go to and fro.
+const HYSTERESIS: f32 = 1.5;
+
 /// Points that one pixel's mirrors and glass leave at most, so that memory is bounded; a frame after it finds these and
 /// leaves the next.
 pub(super) const MOST_POINTS: usize = 4;
@@ -43,6 +47,14 @@ pub(super) struct Finish<'a> {
     settings: &'a TraceSettings,
     /// Whether guesses are checked, or taken as they are.
     checks: bool,
+}
+
+/// What became of a guess.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Checked {
+    pub(super) radiance: Vec3,
+    /// What was traced took its place.
+    pub(super) is_traced: bool,
 }
 
 /// How a pixel sees a point.
@@ -85,12 +97,16 @@ impl<'a> Finish<'a> {
     }
 
     /// A pixel whose light the look-up guessed: the guess of its diffuse radiance is held against what is traced there.
-    pub(super) fn check(&self, pixel: u32, triangle: u32, guess: Vec3, spent: &mut Spent) -> Vec3 {
-        let (ray, Some(hit)) = self.hit(pixel, triangle) else { return guess };
+    pub(super) fn check(&self, pixel: u32, triangle: u32, guess: Vec3, spent: &mut Spent) -> Checked {
+        let (ray, Some(hit)) = self.hit(pixel, triangle) else {
+            return Checked { radiance: guess, is_traced: false };
+        };
         let point = self.tracer.surface(&ray, &hit);
         let key = Key::of_pixel(self.settings.seed, pixel);
         let seen = Seen { pixel, distance: distance(&ray, &hit), share: 1.0, key };
-        self.checked(guess, &point, &seen, spent) + self.specular(&point, &ray, &hit, pixel, spent)
+        let diffuse = self.checked(guess, &point, &seen, spent);
+        let specular = self.specular(&point, &ray, &hit, pixel, spent);
+        Checked { radiance: diffuse.radiance + specular, ..diffuse }
     }
 
     /// The ray of a pixel, and where it meets the triangle it is known to see.
@@ -133,7 +149,9 @@ impl<'a> Finish<'a> {
             })
             .flatten();
         match found {
-            Some(found) if found.is_guess => self.checked(self.lit(point, found.light), point, seen, spent),
+            Some(found) if found.is_guess => {
+                self.checked(self.lit(point, found.light), point, seen, spent).radiance
+            }
             Some(found) => self.lit(point, found.light),
             None => self.unseen(point, seen, spent),
         }
@@ -147,38 +165,54 @@ impl<'a> Finish<'a> {
             Some(kept) if !kept.is_at_edge => self.lit(point, kept.light),
             Some(_) => match self.points.find(&near.here(), samples) {
                 Some(kept) => self.lit(point, kept.light),
-                None => self.traced(point, seen, spent, &[near.here()]),
+                None => self.traced(point, seen, spent, &[near.here()], None),
             },
-            None => self.traced(point, seen, spent, &[near]),
+            None => self.traced(point, seen, spent, &[near], None),
         }
     }
 
     /// The diffuse radiance of a point that was guessed. What was traced nearby can confirm a guess; only what was traced at
     /// the very place replaces it, because it is at the edges of shadows that guesses are bad.
-    fn checked(&self, guess: Vec3, point: &SurfacePoint, seen: &Seen, spent: &mut Spent) -> Vec3 {
+    fn checked(&self, guess: Vec3, point: &SurfacePoint, seen: &Seen, spent: &mut Spent) -> Checked {
         let samples = self.settings.samples_for(seen.share);
         let near = self.place(point, seen);
         if let Some(kept) = self.points.find(&near.here(), samples) {
-            return self.better(guess, self.lit(point, kept.light));
+            let most = if kept.took_over { 1.0 / HYSTERESIS } else { HYSTERESIS };
+            return self.better(guess, self.lit(point, kept.light), most);
         }
+        let mut trace = |places: &[Place]| {
+            let traced = self.traced(point, seen, spent, places, Some(guess));
+            self.better(guess, traced, 1.0)
+        };
         match self.points.find(&near, samples) {
-            Some(kept) if !kept.is_at_edge && !self.is_bad(guess, self.lit(point, kept.light)) => guess,
-            Some(_) => self.better(guess, self.traced(point, seen, spent, &[near.here()])),
-            None => self.better(guess, self.traced(point, seen, spent, &[near, near.here()])),
+            Some(kept) if !kept.is_at_edge && !self.is_bad(guess, self.lit(point, kept.light), 1.0) => {
+                Checked { radiance: guess, is_traced: false }
+            }
+            Some(_) => trace(&[near.here()]),
+            None => trace(&[near, near.here()]),
         }
     }
 
-    /// Traces the diffuse radiance of a point and keeps its light under some names.
-    fn traced(&self, point: &SurfacePoint, seen: &Seen, spent: &mut Spent, places: &[Place]) -> Vec3 {
+    /// Traces the diffuse radiance of a point and keeps its light under some names, and whether it is to take a guess's
+    /// place.
+    fn traced(
+        &self,
+        point: &SurfacePoint,
+        seen: &Seen,
+        spent: &mut Spent,
+        places: &[Place],
+        guess: Option<Vec3>,
+    ) -> Vec3 {
         let rays = &mut spent.rays;
         let [radiance, light] =
             self.tracer.diffuse_radiance_and_light(point, seen.share, self.settings, seen.key, rays);
         if point.albedo(self.tracer.scene()) != Vec3::ZERO {
             let (samples, noise) = (self.settings.samples_for(seen.share), self.settings.noise());
             let (pixel, near) = (seen.pixel, self.place(point, seen));
+            let took_over = guess.is_some_and(|guess| self.is_bad(guess, radiance, 1.0));
             spent.points.extend(places.iter().map(|&place| {
                 let is_very_place = place != near;
-                TracedPoint { place, light, samples, noise, pixel, is_very_place }
+                TracedPoint { place, light, samples, noise, pixel, is_very_place, took_over }
             }));
         }
         radiance
@@ -189,14 +223,15 @@ impl<'a> Finish<'a> {
         Place { position: point.position, normal: point.geometric_normal, footprint }
     }
 
-    /// True where a guess is off what was traced by more than noise.
-    fn is_bad(&self, guess: Vec3, traced: Vec3) -> bool {
-        let most = BAD_GUESS * self.settings.noise() * traced.max(guess).max_element();
+    /// True where a guess is off what was traced by more than `most` times the noise.
+    fn is_bad(&self, guess: Vec3, traced: Vec3, most: f32) -> bool {
+        let most = most * BAD_GUESS * self.settings.noise() * traced.max(guess).max_element();
         (traced - guess).abs().max_element() > most
     }
 
-    fn better(&self, guess: Vec3, traced: Vec3) -> Vec3 {
-        if self.is_bad(guess, traced) { traced } else { guess }
+    fn better(&self, guess: Vec3, traced: Vec3, most: f32) -> Checked {
+        let is_traced = self.is_bad(guess, traced, most);
+        Checked { radiance: if is_traced { traced } else { guess }, is_traced }
     }
 
     /// The diffuse radiance of a point in some light.
@@ -209,4 +244,43 @@ impl<'a> Finish<'a> {
 /// Length of a primary ray up to its hit.
 fn distance(ray: &Ray, hit: &Hit) -> f32 {
     hit.t * ray.direction.length()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reference::ReferenceCache;
+    use crate::scene::builtin;
+    use std::sync::Arc;
+
+    /// Whether what was traced is shown for guesses that are off by so many times the noise, where the first guess was.
+    fn is_traced(first_off: f32, off: [f32; 3]) -> [bool; 3] {
+        let scene = Arc::new(builtin::build("furnace").unwrap());
+        let tracer = Tracer::new(scene.clone());
+        let view = View::new(scene.start(), &scene.frame, [9, 9]);
+        let (pixel, settings) = (40, RenderSettings { mode: Mode::Exact, ..RenderSettings::default() });
+        let triangle = tracer.closest(&Tracer::primary_ray(&view, pixel)).expect("a hit").triangle;
+        let cache = ReferenceCache::new(&scene, 0);
+        let lookup = cache.lookup(tracer.epoch());
+        let (mut points, mut spent) = (PointCache::default(), Spent::default());
+        let truth = Finish::new(&tracer, &lookup, &view, &points, &settings)
+            .check(pixel, triangle, Vec3::ZERO, &mut Spent::default())
+            .radiance;
+        let guess = |off: f32| truth * (1.0 - off * BAD_GUESS * settings.trace.noise());
+        let first = Finish::new(&tracer, &lookup, &view, &points, &settings);
+        assert_eq!(
+            first.check(pixel, triangle, guess(first_off), &mut spent).is_traced,
+            first_off > 1.0,
+            "at first there is one threshold"
+        );
+        points.enter(tracer.epoch(), &mut spent.points);
+        let finish = Finish::new(&tracer, &lookup, &view, &points, &settings);
+        off.map(|off| finish.check(pixel, triangle, guess(off), &mut spent).is_traced)
+    }
+
+    #[test]
+    fn a_place_goes_on_showing_what_it_showed_until_the_guess_is_clearly_better_or_worse() {
+        assert_eq!(is_traced(0.5, [0.9, 1.2, 1.7]), [false, false, true]);
+        assert_eq!(is_traced(2.0, [1.1, 0.8, 0.5]), [true, true, false]);
+    }
 }

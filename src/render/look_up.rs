@@ -171,8 +171,11 @@ impl Renderer {
             finish.check(pixel, frame.triangle[at], frame.radiance[at], spent)
         });
         for (&pixel, checked) in self.uncertain.iter().zip(&self.checked) {
-            if let Some(radiance) = checked {
-                self.frame.radiance[pixel as usize] = *radiance;
+            if let Some(checked) = checked {
+                self.frame.radiance[pixel as usize] = checked.radiance;
+                if checked.is_traced {
+                    self.frame.supplier[pixel as usize] = NO_SUPPLIER;
+                }
             }
         }
         self.note(spent, complete);

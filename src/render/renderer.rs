@@ -1,6 +1,6 @@
 //! One frame: warp, classify, finish each list.
 
-use super::finish::MOST_POINTS;
+use super::finish::{Checked, MOST_POINTS};
 use super::frame::{Frame, NO_SUPPLIER};
 use super::look_up::Band;
 use super::stand_in::StandIns;
@@ -41,7 +41,7 @@ pub struct Renderer {
     /// Results of `unseen`, `secondary` and `uncertain`, in their order; `None` is still to be done.
     pub(super) traced: Vec<Option<PixelTrace>>,
     pub(super) specular: Vec<Option<Vec3>>,
-    pub(super) checked: Vec<Option<Vec3>>,
+    pub(super) checked: Vec<Option<Checked>>,
     /// What the pixels of `secondary` show beside their mirror or glass.
     pub(super) own: Vec<Vec3>,
     pub(super) bands: Vec<Band>,
@@ -82,7 +82,7 @@ impl Renderer {
     /// Memory a frame takes while it is made, lists of work included: an upper bound, so that a size can be refused
     /// before anything is reserved.
     pub const BYTES_PER_PIXEL: usize = size_of::<Option<PixelTrace>>() // traced
-        + size_of::<Option<Vec3>>() // specular or checked
+        + size_of::<Option<Checked>>() // specular or checked
         + StandIns::BYTES_PER_PIXEL + size_of::<Vec3>() // own
         + (MOST_POINTS + 1) * size_of::<TracedPoint>() // fresh points
         + size_of::<u64>() // warped

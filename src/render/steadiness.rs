@@ -4,11 +4,11 @@
 //! of the last frame on a lattice are projected into the new one; compared are those that show the same triangle there.
 
 use super::Frame;
+use super::frame::NO_SUPPLIER;
 use crate::camera::View;
 use crate::raster::color::srgb_from_linear;
 use crate::reference::PixelWarp;
 use crate::reference::frame::NO_TRIANGLE;
-use crate::reproject::PixelType;
 use crate::scene::Scene;
 use glam::Vec3;
 use serde::Serialize;
@@ -21,7 +21,7 @@ const LATTICE: usize = 4;
 pub struct Steadiness {
     /// Points compared.
     pub compared: u32,
-    /// Of them, those whose pixel came to its colour in another way than before.
+    /// Of them, those whose colour was lent by references before and is traced now, or the other way round.
     pub flips_percent: f64,
     /// Of the display values of matte, untextured points in both frames; infinite where nothing changed.
     pub psnr_db: f64,
@@ -33,7 +33,7 @@ struct Point {
     pixel: [u32; 2],
     disparity: f32,
     triangle: u32,
-    kind: PixelType,
+    is_lent: bool,
     /// Where its colour is one of a plain matte surface.
     shown: Option<Vec3>,
 }
@@ -65,7 +65,7 @@ impl SteadinessWatch {
                 continue;
             }
             compared += 1;
-            flips += u32::from(frame.types[at] != point.kind);
+            flips += u32::from((frame.supplier[at] != NO_SUPPLIER) != point.is_lent);
             if let Some(shown) = point.shown {
                 matte += 1;
                 squares += f64::from((display(frame.radiance[at]) - shown).length_squared());
@@ -96,7 +96,7 @@ impl SteadinessWatch {
                     pixel: [x as u32, y as u32],
                     disparity: frame.disparity[at],
                     triangle,
-                    kind: frame.types[at],
+                    is_lent: frame.supplier[at] != NO_SUPPLIER,
                     shown: is_plain.then(|| display(frame.radiance[at])),
                 });
             }

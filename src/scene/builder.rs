@@ -196,12 +196,7 @@ impl SceneBuilder {
         let lights = self.lights(&positions, &frame);
         let needs = Needs::of(&self.materials, &lights, self.sky.as_ref(), false);
         let solids = solids::classify(&positions, &self.triangles, &self.triangle_materials, &self.materials);
-        let own_view = self.views.first().map(|view| view.camera);
-        if own_view.is_none() {
-            self.views.push(NamedView { name: "start".to_owned(), camera: overview(bounds_m) });
-        }
-        let usual_walk = || own_view.map_or_else(|| orbit(bounds_m), |camera| turn_in_place(&camera));
-        let walk = self.walk.take().unwrap_or_else(usual_walk);
+        let (walk, [brings_view, brings_walk]) = self.visit(bounds_m);
         let mut scene = Scene {
             name: self.name,
             hash: String::new(),
@@ -218,6 +213,8 @@ impl SceneBuilder {
             sky: self.sky,
             views: self.views,
             walk,
+            brings_view,
+            brings_walk,
             needs,
             warnings: self.warnings,
             bounds_m,
@@ -227,6 +224,17 @@ impl SceneBuilder {
         scene.hash = hash_of(&scene);
         scene.set_stiffness(mended);
         Ok(scene)
+    }
+
+    /// Makes up the view and the walk that the model does not bring. Told is which of the two it brings.
+    fn visit(&mut self, bounds_m: [DVec3; 2]) -> (CameraPath, [bool; 2]) {
+        let own_view = self.views.first().map(|view| view.camera);
+        if own_view.is_none() {
+            self.views.push(NamedView { name: "start".to_owned(), camera: overview(bounds_m) });
+        }
+        let brings = [own_view.is_some(), self.walk.is_some()];
+        let usual_walk = || own_view.map_or_else(|| orbit(bounds_m), |camera| CameraPath::turning(&camera));
+        (self.walk.take().unwrap_or_else(usual_walk), brings)
     }
 
     fn check_sizes(&self) -> Result<(), SceneError> {
@@ -336,7 +344,7 @@ fn has_area([a, b, c]: [Vec3; 3]) -> bool {
 fn overview([low, high]: [DVec3; 2]) -> Camera {
     let centre = low + (high - low) / 2.0;
     let distance = (high - low).length();
-    Camera::look_at(centre + DVec3::new(0.5, 0.35, 0.8) * distance, centre, 60.0)
+    Camera::look_at(centre + DVec3::new(0.5, 0.35, 0.8) * distance, centre, Camera::USUAL_FOV_Y_DEG)
 }
 
 /// Once around the model from outside, beginning at its [`overview`], for one that brings neither view nor walk.
@@ -349,15 +357,6 @@ fn orbit([low, high]: [DVec3; 2]) -> CameraPath {
         CameraKey { eye: centre + turn * (start.eye - centre), at: centre }
     };
     CameraPath { fov_y_deg: start.fov_y.to_degrees(), frames: 240, keyframes: (0..=KEYS).map(key).collect() }
-}
-
-/// Once around from where the camera stands, for a model that brings a view but no walk of its own.
-fn turn_in_place(camera: &Camera) -> CameraPath {
-    let key = |quarter: i32| {
-        let turned = Camera { yaw: camera.yaw + f64::from(quarter) * std::f64::consts::FRAC_PI_2, ..*camera };
-        CameraKey { eye: camera.eye, at: camera.eye + turned.forward() }
-    };
-    CameraPath { fov_y_deg: camera.fov_y.to_degrees(), frames: 120, keyframes: (0..=4).map(key).collect() }
 }
 
 /// SHA-256 of what decides a picture. Views, walk and warnings do not.

@@ -106,6 +106,10 @@ pub struct Scene {
     pub views: Vec<NamedView>,
     /// The scene's own walk.
     pub walk: CameraPath,
+    /// False where the views were made up.
+    pub brings_view: bool,
+    /// False where the walk was made up.
+    pub brings_walk: bool,
     /// What the renderer must do for this scene.
     pub needs: Needs,
     /// Everything doubtful found on the way in.

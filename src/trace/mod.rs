@@ -5,6 +5,7 @@
 
 pub mod bvh;
 pub mod diffuse;
+mod indoors;
 mod light_grid;
 mod light_sample;
 pub mod parallel;

@@ -69,6 +69,11 @@ impl Tracer {
         &self.scene
     }
 
+    /// To change what no picture depends on: views, the walk.
+    pub(super) fn scene_mut(&mut self) -> &mut Arc<Scene> {
+        &mut self.scene
+    }
+
     /// The hierarchy.
     pub fn bvh(&self) -> &Bvh {
         &self.bvh

@@ -11,6 +11,7 @@ mod library;
 mod materials;
 mod mtl;
 mod obj;
+mod obj_piece;
 mod picture;
 mod polygon;
 mod report;

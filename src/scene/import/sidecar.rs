@@ -19,7 +19,7 @@ pub(super) const SIDECAR_BYTES: u64 = 16 << 20;
 /// Radiances and intensities beyond this are mistakes, and overflow in sums.
 const BRIGHTEST: f32 = 1e9;
 /// Field of view where a file gives none, degrees.
-const FOV_Y_DEG: f64 = 60.0;
+const FOV_Y_DEG: f64 = Camera::USUAL_FOV_Y_DEG;
 
 /// The part of a material that the sidecar replaces.
 struct Override {

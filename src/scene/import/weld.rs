@@ -1,6 +1,7 @@
 //! Corners to shared vertices, polygons to triangles: from the file's three lists to the scene's one.
 
-use super::obj::{Corner, Model, NONE, Polygon};
+use super::obj::{Model, Polygon};
+use super::obj_piece::{Corner, NONE};
 use super::polygon::{Filled, Filler};
 use super::report::Trouble;
 use super::{Phase, Steps};

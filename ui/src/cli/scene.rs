@@ -59,7 +59,7 @@ pub(crate) fn load(name: Option<&str>, flags: &Flags) -> Result<Loaded, Failure>
     }?;
     let load_secs = start.elapsed().as_secs_f64();
     report(&scene);
-    let tracer = Arc::new(Tracer::new(Arc::new(scene)));
+    let tracer = Arc::new(Tracer::new(Arc::new(scene)).beginning_indoors());
     if interrupt::is_cancelled() { Err(Failure::Interrupted) } else { Ok(Loaded { name, tracer, load_secs }) }
 }
 

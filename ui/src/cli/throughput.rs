@@ -49,7 +49,7 @@ fn object(flags: &Flags, loaded: &Loaded, throughput: &Throughput) -> Value {
 
 fn table(t: &Throughput) -> String {
     let rate = |mrays: f64, count: usize| format!("{mrays:.2} Mrays/s ({count} rays)");
-    output::table(&[
+    let rows = [
         ("threads", t.threads.to_string()),
         ("primary", rate(t.primary_mrays_per_sec, t.primary_rays)),
         ("primary, tiles", rate(t.primary_tile_mrays_per_sec, t.primary_rays)),
@@ -67,6 +67,21 @@ fn table(t: &Throughput) -> String {
             ),
         ),
         ("shading", format!("{:.2} us per pixel", t.shade_us_per_pixel)),
+        (
+            "hierarchy",
+            format!(
+                "{} triangles, {:.1} MB, built in {:.3} s",
+                t.triangles,
+                t.bvh_bytes as f64 / 1e6,
+                t.build_secs
+            ),
+        ),
+    ];
+    output::table(&[&rows[..], &stages(t)].concat())
+}
+
+fn stages(t: &Throughput) -> Vec<(&'static str, String)> {
+    vec![
         (
             "look-up",
             format!(
@@ -102,16 +117,7 @@ fn table(t: &Throughput) -> String {
             ),
         ),
         ("entering a reference", against(t.stages.directory_ms, t.stages.directory_floor_ms)),
-        (
-            "hierarchy",
-            format!(
-                "{} triangles, {:.1} MB, built in {:.3} s",
-                t.triangles,
-                t.bvh_bytes as f64 / 1e6,
-                t.build_secs
-            ),
-        ),
-    ])
+    ]
 }
 
 fn against(ms: f64, floor_ms: f64) -> String {

@@ -158,7 +158,7 @@ fn load(source: &SceneSource, report: &Report) -> Result<Arc<Tracer>, SceneError
         SceneSource::File { path, options } => Arc::new(import(path, options, report)?),
     };
     report.begin("building the ray tree")?;
-    let tracer = Arc::new(Tracer::new(scene));
+    let tracer = Arc::new(Tracer::new(scene).beginning_indoors());
     report.begin("ready")?;
     Ok(tracer)
 }

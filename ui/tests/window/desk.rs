@@ -203,17 +203,6 @@ impl Desk {
         })
     }
 
-    /// The screen as the server keeps it: a header, then four bytes a pixel.
-    pub(super) fn raw_screen(&self) -> Vec<u8> {
-        let mut command = Command::new("xwd");
-        command
-            .args(["-root", "-silent"])
-            .env("DISPLAY", &self.display.name)
-            .output()
-            .expect("xwd runs")
-            .stdout
-    }
-
     /// Seconds of processor that the program has taken, and the memory it holds, KiB.
     pub(super) fn usage(&self) -> (f64, u64) {
         const TICKS_PER_SEC: f64 = 100.0;

@@ -172,6 +172,11 @@ fn a_step_ahead_and_back_finds_it_too() {
 }
 
 #[test]
+fn after_a_long_flight_it_still_finds_the_first_surface() {
+    agrees_with_rays(&camera(1.6, 0.2, -0.9, 0.2), 6000, 1000);
+}
+
+#[test]
 fn what_was_hidden_is_filled_from_the_wall_behind() {
     let (from, to) = (camera(0.0, 0.0, 0.0, 0.0), camera(0.5, 0.0, 0.0, 0.0));
     let Some(map) = warp(&from, &to) else { return };

@@ -1,0 +1,190 @@
+//! Where a visit begins in a model of rooms that says nothing about it: inside. From outside one would see the backs of
+//! its walls.
+
+use super::Tracer;
+use crate::Camera;
+use crate::camera_path::CameraPath;
+use crate::scene::NamedView;
+use glam::{DQuat, DVec3};
+use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
+
+/// Rays from the view of the whole model, per axis of a grid over its picture.
+const LOOKS: i32 = 24;
+
+/// From this share of backs among what is seen from outside on, it is the inside that the model shows.
+const LEAST_BACKS: f64 = 0.4;
+
+/// Places tried along each side of the plan.
+const PLACES: i32 = 12;
+
+/// Storeys tried at a place.
+const MOST_FLOORS: usize = 8;
+
+/// Of a standing person.
+const EYE_HEIGHT_M: f64 = 1.6;
+
+/// A floor under less than this is no place to stand.
+const HEADROOM_M: f64 = 2.0;
+
+/// Directions looked in from a place.
+const DIRECTIONS: i32 = 96;
+
+/// A room has walls, floor and ceiling in this share of all directions; the rest are its windows.
+const LEAST_ENCLOSED: f64 = 0.85;
+
+/// And shows their fronts in this share.
+const LEAST_FRONTS: f64 = 0.7;
+
+/// Directions of view tried, and the angle to both sides that each is judged by.
+const HEADINGS: i32 = 24;
+const FAN: f64 = PI / 6.0;
+
+impl Tracer {
+    /// Begins the visit inside where the model brings no view of its own and shows its backs from outside; the view from
+    /// outside becomes the second. The walk, where the model brings none, turns in that place.
+    #[must_use]
+    pub fn beginning_indoors(mut self) -> Self {
+        if self.scene().brings_view || !self.shows_backs() {
+            return self;
+        }
+        let Some(camera) = self.widest_place().map(|eye| self.widest_view(eye)) else { return self };
+        let scene = Arc::make_mut(self.scene_mut());
+        "outside".clone_into(&mut scene.views[0].name);
+        scene.views.insert(0, NamedView { name: "start".to_owned(), camera });
+        if !scene.brings_walk {
+            scene.walk = CameraPath::turning(&camera);
+        }
+        self
+    }
+
+    /// True where the view of the whole model shows backs.
+    fn shows_backs(&self) -> bool {
+        let start = self.scene().start();
+        let unit = |i: i32| (f64::from(i) + 0.5) / f64::from(LOOKS) * 2.0 - 1.0;
+        let tan = (start.fov_y / 2.0).tan();
+        let axes = start.world_from_camera();
+        let looks = (0..LOOKS * LOOKS).map(|i| [unit(i % LOOKS) * tan, unit(i / LOOKS) * tan]);
+        let seen =
+            looks.filter_map(|[x, y]| self.probe(start.eye, axes * DVec3::new(x, y, -1.0), f64::INFINITY));
+        let (backs, all) = seen.fold((0, 0), |(backs, all), p| (backs + i32::from(!p.is_front), all + 1));
+        f64::from(backs) >= LEAST_BACKS * f64::from(all.max(1))
+    }
+
+    /// The eye of one who stands in the room with the most space around; `None` where there is no room.
+    fn widest_place(&self) -> Option<DVec3> {
+        let [low, high] = self.scene().bounds_m;
+        let along = |i: i32, axis: usize| {
+            low[axis] + (high[axis] - low[axis]) * (f64::from(i) + 0.5) / f64::from(PLACES)
+        };
+        let tops =
+            (0..PLACES * PLACES).map(|i| DVec3::new(along(i % PLACES, 0), high.y, along(i / PLACES, 2)));
+        let eyes: Vec<DVec3> = tops.flat_map(|top| self.standing_below(top)).collect();
+        let spaces = eyes.into_iter().filter_map(|eye| Some((self.space_around(eye)?, eye)));
+        spaces.max_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, eye)| eye)
+    }
+
+    /// Eyes above all floors under a place at the model's top.
+    fn standing_below(&self, top: DVec3) -> Vec<DVec3> {
+        let [low, high] = self.scene().bounds_m;
+        // Past what was hit: a thousandth of the model is less than a slab.
+        let past = (high - low).length() * 1e-3;
+        let (mut at, mut eyes) = (top + DVec3::Y * past, Vec::new());
+        for _ in 0..MOST_FLOORS {
+            let Some(floor) = self.probe(at, DVec3::NEG_Y, f64::INFINITY) else { break };
+            if floor.distance_m >= HEADROOM_M {
+                eyes.push(floor.position_m + DVec3::Y * EYE_HEIGHT_M);
+            }
+            at = floor.position_m - DVec3::Y * past;
+        }
+        eyes
+    }
+
+    /// The median distance to what surrounds a place, metres; `None` outside of rooms and within bodies.
+    fn space_around(&self, eye: DVec3) -> Option<f64> {
+        let directions = (0..DIRECTIONS).map(|i| spread(i, DIRECTIONS));
+        let hits: Vec<_> = directions.filter_map(|d| self.probe(eye, d, f64::INFINITY)).collect();
+        let fronts = hits.iter().filter(|p| p.is_front).count() as f64;
+        let is_room = hits.len() as f64 >= LEAST_ENCLOSED * f64::from(DIRECTIONS)
+            && fronts >= LEAST_FRONTS * hits.len() as f64;
+        let mut distances: Vec<f64> = hits.iter().map(|p| p.distance_m).collect();
+        distances.sort_by(f64::total_cmp);
+        is_room.then(|| distances[distances.len() / 2])
+    }
+
+    /// From an eye to where the most can be seen.
+    fn widest_view(&self, eye: DVec3) -> Camera {
+        let distance = |yaw: f64| {
+            let direction = DQuat::from_rotation_y(yaw) * DVec3::NEG_Z;
+            self.probe(eye, direction, f64::INFINITY).map_or(0.0, |p| p.distance_m)
+        };
+        let heading = |i: i32| f64::from(i) / f64::from(HEADINGS) * TAU;
+        let open = |yaw: f64| distance(yaw) + distance(yaw - FAN) + distance(yaw + FAN);
+        let widest = (0..HEADINGS).map(heading).max_by(|a, b| open(*a).total_cmp(&open(*b))).unwrap_or(0.0);
+        Camera::look_at(eye, eye + DQuat::from_rotation_y(widest) * DVec3::NEG_Z, Camera::USUAL_FOV_Y_DEG)
+    }
+}
+
+/// One of so many directions, evenly over the sphere: a spiral in steps of the golden angle.
+fn spread(i: i32, count: i32) -> DVec3 {
+    let y = 1.0 - 2.0 * (f64::from(i) + 0.5) / f64::from(count);
+    let (sine, angle) = ((1.0 - y * y).sqrt(), f64::from(i) * PI * (3.0 - 5f64.sqrt()));
+    DVec3::new(sine * angle.cos(), y, sine * angle.sin())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Material, Scene, SceneBuilder};
+    use glam::{Vec2, Vec3};
+
+    /// The inside of a box: its faces look in, or out.
+    fn shell(builder: &mut SceneBuilder, low: [f64; 3], high: [f64; 3], looks_in: bool) {
+        let material = builder.add_material(Material::diffuse("wall", Vec3::splat(0.5)));
+        let p = |bits: [usize; 3]| DVec3::from_array([0, 1, 2].map(|i| [low, high][bits[i]][i]));
+        for axis in 0..3 {
+            for side in 0..2 {
+                let corner = |u: usize, v: usize| {
+                    let mut bits = [0; 3];
+                    (bits[axis], bits[(axis + 1) % 3], bits[(axis + 2) % 3]) = (side, u, v);
+                    p(bits)
+                };
+                let mut corners = [corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)];
+                if (side == 1) == looks_in {
+                    corners.reverse();
+                }
+                builder.add_quad(corners, Vec2::ONE, material);
+            }
+        }
+    }
+
+    fn begun(shells: &[([f64; 3], [f64; 3], bool)]) -> Arc<Scene> {
+        let mut builder = SceneBuilder::new("rooms");
+        shells.iter().for_each(|(low, high, looks_in)| shell(&mut builder, *low, *high, *looks_in));
+        Tracer::new(Arc::new(builder.finish().unwrap())).beginning_indoors().scene().clone()
+    }
+
+    #[test]
+    fn a_visit_of_rooms_begins_in_the_larger_one_and_looks_along_it() {
+        let rooms =
+            begun(&[([0.0, 0.0, 0.0], [4.0, 3.0, 4.0], true), ([4.5, 0.0, 0.0], [20.0, 3.0, 6.0], true)]);
+        let start = rooms.start();
+        assert!((4.5..20.0).contains(&start.eye.x) && (start.eye.y - EYE_HEIGHT_M).abs() < 1e-6, "{start:?}");
+        assert!(start.forward().x.abs() > 0.9, "{start:?}");
+        assert_eq!(rooms.views.iter().map(|v| v.name.as_str()).collect::<Vec<_>>(), ["start", "outside"]);
+        assert!(rooms.walk.keyframes.iter().all(|key| key.eye == start.eye));
+    }
+
+    #[test]
+    fn a_house_is_first_seen_from_outside() {
+        let house =
+            begun(&[([0.0, 0.0, 0.0], [9.0, 4.0, 9.0], false), ([0.3, 0.0, 0.3], [8.7, 3.7, 8.7], true)]);
+        assert!(house.views.len() == 1 && house.start().eye.y > 4.0);
+    }
+
+    #[test]
+    fn a_body_turned_inside_out_has_no_room_to_begin_in() {
+        let low = begun(&[([0.0; 3], [5.0, 1.5, 5.0], true)]);
+        assert_eq!(low.views.len(), 1, "nobody can stand in it");
+    }
+}
