@@ -1,10 +1,10 @@
 //! Where a visit begins in a model of rooms that says nothing about it: inside. From outside one would see the backs of
-//! its walls.
+//! its walls, or nothing, where all light is inside.
 
 use super::Tracer;
 use crate::Camera;
 use crate::camera_path::CameraPath;
-use crate::scene::NamedView;
+use crate::scene::{Light, NamedView};
 use glam::{DQuat, DVec3};
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -41,11 +41,11 @@ const HEADINGS: i32 = 24;
 const FAN: f64 = PI / 6.0;
 
 impl Tracer {
-    /// Begins the visit inside where the model brings no view of its own and shows its backs from outside; the view from
-    /// outside becomes the second. The walk, where the model brings none, turns in that place.
+    /// Begins the visit inside where the model brings no view of its own and shows its backs from outside, or no light falls
+    /// there; the view from outside becomes the second. The walk, where the model brings none, turns in that place.
     #[must_use]
     pub fn beginning_indoors(mut self) -> Self {
-        if self.scene().brings_view || !self.shows_backs() {
+        if self.scene().brings_view || !(self.is_dark_outside() || self.shows_backs()) {
             return self;
         }
         let Some(camera) = self.widest_place().map(|eye| self.widest_view(eye)) else { return self };
@@ -56,6 +56,10 @@ impl Tracer {
             scene.walk = CameraPath::turning(&camera);
         }
         self
+    }
+
+    fn is_dark_outside(&self) -> bool {
+        !self.scene().lights.iter().any(|light| matches!(light, Light::Sun { .. } | Light::Sky))
     }
 
     /// True where the view of the whole model shows backs.
@@ -158,16 +162,17 @@ mod tests {
         }
     }
 
-    fn begun(shells: &[([f64; 3], [f64; 3], bool)]) -> Arc<Scene> {
+    fn begun(shells: &[([f64; 3], [f64; 3], bool)], lamp: Option<DVec3>) -> Arc<Scene> {
         let mut builder = SceneBuilder::new("rooms");
+        builder.point_lights.extend(lamp.map(|at| (at, Vec3::ONE)));
         shells.iter().for_each(|(low, high, looks_in)| shell(&mut builder, *low, *high, *looks_in));
         Tracer::new(Arc::new(builder.finish().unwrap())).beginning_indoors().scene().clone()
     }
 
     #[test]
     fn a_visit_of_rooms_begins_in_the_larger_one_and_looks_along_it() {
-        let rooms =
-            begun(&[([0.0, 0.0, 0.0], [4.0, 3.0, 4.0], true), ([4.5, 0.0, 0.0], [20.0, 3.0, 6.0], true)]);
+        let rooms = [([0.0, 0.0, 0.0], [4.0, 3.0, 4.0], true), ([4.5, 0.0, 0.0], [20.0, 3.0, 6.0], true)];
+        let rooms = begun(&rooms, None);
         let start = rooms.start();
         assert!((4.5..20.0).contains(&start.eye.x) && (start.eye.y - EYE_HEIGHT_M).abs() < 1e-6, "{start:?}");
         assert!(start.forward().x.abs() > 0.9, "{start:?}");
@@ -176,15 +181,17 @@ mod tests {
     }
 
     #[test]
-    fn a_house_is_first_seen_from_outside() {
-        let house =
-            begun(&[([0.0, 0.0, 0.0], [9.0, 4.0, 9.0], false), ([0.3, 0.0, 0.3], [8.7, 3.7, 8.7], true)]);
-        assert!(house.views.len() == 1 && house.start().eye.y > 4.0);
+    fn a_house_is_first_seen_from_outside_where_light_falls_there() {
+        let house = [([0.0, 0.0, 0.0], [9.0, 4.0, 9.0], false), ([0.3, 0.1, 0.3], [8.7, 3.7, 8.7], true)];
+        let by_day = begun(&house, None);
+        assert!(by_day.views.len() == 1 && by_day.start().eye.y > 4.0);
+        let by_lamp = begun(&house, Some(DVec3::new(4.0, 3.0, 4.0)));
+        assert!(by_lamp.views.len() == 2 && (by_lamp.start().eye.y - 1.7).abs() < 1e-6);
     }
 
     #[test]
     fn a_body_turned_inside_out_has_no_room_to_begin_in() {
-        let low = begun(&[([0.0; 3], [5.0, 1.5, 5.0], true)]);
+        let low = begun(&[([0.0; 3], [5.0, 1.5, 5.0], true)], None);
         assert_eq!(low.views.len(), 1, "nobody can stand in it");
     }
 }
