@@ -2,7 +2,7 @@
 //! its walls, or nothing, where all light is inside.
 
 use super::Tracer;
-use crate::Camera;
+use crate::camera::Camera;
 use crate::camera_path::CameraPath;
 use crate::scene::{Light, NamedView};
 use glam::{DQuat, DVec3};
