@@ -30,15 +30,18 @@ const HEADROOM_M: f64 = 2.0;
 /// Directions looked in from a place.
 const DIRECTIONS: i32 = 96;
 
+/// Who stands higher than that over a floor of the model, and not a storey, stands on its furniture.
+const STEP_M: f64 = 0.3;
+
 /// A room has walls, floor and ceiling in this share of all directions; the rest are its windows.
 const LEAST_ENCLOSED: f64 = 0.85;
 
 /// And shows their fronts in this share.
 const LEAST_FRONTS: f64 = 0.7;
 
-/// Directions of view tried, and the angle to both sides that each is judged by.
+/// Directions of view tried, and the angles to all sides of each that it is judged by.
 const HEADINGS: i32 = 24;
-const FAN: f64 = PI / 6.0;
+const FAN: [f64; 5] = [-PI / 6.0, -PI / 12.0, 0.0, PI / 12.0, PI / 6.0];
 
 impl Tracer {
     /// Begins the visit inside where the model brings no view of its own and shows its backs from outside, or no light falls
@@ -84,8 +87,13 @@ impl Tracer {
         let tops =
             (0..PLACES * PLACES).map(|i| DVec3::new(along(i % PLACES, 0), high.y, along(i / PLACES, 2)));
         let eyes: Vec<DVec3> = tops.flat_map(|top| self.standing_below(top)).collect();
-        let spaces = eyes.into_iter().filter_map(|eye| Some((self.space_around(eye)?, eye)));
-        spaces.max_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, eye)| eye)
+        let rooms: Vec<(f64, DVec3)> =
+            eyes.into_iter().filter_map(|eye| Some((self.space_around(eye)?, eye))).collect();
+        let is_on_furniture = |eye: DVec3| {
+            rooms.iter().any(|(_, other)| (eye.y - HEADROOM_M..eye.y - STEP_M).contains(&other.y))
+        };
+        let floors = rooms.iter().filter(|(_, eye)| !is_on_furniture(*eye));
+        floors.max_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, eye)| *eye)
     }
 
     /// Eyes above all floors under a place at the model's top.
@@ -116,16 +124,20 @@ impl Tracer {
         is_room.then(|| distances[distances.len() / 2])
     }
 
-    /// From an eye to where the most can be seen.
+    /// From an eye to where the room is deepest. Windows count for neither more nor less.
     fn widest_view(&self, eye: DVec3) -> Camera {
-        let distance = |yaw: f64| {
-            let direction = DQuat::from_rotation_y(yaw) * DVec3::NEG_Z;
-            self.probe(eye, direction, f64::INFINITY).map_or(0.0, |p| p.distance_m)
+        let direction =
+            |yaw: f64, pitch: f64| DQuat::from_rotation_y(yaw) * DQuat::from_rotation_x(pitch) * DVec3::NEG_Z;
+        let distance = |d: DVec3| self.probe(eye, d, f64::INFINITY).map(|p| p.distance_m);
+        let around = |yaw: f64| FAN.iter().flat_map(move |dx| FAN.map(move |dy| direction(yaw + dx, dy)));
+        let space = |yaw: f64| {
+            let hits = || around(yaw).filter_map(distance);
+            hits().sum::<f64>() / hits().count().max(1) as f64
         };
-        let heading = |i: i32| f64::from(i) / f64::from(HEADINGS) * TAU;
-        let open = |yaw: f64| distance(yaw) + distance(yaw - FAN) + distance(yaw + FAN);
-        let widest = (0..HEADINGS).map(heading).max_by(|a, b| open(*a).total_cmp(&open(*b))).unwrap_or(0.0);
-        Camera::look_at(eye, eye + DQuat::from_rotation_y(widest) * DVec3::NEG_Z, Camera::USUAL_FOV_Y_DEG)
+        let headings = (0..HEADINGS).map(|i| f64::from(i) / f64::from(HEADINGS) * TAU);
+        let scored = headings.map(|yaw| (space(yaw), yaw));
+        let (_, widest) = scored.max_by(|(a, _), (b, _)| a.total_cmp(b)).unwrap_or_default();
+        Camera::look_at(eye, eye + direction(widest, 0.0), Camera::USUAL_FOV_Y_DEG)
     }
 }
 
