@@ -36,7 +36,10 @@ impl Drop for Display {
     }
 }
 
-/// A display of our own; `None`, said aloud, where a tool is missing.
+static STARTING: Mutex<()> = Mutex::new(());
+
+/// A display of our own, which does not start anew whenever its last client leaves: one that comes then is refused.
+/// `None`, said aloud, where a tool is missing.
 pub(super) fn display() -> Option<Display> {
     let has = |tool: &str| {
         let found = Command::new("sh").args(["-c", &format!("command -v {tool}")]).output();
@@ -52,8 +55,10 @@ pub(super) fn display() -> Option<Display> {
         return None;
     }
     let screen = format!("{}x{}x24", SCREEN[0], SCREEN[1]);
+    // Two servers that look for a free number at once may take the same.
+    let _starting = STARTING.lock().unwrap_or_else(PoisonError::into_inner);
     let mut server = Command::new("Xvfb")
-        .args(["-displayfd", "1", "-screen", "0", &screen, "-nolisten", "tcp"])
+        .args(["-displayfd", "1", "-screen", "0", &screen, "-nolisten", "tcp", "-noreset"])
         .stdout(Stdio::piped())
         .stderr(Stdio::null())
         .spawn()
