@@ -23,6 +23,9 @@ impl Camera {
     /// What people are used to, in degrees: an angle that rooms look neither flat nor drawn out at.
     pub const USUAL_FOV_Y_DEG: f64 = 60.0;
 
+    /// Eyes of who stands, above the floor, metres.
+    pub const EYE_HEIGHT_M: f64 = 1.6;
+
     /// A camera at `eye` that looks at `target`. Looks along -Z where the two are the same point.
     pub fn look_at(eye: DVec3, target: DVec3, fov_y_degrees: f64) -> Self {
         let d = (target - eye).try_normalize().unwrap_or(DVec3::NEG_Z);

@@ -33,8 +33,8 @@ pub(super) fn needs_speed(
 ) -> Option<NeedsSpeed> {
     let scene = tracer.scene();
     let forced = Scene { needs: Needs::EVERYTHING, ..Scene::clone(scene) };
-    let mut lean = Frames::new(Tracer::new(Arc::clone(scene)), settings)?;
-    let mut forced = Frames::new(Tracer::new(Arc::new(forced)), settings)?;
+    let forced = tracer.with_same_geometry(Arc::new(forced));
+    let [mut lean, mut forced] = [Frames::new(tracer, settings)?, Frames::new(&forced, settings)?];
     let mut over = |mode| {
         let pair = |i: usize| {
             let second = i % 2 == 1;
@@ -50,19 +50,19 @@ pub(super) fn needs_speed(
 }
 
 /// One view, again and again.
-struct Frames {
-    tracer: Tracer,
+struct Frames<'a> {
+    tracer: &'a Tracer,
     cache: ReferenceCache,
     settings: ThroughputSettings,
     renderers: [Renderer; 2],
 }
 
-impl Frames {
-    fn new(tracer: Tracer, settings: &ThroughputSettings) -> Option<Self> {
+impl<'a> Frames<'a> {
+    fn new(tracer: &'a Tracer, settings: &ThroughputSettings) -> Option<Self> {
         let trace = TraceSettings { samples: 1, ..settings.trace };
         let settings = ThroughputSettings { trace, ..*settings };
-        let ahead = moved(&tracer, &settings.camera);
-        let reference = ReferenceFrame::trace(&tracer, &ahead, settings.size, &trace, NEVER)?;
+        let ahead = moved(tracer, &settings.camera);
+        let reference = ReferenceFrame::trace(tracer, &ahead, settings.size, &trace, NEVER)?;
         let mut cache = ReferenceCache::new(tracer.scene(), usize::MAX);
         cache.insert(Arc::new(reference));
         Some(Self { tracer, cache, settings, renderers: Default::default() })
@@ -75,9 +75,9 @@ impl Frames {
         let start = Instant::now();
         if mode.looks_up() {
             let lookup = self.cache.lookup(self.tracer.epoch());
-            looking.render_by_lookup(&self.tracer, &camera, size, &render, &lookup, NEVER);
+            looking.render_by_lookup(self.tracer, &camera, size, &render, &lookup, NEVER);
         } else {
-            plain.render(&self.tracer, &camera, size, &render, &[], NEVER);
+            plain.render(self.tracer, &camera, size, &render, &[], NEVER);
         }
         start.elapsed().as_secs_f64()
     }

@@ -185,9 +185,8 @@ pub fn measure_throughput(
         memory_gb_per_sec: result.warp.memory_gb_per_sec,
     };
     go_on("the stages of a frame").then(|| result.stages = stage_speed(tracer, settings, &floors))?;
-    if go_on("the frame with every feature forced on") {
-        result.needs = needs_speed(tracer, settings, stop)?;
-    }
+    result.needs =
+        go_on("the frame with every feature forced on").then(|| needs_speed(tracer, settings, stop))??;
     go_on("building").then(|| result.build_secs = build_secs(tracer))?;
     let closest = primary.into_iter().chain(diffuse).collect();
     Some((result, RayDump { closest, any: shadow }))

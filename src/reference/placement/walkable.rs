@@ -1,6 +1,7 @@
 //! The places where a person can stand, found by walking there: a flood fill over a lattice from where the scene's views
 //! and its walk stand.
 
+use crate::camera::Camera;
 use crate::scene::Scene;
 use crate::trace::Tracer;
 use glam::DVec3;
@@ -20,8 +21,7 @@ pub struct Standing {
 /// Between two places of the lattice, metres: passes any door.
 const STEP_M: f64 = 0.5;
 
-/// Eyes above the floor, metres.
-const EYE_HEIGHT_M: f64 = 1.6;
+const EYE_HEIGHT_M: f64 = Camera::EYE_HEIGHT_M;
 
 /// The most that the floor may rise or fall from one place to the next, metres: a stair of 45 degrees.
 const MOST_RISE_M: f64 = STEP_M;

@@ -109,6 +109,7 @@ fn stages(t: &Throughput) -> Vec<(&'static str, String)> {
             ),
         ),
         ("foreseeing", against(t.stages.foresight_ms, t.stages.foresight_floor_ms)),
+        ("entering a reference", against(t.stages.directory_ms, t.stages.directory_floor_ms)),
         (
             "features forced on",
             format!(
@@ -116,7 +117,6 @@ fn stages(t: &Throughput) -> Vec<(&'static str, String)> {
                 t.needs.forced_full_percent, t.needs.forced_exact_percent
             ),
         ),
-        ("entering a reference", against(t.stages.directory_ms, t.stages.directory_floor_ms)),
     ]
 }
 

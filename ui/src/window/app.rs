@@ -165,11 +165,10 @@ impl eframe::App for App {
         self.state.work = self.work();
         let mut commands = self.key_commands(&ctx);
         if self.state.options.shows_panels {
-            let bare = |frame: egui::Frame| frame.fill(egui::Color32::TRANSPARENT);
-            let menu = egui::Panel::top("menu").frame(bare(egui::Frame::side_top_panel(ui.style())));
+            let bare = egui::Frame::side_top_panel(ui.style()).fill(egui::Color32::TRANSPARENT);
+            let menu = egui::Panel::top("menu").frame(bare);
             menu.show(ui, |ui| panels::menu::show(ui, &self.state, &mut commands));
-            let side = egui::Panel::right("side").default_size(300.0).size_range(260.0..=460.0);
-            let side = side.frame(bare(egui::Frame::side_top_panel(ui.style())));
+            let side = egui::Panel::right("side").frame(bare).default_size(300.0).size_range(260.0..=460.0);
             side.show(ui, |ui| panels::side(ui, &self.state, &mut commands));
         }
         let (response, canvas) = egui::CentralPanel::no_frame().show(ui, |ui| self.viewport(ui)).inner;

@@ -37,7 +37,8 @@ pub(super) struct Developer {
 
 /// A picture's radiance, rgb9e5, and what becomes of it.
 pub(super) struct Negative {
-    pub(super) radiance: wgpu::Texture,
+    radiance: wgpu::Texture,
+    size: [u32; 2],
     pub(super) developed: wgpu::TextureView,
     bind_group: wgpu::BindGroup,
     /// How it was developed since radiance was last written.
@@ -78,7 +79,7 @@ impl Developer {
                 wgpu::BindGroupEntry { binding: 1, resource: self.params.as_entire_binding() },
             ],
         });
-        Negative { radiance, developed: view(&developed), bind_group, done: None }
+        Negative { radiance, size, developed: view(&developed), bind_group, done: None }
     }
 
     /// Develops what is not developed so yet. All that are drawn at a time are developed alike: they share parameters.
@@ -99,8 +100,9 @@ impl Developer {
 }
 
 impl Negative {
-    /// Other radiance was written.
-    pub(super) fn expose(&mut self) {
+    /// Sends radiance, rgb9e5; it is developed when it is next shown.
+    pub(super) fn write(&mut self, queue: &wgpu::Queue, radiance: &[u32]) {
+        pass::write(queue, &self.radiance, 0, self.size, bytemuck::cast_slice(radiance));
         self.done = None;
     }
 }

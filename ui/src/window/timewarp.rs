@@ -16,7 +16,7 @@ use afterimage::camera::{SceneFrame, View};
 use egui_wgpu::wgpu;
 use glam::{DMat3, DVec3};
 
-/// The longest walk along a line, in steps: a bound on the time of a drawing. The walks through the gallery take fewer.
+/// The longest walk along a line, in steps: a bound on the time of a drawing, whatever the depths are.
 pub const MOST_STEPS: u32 = 128;
 
 /// Where the processor draws, a map has no more texels than this, and every texel is taken from the renderer.

@@ -56,6 +56,9 @@ const OVER: f32 = 1.0 / 64.0;
 // What stands in for a hidden surface is taken so far beside what hid it, in pixels.
 const BESIDE: f32 = 0.5;
 
+// Stands for zero where it is divided by: less than any way over a frame, in pixels, and than any disparity.
+const LEAST: f32 = 1.0e-20;
+
 // Nearer than this part of the nearest depth nothing can be found: what is passed by is gone.
 const LEAST_LEFT: f32 = 0.25;
 
@@ -80,10 +83,14 @@ fn point(line: Line, part: f32) -> vec2<f32> {
     return clamp(line.start + line.way * part, vec2<f32>(0.0), vec2<f32>(warp.size) - OVER);
 }
 
+// The way with no part of it zero.
+fn divisible(way: vec2<f32>) -> vec2<f32> {
+    return select(way, vec2<f32>(LEAST), abs(way) < vec2<f32>(LEAST));
+}
+
 // What is left of a line within the frame; nothing where x > y.
 fn part_inside(line: Line) -> vec2<f32> {
-    let is_still = line.way == vec2<f32>(0.0);
-    let way = select(line.way, vec2<f32>(1.0e-20), is_still);
+    let way = divisible(line.way);
     let t0 = -line.start / way;
     let t1 = (vec2<f32>(warp.size) - line.start) / way;
     let near = min(t0, t1);
@@ -113,9 +120,8 @@ fn depth_at(source: vec2<f32>) -> f32 {
 fn found(line: Line, at: vec2<f32>) -> vec4<f32> {
     let pixel = 1.0 / max(length(line.way), OVER);
     let over = OVER * pixel;
-    let is_forward = line.way >= vec2<f32>(0.0);
-    let side = select(vec2<f32>(0.0), vec2<f32>(1.0), is_forward);
-    let parts_per_pixel = 1.0 / select(line.way, vec2<f32>(1.0e-20), abs(line.way) < vec2<f32>(1.0e-20));
+    let side = select(vec2<f32>(0.0), vec2<f32>(1.0), divisible(line.way) > vec2<f32>(0.0));
+    let parts_per_pixel = 1.0 / divisible(line.way);
     let top = textureNumLevels(ranges) - 1u;
     var level = 0u;
     var part = 0.0;
@@ -143,7 +149,7 @@ fn found(line: Line, at: vec2<f32>) -> vec4<f32> {
                 was_before = true;
             }
             if (was_before && r_out <= d) {
-                let crossing = (line.first - d) / max(line.first - line.last, 1.0e-30);
+                let crossing = (line.first - d) / max(line.first - line.last, LEAST);
                 let hit = point(line, clamp(crossing, part, end));
                 let off = missed(hit, d, at);
                 if (length(off) <= REACH) {

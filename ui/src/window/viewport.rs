@@ -83,14 +83,7 @@ pub fn upload_full(state: &RenderState, full: &PublishedFrame) {
     let mut renderer = state.renderer.write();
     let textures = renderer.callback_resources.get_mut::<ViewGpu>().and_then(|gpu| gpu.textures.as_mut());
     if let Some(textures) = textures.filter(|t| t.size == full.size) {
-        pass::write(
-            &state.queue,
-            &textures.full.radiance,
-            0,
-            textures.size,
-            bytemuck::cast_slice(&full.radiance),
-        );
-        textures.full.expose();
+        textures.full.write(&state.queue, &full.radiance);
     }
 }
 
@@ -288,8 +281,7 @@ impl ViewGpu {
 
 impl Textures {
     fn write(&mut self, queue: &wgpu::Queue, frame: &PublishedFrame) {
-        pass::write(queue, &self.color.radiance, 0, self.size, bytemuck::cast_slice(&frame.radiance));
-        self.color.expose();
+        self.color.write(queue, &frame.radiance);
         pass::write(queue, &self.types, 0, self.size, &frame.types);
         pass::write(queue, &self.suppliers, 0, self.size, &frame.suppliers);
         if let Some(warp) = &self.warp {

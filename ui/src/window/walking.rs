@@ -4,13 +4,13 @@
 //! heights; it is then pushed off whatever is nearer than its radius, along that surface's normal, which is what makes it
 //! slide along walls and round door posts.
 
-use afterimage::Tracer;
+use afterimage::{Camera, Tracer};
 use glam::DVec3;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
 /// Eyes of a standing person above the floor, metres.
-pub const EYE_HEIGHT_M: f64 = 1.6;
+pub const EYE_HEIGHT_M: f64 = Camera::EYE_HEIGHT_M;
 
 /// The highest step that is taken without jumping, metres: two risers of a stair and a bit.
 pub const HIGHEST_STEP_M: f64 = 0.45;
