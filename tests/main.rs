@@ -7,6 +7,7 @@ mod audit;
 mod bands;
 mod budget;
 mod builtin;
+mod bundles;
 mod bvh;
 mod corpus;
 mod entry_points;

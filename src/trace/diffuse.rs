@@ -4,8 +4,8 @@
 //! the surface gets its own stratified shadow rays. Diffuse
 //! interreflection is path traced when bounces are asked for.
 
-use super::bvh::Occluder;
-use super::light_sample::{LightSample, is_behind, sample, sample_count};
+use super::bvh::{BUNDLE_RAYS, RayBundle};
+use super::light_sample::{is_behind, sample, sample_count};
 use super::pixel::{RayCounts, TraceSettings};
 use super::{SurfacePoint, Tracer};
 use crate::math::Ray;
@@ -58,32 +58,31 @@ impl Tracer {
 
     /// Irradiance that arrives straight from the lights, `samples` shadow rays each.
     pub fn irradiance(&self, point: &SurfacePoint, samples: u32, key: Key, rays: &mut RayCounts) -> Vec3 {
-        self.irradiance_through(point, samples, key, |sample, occluder| {
-            rays.shadow += 1;
-            rays.clamped += u64::from(sample.is_clamped);
-            self.transmittance(&sample.shadow_ray, occluder)
+        self.irradiance_through(point, samples, key, |bundle, clamped, passed| {
+            rays.shadow += bundle.len() as u64;
+            rays.clamped += clamped;
+            self.transmittances(bundle, passed);
         })
     }
 
     /// The shadow rays that [`Self::irradiance`] traces, in its order, appended to `rays`.
     pub fn shadow_rays(&self, point: &SurfacePoint, samples: u32, key: Key, rays: &mut Vec<Ray>) {
-        self.irradiance_through(point, samples, key, |sample, _| {
-            rays.push(sample.shadow_ray);
-            Vec3::ZERO
+        self.irradiance_through(point, samples, key, |bundle, _, _| {
+            rays.extend((0..bundle.len()).map(|ray| bundle.ray(ray)));
         });
     }
 
-    /// `passed` tells how much light passes along the shadow ray of a sample.
+    /// `trace` tells how much light passes along the shadow rays of a bundle; it is told as well how many of them were bounded.
     #[inline(always)]
     fn irradiance_through(
         &self,
         point: &SurfacePoint,
         samples: u32,
         key: Key,
-        mut passed: impl FnMut(&LightSample, &mut Occluder) -> Vec3,
+        mut trace: impl FnMut(&RayBundle, u64, &mut [Vec3; BUNDLE_RAYS]),
     ) -> Vec3 {
         let origin = point.origin_in_front();
-        let mut total = Vec3::ZERO;
+        let (mut total, mut passed) = (Vec3::ZERO, [Vec3::ZERO; BUNDLE_RAYS]);
         for &index in self.lights_at(point.position) {
             let light = &self.scene().lights[index as usize];
             if is_behind(light, point) {
@@ -91,11 +90,21 @@ impl Tracer {
             }
             let count = sample_count(light, samples);
             let shift = key.with(index).pair();
-            let (mut sum, mut occluder) = (Vec3::ZERO, Occluder::default());
-            for i in 0..count {
-                let u = lattice(i, count, shift);
-                let Some(s) = sample(self.scene(), light, point, origin, u) else { continue };
-                sum += s.irradiance * passed(&s, &mut occluder);
+            let mut sum = Vec3::ZERO;
+            for first in (0..count).step_by(BUNDLE_RAYS) {
+                let (mut bundle, mut clamped) = (RayBundle::new(origin), 0);
+                let mut unblocked = [Vec3::ZERO; BUNDLE_RAYS];
+                for i in first..count.min(first + BUNDLE_RAYS as u32) {
+                    let u = lattice(i, count, shift);
+                    let Some(s) = sample(self.scene(), light, point, origin, u) else { continue };
+                    unblocked[bundle.len()] = s.irradiance;
+                    clamped += u64::from(s.is_clamped);
+                    bundle.push(s.shadow_ray.direction, s.shadow_ray.t_max);
+                }
+                trace(&bundle, clamped, &mut passed);
+                for (unblocked, passed) in unblocked.iter().zip(&passed).take(bundle.len()) {
+                    sum += *unblocked * *passed;
+                }
             }
             total += sum / count as f32;
         }

@@ -100,17 +100,29 @@ fn area_sample(
     radiance: Vec3,
 ) -> Option<LightSample> {
     let d = on_light - point.position;
-    let cos = cosine(point, d)?;
-    let area = area_normal.length();
+    if point.geometric_normal.dot(d) <= 0.0 {
+        return None;
+    }
+    let along_normal = point.shading_normal.dot(d);
+    if along_normal <= 0.0 {
+        return None;
+    }
     // A point nearer than a thousandth of the light's size would make the estimate unbounded.
     const NEAREST: f32 = 1.0 / 1024.0 / 1024.0;
-    let (nearest2, distance2) = (area * NEAREST, d.length_squared());
-    let is_clamped = distance2 < nearest2;
-    let distance2 = distance2.max(nearest2);
-    let projected_area = area_normal.dot(d).abs() / distance2.sqrt();
+    let (nearest2, distance2) = (area_normal.length() * NEAREST, d.length_squared());
+    let is_clamped = distance2 < nearest2.max(f32::MIN_POSITIVE);
+    let along_light = area_normal.dot(d).abs();
+    let factor = if is_clamped {
+        let nearest2 = nearest2.max(distance2);
+        along_normal / distance2.sqrt() * (along_light / nearest2.sqrt()) / nearest2
+    } else {
+        // Both cosines have a length in them, so that two quotients by the square do and no root is needed.
+        let inverse = 1.0 / distance2;
+        (along_normal * inverse) * (along_light * inverse)
+    };
     Some(LightSample {
         shadow_ray: Ray::segment(origin, on_light),
-        irradiance: radiance * (cos * projected_area / distance2),
+        irradiance: radiance * factor,
         is_clamped,
     })
 }

@@ -13,10 +13,11 @@ pub mod pixel;
 pub mod primary;
 mod primary_tile;
 mod probe;
+mod shadow;
 pub mod specular;
 mod surface;
 
-pub use bvh::{Bvh, Hit, RayTile, TILE_RAYS, TILE_SIDE, TileHits};
+pub use bvh::{BUNDLE_RAYS, Bvh, Hit, RayBundle, RayTile, TILE_RAYS, TILE_SIDE, TileHits};
 pub use light_grid::{LightCuts, LightGrid};
 pub use pixel::{PixelTrace, RayCounts, TraceSettings};
 pub use primary::{SceneEpoch, Tracer};

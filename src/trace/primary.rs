@@ -1,11 +1,11 @@
 //! The tracer: a scene with its hierarchy, and the rays that ask it questions.
 
-use super::bvh::{Bvh, Hit, Occluder};
+use super::bvh::{Bvh, Hit};
 use super::light_grid::LightGrid;
 use super::surface::{SurfacePoint, interpolate_uv};
 use crate::camera::View;
 use crate::math::Ray;
-use crate::scene::{MaterialKind, Scene, SolidSide};
+use crate::scene::Scene;
 use glam::Vec3;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -110,39 +110,6 @@ impl Tracer {
             self.bvh.closest(ray, |hit| self.stands(ray, hit))
         } else {
             self.bvh.closest(ray, |_| true)
-        }
-    }
-
-    /// The share of light that passes along a shadow ray, per channel.
-    ///
-    /// Glass does not block: it dims by what each of its surfaces lets through, without bending the ray. Caustics are
-    /// left out and windows light their room. `occluder` is shared by rays towards one light from one point; with three
-    /// sheets of glass in a row it may decide in which order they are multiplied.
-    pub fn transmittance(&self, ray: &Ray, occluder: &mut Occluder) -> Vec3 {
-        if !self.scene.needs.checks_hits() && !self.scene.needs.glass {
-            return if self.bvh.any_near(ray, occluder, |_| true) { Vec3::ZERO } else { Vec3::ONE };
-        }
-        let mut passed = Vec3::ONE;
-        let blocked =
-            self.bvh.any_near(ray, occluder, |hit| match self.scene.material_of(hit.triangle).kind {
-                MaterialKind::Glass { eta, transmittance } => {
-                    passed *= transmittance * self.straight_passage(ray, hit, eta);
-                    false
-                }
-                _ => self.stands(ray, hit),
-            });
-        if blocked { Vec3::ZERO } else { passed }
-    }
-
-    /// The share of light that Fresnel's equations let through one surface of glass.
-    fn straight_passage(&self, ray: &Ray, hit: &Hit, eta: f32) -> f32 {
-        let [a, b, c] = self.scene.corners(hit.triangle);
-        let n = (b - a).cross(c - a);
-        let cos = (n.dot(ray.direction).abs() / (n.length() * ray.direction.length())).min(1.0);
-        let mirrored = super::specular::fresnel_dielectric(cos, 1.0 / eta);
-        match self.scene.solids[hit.triangle as usize] {
-            SolidSide::Thin => 1.0 - super::specular::thin_reflectance(mirrored),
-            _ => 1.0 - mirrored,
         }
     }
 

@@ -7,13 +7,17 @@
 //! with the traversal: a box that is missed makes the best triangle test useless.
 
 mod build;
+mod bundle;
 mod cluster;
 mod fold;
 mod packet;
+mod rays8;
 mod slab;
 mod tile;
 mod traverse;
+mod vectors;
 
+pub use bundle::{BUNDLE_RAYS, RayBundle};
 use fearless_simd::Level;
 use packet::TrianglePacket;
 pub use tile::{RayTile, TILE_RAYS, TILE_SIDE, TileHits};

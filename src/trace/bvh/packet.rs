@@ -33,18 +33,26 @@ impl<S: Simd> ShearedRay<S> {
     #[inline(always)]
     pub(super) fn new(simd: S, ray: &Ray) -> Self {
         let d = ray.direction.to_array();
-        // Spelled out, so that the compiler sees that no index is out of bounds.
-        let [x, y, z] = match largest_axis(d) {
-            0 => [1, 2, 0],
-            1 => [2, 0, 1],
-            _ => [0, 1, 2],
-        };
+        let axis = largest_axis(d);
+        let [x, y, z] = axes(axis);
         let inverse = 1.0 / d[z];
-        Self {
-            origin: splat3(simd, ray.origin.to_array()),
-            axes: [x, y, z],
-            shear: splat3(simd, [d[x] * inverse, d[y] * inverse, inverse]),
-        }
+        Self::from_shear(simd, ray.origin.to_array(), axis, [d[x] * inverse, d[y] * inverse, inverse])
+    }
+
+    /// From its origin, its largest axis, and the shear along it.
+    #[inline(always)]
+    pub(super) fn from_shear(simd: S, origin: [f32; 3], axis: usize, shear: [f32; 3]) -> Self {
+        Self { origin: splat3(simd, origin), axes: axes(axis), shear: splat3(simd, shear) }
+    }
+}
+
+/// The axes in cyclic order, the largest last. Spelled out, so that the compiler sees that no index is out of bounds.
+#[inline(always)]
+fn axes(largest: usize) -> [usize; 3] {
+    match largest {
+        0 => [1, 2, 0],
+        1 => [2, 0, 1],
+        _ => [0, 1, 2],
     }
 }
 

@@ -8,7 +8,17 @@ use crate::math::Ray;
 use fearless_simd::{f32x8, prelude::*};
 
 /// 1 + 2 gamma(3), the bound on the relative error of `(bound - origin) * inverse`.
-const FAR_SLACK: f32 = 1.000_000_4;
+pub(super) const FAR_SLACK: f32 = 1.000_000_4;
+
+/// The least component of a direction: 2^-80.
+pub(super) const TINY: f32 = f32::from_bits((127 - 80) << 23);
+
+/// A component of a direction that may be divided by. Zero would make 0 * inf = NaN for an origin in the plane; it has a
+/// finite inverse and bends the ray by less than any rounding.
+#[inline(always)]
+pub(super) fn safe_component(d: f32) -> f32 {
+    if d.abs() < TINY { TINY.copysign(d) } else { d }
+}
 
 /// A ray prepared for box tests.
 pub(super) struct SlabRay<S: Simd> {
@@ -21,11 +31,7 @@ pub(super) struct SlabRay<S: Simd> {
 impl<S: Simd> SlabRay<S> {
     #[inline(always)]
     pub(super) fn new(simd: S, ray: &Ray) -> Self {
-        // A zero component would make 0 * inf = NaN for an origin in the plane; 2^-80 has a finite inverse and
-        // bends the ray by less than any rounding.
-        const TINY: f32 = f32::from_bits((127 - 80) << 23);
-        let safe = |d: f32| if d.abs() < TINY { TINY.copysign(d) } else { d };
-        let inverse = ray.direction.to_array().map(|d| 1.0 / safe(d));
+        let inverse = ray.direction.to_array().map(|d| 1.0 / safe_component(d));
         Self {
             origin: splat(simd, ray.origin.to_array()),
             inverse: splat(simd, inverse),

@@ -8,7 +8,9 @@
 //! differ: one level, and triangles are culled by the planes through the eye and their edges as well.
 
 use super::packet::TrianglePacket;
+use super::rays8::{LANES, SeenTriangle, Shear8};
 use super::traverse::{STACK, nearest_first};
+use super::vectors::{cross, dot, sub};
 use super::{Bvh, Child, Hit, Node};
 use crate::math::Ray;
 use arrayvec::ArrayVec;
@@ -291,50 +293,30 @@ impl<S: Simd> Walk<'_, S> {
         accept: &impl Fn(usize, &Hit) -> bool,
     ) -> bool {
         let simd = self.simd;
-        let splat = |x: f32| f32x8::splat(simd, x);
-        let (kx, ky, kz) = ((self.axis + 1) % 3, (self.axis + 2) % 3, self.axis);
-        let [a, b, c] = corners.map(|p| [splat(p[kx]), splat(p[ky]), splat(p[kz])]);
-        let zero = splat(0.0);
+        let seen = SeenTriangle::new(simd, corners, self.axis);
+        let zero = f32x8::splat(simd, 0.0);
         let mut changed = false;
-        for row in 0..TILE_RAYS / 8 {
-            let at = row * 8..row * 8 + 8;
+        for row in 0..TILE_RAYS / LANES {
+            let at = row * LANES..(row + 1) * LANES;
             let load = |from: &[f32; TILE_RAYS]| f32x8::from_slice(simd, &from[at.clone()]);
-            let (sx, sy) = (load(&self.shear.x), load(&self.shear.y));
-            let (ax, ay) = (a[0] - sx * a[2], a[1] - sy * a[2]);
-            let (bx, by) = (b[0] - sx * b[2], b[1] - sy * b[2]);
-            let (cx, cy) = (c[0] - sx * c[2], c[1] - sy * c[2]);
-            let mut u = cx * by - cy * bx;
-            let mut v = ax * cy - ay * cx;
-            let mut w = bx * ay - by * ax;
-            let undecided = u.simd_eq(zero) | v.simd_eq(zero) | w.simd_eq(zero);
-            if undecided.any_true() {
-                u = decide_in_f64(u, [cx, by, cy, bx]);
-                v = decide_in_f64(v, [ax, cy, ay, cx]);
-                w = decide_in_f64(w, [bx, ay, by, ax]);
-            }
-            let negative = u.simd_lt(zero) | v.simd_lt(zero) | w.simd_lt(zero);
-            let positive = u.simd_gt(zero) | v.simd_gt(zero) | w.simd_gt(zero);
-            let det = u + v + w;
-            let inside = !(negative & positive) & det.simd_ne(zero);
-            if !inside.any_true() {
-                continue;
-            }
-            let inverse = splat(1.0) / det;
-            let t = (u * a[2] + v * b[2] + w * c[2]) * load(&self.shear.z) * inverse;
+            let shear = Shear8 { x: load(&self.shear.x), y: load(&self.shear.y), z: load(&self.shear.z) };
+            let Some(met) = seen.intersect(&shear) else { continue };
+            let t = met.t;
             let best = load(&self.hits.t);
             let known = u32x8::from_slice(simd, &self.hits.triangle[at.clone()]);
             let this = u32x8::splat(simd, triangle);
             let nearer = t.simd_lt(best) | (t.simd_eq(best) & this.simd_lt(known));
-            let mut wins = inside & t.simd_gt(zero) & nearer & t.simd_lt(splat(f32::INFINITY));
+            let mut wins =
+                met.inside & t.simd_gt(zero) & nearer & t.simd_lt(f32x8::splat(simd, f32::INFINITY));
             if !wins.any_true() {
                 continue;
             }
-            let (b1, b2) = (v * inverse, w * inverse);
+            let [b1, b2] = met.barycentrics();
             if ASKS {
                 let mut bits = 0u64;
-                for lane in (0..8).filter(|&lane| wins.test(lane)) {
+                for lane in (0..LANES).filter(|&lane| wins.test(lane)) {
                     let hit = Hit { t: t[lane], triangle, b1: b1[lane], b2: b2[lane] };
-                    bits |= u64::from(accept(row * 8 + lane, &hit)) << lane;
+                    bits |= u64::from(accept(row * LANES + lane, &hit)) << lane;
                 }
                 wins &= fearless_simd::mask32x8::from_bitmask(simd, bits);
             }
@@ -365,30 +347,4 @@ fn extent<S: Simd>(simd: S, node: &Node, origin: &[f32x8<S>; 3], plane: &SidePla
     let y = f32x8::load_array_ref(simd, &node.bounds[plane.outermost[1]]) - origin[1];
     let z = f32x8::load_array_ref(simd, &node.bounds[plane.outermost[2]]) - origin[2];
     x * plane.wide_normal[0] + y * plane.wide_normal[1] + z * plane.wide_normal[2]
-}
-
-#[inline(always)]
-fn sub<S: Simd>(a: &[f32x4<S>; 3], b: &[f32x4<S>; 3]) -> [f32x4<S>; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-#[inline(always)]
-fn dot<S: Simd>(a: &[f32x4<S>; 3], b: &[f32x4<S>; 3]) -> f32x4<S> {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-#[inline(always)]
-fn cross<S: Simd>(a: &[f32x4<S>; 3], b: &[f32x4<S>; 3]) -> [f32x4<S>; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-/// As for single rays: where an edge function is zero in f32, its sign is decided in f64.
-#[cold]
-fn decide_in_f64<S: Simd>(rounded: f32x8<S>, factors: [f32x8<S>; 4]) -> f32x8<S> {
-    let [a, b, c, d] = factors.map(f32x8::to_array);
-    let mut decided = rounded;
-    for i in (0..8).filter(|&i| rounded[i] == 0.0) {
-        decided[i] = (f64::from(a[i]) * f64::from(b[i]) - f64::from(c[i]) * f64::from(d[i])) as f32;
-    }
-    decided
 }

@@ -83,7 +83,7 @@ impl Bvh {
     /// Children are visited as they come: two rays of three are not blocked and visit them all, and no order by area
     /// or by area a triangle saved even a hundredth of the nodes.
     #[inline(always)]
-    fn walk_any<S: Simd>(
+    pub(super) fn walk_any<S: Simd>(
         &self,
         simd: S,
         ray: &Ray,
@@ -137,7 +137,7 @@ fn is_sound(ray: &Ray) -> bool {
 }
 
 #[inline(always)]
-fn any_in_packet(
+pub(super) fn any_in_packet(
     packet: &TrianglePacket,
     ray: &ShearedRay<impl Simd>,
     t_max: f32,

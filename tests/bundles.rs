@@ -1,0 +1,135 @@
+//! Shadow rays traced together against the same rays traced one by one.
+
+use afterimage::math::Ray;
+use afterimage::math::hash::Key;
+use afterimage::math::sampling::lattice;
+use afterimage::scene::builtin;
+use afterimage::trace::{BUNDLE_RAYS, Bvh, Hit, RayBundle, RayCounts, SurfacePoint, TraceSettings, Tracer};
+use glam::Vec3;
+use std::sync::Arc;
+
+fn random(key: Key, index: u32) -> Vec3 {
+    let [x, y] = key.with(2 * index).pair();
+    let [z, _] = key.with(2 * index + 1).pair();
+    Vec3::new(x, y, z) * 2.0 - 1.0
+}
+
+fn soup(count: u32, size: f32, offset: Vec3) -> Vec<[Vec3; 3]> {
+    (0..count)
+        .map(|i| {
+            let key = Key::of_pixel(5, i);
+            let centre = random(key, 0) + offset;
+            [1, 2, 3].map(|k| centre + random(key, k) * size)
+        })
+        .collect()
+}
+
+/// Rays from one point to a parallelogram: narrow or wide, ending at it or going on, some aimed at vertices of the soup or
+/// along axes, some broken.
+fn bundle(i: u32, mesh: &[[Vec3; 3]], offset: Vec3) -> RayBundle {
+    let key = Key::of_pixel(6, i);
+    let size = [1e-4, 0.02, 0.2, 1.0][i as usize % 4];
+    let origin = random(key, 0) + offset;
+    let (corner, u, v) = (random(key, 1) + offset, random(key, 2) * size, random(key, 3) * size);
+    let mut bundle = RayBundle::new(origin);
+    for k in 0..BUNDLE_RAYS as u32 - i % 5 {
+        let [x, y] = lattice(k, BUNDLE_RAYS as u32, key.pair());
+        let target = match (i % 7, k % 4) {
+            (3, 1) => mesh[(i as usize * 31 + k as usize) % mesh.len()][0],
+            (4, 2) => origin + Vec3::AXES[k as usize % 3],
+            (5, 3) => Vec3::NAN,
+            (6, 3) => Vec3::INFINITY,
+            _ => corner + u * x + v * y,
+        };
+        bundle.push(target - origin, if i % 2 == 0 { 1.0 - 1.0 / 4096.0 } else { f32::INFINITY });
+    }
+    bundle
+}
+
+/// How many rays are blocked, of how many; each as `one` tells of it.
+fn count(bvh: &Bvh, mesh: &[[Vec3; 3]], offset: Vec3, accept: impl Fn(&Hit) -> bool) -> [u32; 2] {
+    let mut counts = [0; 2];
+    for i in 0..6000 {
+        let bundle = bundle(i, mesh, offset);
+        let blocked = bvh.any_in_bundle(&bundle, |_, hit| accept(hit));
+        for ray in 0..bundle.len() {
+            let expected = bvh.any(&bundle.ray(ray), &accept);
+            assert_eq!(blocked >> ray & 1 == 1, expected, "bundle {i}, ray {ray}: {:?}", bundle.ray(ray));
+            counts[0] += u32::from(expected);
+        }
+        assert_eq!(blocked >> bundle.len(), 0, "bundle {i}: a ray that is not there");
+        counts[1] += bundle.len() as u32;
+    }
+    counts
+}
+
+#[test]
+fn bundles_are_blocked_where_their_rays_are() {
+    for (offset, size) in [(Vec3::ZERO, 0.1), (Vec3::ZERO, 1.0), (Vec3::new(900.0, -3.0, 1e4), 0.2)] {
+        let mesh = soup(if size < 0.5 { 4000 } else { 40 }, size, offset);
+        let bvh = Bvh::build(&mesh);
+        for bvh in [&bvh, &Bvh::build(&mesh).with_baseline_simd()] {
+            let [blocked, all] = count(bvh, &mesh, offset, |_| true);
+            assert!(blocked > all / 20 && blocked < all - all / 20, "{blocked} of {all} are blocked");
+            let [fewer, _] = count(bvh, &mesh, offset, |hit| hit.triangle % 3 == 0 && hit.b1 < 0.5);
+            assert!(fewer > 100 && fewer < blocked, "{fewer} and {blocked}");
+        }
+        for i in 0..6000 {
+            let bundle = bundle(i, &mesh, offset);
+            assert_eq!(
+                bvh.any_at_all_in_bundle(&bundle),
+                bvh.any_in_bundle(&bundle, |_, _| true),
+                "bundle {i}"
+            );
+        }
+    }
+}
+
+#[test]
+fn an_empty_tree_blocks_nothing() {
+    let bundle = bundle(0, &soup(1, 1.0, Vec3::ZERO), Vec3::ZERO);
+    assert_eq!(Bvh::build(&[]).any_at_all_in_bundle(&bundle), 0);
+}
+
+/// A sheet of glass dims, whatever comes before it; what stands behind it blocks.
+#[test]
+fn light_that_passes_along_a_bundle_is_that_of_its_rays() {
+    let tracer = Tracer::new(Arc::new(builtin::build("gallery").unwrap()));
+    let scene = tracer.scene().clone();
+    let view = afterimage::camera::View::new(&scene.walk.camera(200, 300).unwrap(), &scene.frame, [48, 27]);
+    let [mut dimmed, mut blocked, mut all] = [0; 3];
+    for pixel in 0..48 * 27 {
+        let ray = Tracer::primary_ray(&view, pixel);
+        let Some(hit) = tracer.closest(&ray) else { continue };
+        let point = tracer.surface(&ray, &hit);
+        for bundle in shadow_bundles(&tracer, &point, pixel) {
+            let mut passed = [Vec3::ZERO; BUNDLE_RAYS];
+            tracer.transmittances(&bundle, &mut passed);
+            for (ray, &passed) in passed.iter().enumerate().take(bundle.len()) {
+                let alone = tracer.transmittance(&bundle.ray(ray), &mut Default::default());
+                // The order in which sheets are met may differ, and with it the last bit.
+                assert!((passed - alone).abs().max_element() <= 1e-6, "{passed} {alone}");
+                blocked += u32::from(alone == Vec3::ZERO);
+                dimmed += u32::from(alone != Vec3::ZERO && alone != Vec3::ONE);
+                all += 1;
+            }
+        }
+    }
+    assert!(dimmed > 100 && blocked > 100 && dimmed + blocked < all, "{dimmed}, {blocked} of {all}");
+}
+
+fn shadow_bundles(tracer: &Tracer, point: &SurfacePoint, pixel: u32) -> Vec<RayBundle> {
+    let mut rays: Vec<Ray> = Vec::new();
+    let settings = TraceSettings::default();
+    tracer.shadow_rays(point, settings.samples, Key::of_pixel(settings.seed, pixel), &mut rays);
+    let mut counts = RayCounts::default();
+    tracer.irradiance(point, settings.samples, Key::of_pixel(settings.seed, pixel), &mut counts);
+    assert_eq!(counts.shadow as usize, rays.len(), "every ray of a bundle is counted");
+    rays.chunks(BUNDLE_RAYS)
+        .map(|rays| {
+            let mut bundle = RayBundle::new(rays[0].origin);
+            rays.iter().for_each(|ray| bundle.push(ray.direction, ray.t_max));
+            bundle
+        })
+        .collect()
+}
