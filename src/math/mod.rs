@@ -4,5 +4,6 @@ pub mod hash;
 pub mod ray;
 pub mod sampling;
 pub mod simd;
+pub mod whole;
 
 pub use ray::Ray;

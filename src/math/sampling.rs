@@ -3,21 +3,25 @@
 use glam::{Mat3, Vec3};
 use std::f32::consts::TAU;
 
+/// 2^32 / golden ratio: the fraction of a multiple by integer overflow, exact and without a call to `floor`.
+pub(crate) const GOLDEN: u32 = 0x9e37_79b9;
+
+/// The largest f32 below one.
+pub(crate) const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
+
 /// Point `index` of `count` in the unit square, moved by `shift` and wrapped (a Cranley-Patterson rotation).
 ///
 /// The points are a rank-1 lattice: evenly stratified along x for any count, and by the golden ratio along y. One
 /// random shift serves all samples of a light, so the estimate stays unbiased while only one hash is needed.
 pub fn lattice(index: u32, count: u32, shift: [f32; 2]) -> [f32; 2] {
-    // 2^32 / golden ratio: the fraction of a multiple by integer overflow, exact and without a call to `floor`.
-    const GOLDEN: u32 = 0x9e37_79b9;
     let along = (index as f32 + shift[0]) / count as f32;
     let across = (index.wrapping_mul(GOLDEN) >> 8) as f32 * (1.0 / 16_777_216.0) + shift[1];
     [below_one(along), below_one(if across >= 1.0 { across - 1.0 } else { across })]
 }
 
-/// The largest f32 below one bounds results that rounding pushed up to it.
+/// Bounds results that rounding pushed up to one.
 fn below_one(x: f32) -> f32 {
-    x.min(1.0 - f32::EPSILON / 2.0)
+    x.min(BELOW_ONE)
 }
 
 /// A direction about +Z with density cos/pi (Malley's method: a disk lifted to the hemisphere).

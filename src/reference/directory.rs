@@ -4,6 +4,7 @@
 //! lit something near it, wherever the viewer stands and however many references there are.
 
 use super::ReferenceFrame;
+use crate::math::whole::round;
 use crate::scene::Scene;
 use glam::{UVec3, Vec3};
 use rayon::prelude::*;
@@ -44,7 +45,7 @@ impl PackedNormal {
     #[inline(always)]
     pub(super) fn of_unit(normal: Vec3) -> Self {
         let n = normal * 127.0;
-        Self([n.x.round() as i8, n.y.round() as i8, n.z.round() as i8])
+        Self([round(n.x) as i8, round(n.y) as i8, round(n.z) as i8])
     }
 
     /// True where two triangles are turned alike, whichever way they are wound.

@@ -12,6 +12,7 @@ use super::frame::NEAREST_DEPTH;
 use super::gather::{EDGE_GAP, WIDE};
 use super::light::{LightScale, UNLIT};
 use super::tile_light::{LEAST_COVERAGE, MOST_JUMP, MOST_LOSS};
+use crate::math::whole::floor;
 use crate::trace::SceneEpoch;
 use arrayvec::ArrayVec;
 use glam::{Mat3, Vec3};
@@ -189,7 +190,7 @@ pub struct FoundLight {
 #[inline(always)]
 fn corner(x: f32, size: f32) -> [f32; 2] {
     let at = (x - 0.5).clamp(0.0, size - 1.0);
-    let first = at.floor().min(size - 2.0);
+    let first = (floor(at) as f32).min(size - 2.0);
     [first, at - first]
 }
 

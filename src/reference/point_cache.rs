@@ -9,8 +9,9 @@
 
 use super::directory::PackedNormal;
 use crate::math::hash::Key;
+use crate::math::whole::floor;
 use crate::trace::SceneEpoch;
-use glam::{IVec3, Vec3};
+use glam::Vec3;
 
 /// Buckets of the table: 64 MB, taken when the first point is entered. A picture of 1280x720 that is a third mirror
 /// fills a sixth of it.
@@ -235,7 +236,7 @@ fn level_of(place: &Place) -> i32 {
 #[inline(always)]
 fn cell_of(place: &Place, level: i32) -> Cell {
     let power = |exponent: i32| f32::from_bits(((exponent + 127) as u32) << 23);
-    let IVec3 { x, y, z } = (place.position * power(-level) + BORDER).floor().as_ivec3();
+    let [x, y, z] = (place.position * power(-level) + BORDER).to_array().map(floor);
     let name =
         Key::of_pixel(u64::from(x as u32) << 32 | u64::from(y as u32), z as u32).with(level as u32).bits();
     Cell { bucket: (name as u32) as usize % BUCKETS, tag: (name >> 32) as u32, side: power(level) }

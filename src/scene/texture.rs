@@ -1,5 +1,6 @@
 //! Textures: 8 bits a channel, decoded on sampling, bilinear, repeated.
 
+use crate::math::whole::floor;
 use crate::raster::color::linear_from_srgb;
 use glam::{Vec2, Vec3};
 use std::sync::LazyLock;
@@ -62,22 +63,16 @@ impl Texture {
 
 /// The fraction of a coordinate, 0 for one that is not finite: a broken file must not reach an index.
 fn wrap(t: f32) -> f32 {
-    // Beyond 2^23 a number has no fraction; below, conversion is exact and much faster than a call to `floor`.
+    // Beyond 2^23 a number has no fraction.
     const WHOLE_FROM: f32 = 8_388_608.0;
-    if t.abs() < WHOLE_FROM { t - floor(t) } else { 0.0 }
-}
-
-/// The largest whole number not above `t`, for numbers that fit an i32.
-fn floor(t: f32) -> f32 {
-    let toward_zero = t as i32 as f32;
-    if toward_zero > t { toward_zero - 1.0 } else { toward_zero }
+    if t.abs() < WHOLE_FROM { t - floor(t) as f32 } else { 0.0 }
 }
 
 /// The two texels beside a coordinate and the weight of the second.
 fn neighbours(t: f32, count: u32) -> (u32, u32, f32) {
     let at = wrap(t) * count as f32 - 0.5;
     let low = floor(at);
-    let first = if low < 0.0 { count - 1 } else { (low as u32).min(count - 1) };
+    let first = u32::try_from(low).map_or(count - 1, |low| low.min(count - 1));
     let second = if first + 1 == count { 0 } else { first + 1 };
-    (first, second, at - low)
+    (first, second, at - low as f32)
 }

@@ -5,8 +5,9 @@
 //! interreflection is path traced when bounces are asked for.
 
 use super::bvh::{BUNDLE_RAYS, RayBundle};
-use super::light_sample::{is_behind, sample, sample_count};
+use super::light_sample::{add_samples, is_behind, sample_count};
 use super::pixel::{RayCounts, TraceSettings};
+use super::quad_sample::Points;
 use super::{SurfacePoint, Tracer};
 use crate::math::Ray;
 use crate::math::hash::Key;
@@ -92,15 +93,11 @@ impl Tracer {
             let shift = key.with(index).pair();
             let mut sum = Vec3::ZERO;
             for first in (0..count).step_by(BUNDLE_RAYS) {
-                let (mut bundle, mut clamped) = (RayBundle::new(origin), 0);
+                let mut bundle = RayBundle::new(origin);
                 let mut unblocked = [Vec3::ZERO; BUNDLE_RAYS];
-                for i in first..count.min(first + BUNDLE_RAYS as u32) {
-                    let u = lattice(i, count, shift);
-                    let Some(s) = sample(self.scene(), light, point, origin, u) else { continue };
-                    unblocked[bundle.len()] = s.irradiance;
-                    clamped += u64::from(s.is_clamped);
-                    bundle.push(s.shadow_ray.direction, s.shadow_ray.t_max);
-                }
+                let range = first..count.min(first + BUNDLE_RAYS as u32);
+                let points = Points { range, count, shift };
+                let clamped = add_samples(self.scene(), light, point, points, &mut bundle, &mut unblocked);
                 trace(&bundle, clamped, &mut passed);
                 for (unblocked, passed) in unblocked.iter().zip(&passed).take(bundle.len()) {
                     sum += *unblocked * *passed;

@@ -1,7 +1,9 @@
 //! One light as a surface point sees it: where its sample points are and what each would bring.
 
+use super::bvh::{BUNDLE_RAYS, RayBundle};
+use super::quad_sample::{Points, Quad, sample_quad};
 use crate::math::Ray;
-use crate::math::sampling::{cosine_hemisphere, frame_around, uniform_cone};
+use crate::math::sampling::{cosine_hemisphere, frame_around, lattice, uniform_cone};
 use crate::scene::{Light, Scene, point_on_mesh};
 use crate::trace::surface::SurfacePoint;
 use glam::Vec3;
@@ -90,6 +92,44 @@ pub(super) fn sample(
     }
 }
 
+/// A point nearer than a thousandth of the light's size would make the estimate unbounded. This is that distance, squared.
+fn nearest2(area_normal: Vec3) -> f32 {
+    const NEAREST: f32 = 1.0 / 1024.0 / 1024.0;
+    (area_normal.length() * NEAREST).max(f32::MIN_POSITIVE)
+}
+
+/// Adds the shadow rays of some samples that bring light, and writes what each brings where nothing is in the way. Returns how many of them
+/// were bounded.
+#[inline(always)]
+pub(super) fn add_samples(
+    scene: &Scene,
+    light: &Light,
+    point: &SurfacePoint,
+    points: Points,
+    bundle: &mut RayBundle,
+    unblocked: &mut [Vec3; BUNDLE_RAYS],
+) -> u64 {
+    if let Light::Quad { corner, edge_u, edge_v, radiance } = *light {
+        let quad = Quad { corner, edge_u, edge_v, nearest2: nearest2(edge_u.cross(edge_v)) };
+        let mut factors = [0.0; BUNDLE_RAYS];
+        if sample_quad(&quad, point, &points, bundle, &mut factors) {
+            for (unblocked, factor) in unblocked.iter_mut().zip(factors) {
+                *unblocked = radiance * factor;
+            }
+            return 0;
+        }
+    }
+    let mut clamped = 0;
+    for i in points.range {
+        let u = lattice(i, points.count, points.shift);
+        let Some(s) = sample(scene, light, point, bundle.origin(), u) else { continue };
+        unblocked[bundle.len()] = s.irradiance;
+        clamped += u64::from(s.is_clamped);
+        bundle.push(s.shadow_ray.direction, s.shadow_ray.t_max);
+    }
+    clamped
+}
+
 /// A sample of an area light that stands for the area `|area_normal|`.
 #[inline(always)]
 fn area_sample(
@@ -107,13 +147,10 @@ fn area_sample(
     if along_normal <= 0.0 {
         return None;
     }
-    // A point nearer than a thousandth of the light's size would make the estimate unbounded.
-    const NEAREST: f32 = 1.0 / 1024.0 / 1024.0;
-    let (nearest2, distance2) = (area_normal.length() * NEAREST, d.length_squared());
-    let is_clamped = distance2 < nearest2.max(f32::MIN_POSITIVE);
+    let (nearest2, distance2) = (nearest2(area_normal), d.length_squared());
+    let is_clamped = distance2 < nearest2;
     let along_light = area_normal.dot(d).abs();
     let factor = if is_clamped {
-        let nearest2 = nearest2.max(distance2);
         along_normal / distance2.sqrt() * (along_light / nearest2.sqrt()) / nearest2
     } else {
         // Both cosines have a length in them, so that two quotients by the square do and no root is needed.

@@ -13,6 +13,7 @@ pub mod pixel;
 pub mod primary;
 mod primary_tile;
 mod probe;
+mod quad_sample;
 mod shadow;
 pub mod specular;
 mod surface;

@@ -52,6 +52,11 @@ impl RayBundle {
         Self { origin, directions: [[0.0; BUNDLE_RAYS]; 3], t_max: [0.0; BUNDLE_RAYS], len: 0 }
     }
 
+    /// Where its rays start.
+    pub fn origin(&self) -> Vec3 {
+        self.origin
+    }
+
     /// Rays in it.
     pub fn len(&self) -> usize {
         self.len
