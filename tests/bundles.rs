@@ -1,6 +1,5 @@
 //! Shadow rays traced together against the same rays traced one by one.
 
-use afterimage::math::Ray;
 use afterimage::math::hash::Key;
 use afterimage::math::sampling::lattice;
 use afterimage::scene::builtin;
@@ -119,17 +118,12 @@ fn light_that_passes_along_a_bundle_is_that_of_its_rays() {
 }
 
 fn shadow_bundles(tracer: &Tracer, point: &SurfacePoint, pixel: u32) -> Vec<RayBundle> {
-    let mut rays: Vec<Ray> = Vec::new();
     let settings = TraceSettings::default();
-    tracer.shadow_rays(point, settings.samples, Key::of_pixel(settings.seed, pixel), &mut rays);
-    let mut counts = RayCounts::default();
-    tracer.irradiance(point, settings.samples, Key::of_pixel(settings.seed, pixel), &mut counts);
-    assert_eq!(counts.shadow as usize, rays.len(), "every ray of a bundle is counted");
-    rays.chunks(BUNDLE_RAYS)
-        .map(|rays| {
-            let mut bundle = RayBundle::new(rays[0].origin);
-            rays.iter().for_each(|ray| bundle.push(ray.direction, ray.t_max));
-            bundle
-        })
-        .collect()
+    let key = Key::of_pixel(settings.seed, pixel);
+    let (mut bundles, mut counts) = (Vec::new(), RayCounts::default());
+    tracer.shadow_bundles(point, settings.samples, key, &mut bundles);
+    tracer.irradiance(point, settings.samples, key, &mut counts);
+    let rays: usize = bundles.iter().map(RayBundle::len).sum();
+    assert_eq!(counts.shadow as usize, rays, "every ray of a bundle is counted");
+    bundles
 }

@@ -17,7 +17,9 @@ use crate::math::Ray;
 use crate::math::hash::Key;
 use crate::math::sampling::{cosine_hemisphere, frame_around};
 use crate::trace::parallel::{NEVER, Stop, tile_order, trace_pixels};
-use crate::trace::{Bvh, RayCounts, SurfacePoint, TILE_SIDE, TileHits, TraceSettings, Tracer, primary_tile};
+use crate::trace::{
+    Bvh, RayBundle, RayCounts, SurfacePoint, TILE_SIDE, TileHits, TraceSettings, Tracer, primary_tile,
+};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::hint::black_box;
@@ -102,6 +104,8 @@ pub struct Throughput {
     /// The same rays in tiles of eight by eight, as the modes that look up trace them.
     pub primary_tile_mrays_per_sec: f64,
     pub shadow_mrays_per_sec: f64,
+    /// The same rays in bundles of one light, as shading traces them.
+    pub shadow_bundle_mrays_per_sec: f64,
     pub diffuse_mrays_per_sec: f64,
     /// Steps 1 and 2 of the paper.
     #[serde(flatten)]
@@ -134,8 +138,8 @@ pub struct RayDump {
 pub fn gather_rays(tracer: &Tracer, settings: &ThroughputSettings) -> RayDump {
     let (primary, points) = first_hits(tracer, settings);
     let diffuse = diffuse_rays(&points, settings.trace.seed);
-    let any = shadow_rays(tracer, &points, &settings.trace);
-    RayDump { closest: primary.into_iter().chain(diffuse).collect(), any }
+    let bundles = shadow_bundles(tracer, &points, &settings.trace);
+    RayDump { closest: primary.into_iter().chain(diffuse).collect(), any: rays_of(&bundles) }
 }
 
 /// Primary rays in the order of tiles, and the surface points they meet.
@@ -158,7 +162,8 @@ pub fn measure_throughput(
     on_part("gathering rays");
     let (primary, points) = first_hits(tracer, settings);
     let diffuse = diffuse_rays(&points, settings.trace.seed);
-    let shadow = shadow_rays(tracer, &points, &settings.trace);
+    let bundles = shadow_bundles(tracer, &points, &settings.trace);
+    let shadow = rays_of(&bundles);
     let bvh = tracer.bvh();
     let mut go_on = |part| {
         on_part(part);
@@ -176,6 +181,8 @@ pub fn measure_throughput(
     go_on("primary rays").then(|| result.primary_mrays_per_sec = closest_rate(bvh, &primary))?;
     go_on("tiles of primary rays").then(|| result.primary_tile_mrays_per_sec = tile_rate(tracer, &view))?;
     go_on("shadow rays").then(|| result.shadow_mrays_per_sec = any_rate(bvh, &shadow))?;
+    go_on("bundles of shadow rays")
+        .then(|| result.shadow_bundle_mrays_per_sec = bundle_rate(bvh, &bundles, shadow.len()))?;
     go_on("diffuse rays").then(|| result.diffuse_mrays_per_sec = closest_rate(bvh, &diffuse))?;
     go_on("shading").then(|| result.shade_us_per_pixel = shade_us(tracer, &points, &settings.trace))?;
     go_on("the warp").then(|| result.warp = warp_speed(tracer, settings))?;
@@ -253,6 +260,16 @@ fn any_rate(bvh: &Bvh, rays: &[Ray]) -> f64 {
     rate_of(rays, |ray| bvh.any(ray, |_| true))
 }
 
+fn bundle_rate(bvh: &Bvh, bundles: &[RayBundle], rays: usize) -> f64 {
+    let secs = median_secs(|| {
+        let blocked = |chunk: &[RayBundle]| {
+            chunk.iter().map(|bundle| bvh.any_at_all_in_bundle(bundle).count_ones()).sum::<u32>()
+        };
+        black_box(bundles.par_chunks(CHUNK / 16).map(blocked).sum::<u32>());
+    });
+    if rays == 0 { 0.0 } else { rays as f64 / secs / 1e6 }
+}
+
 /// Rays in tiles, cut-out texels tested; those beyond the picture's edge are not counted.
 fn tile_rate(tracer: &Tracer, view: &View) -> f64 {
     let side = TILE_SIDE as u32;
@@ -288,16 +305,21 @@ fn diffuse_rays(points: &[(u32, SurfacePoint)], seed: u64) -> Vec<Ray> {
 }
 
 /// The shadow rays that shading the points traces, of evenly spread points where there are too many.
-fn shadow_rays(tracer: &Tracer, points: &[(u32, SurfacePoint)], trace: &TraceSettings) -> Vec<Ray> {
-    let of_point = |rays: &mut Vec<Ray>, (pixel, point): &(u32, SurfacePoint)| {
-        tracer.shadow_rays(point, trace.samples, Key::of_pixel(trace.seed, *pixel), rays);
+fn shadow_bundles(tracer: &Tracer, points: &[(u32, SurfacePoint)], trace: &TraceSettings) -> Vec<RayBundle> {
+    let of_point = |bundles: &mut Vec<RayBundle>, (pixel, point): &(u32, SurfacePoint)| {
+        tracer.shadow_bundles(point, trace.samples, Key::of_pixel(trace.seed, *pixel), bundles);
     };
     let mut probe = Vec::new();
     points.iter().step_by(997).for_each(|p| of_point(&mut probe, p));
-    let step = (probe.len() * 997).div_ceil(MOST_RAYS).max(1);
-    let mut rays = Vec::new();
-    points.iter().step_by(step).for_each(|p| of_point(&mut rays, p));
-    rays
+    let rays: usize = probe.iter().map(RayBundle::len).sum();
+    let step = (rays * 997).div_ceil(MOST_RAYS).max(1);
+    let mut bundles = Vec::new();
+    points.iter().step_by(step).for_each(|p| of_point(&mut bundles, p));
+    bundles
+}
+
+fn rays_of(bundles: &[RayBundle]) -> Vec<Ray> {
+    bundles.iter().flat_map(RayBundle::rays).collect()
 }
 
 fn shade_us(tracer: &Tracer, points: &[(u32, SurfacePoint)], trace: &TraceSettings) -> f64 {

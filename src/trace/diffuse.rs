@@ -66,11 +66,9 @@ impl Tracer {
         })
     }
 
-    /// The shadow rays that [`Self::irradiance`] traces, in its order, appended to `rays`.
-    pub fn shadow_rays(&self, point: &SurfacePoint, samples: u32, key: Key, rays: &mut Vec<Ray>) {
-        self.irradiance_through(point, samples, key, |bundle, _, _| {
-            rays.extend((0..bundle.len()).map(|ray| bundle.ray(ray)));
-        });
+    /// The shadow rays that [`Self::irradiance`] traces, in its order, appended to `bundles`.
+    pub fn shadow_bundles(&self, point: &SurfacePoint, samples: u32, key: Key, bundles: &mut Vec<RayBundle>) {
+        self.irradiance_through(point, samples, key, |bundle, _, _| bundles.push(bundle.clone()));
     }
 
     /// `trace` tells how much light passes along the shadow rays of a bundle; it is told as well how many of them were bounded.

@@ -1,6 +1,6 @@
 //! One light as a surface point sees it: where its sample points are and what each would bring.
 
-use super::bvh::{BUNDLE_RAYS, RayBundle};
+use super::bvh::{BUNDLE_RAYS, LEAST_RAYS, RayBundle};
 use super::quad_sample::{Points, Quad, sample_quad};
 use crate::math::Ray;
 use crate::math::sampling::{cosine_hemisphere, frame_around, lattice, uniform_cone};
@@ -109,7 +109,9 @@ pub(super) fn add_samples(
     bundle: &mut RayBundle,
     unblocked: &mut [Vec3; BUNDLE_RAYS],
 ) -> u64 {
-    if let Light::Quad { corner, edge_u, edge_v, radiance } = *light {
+    if let Light::Quad { corner, edge_u, edge_v, radiance } = *light
+        && points.range.len() >= LEAST_RAYS
+    {
         let quad = Quad { corner, edge_u, edge_v, nearest2: nearest2(edge_u.cross(edge_v)) };
         let mut factors = [0.0; BUNDLE_RAYS];
         if sample_quad(&quad, point, &points, bundle, &mut factors) {

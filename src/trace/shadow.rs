@@ -1,7 +1,7 @@
 //! What passes along shadow rays.
 
 use super::Tracer;
-use super::bvh::{BUNDLE_RAYS, Hit, Occluder, RayBundle};
+use super::bvh::{BUNDLE_RAYS, Hit, LEAST_RAYS, Occluder, RayBundle};
 use crate::math::Ray;
 use crate::scene::{MaterialKind, SolidSide};
 use glam::Vec3;
@@ -9,6 +9,13 @@ use glam::Vec3;
 impl Tracer {
     /// The share of light that passes along each ray of a bundle, per channel: what [`Self::transmittance`] tells of it.
     pub fn transmittances(&self, bundle: &RayBundle, passed: &mut [Vec3; BUNDLE_RAYS]) {
+        if bundle.len() < LEAST_RAYS {
+            let mut occluder = Occluder::default();
+            for (passed, ray) in passed.iter_mut().zip(bundle.rays()) {
+                *passed = self.transmittance(&ray, &mut occluder);
+            }
+            return;
+        }
         passed.fill(Vec3::ONE);
         let blocked = if self.is_any_hit_a_block() {
             self.bvh().any_at_all_in_bundle(bundle)

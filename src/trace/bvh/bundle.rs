@@ -26,7 +26,7 @@ use glam::Vec3;
 pub const BUNDLE_RAYS: usize = 2 * LANES;
 
 /// Bundles of fewer rays, or wider ones, are traced a ray at a time.
-const LEAST_RAYS: u32 = 3;
+pub const LEAST_RAYS: usize = 3;
 
 /// The widest bundle, as the side of the box of directions over the length of the longest of them.
 const WIDEST: f32 = 1.0;
@@ -79,6 +79,11 @@ impl RayBundle {
         self.len += 1;
     }
 
+    /// The rays.
+    pub fn rays(&self) -> impl Iterator<Item = Ray> {
+        (0..self.len).map(|ray| self.ray(ray))
+    }
+
     /// One of the rays.
     pub fn ray(&self, ray: usize) -> Ray {
         Ray { origin: self.origin, direction: self.direction(ray), t_max: self.t_max[ray] }
@@ -117,7 +122,7 @@ impl Bvh {
                 continue;
             }
             let cone = Cone::new(simd, &lanes, rays);
-            if rays.count_ones() < LEAST_RAYS || cone.is_wide {
+            if (rays.count_ones() as usize) < LEAST_RAYS || cone.is_wide {
                 blocked |= self.one_by_one::<_, ASKS>(simd, bundle, rays, &mut accept);
             } else {
                 let mut walk = Walk::new(simd, self, bundle, &lanes, cone, (axis, rays));

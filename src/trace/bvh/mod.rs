@@ -17,7 +17,7 @@ mod tile;
 mod traverse;
 mod vectors;
 
-pub use bundle::{BUNDLE_RAYS, RayBundle};
+pub use bundle::{BUNDLE_RAYS, LEAST_RAYS, RayBundle};
 use fearless_simd::Level;
 use packet::TrianglePacket;
 pub use tile::{RayTile, TILE_RAYS, TILE_SIDE, TileHits};

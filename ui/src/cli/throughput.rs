@@ -54,6 +54,7 @@ fn table(t: &Throughput) -> String {
         ("primary", rate(t.primary_mrays_per_sec, t.primary_rays)),
         ("primary, tiles", rate(t.primary_tile_mrays_per_sec, t.primary_rays)),
         ("shadow", rate(t.shadow_mrays_per_sec, t.shadow_rays)),
+        ("shadow, in bundles", rate(t.shadow_bundle_mrays_per_sec, t.shadow_rays)),
         ("diffuse", rate(t.diffuse_mrays_per_sec, t.diffuse_rays)),
         (
             "warp",
