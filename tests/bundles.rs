@@ -40,7 +40,7 @@ fn bundle(i: u32, mesh: &[[Vec3; 3]], offset: Vec3) -> RayBundle {
             (6, 3) => Vec3::INFINITY,
             _ => corner + u * x + v * y,
         };
-        bundle.push(target - origin, if i % 2 == 0 { 1.0 - 1.0 / 4096.0 } else { f32::INFINITY });
+        bundle.push(target - origin, if i.is_multiple_of(2) { 1.0 - 1.0 / 4096.0 } else { f32::INFINITY });
     }
     bundle
 }

@@ -8,18 +8,19 @@
 //!
 //! Source: interval traversal as in Boulos, Wald, Shirley, "Geometric and Arithmetic Culling Methods for Entire Ray Packets",
 //! University of Utah 2006. We differ: directions are not normalized to a plane, so that the end of a segment needs no bound of its
-//! own. At a leaf the rays that meet its box are few or its triangles are large: the few are tested one by one, as ever; for the many triangles are
-//! culled by the planes through the origin and their edges, and tested against eight rays at a time.
+//! own. Of a leaf the rays that meet its box are told first: where they are few, as on small triangles, they are tested one by one; where
+//! they are many, triangles are culled by the planes through the origin and their edges, and tested against eight rays at a time. Testing
+//! each triangle that the bundle may meet against all rays was slower than single rays are.
 
+use super::cone::{Beam, Cone, Lanes, lane_values};
 use super::packet::{ShearedRay, TrianglePacket};
 use super::rays8::{LANES, SeenTriangle, Shear8};
-use super::slab::{FAR_SLACK, TINY};
+use super::slab::FAR_SLACK;
 use super::traverse::{Occluder, STACK, any_in_packet};
-use super::vectors::{cross, dot, sub};
 use super::{Bvh, Child, Hit, Node};
 use crate::math::Ray;
 use arrayvec::ArrayVec;
-use fearless_simd::{Simd, SimdBase, SimdMask, dispatch, f32x4, f32x8, mask32x8, prelude::*};
+use fearless_simd::{Simd, SimdBase, SimdMask, dispatch, f32x4, f32x8};
 use glam::Vec3;
 
 /// Rays of a bundle at most.
@@ -28,22 +29,16 @@ pub const BUNDLE_RAYS: usize = 2 * LANES;
 /// Bundles of fewer rays, or wider ones, are traced a ray at a time.
 pub const LEAST_RAYS: usize = 3;
 
-/// The widest bundle, as the side of the box of directions over the length of the longest of them.
-const WIDEST: f32 = 1.0;
-
 /// A leaf that at most so many rays reach is tested a ray at a time: four triangles in one step.
 const FEW_RAYS: u32 = 4;
-
-/// By what share of the product of their lengths the cross product of two vectors may be off, with room to spare.
-const ROUNDING: f32 = 64.0 * f32::EPSILON;
 
 /// Rays from one origin.
 #[derive(Clone, Debug)]
 pub struct RayBundle {
-    origin: Vec3,
-    directions: [[f32; BUNDLE_RAYS]; 3],
-    t_max: [f32; BUNDLE_RAYS],
-    len: usize,
+    pub(super) origin: Vec3,
+    pub(super) directions: [[f32; BUNDLE_RAYS]; 3],
+    pub(super) t_max: [f32; BUNDLE_RAYS],
+    pub(super) len: usize,
 }
 
 impl RayBundle {
@@ -150,51 +145,6 @@ impl Bvh {
     }
 }
 
-/// The rays of a bundle, eight at a time.
-#[derive(Clone, Copy)]
-struct Lanes<S: Simd> {
-    /// By half and axis, what [`super::slab::safe_component`] makes of them.
-    directions: [[f32x8<S>; 3]; 2],
-    t_max: [f32x8<S>; 2],
-    /// Bit per ray that is largest along an axis; broken rays, which hit nothing, have none.
-    along: [u32; 3],
-}
-
-impl<S: Simd> Lanes<S> {
-    #[inline(always)]
-    fn new(simd: S, bundle: &RayBundle) -> Self {
-        let mut lanes = Self {
-            directions: [safe_directions(simd, bundle, 0), safe_directions(simd, bundle, 1)],
-            t_max: [half(simd, &bundle.t_max, 0), half(simd, &bundle.t_max, 1)],
-            along: [0; 3],
-        };
-        if bundle.origin.is_finite() {
-            lanes.sort(simd, 0, bundle.len);
-            lanes.sort(simd, 1, bundle.len);
-        }
-        lanes
-    }
-
-    /// [`super::packet::largest_axis`] and [`super::traverse::is_sound`] for eight rays.
-    #[inline(always)]
-    fn sort(&mut self, simd: S, half: usize, len: usize) {
-        let [x, y, z] = self.directions[half];
-        let (x, y, z) = (x.abs(), y.abs(), z.abs());
-        let infinite = f32x8::splat(simd, f32::INFINITY);
-        let is_sound = x.simd_lt(infinite)
-            & y.simd_lt(infinite)
-            & z.simd_lt(infinite)
-            & self.t_max[half].simd_eq(self.t_max[half]);
-        let along_x = x.simd_gt(y.max(z));
-        let along_y = !along_x & y.simd_gt(z);
-        let is_there = ((1u32 << len) - 1) >> (half * LANES) & 0xff;
-        let bits = |mask: u64| (mask as u32 & is_there) << (half * LANES);
-        self.along[0] |= bits((is_sound & along_x).to_bitmask());
-        self.along[1] |= bits((is_sound & along_y).to_bitmask());
-        self.along[2] |= bits((is_sound & !along_x & !along_y).to_bitmask());
-    }
-}
-
 /// One walk down the tree for the rays of one largest axis.
 struct Walk<'a, S: Simd> {
     simd: S,
@@ -209,121 +159,6 @@ struct Walk<'a, S: Simd> {
     cone: Cone,
     beam: Option<Beam>,
     origin: [f32; 3],
-}
-
-/// All directions between those of a bundle.
-#[derive(Clone, Copy)]
-struct Cone {
-    /// By plane of a box, as in [`Node::bounds`]: one over the largest direction for lower planes, over the least for upper ones.
-    inverse: [f32; 6],
-    /// Per axis the plane met first, an index into [`Node::bounds`]; the other is `^ 1`.
-    near: [usize; 3],
-    /// Per axis, whether directions of both signs occur: then each plane is met first by some.
-    is_mixed: [bool; 3],
-    t_max: f32,
-    is_wide: bool,
-}
-
-impl Cone {
-    #[inline(always)]
-    fn new<S: Simd>(simd: S, lanes: &Lanes<S>, rays: u32) -> Self {
-        let (mut least, mut most) = ([0.0; 3], [0.0; 3]);
-        let (mut widest, mut longest) = (0.0f32, 0.0f32);
-        for axis in 0..3 {
-            let values = [lanes.directions[0][axis], lanes.directions[1][axis]];
-            [least[axis], most[axis]] = range(simd, values, rays);
-            widest = widest.max(most[axis] - least[axis]);
-            longest = longest.max(most[axis].max(-least[axis]));
-        }
-        Self {
-            inverse: std::array::from_fn(|plane| {
-                1.0 / if plane % 2 == 0 { most[plane / 2] } else { least[plane / 2] }
-            }),
-            near: std::array::from_fn(|axis| 2 * axis + usize::from(most[axis] < 0.0)),
-            is_mixed: std::array::from_fn(|axis| least[axis] < 0.0 && most[axis] > 0.0),
-            t_max: range(simd, lanes.t_max, rays)[1],
-            is_wide: widest > WIDEST * longest,
-        }
-    }
-
-    /// Which of a node's boxes some direction may meet.
-    #[inline(always)]
-    fn meets<S: Simd>(&self, simd: S, node: &Node, origin: &[f32x8<S>; 3]) -> u32 {
-        let mut enter = f32x8::splat(simd, 0.0);
-        let mut leave = f32x8::splat(simd, f32::INFINITY);
-        for axis in 0..3 {
-            let near = self.near[axis];
-            let first = plane(simd, node, near, origin) * f32x8::splat(simd, self.inverse[near]);
-            let last = plane(simd, node, near ^ 1, origin) * f32x8::splat(simd, self.inverse[near ^ 1]);
-            enter = enter.max(first);
-            if self.is_mixed[axis] {
-                enter = enter.max(last);
-            } else {
-                leave = leave.min(last);
-            }
-        }
-        let leave = (leave * f32x8::splat(simd, FAR_SLACK)).min(f32x8::splat(simd, self.t_max));
-        enter.simd_le(leave).to_bitmask() as u32
-    }
-}
-
-/// The directions of rays of one largest axis, scaled so that their component along it is one or minus one.
-#[derive(Clone, Copy)]
-struct Beam {
-    /// The permuted axes; the last is the largest.
-    axes: [usize; 3],
-    low: [f32; 3],
-    high: [f32; 3],
-}
-
-impl Beam {
-    /// `None` where the rays go both ways along the axis.
-    #[inline(always)]
-    fn new<S: Simd>(simd: S, shear: &[Shear8<S>; 2], axis: usize, rays: u32) -> Option<Self> {
-        let axes = [(axis + 1) % 3, (axis + 2) % 3, axis];
-        let [least, most] = range(simd, [shear[0].z, shear[1].z], rays);
-        let x = range(simd, [shear[0].x, shear[1].x], rays);
-        let y = range(simd, [shear[0].y, shear[1].y], rays);
-        if least > 0.0 {
-            Some(Self { axes, low: [x[0], y[0], 1.0], high: [x[1], y[1], 1.0] })
-        } else if most < 0.0 {
-            Some(Self { axes, low: [-x[1], -y[1], -1.0], high: [-x[0], -y[0], -1.0] })
-        } else {
-            None
-        }
-    }
-
-    /// Which of four triangles, corners relative to the origin, no plane through the origin and one of their edges parts from the beam.
-    #[inline(always)]
-    fn meets_triangles<S: Simd>(&self, simd: S, corners: &[[f32x4<S>; 3]; 3]) -> u32 {
-        let [a, b, c] = corners;
-        let edges = [sub(b, a), sub(c, b), sub(a, c)];
-        // What rounding can do to a plane, and to where the arithmetic of a ray sees an edge.
-        let longest = extent(&edges[0]).max(extent(&edges[1])).max(extent(&edges[2]));
-        let slack = longest * extent(a).max(extent(b)).max(extent(c)) * f32x4::splat(simd, ROUNDING);
-        let planes = [cross(a, &edges[0]), cross(b, &edges[1]), cross(c, &edges[2])];
-        let facing = dot(&planes[0], c);
-        let unsure = slack * extent(c);
-        let (front, back) = (facing.simd_gt(unsure), facing.simd_lt(-unsure));
-        let mut outside = front & back;
-        for plane in &planes {
-            let [least, most] = self.range_along(simd, plane);
-            outside |= (front & most.simd_lt(-slack)) | (back & least.simd_gt(slack));
-        }
-        !outside.to_bitmask() as u32 & 0xf
-    }
-
-    /// How far the beam reaches along four normals, at least and at most.
-    #[inline(always)]
-    fn range_along<S: Simd>(&self, simd: S, normal: &[f32x4<S>; 3]) -> [f32x4<S>; 2] {
-        let mut range = [f32x4::splat(simd, 0.0); 2];
-        for k in 0..3 {
-            let low = normal[self.axes[k]] * f32x4::splat(simd, self.low[k]);
-            let high = normal[self.axes[k]] * f32x4::splat(simd, self.high[k]);
-            range = [range[0] + low.min(high), range[1] + low.max(high)];
-        }
-        range
-    }
 }
 
 impl<'a, S: Simd> Walk<'a, S> {
@@ -393,10 +228,9 @@ impl<'a, S: Simd> Walk<'a, S> {
         for half in 0..2 {
             let mut enter = f32x8::splat(simd, 0.0);
             let mut leave = f32x8::splat(simd, f32::INFINITY);
-            for axis in 0..3 {
-                let inverse = self.inverse[half][axis];
-                let lower = (f32x8::splat(simd, node.bounds[2 * axis][lane]) - origin[axis]) * inverse;
-                let upper = (f32x8::splat(simd, node.bounds[2 * axis + 1][lane]) - origin[axis]) * inverse;
+            for (axis, (&inverse, &origin)) in self.inverse[half].iter().zip(origin).enumerate() {
+                let lower = (f32x8::splat(simd, node.bounds[2 * axis][lane]) - origin) * inverse;
+                let upper = (f32x8::splat(simd, node.bounds[2 * axis + 1][lane]) - origin) * inverse;
                 (enter, leave) = (enter.max(lower.min(upper)), leave.min(lower.max(upper)));
             }
             let leave = (leave * f32x8::splat(simd, FAR_SLACK)).min(self.t_max[half]);
@@ -494,65 +328,19 @@ impl<'a, S: Simd> Walk<'a, S> {
     }
 }
 
-/// The sum of the components' sizes: a bound on the length.
-#[inline(always)]
-fn extent<S: Simd>(v: &[f32x4<S>; 3]) -> f32x4<S> {
-    v[0].abs() + v[1].abs() + v[2].abs()
-}
-
-// Here and above no closure returns vectors: such a one is not compiled for the level that is dispatched to.
-#[inline(always)]
-fn half<S: Simd>(simd: S, from: &[f32; BUNDLE_RAYS], half: usize) -> f32x8<S> {
-    f32x8::from_slice(simd, &from[half * LANES..(half + 1) * LANES])
-}
-
 #[inline(always)]
 fn shear<S: Simd>(simd: S, bundle: &RayBundle, axis: usize, which: usize) -> Shear8<S> {
     let [x, y, z] = [(axis + 1) % 3, (axis + 2) % 3, axis];
-    let inverse = f32x8::splat(simd, 1.0) / half(simd, &bundle.directions[z], which);
+    let inverse = f32x8::splat(simd, 1.0) / lane_values(simd, &bundle.directions[z], which);
     Shear8 {
-        x: half(simd, &bundle.directions[x], which) * inverse,
-        y: half(simd, &bundle.directions[y], which) * inverse,
+        x: lane_values(simd, &bundle.directions[x], which) * inverse,
+        y: lane_values(simd, &bundle.directions[y], which) * inverse,
         z: inverse,
     }
 }
 
 #[inline(always)]
-fn safe_directions<S: Simd>(simd: S, bundle: &RayBundle, which: usize) -> [f32x8<S>; 3] {
-    let [x, y, z] = &bundle.directions;
-    [
-        safe_components(simd, half(simd, x, which)),
-        safe_components(simd, half(simd, y, which)),
-        safe_components(simd, half(simd, z, which)),
-    ]
-}
-
-/// [`super::slab::safe_component`] for eight numbers.
-#[inline(always)]
-fn safe_components<S: Simd>(simd: S, d: f32x8<S>) -> f32x8<S> {
-    let (zero, tiny) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, TINY));
-    d.abs().simd_lt(tiny).select(d.simd_lt(zero).select(-tiny, tiny), d)
-}
-
-#[inline(always)]
 fn inverse<S: Simd>(simd: S, lanes: &Lanes<S>, which: usize) -> [f32x8<S>; 3] {
-    let ([x, y, z], one) = (lanes.directions[which], f32x8::splat(simd, 1.0));
+    let ([x, y, z], one) = (lanes.safe_directions[which], f32x8::splat(simd, 1.0));
     [one / x, one / y, one / z]
-}
-
-/// The least and the largest of what some rays have.
-#[inline(always)]
-fn range<S: Simd>(simd: S, [first, second]: [f32x8<S>; 2], rays: u32) -> [f32; 2] {
-    let (low, high) = (f32x8::splat(simd, f32::INFINITY), f32x8::splat(simd, f32::NEG_INFINITY));
-    let in_first = mask32x8::from_bitmask(simd, u64::from(rays & 0xff));
-    let in_second = mask32x8::from_bitmask(simd, u64::from(rays >> LANES & 0xff));
-    let least = in_first.select(first, low).min(in_second.select(second, low)).to_array();
-    let most = in_first.select(first, high).max(in_second.select(second, high)).to_array();
-    [least.into_iter().fold(f32::INFINITY, f32::min), most.into_iter().fold(f32::NEG_INFINITY, f32::max)]
-}
-
-/// A plane of each of a node's boxes, relative to an origin.
-#[inline(always)]
-fn plane<S: Simd>(simd: S, node: &Node, which: usize, origin: &[f32x8<S>; 3]) -> f32x8<S> {
-    f32x8::load_array_ref(simd, &node.bounds[which]) - origin[which / 2]
 }

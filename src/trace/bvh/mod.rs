@@ -9,6 +9,7 @@
 mod build;
 mod bundle;
 mod cluster;
+mod cone;
 mod fold;
 mod packet;
 mod rays8;
