@@ -31,16 +31,24 @@ fn bundle(i: u32, mesh: &[[Vec3; 3]], offset: Vec3) -> RayBundle {
     let origin = random(key, 0) + offset;
     let (corner, u, v) = (random(key, 1) + offset, random(key, 2) * size, random(key, 3) * size);
     let mut bundle = RayBundle::new(origin);
-    for k in 0..BUNDLE_RAYS as u32 - i % 5 {
+    for k in 0..BUNDLE_RAYS as u32 - i % 17 {
         let [x, y] = lattice(k, BUNDLE_RAYS as u32, key.pair());
         let target = match (i % 7, k % 4) {
             (3, 1) => mesh[(i as usize * 31 + k as usize) % mesh.len()][0],
             (4, 2) => origin + Vec3::AXES[k as usize % 3],
             (5, 3) => Vec3::NAN,
             (6, 3) => Vec3::INFINITY,
+            (2, 3) => origin,
+            (1, 2) => Vec3::new(origin.x, corner.y, corner.z),
             _ => corner + u * x + v * y,
         };
-        bundle.push(target - origin, if i.is_multiple_of(2) { 1.0 - 1.0 / 4096.0 } else { f32::INFINITY });
+        let direction = if (i % 7, k % 4) == (1, 2) {
+            (target - origin) * Vec3::new(-1.0, 1.0, 1.0)
+        } else {
+            target - origin
+        };
+        let t_max = [1.0 - 1.0 / 4096.0, f32::INFINITY, 1.0, -1.0, f32::NAN];
+        bundle.push(direction, t_max[if i % 11 == 0 { k as usize % 5 } else { i as usize % 2 }]);
     }
     bundle
 }
@@ -81,6 +89,45 @@ fn bundles_are_blocked_where_their_rays_are() {
                 "bundle {i}"
             );
         }
+    }
+}
+
+/// Corner planes that rays run in, and walls that they end on: where rounding alone decides, it decides as for single rays.
+#[test]
+fn rays_in_planes_and_ends_on_walls_are_as_alone() {
+    let grid = |i: u32, k: u32| (Key::of_pixel(8, i).with(k).pair()[0] * 8.0).floor() / 4.0 - 1.0;
+    let at = |i: u32, k: u32| Vec3::new(grid(i, k), grid(i, k + 1), grid(i, k + 2));
+    let mesh: Vec<[Vec3; 3]> = (0..40).map(|i| [at(i, 0), at(i, 3), at(i, 6)]).collect();
+    let bvh = Bvh::build(&mesh);
+    let [mut blocked, mut all] = [0; 2];
+    for i in 0..20_000 {
+        let mut bundle = RayBundle::new(at(i, 10));
+        for k in 0..1 + i % 16 {
+            let step = Vec3::new(0.0, grid(i, 20 + k), grid(i, 40 + k)) * 0.125;
+            let direction = at(i, 13) - bundle.origin() + step;
+            bundle.push(if i % 3 == 0 { direction * Vec3::new(-0.0, 1.0, 1.0) } else { direction }, 1.0);
+        }
+        let together = bvh.any_at_all_in_bundle(&bundle);
+        for ray in 0..bundle.len() {
+            let alone = bvh.any(&bundle.ray(ray), |_| true);
+            assert_eq!(together >> ray & 1 == 1, alone, "bundle {i}, ray {ray}: {:?}", bundle.ray(ray));
+            blocked += u32::from(alone);
+            all += 1;
+        }
+    }
+    assert!(blocked > all / 10 && blocked < all - all / 10, "{blocked} of {all}");
+}
+
+#[test]
+fn no_ray_is_asked_about_a_triangle_twice() {
+    let mesh = soup(400, 0.5, Vec3::ZERO);
+    let bvh = Bvh::build(&mesh);
+    for i in 0..2000 {
+        let mut asked = std::collections::HashSet::new();
+        bvh.any_in_bundle(&bundle(i, &mesh, Vec3::ZERO), |ray, hit| {
+            assert!(asked.insert((ray, hit.triangle)), "bundle {i}: ray {ray}, triangle {}", hit.triangle);
+            false
+        });
     }
 }
 

@@ -98,7 +98,7 @@ fn nearest2(area_normal: Vec3) -> f32 {
     (area_normal.length() * NEAREST).max(f32::MIN_POSITIVE)
 }
 
-/// Adds the shadow rays of some samples that bring light, and writes what each brings where nothing is in the way. Returns how many of them
+/// Adds the shadow rays of some samples that bring light to an empty bundle, and writes what each brings where nothing is in the way. Returns how many of them
 /// were bounded.
 #[inline(always)]
 pub(super) fn add_samples(

@@ -30,7 +30,7 @@ pub(super) struct Points {
     pub(super) shift: [f32; 2],
 }
 
-/// Adds the shadow rays of some samples, a bundle at most, that bring light, and writes by what the light's radiance is to be multiplied. False, with
+/// Adds the shadow rays of some samples, a bundle at most, that bring light to an empty bundle, and writes by what the light's radiance is to be multiplied. False, with
 /// nothing done, where some sample is so near that it is bounded.
 pub(super) fn sample_quad(
     quad: &Quad,

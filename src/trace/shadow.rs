@@ -7,7 +7,8 @@ use crate::scene::{MaterialKind, SolidSide};
 use glam::Vec3;
 
 impl Tracer {
-    /// The share of light that passes along each ray of a bundle, per channel: what [`Self::transmittance`] tells of it.
+    /// The share of light that passes along each ray of a bundle, per channel: what [`Self::transmittance`] tells of it, behind several
+    /// sheets of glass to the last bit.
     pub fn transmittances(&self, bundle: &RayBundle, passed: &mut [Vec3; BUNDLE_RAYS]) {
         if bundle.len() < LEAST_RAYS {
             let mut occluder = Occluder::default();

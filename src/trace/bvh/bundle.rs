@@ -7,7 +7,7 @@
 //! [`Bvh::any`].
 //!
 //! Source: interval traversal as in Boulos, Wald, Shirley, "Geometric and Arithmetic Culling Methods for Entire Ray Packets",
-//! University of Utah 2006. We differ: directions are not normalized to a plane, so that the end of a segment needs no bound of its
+//! University of Utah 2006. We differ: for boxes directions are not normalized to a plane, so that the end of a segment needs no bound of its
 //! own. Of a leaf the rays that meet its box are told first: where they are few, as on small triangles, they are tested one by one; where
 //! they are many, triangles are culled by the planes through the origin and their edges, and tested against eight rays at a time. Testing
 //! each triangle that the bundle may meet against all rays was slower than single rays are.
@@ -26,7 +26,7 @@ use glam::Vec3;
 /// Rays of a bundle at most.
 pub const BUNDLE_RAYS: usize = 2 * LANES;
 
-/// Bundles of fewer rays, or wider ones, are traced a ray at a time.
+/// Fewer rays are traced one at a time.
 pub const LEAST_RAYS: usize = 3;
 
 /// A leaf that at most so many rays reach is tested a ray at a time: four triangles in one step.
@@ -116,7 +116,7 @@ impl Bvh {
             if rays == 0 || self.root == Child::NONE {
                 continue;
             }
-            let cone = Cone::new(simd, &lanes, rays);
+            let cone = Cone::new(simd, &lanes, axis, rays);
             if (rays.count_ones() as usize) < LEAST_RAYS || cone.is_wide {
                 blocked |= self.one_by_one::<_, ASKS>(simd, bundle, rays, &mut accept);
             } else {
@@ -157,7 +157,7 @@ struct Walk<'a, S: Simd> {
     inverse: [[f32x8<S>; 3]; 2],
     t_max: [f32x8<S>; 2],
     cone: Cone,
-    beam: Option<Beam>,
+    beam: Beam,
     origin: [f32; 3],
 }
 
@@ -251,15 +251,13 @@ impl<'a, S: Simd> Walk<'a, S> {
         }
         let [a, b, c] = packet.corners();
         let corners = [self.relative(a), self.relative(b), self.relative(c)];
-        let mut mask = match &self.beam {
-            Some(beam) => beam.meets_triangles(self.simd, &corners),
-            None => 0xf,
-        };
+        let mut mask = self.beam.meets_triangles(self.simd, &corners);
         while mask != 0 {
             let lane = mask.trailing_zeros() as usize;
             mask &= mask - 1;
             let corner = |k: usize| [0, 1, 2].map(|axis| corners[k][axis][lane]);
-            self.triangle::<ASKS>([corner(0), corner(1), corner(2)], packet.triangle(lane), accept);
+            let corners = [corner(0), corner(1), corner(2)];
+            self.triangle::<ASKS>(corners, packet.triangle(lane), rays, accept);
         }
     }
 
@@ -295,18 +293,20 @@ impl<'a, S: Simd> Walk<'a, S> {
         ]
     }
 
-    /// Tests one triangle, corners relative to the origin, against the rays that are open.
+    /// Tests one triangle, corners relative to the origin, against some rays: not those that miss the leaf's box, for a ray alone would not meet it
+    /// either.
     #[inline(always)]
     fn triangle<const ASKS: bool>(
         &mut self,
         corners: [[f32; 3]; 3],
         triangle: u32,
+        rays: u32,
         accept: &mut impl FnMut(usize, &Hit) -> bool,
     ) {
         let seen = SeenTriangle::new(self.simd, corners, self.axis);
         let zero = f32x8::splat(self.simd, 0.0);
         for half in 0..2 {
-            let open = self.open >> (half * LANES) & 0xff;
+            let open = (rays & self.open) >> (half * LANES) & 0xff;
             if open == 0 {
                 continue;
             }

@@ -76,7 +76,7 @@ pub(super) struct Cone {
 
 impl Cone {
     #[inline(always)]
-    pub(super) fn new<S: Simd>(simd: S, lanes: &Lanes<S>, rays: u32) -> Self {
+    pub(super) fn new<S: Simd>(simd: S, lanes: &Lanes<S>, along: usize, rays: u32) -> Self {
         let (mut least, mut most) = ([0.0; 3], [0.0; 3]);
         let (mut widest, mut longest) = (0.0f32, 0.0f32);
         for axis in 0..3 {
@@ -92,7 +92,8 @@ impl Cone {
             near: std::array::from_fn(|axis| 2 * axis + usize::from(most[axis] < 0.0)),
             is_mixed: std::array::from_fn(|axis| least[axis] < 0.0 && most[axis] > 0.0),
             t_max: range(simd, lanes.t_max, rays)[1],
-            is_wide: widest > WIDEST * longest,
+            // Rays that go both ways along their largest axis have no pyramid about them.
+            is_wide: widest > WIDEST * longest || least[along] < 0.0 && most[along] > 0.0,
         }
     }
 
@@ -127,19 +128,17 @@ pub(super) struct Beam {
 }
 
 impl Beam {
-    /// `None` where the rays go both ways along the axis.
+    /// Of rays that go one way along the axis.
     #[inline(always)]
-    pub(super) fn new<S: Simd>(simd: S, shear: &[Shear8<S>; 2], axis: usize, rays: u32) -> Option<Self> {
+    pub(super) fn new<S: Simd>(simd: S, shear: &[Shear8<S>; 2], axis: usize, rays: u32) -> Self {
         let axes = [(axis + 1) % 3, (axis + 2) % 3, axis];
-        let [least, most] = range(simd, [shear[0].z, shear[1].z], rays);
+        let [_, most] = range(simd, [shear[0].z, shear[1].z], rays);
         let x = range(simd, [shear[0].x, shear[1].x], rays);
         let y = range(simd, [shear[0].y, shear[1].y], rays);
-        if least > 0.0 {
-            Some(Self { axes, low: [x[0], y[0], 1.0], high: [x[1], y[1], 1.0] })
-        } else if most < 0.0 {
-            Some(Self { axes, low: [-x[1], -y[1], -1.0], high: [-x[0], -y[0], -1.0] })
+        if most < 0.0 {
+            Self { axes, low: [-x[1], -y[1], -1.0], high: [-x[0], -y[0], -1.0] }
         } else {
-            None
+            Self { axes, low: [x[0], y[0], 1.0], high: [x[1], y[1], 1.0] }
         }
     }
 
@@ -155,7 +154,8 @@ impl Beam {
         let facing = dot(&planes[0], c);
         let unsure = slack * extent(c);
         let (front, back) = (facing.simd_gt(unsure), facing.simd_lt(-unsure));
-        let mut outside = facing.simd_ne(facing);
+        // An empty lane; where numbers overflow, nothing is culled.
+        let mut outside = a[0].simd_ne(a[0]);
         for plane in &planes {
             let [least, most] = self.range_along(simd, plane);
             outside |= (front & most.simd_lt(-slack)) | (back & least.simd_gt(slack));
@@ -201,16 +201,16 @@ fn safe_directions<S: Simd>(simd: S, bundle: &RayBundle, which: usize) -> [f32x8
 /// [`super::slab::safe_component`] for eight numbers.
 #[inline(always)]
 fn safe_components<S: Simd>(simd: S, d: f32x8<S>) -> f32x8<S> {
-    let (zero, tiny) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, TINY));
-    d.abs().simd_lt(tiny).select(d.simd_lt(zero).select(-tiny, tiny), d)
+    let tiny = f32x8::splat(simd, TINY);
+    d.abs().simd_lt(tiny).select(tiny.copysign(d), d)
 }
 
-/// The least and the largest of what some rays have.
+/// The least and the largest of what some rays have, what is not a number left out.
 #[inline(always)]
 fn range<S: Simd>(simd: S, [first, second]: [f32x8<S>; 2], rays: u32) -> [f32; 2] {
     let (low, high) = (f32x8::splat(simd, f32::INFINITY), f32x8::splat(simd, f32::NEG_INFINITY));
-    let in_first = mask32x8::from_bitmask(simd, u64::from(rays & 0xff));
-    let in_second = mask32x8::from_bitmask(simd, u64::from(rays >> LANES & 0xff));
+    let in_first = mask32x8::from_bitmask(simd, u64::from(rays & 0xff)) & first.simd_eq(first);
+    let in_second = mask32x8::from_bitmask(simd, u64::from(rays >> LANES & 0xff)) & second.simd_eq(second);
     let least = in_first.select(first, low).min(in_second.select(second, low)).to_array();
     let most = in_first.select(first, high).max(in_second.select(second, high)).to_array();
     [least.into_iter().fold(f32::INFINITY, f32::min), most.into_iter().fold(f32::NEG_INFINITY, f32::max)]
