@@ -48,7 +48,7 @@ fn bundle(i: u32, mesh: &[[Vec3; 3]], offset: Vec3) -> RayBundle {
             target - origin
         };
         let t_max = [1.0 - 1.0 / 4096.0, f32::INFINITY, 1.0, -1.0, f32::NAN];
-        bundle.push(direction, t_max[if i % 11 == 0 { k as usize % 5 } else { i as usize % 2 }]);
+        bundle.push(direction, t_max[if i.is_multiple_of(11) { k as usize % 5 } else { i as usize % 2 }]);
     }
     bundle
 }
@@ -105,7 +105,10 @@ fn rays_in_planes_and_ends_on_walls_are_as_alone() {
         for k in 0..1 + i % 16 {
             let step = Vec3::new(0.0, grid(i, 20 + k), grid(i, 40 + k)) * 0.125;
             let direction = at(i, 13) - bundle.origin() + step;
-            bundle.push(if i % 3 == 0 { direction * Vec3::new(-0.0, 1.0, 1.0) } else { direction }, 1.0);
+            bundle.push(
+                if i.is_multiple_of(3) { direction * Vec3::new(-0.0, 1.0, 1.0) } else { direction },
+                1.0,
+            );
         }
         let together = bvh.any_at_all_in_bundle(&bundle);
         for ray in 0..bundle.len() {
