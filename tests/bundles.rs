@@ -1,5 +1,6 @@
 //! Shadow rays traced together against the same rays traced one by one.
 
+use super::bvh::{random, triangle_soup};
 use afterimage::math::hash::Key;
 use afterimage::math::sampling::lattice;
 use afterimage::scene::builtin;
@@ -7,20 +8,8 @@ use afterimage::trace::{BUNDLE_RAYS, Bvh, Hit, RayBundle, RayCounts, SurfacePoin
 use glam::Vec3;
 use std::sync::Arc;
 
-fn random(key: Key, index: u32) -> Vec3 {
-    let [x, y] = key.with(2 * index).pair();
-    let [z, _] = key.with(2 * index + 1).pair();
-    Vec3::new(x, y, z) * 2.0 - 1.0
-}
-
 fn soup(count: u32, size: f32, offset: Vec3) -> Vec<[Vec3; 3]> {
-    (0..count)
-        .map(|i| {
-            let key = Key::of_pixel(5, i);
-            let centre = random(key, 0) + offset;
-            [1, 2, 3].map(|k| centre + random(key, k) * size)
-        })
-        .collect()
+    triangle_soup(count, size, 5).into_iter().map(|corners| corners.map(|corner| corner + offset)).collect()
 }
 
 /// Rays from one point to a parallelogram: narrow or wide, ending at it or going on, some aimed at vertices of the soup or

@@ -7,13 +7,13 @@ use afterimage::trace::{Bvh, Hit};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-fn random(key: Key, index: u32) -> Vec3 {
+pub(super) fn random(key: Key, index: u32) -> Vec3 {
     let [x, y] = key.with(2 * index).pair();
     let [z, _] = key.with(2 * index + 1).pair();
     Vec3::new(x, y, z) * 2.0 - 1.0
 }
 
-fn triangle_soup(count: u32, size: f32, seed: u64) -> Vec<[Vec3; 3]> {
+pub(super) fn triangle_soup(count: u32, size: f32, seed: u64) -> Vec<[Vec3; 3]> {
     (0..count)
         .map(|i| {
             let key = Key::of_pixel(seed, i);

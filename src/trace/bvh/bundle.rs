@@ -29,7 +29,8 @@ pub const BUNDLE_RAYS: usize = 2 * LANES;
 /// Fewer rays are traced one at a time.
 pub const LEAST_RAYS: usize = 3;
 
-/// A leaf that at most so many rays reach is tested a ray at a time: four triangles in one step.
+/// A leaf that at most so many rays reach is tested a ray at a time: four triangles in one step, where the other way takes two steps a
+/// triangle. Not tuned.
 const FEW_RAYS: u32 = 4;
 
 /// Rays from one origin.
