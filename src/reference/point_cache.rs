@@ -17,8 +17,15 @@ use glam::Vec3;
 /// fills a sixth of it.
 const BUCKETS: usize = 1 << 19;
 
-/// Points in a bucket: two lines of cache. The oldest yields.
+/// Points in a bucket. The oldest yields.
 const WAYS: usize = 4;
+
+/// Cells along each side of a block. A block's cells lie side by side in memory, for those who ask about one ask about its neighbours next, and to
+/// wait for memory that is not in a cache takes a fifth of a microsecond, as long as a ray. A power of two.
+const BLOCK: usize = 4;
+
+/// Buckets of a block.
+const BLOCK_BUCKETS: usize = BLOCK * BLOCK * BLOCK;
 
 /// Levels of cells that are asked, from the size of the footprint down: what was seen from nearby serves from afar.
 const LEVELS_ASKED: i32 = 2;
@@ -77,10 +84,8 @@ pub struct TracedPoint {
 struct Entry {
     position: Vec3,
     light: Vec3,
-    /// Of the cell; together with the bucket 50 bits of its name.
-    tag: u32,
     normal: PackedNormal,
-    /// Zero where nothing is held; [`AT_EDGE`] is set where a neighbour differs, [`TOOK_OVER`] where a guess did.
+    /// Shadow rays per light; [`AT_EDGE`] is set where a neighbour differs, [`TOOK_OVER`] where a guess did.
     samples: u8,
 }
 
@@ -89,12 +94,16 @@ const AT_EDGE: u8 = 0x80;
 const TOOK_OVER: u8 = 0x40;
 const COUNT: u8 = 0x3f;
 
-const _: () = assert!(size_of::<Entry>() == 32, "two to a line of cache");
-
 impl Entry {
     const NONE: Self =
-        Self { position: Vec3::ZERO, light: Vec3::ZERO, tag: 0, normal: PackedNormal::ZERO, samples: 0 };
+        Self { position: Vec3::ZERO, light: Vec3::ZERO, normal: PackedNormal::ZERO, samples: 0 };
 }
+
+/// The tags of a bucket. They lie apart from what they stand for: four buckets to a line of the processor's cache, and most questions need no more.
+type Tags = [u32; WAYS];
+
+/// Of a way that holds nothing.
+const NO_TAG: u32 = 0;
 
 /// Light that is held for a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -118,7 +127,8 @@ struct Cell {
 /// Light by place, of one state of the scene.
 #[derive(Debug, Default)]
 pub struct PointCache {
-    buckets: Vec<[Entry; WAYS]>,
+    tags: Vec<Tags>,
+    entries: Vec<[Entry; WAYS]>,
     epoch: Option<SceneEpoch>,
 }
 
@@ -128,11 +138,12 @@ impl PointCache {
     /// first stays, unless a later one has more samples. Light that is not finite is left out.
     pub fn enter(&mut self, epoch: SceneEpoch, points: &mut Vec<TracedPoint>) {
         if self.epoch.replace(epoch).is_some_and(|last| last != epoch) {
-            self.buckets = Vec::new();
+            (self.tags, self.entries) = (Vec::new(), Vec::new());
             points.clear();
         }
-        if !points.is_empty() && self.buckets.is_empty() {
-            self.buckets = vec![[Entry::NONE; WAYS]; BUCKETS];
+        if !points.is_empty() && self.tags.is_empty() {
+            self.tags = vec![[NO_TAG; WAYS]; BUCKETS];
+            self.entries = vec![[Entry::NONE; WAYS]; BUCKETS];
         }
         // A frame that was stopped has them in another order.
         points.sort_by_key(|p| p.pixel);
@@ -143,7 +154,7 @@ impl PointCache {
 
     /// Forgets all light; the memory stays.
     pub fn clear(&mut self) {
-        self.buckets.fill([Entry::NONE; WAYS]);
+        self.tags.fill([NO_TAG; WAYS]);
     }
 
     fn enter_one(&mut self, point: &TracedPoint) {
@@ -153,19 +164,27 @@ impl PointCache {
         let entry = Entry {
             position: place.position,
             light: point.light,
-            tag: cell.tag,
             normal: PackedNormal::of_unit(place.normal),
             samples: packed_samples(point.samples) | mark | if point.took_over { TOOK_OVER } else { 0 },
         };
-        let bucket = &mut self.buckets[cell.bucket];
-        match bucket.iter_mut().find(|e| e.samples > 0 && e.serves(place, &cell)) {
+        let mut ways = self.ways_of(&cell);
+        let (tags, entries) = (&mut self.tags[cell.bucket], &mut self.entries[cell.bucket]);
+        match ways.find(|&way| entries[way].serves(place, &cell)).map(|way| &mut entries[way]) {
             Some(known) if known.count() >= entry.count() => known.samples |= mark,
             Some(known) => *known = Entry { samples: entry.samples | known.samples & AT_EDGE, ..entry },
             None => {
-                bucket.rotate_right(1);
-                bucket[0] = entry;
+                tags.rotate_right(1);
+                entries.rotate_right(1);
+                (tags[0], entries[0]) = (cell.tag, entry);
             }
         }
+    }
+
+    /// The ways of a cell's bucket that carry its tag.
+    #[inline(always)]
+    fn ways_of(&self, cell: &Cell) -> impl Iterator<Item = usize> + use<> {
+        let (tags, tag) = (self.tags[cell.bucket], cell.tag);
+        (0..WAYS).filter(move |&way| tags[way] == tag)
     }
 
     /// Marks the neighbours that a new point differs from. Told is the mark that it gets itself.
@@ -176,8 +195,11 @@ impl PointCache {
         for side in [u, -u, v, -v] {
             let beside = Place { position: place.position + side * cell.side, ..*place };
             let there = cell_of(&beside, level_of(place));
-            let entries = &mut self.buckets[there.bucket];
-            for entry in entries.iter_mut().filter(|e| e.samples > 0 && e.serves(&beside, &there)) {
+            for way in self.ways_of(&there) {
+                let entry = &mut self.entries[there.bucket][way];
+                if !entry.serves(&beside, &there) {
+                    continue;
+                }
                 let step = (entry.light - point.light).abs().max_element();
                 let edge = EDGE * point.noise.max((16.0 / f32::from(entry.count())).sqrt());
                 if step > edge * entry.light.max(point.light).max_element() {
@@ -192,15 +214,16 @@ impl PointCache {
     /// The light of a place, where it was traced with at least so many samples. Only of the epoch last entered for.
     #[inline]
     pub fn find(&self, place: &Place, samples: u32) -> Option<KeptLight> {
-        if self.buckets.is_empty() {
+        if self.tags.is_empty() {
             return None;
         }
         let level = level_of(place);
         let samples = packed_samples(samples).max(1);
         (0..LEVELS_ASKED).find_map(|finer| {
             let cell = cell_of(place, level - finer);
-            let entries = &self.buckets[cell.bucket];
-            let entry = entries.iter().find(|e| e.count() >= samples && e.serves(place, &cell))?;
+            let entries = &self.entries[cell.bucket];
+            let mut held = self.ways_of(&cell).map(|way| &entries[way]);
+            let entry = held.find(|e| e.count() >= samples && e.serves(place, &cell))?;
             let has = |bit: u8| entry.samples & bit != 0;
             Some(KeptLight { light: entry.light, is_at_edge: has(AT_EDGE), took_over: has(TOOK_OVER) })
         })
@@ -220,8 +243,7 @@ impl Entry {
 
     #[inline(always)]
     fn serves(&self, place: &Place, cell: &Cell) -> bool {
-        self.tag == cell.tag
-            && self.normal.faces_like(PackedNormal::of_unit(place.normal))
+        self.normal.faces_like(PackedNormal::of_unit(place.normal))
             && place.normal.dot(place.position - self.position).abs() <= PLANE_SHARE * cell.side
     }
 }
@@ -237,9 +259,13 @@ fn level_of(place: &Place) -> i32 {
 fn cell_of(place: &Place, level: i32) -> Cell {
     let power = |exponent: i32| f32::from_bits(((exponent + 127) as u32) << 23);
     let [x, y, z] = (place.position * power(-level) + BORDER).to_array().map(floor);
-    let name =
-        Key::of_pixel(u64::from(x as u32) << 32 | u64::from(y as u32), z as u32).with(level as u32).bits();
-    Cell { bucket: (name as u32) as usize % BUCKETS, tag: (name >> 32) as u32, side: power(level) }
+    let [bx, by, bz] = [x, y, z].map(|i| i.div_euclid(BLOCK as i32) as u32);
+    let name = Key::of_pixel(u64::from(bx) << 32 | u64::from(by), bz).with(level as u32).bits();
+    let [x, y, z] = [x, y, z].map(|i| i.rem_euclid(BLOCK as i32) as usize);
+    // A wall has cells in one layer of its blocks: bits of the name put that layer elsewhere in each of them.
+    let within = (x + BLOCK * (y + BLOCK * z)) ^ ((name >> 26) as usize % BLOCK_BUCKETS);
+    let first = name as usize % (BUCKETS / BLOCK_BUCKETS) * BLOCK_BUCKETS;
+    Cell { bucket: first + within, tag: ((name >> 32) as u32).max(NO_TAG + 1), side: power(level) }
 }
 
 #[cfg(test)]
@@ -294,6 +320,25 @@ mod tests {
         assert!((80..=121).contains(&lent), "one cell of 10 by 10 places: {lent}");
         cache.enter(other, &mut vec![traced(at, light, 4)]);
         assert_eq!(found(&cache, &at, 4), None, "another state of the scene");
+    }
+
+    #[test]
+    fn cells_of_a_block_lie_side_by_side_each_in_a_bucket_of_its_own() {
+        for corner in [[0.0, 0.0, 0.0], [-4.0, 8.0, -512.0]] {
+            let cell = |x: usize, y: usize, z: usize| {
+                let at = Vec3::from(corner) + Vec3::new(x as f32, y as f32, z as f32) + 0.5 - BORDER;
+                cell_of(&place(at.to_array(), 1.0), 0)
+            };
+            let cells: Vec<Cell> =
+                (0..BLOCK_BUCKETS).map(|i| cell(i % BLOCK, i / BLOCK % BLOCK, i / BLOCK / BLOCK)).collect();
+            let mut buckets: Vec<usize> = cells.iter().map(|c| c.bucket).collect();
+            buckets.sort_unstable();
+            let first = buckets[0];
+            assert_eq!(buckets, (first..first + BLOCK_BUCKETS).collect::<Vec<_>>());
+            assert!(first.is_multiple_of(BLOCK_BUCKETS) && cells.iter().all(|c| c.tag == cells[0].tag));
+            let next = cell(BLOCK, 0, 0);
+            assert!(next.tag != cells[0].tag && next.bucket / BLOCK_BUCKETS != first / BLOCK_BUCKETS);
+        }
     }
 
     #[test]

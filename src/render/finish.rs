@@ -172,24 +172,26 @@ impl<'a> Finish<'a> {
     }
 
     /// The diffuse radiance of a point that was guessed. What was traced nearby can confirm a guess; only what was traced at
-    /// the very place replaces it, because it is at the edges of shadows that guesses are bad.
+    /// the very place replaces it, because it is at the edges of shadows that guesses are bad. The very place is asked about last: it is kept
+    /// beside what is near, and each place that is asked about is one more that the processor has to wait for.
     fn checked(&self, guess: Vec3, point: &SurfacePoint, seen: &Seen, spent: &mut Spent) -> Checked {
         let samples = self.settings.samples_for(seen.share);
         let near = self.place(point, seen);
-        if let Some(kept) = self.points.find(&near.here(), samples) {
-            let most = if kept.took_over { 1.0 / HYSTERESIS } else { HYSTERESIS };
-            return self.better(guess, self.lit(point, kept.light), most);
-        }
         let mut trace = |places: &[Place]| {
             let traced = self.traced(point, seen, spent, places, Some(guess));
             self.better(guess, traced, 1.0)
         };
-        match self.points.find(&near, samples) {
-            Some(kept) if !kept.is_at_edge && !self.is_bad(guess, self.lit(point, kept.light), 1.0) => {
-                Checked { radiance: guess, is_traced: false }
+        let Some(kept) = self.points.find(&near, samples) else { return trace(&[near, near.here()]) };
+        let most = if kept.took_over { 1.0 / HYSTERESIS } else { 1.0 };
+        if !kept.is_at_edge && !self.is_bad(guess, self.lit(point, kept.light), most) {
+            return Checked { radiance: guess, is_traced: false };
+        }
+        match self.points.find(&near.here(), samples) {
+            Some(kept) => {
+                let most = if kept.took_over { 1.0 / HYSTERESIS } else { HYSTERESIS };
+                self.better(guess, self.lit(point, kept.light), most)
             }
-            Some(_) => trace(&[near.here()]),
-            None => trace(&[near, near.here()]),
+            None => trace(&[near.here()]),
         }
     }
 

@@ -33,6 +33,11 @@ pub const LEAST_RAYS: usize = 3;
 /// triangle. Not tuned.
 const FEW_RAYS: u32 = 4;
 
+/// After so many nodes a walk looks, before it goes further down, whether any single ray meets the box: sixteen rays leave gaps between them,
+/// and a bundle that finds many small boxes finds most of them in the gaps. 32 took a tenth less time on pictures of the gallery than never to look, 0 and 16 about
+/// as much.
+const NODES_UNLOOKED: u32 = 32;
+
 /// Rays from one origin.
 #[derive(Clone, Debug)]
 pub struct RayBundle {
@@ -200,22 +205,27 @@ impl<'a, S: Simd> Walk<'a, S> {
             f32x8::splat(self.simd, self.origin[1]),
             f32x8::splat(self.simd, self.origin[2]),
         ];
+        let mut visited = 0;
         while let Some(inner) = stack.pop() {
             let node = &self.bvh.nodes[inner as usize];
+            visited += 1;
             let mut mask = self.cone.meets(self.simd, node, &origin);
             while mask != 0 {
                 let lane = mask.trailing_zeros() as usize;
                 mask &= mask - 1;
-                let Some(packet) = node.children[lane].packet() else {
+                let packet = node.children[lane].packet();
+                let is_looked_at = packet.is_some() || visited > NODES_UNLOOKED;
+                let rays = if is_looked_at { self.rays_through(node, lane, &origin) } else { !0 };
+                if rays & self.open == 0 {
+                    continue;
+                }
+                let Some(packet) = packet else {
                     stack.push(node.children[lane].0);
                     continue;
                 };
-                let rays = self.rays_through(node, lane, &origin) & self.open;
-                if rays != 0 {
-                    self.leaf::<ASKS>(&self.bvh.packets[packet], rays, accept);
-                    if self.open == 0 {
-                        return;
-                    }
+                self.leaf::<ASKS>(&self.bvh.packets[packet], rays & self.open, accept);
+                if self.open == 0 {
+                    return;
                 }
             }
         }
