@@ -58,33 +58,36 @@ impl Renderer {
         self.check_uncertain(tracer, settings, lookup, stop);
     }
 
-    /// Hits and look-ups of all pixels; lists what is left.
+    /// Hits and look-ups of all pixels; lists what is left. What the frames before traced is entered.
     pub(super) fn resolve(&mut self, tracer: &Tracer, lookup: &LookupSet<'_>, mode: Mode) {
         let start = Instant::now();
         self.knows_hits = true;
         self.frame.stats.references_used = lookup.len();
-        self.points.enter(tracer.epoch(), &mut self.fresh_points);
         let view = self.frame.view;
         let most = if mode == Mode::Fast { REFERENCES_FAST } else { REFERENCES_EXACT };
         let lookup = ViewLookup::new(lookup, &view, most);
         let [width, height] = view.size.map(|s| s as usize);
         let band = (width * TILE_SIDE).max(1);
         self.bands.resize_with(height.div_ceil(TILE_SIDE), Band::default);
-        let frame = &mut self.frame;
-        (
+        let (points, fresh, frame) = (&mut self.points, &mut self.fresh_points, &mut self.frame);
+        let bands = (
             frame.radiance.par_chunks_mut(band),
             frame.disparity.par_chunks_mut(band),
             frame.triangle.par_chunks_mut(band),
             frame.types.par_chunks_mut(band),
             frame.supplier.par_chunks_mut(band),
             self.bands.par_iter_mut(),
-        )
-            .into_par_iter()
-            .enumerate()
-            .for_each(|(row, (radiance, disparity, triangle, types, supplier, band))| {
-                let rows = BandRows { radiance, disparity, triangle, types, supplier };
-                band.resolve(tracer, &view, &lookup, mode, row as u32 * TILE_SIDE as u32, rows);
-            });
+        );
+        let resolve = || {
+            bands.into_par_iter().enumerate().for_each(
+                |(row, (radiance, disparity, triangle, types, supplier, band))| {
+                    let rows = BandRows { radiance, disparity, triangle, types, supplier };
+                    band.resolve(tracer, &view, &lookup, mode, row as u32 * TILE_SIDE as u32, rows);
+                },
+            );
+        };
+        // Nothing here asks for points: they are entered meanwhile, by one thread, for their order decides.
+        rayon::join(|| points.enter(tracer.epoch(), fresh), resolve);
         self.gather_lists();
         self.frame.stats.rays.primary += view.pixel_count() as u64;
         self.frame.stats.secs.warp = start.elapsed().as_secs_f64();
