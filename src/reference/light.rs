@@ -35,6 +35,12 @@ impl LightScale {
         f32::from_bits((exponent + self.exponent_offset) << 23)
     }
 
+    /// The first under which a mantissa may fit: with the one before, `largest` would be 512 steps or more.
+    fn first_exponent(self, largest: f32) -> u32 {
+        let power = (largest.to_bits() >> 23) as i32;
+        (power - (MANTISSA_BITS as i32 - 1) - self.exponent_offset as i32).clamp(0, LARGEST_EXPONENT) as u32
+    }
+
     /// Packs light; what is above the range is cut to it, what is not a number is black.
     pub fn pack(self, light: Vec3) -> u32 {
         let light = light.max(Vec3::ZERO);
@@ -42,7 +48,7 @@ impl LightScale {
         if largest.is_nan() || largest <= 0.0 {
             return 0;
         }
-        let mut exponent = 0;
+        let mut exponent = self.first_exponent(largest);
         while exponent < LARGEST_EXPONENT as u32 && (largest / self.step(exponent)).round() > LARGEST_MANTISSA
         {
             exponent += 1;
@@ -76,6 +82,20 @@ mod tests {
                 let light = Vec3::new(share(1), share(2), share(3)) * brightest * fall;
                 let error = (scale.unpack(scale.pack(light)) - light).abs().max_element();
                 assert!(error <= light.max_element() / 512.0, "{light} of {brightest}: {error}");
+            }
+        }
+    }
+
+    #[test]
+    fn no_exponent_before_the_first_would_do() {
+        for brightest in [1e-38f32, 1e-20, 1.0, 65_000.0, 3e38] {
+            let scale = LightScale::for_largest(brightest);
+            for i in 0..40_000u32 {
+                let largest = f32::from_bits(i.wrapping_mul(107_374) % f32::INFINITY.to_bits());
+                let first = scale.first_exponent(largest);
+                let does = |e: u32| (largest / scale.step(e)).round() <= LARGEST_MANTISSA;
+                assert!((0..first).all(|e| !does(e)), "{largest:e} of {brightest:e}: {first}");
+                assert!(first == LARGEST_EXPONENT as u32 || does(first) || does(first + 1), "{largest:e}");
             }
         }
     }
