@@ -21,7 +21,7 @@ const BUCKETS: usize = 1 << 19;
 const WAYS: usize = 4;
 
 /// Cells along each side of a block. A block's cells lie side by side in memory, for those who ask about one ask about its neighbours next, and to
-/// wait for memory that is not in a cache takes a fifth of a microsecond, as long as a ray. A power of two.
+/// wait for memory that is not in a cache takes about a fifth of a microsecond. A power of two.
 const BLOCK: usize = 4;
 
 /// Buckets of a block.
