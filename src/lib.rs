@@ -30,15 +30,16 @@
 //! ```
 
 pub mod camera;
-pub mod camera_path;
 pub mod experiment;
+pub mod import;
+pub mod lookup;
 pub mod math;
 pub mod raster;
 pub mod reference;
 pub mod render;
-pub mod reproject;
 pub mod scene;
 pub mod trace;
+pub mod warp;
 
 pub use camera::{Camera, View};
 pub use render::{

@@ -21,7 +21,7 @@ fn walk(tracer: &Arc<Tracer>, mode: Mode) -> Walkthrough {
         placement: PlacementPolicy::new(&NONE, 0.0),
         ..WalkthroughSettings::default()
     };
-    let mut walk = Walkthrough::new(tracer.clone(), settings).showing_unfinished();
+    let mut walk = Walkthrough::new(tracer.clone(), settings).progressive();
     let step_back = Camera { eye: room_camera().eye - room_camera().forward() * 0.2, ..room_camera() };
     let reference = walk.reference_job(step_back, SIZE).trace(NEVER).unwrap();
     walk.insert(reference).unwrap();

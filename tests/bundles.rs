@@ -1,7 +1,7 @@
 //! Shadow rays traced together against the same rays traced one by one.
 
 use super::bvh::{random, triangle_soup};
-use afterimage::math::hash::Key;
+use afterimage::math::key::Key;
 use afterimage::math::sampling::lattice;
 use afterimage::scene::builtin;
 use afterimage::trace::{BUNDLE_RAYS, Bvh, Hit, RayBundle, RayCounts, SurfacePoint, TraceSettings, Tracer};

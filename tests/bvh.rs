@@ -1,7 +1,7 @@
 //! The hierarchy against a loop over all triangles in f64, and the promises of watertightness.
 
 use afterimage::math::Ray;
-use afterimage::math::hash::Key;
+use afterimage::math::key::Key;
 use afterimage::math::sampling::cosine_hemisphere;
 use afterimage::trace::{Bvh, Hit};
 use glam::{DVec3, Vec3};

@@ -3,7 +3,7 @@
 //! `tests/data/corpus/NAME/` holds the seeds of the entry point NAME, for the fuzzers too.
 
 use crate::entry_points::{ALL, check};
-use afterimage::scene::import::{ImportOptions, load};
+use afterimage::import::{ImportOptions, load};
 use std::path::{Path, PathBuf};
 
 fn seeds(name: &str) -> Vec<PathBuf> {

@@ -2,9 +2,9 @@
 //!
 //! The fuzz targets, the property tests and the replay of the corpus all call these.
 
-use afterimage::camera_path::CameraPath;
+use afterimage::camera::CameraPath;
 use afterimage::experiment::run::{Journal, merge, read_manifest};
-use afterimage::scene::import::{ImportOptions, load};
+use afterimage::import::{ImportOptions, load};
 use afterimage::scene::{MaterialKind, Scene, SceneError};
 use afterimage::{Camera, raster::load::Picture};
 use std::cell::RefCell;

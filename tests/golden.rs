@@ -21,7 +21,7 @@ fn pixel_types_of_a_room_seen_from_two_steps_on() {
     let mut renderer = Renderer::default();
     let frame = renderer.render(&tracer, &camera, size, &settings, &[&reference], NEVER);
     let row = |types: &[_]| {
-        types.iter().map(|t: &afterimage::reproject::PixelType| t.number().to_string()).collect()
+        types.iter().map(|t: &afterimage::raster::pixel_types::PixelType| t.number().to_string()).collect()
     };
     let rows: Vec<String> = frame.types.chunks(size[0] as usize).map(row).collect();
     let map = rows.join("\n") + "\n";

@@ -2,10 +2,10 @@
 
 use crate::rooms::{cuboid, dvec, leafy_scene, quad, room_camera, room_tracer};
 use afterimage::camera::View;
+use afterimage::import::{ImportOptions, load};
+use afterimage::raster::pixel_types::PixelType;
 use afterimage::reference::placement::THRESHOLD;
 use afterimage::reference::{PlacementPolicy, ReferenceCache, ReferenceFrame};
-use afterimage::reproject::PixelType;
-use afterimage::scene::import::{ImportOptions, load};
 use afterimage::scene::{Material, Scene, SceneBuilder, Sky, builtin};
 use afterimage::trace::TraceSettings;
 use afterimage::trace::parallel::NEVER;

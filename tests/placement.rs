@@ -1,7 +1,7 @@
 //! Where references are placed: rules against what they promise, and poses that a person could stand at.
 
 use crate::rooms::{cuboid, dvec, quad, room_tracer};
-use afterimage::camera_path::{CameraKey, CameraPath};
+use afterimage::camera::{CameraKey, CameraPath};
 use afterimage::math::Ray;
 use afterimage::reference::placement::{AheadRequest, GREEDY, GRID, OpenSpot, RULES, walkable};
 use afterimage::reference::{Observation, PlacementPolicy};

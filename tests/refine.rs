@@ -1,7 +1,7 @@
 //! Convergence at rest: the same bits however it was interrupted.
 
 use crate::rooms::{room_camera, room_tracer};
-use afterimage::math::hash::Key;
+use afterimage::math::key::Key;
 use afterimage::reference::PlacementPolicy;
 use afterimage::reference::placement::NONE;
 use afterimage::render::{refine::PASSES, render_antialiased};

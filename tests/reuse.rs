@@ -1,11 +1,13 @@
 //! The paper's steps: identities, a slow twin of the warp, and what must never happen.
 
 use crate::rooms::{dvec, room_camera, room_tracer};
+use afterimage::camera::PixelWarp;
+use afterimage::raster::pixel_types::PixelType;
 use afterimage::reference::placement::{PREDICTIVE, THRESHOLD};
-use afterimage::reference::{PixelWarp, PlacementPolicy, ReferenceCache, ReferenceFrame};
-use afterimage::reproject::{PixelType, WarpBuffer};
+use afterimage::reference::{PlacementPolicy, ReferenceCache, ReferenceFrame};
 use afterimage::trace::TraceSettings;
 use afterimage::trace::parallel::NEVER;
+use afterimage::warp::WarpBuffer;
 use afterimage::{Camera, Mode, RenderSettings, Renderer, Tracer, View, Walkthrough, WalkthroughSettings};
 use std::sync::Arc;
 
@@ -257,7 +259,7 @@ fn poisoned_pixels_and_points_behind_the_eye_are_left_out() {
 
 #[test]
 fn unknown_pixels_take_the_mean_of_the_known_around_them() {
-    use afterimage::reproject::fill::fill_unknown;
+    use afterimage::raster::fill::fill_unknown;
     use glam::Vec3;
     // So dim that all count alike.
     const DIM: f32 = 1e-5;

@@ -1,6 +1,6 @@
 //! Small scenes of known content.
 
-use afterimage::camera_path::{CameraKey, CameraPath};
+use afterimage::camera::{CameraKey, CameraPath};
 use afterimage::scene::{Encoding, Material, MaterialId, Scene, SceneBuilder, Texture, TextureRef};
 use afterimage::{Camera, Tracer};
 use glam::{DVec3, Vec2, Vec3};

@@ -1,7 +1,7 @@
 //! What a tile of pixels sees against what each of its rays sees alone, its slow twin: the same bits.
 
 use crate::rooms::{cuboid, dvec, leafy_scene, quad, room_camera, room_tracer};
-use afterimage::math::hash::Key;
+use afterimage::math::key::Key;
 use afterimage::scene::{Material, SceneBuilder};
 use afterimage::trace::{Hit, TILE_RAYS, TILE_SIDE, TileHits, primary_tile};
 use afterimage::{Camera, Tracer, View};

@@ -1,7 +1,7 @@
 //! The measured walk on a small room.
 
 use crate::rooms::{dvec, room_camera, room_tracer};
-use afterimage::camera_path::{CameraKey, CameraPath};
+use afterimage::camera::{CameraKey, CameraPath};
 use afterimage::experiment::record::csv;
 use afterimage::experiment::statistics::{median, percentile};
 use afterimage::experiment::throughput::{ThroughputSettings, measure_throughput};
@@ -63,7 +63,7 @@ fn a_walk_starts_without_references_and_reuses_from_then_on() {
     for f in &record.frames {
         let t = &f.types;
         assert!((t.type1_percent + t.type2_percent + t.type3_percent - 100.0).abs() < 1e-9);
-        assert!((t.gap_percent + t.disoccluded_percent + t.unseen_percent - t.type3_percent).abs() < 1e-9);
+        assert!((t.unseen_percent + t.uncertain_percent - t.type3_percent).abs() < 1e-9);
         assert_eq!(f.reference_added, f.reference_secs > 0.0);
     }
     assert_eq!(record.references_added, record.frames.iter().filter(|f| f.reference_added).count());

@@ -1,8 +1,8 @@
 //! Whole scenes: ours through the importer, and those of others where they are there, rendered and walked.
 
-use afterimage::camera_path::CameraPath;
+use afterimage::camera::CameraPath;
+use afterimage::import::{ImportOptions, load};
 use afterimage::reference::ReferenceFrame;
-use afterimage::scene::import::{ImportOptions, load};
 use afterimage::trace::TraceSettings;
 use afterimage::trace::parallel::NEVER;
 use afterimage::{Mode, RenderSettings, Renderer, Tracer};
@@ -44,7 +44,7 @@ fn our_own_model_comes_through_the_importer_whole() {
     let tracer = open(&folder.join("studio.obj"));
     let scene = tracer.scene();
     assert_eq!(scene.warnings, []);
-    assert!(scene.needs.mirror && scene.needs.glass && scene.needs.textures && scene.needs.sky);
+    assert!(scene.features.mirror && scene.features.glass && scene.features.textures && scene.features.sky);
     assert!(scene.triangles.len() > 3000 && scene.views.len() > 1 && scene.lights.len() > 3);
     assert!(!scene.solids.is_empty());
     walk("studio", &tracer, &scene.walk);

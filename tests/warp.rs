@@ -2,11 +2,12 @@
 
 use crate::reuse::{moved, warp_slowly};
 use crate::rooms::{room_camera, room_tracer};
-use afterimage::math::hash::Key;
-use afterimage::reference::{PixelWarp, ReferenceFrame};
-use afterimage::reproject::WarpBuffer;
+use afterimage::camera::PixelWarp;
+use afterimage::math::key::Key;
+use afterimage::reference::ReferenceFrame;
 use afterimage::trace::TraceSettings;
 use afterimage::trace::parallel::NEVER;
+use afterimage::warp::WarpBuffer;
 use afterimage::{Camera, Tracer, View};
 use fearless_simd::Level;
 

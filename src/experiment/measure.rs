@@ -3,9 +3,9 @@
 use super::truth::{TruthRequest, truth};
 use crate::raster::load::display_of;
 use crate::raster::metrics::{CompareError, flip, psnr_db};
+use crate::raster::pixel_types::PixelType;
 use crate::raster::save::SaveError;
 use crate::render::{Frame, Mode, RenderSettings, Renderer};
-use crate::reproject::PixelType;
 use crate::trace::parallel::Stop;
 use crate::trace::{TraceSettings, Tracer};
 use serde::Serialize;

@@ -6,21 +6,18 @@
 mod error_time;
 pub mod errors;
 pub mod measure;
-pub mod needs_speed;
 mod placement;
 pub mod record;
 pub mod run;
 mod scaling;
 mod soak;
 pub mod stability;
-pub mod stage_speed;
 pub mod statistics;
 mod table1;
 pub mod throughput;
 pub mod tour;
 pub mod trial;
 pub mod truth;
-pub mod warp_speed;
 
 pub use measure::{MeasureSettings, Measurement};
 pub use record::{FrameRecord, ReferenceRecord, Summary, TourRecord};

@@ -5,8 +5,8 @@
 use super::measure::Measurement;
 use super::statistics::{median, percentile};
 use crate::camera::Camera;
-use crate::render::{AuditEstimate, Steadiness};
-use crate::reproject::classify::TypePercentages;
+use crate::raster::pixel_types::TypePercentages;
+use crate::render::{AuditEstimate, TemporalStability};
 use crate::trace::RayCounts;
 use serde::Serialize;
 use serde_json::Value;
@@ -62,7 +62,8 @@ pub struct FrameRecord {
     /// What checks say of this frame and those before it, where frames are checked.
     pub audit: Option<AuditEstimate>,
     /// What it has in common with the frame before it, where frames are measured.
-    pub steadiness: Option<Steadiness>,
+    #[serde(rename = "steadiness")]
+    pub temporal_stability: Option<TemporalStability>,
     /// False where it was cut at the budget.
     pub is_complete: bool,
     /// Rays by purpose; those of checks left out.
@@ -189,7 +190,7 @@ impl Summary {
         let frame_secs = || frames.iter().map(|f| f.frame_secs);
         let warps = frames.iter().filter(|f| f.warped_pixels > 0);
         let all_rays: u64 = frames.iter().map(|f| f.rays.total()).sum();
-        let steady = || frames.iter().filter_map(|f| f.steadiness);
+        let steady = || frames.iter().filter_map(|f| f.temporal_stability);
         let cut = frames.iter().filter(|f| !f.is_complete).count();
         let ray_secs: f64 = frames.iter().map(|f| f.secondary_secs + f.trace_secs).sum();
         Self {

@@ -2,7 +2,9 @@
 //! that a leak or a slowdown would be seen.
 
 use super::run::report::{Axis, Block, Chart, Drawn, Point, Section, Series};
-use super::run::{Cell, CellOutcome, Effort, Experiment, Identity, Lab, LabSettings, Report, RunRecord};
+use super::run::{
+    Cell, CellOutcome, Effort, Experiment, ExperimentContext, ExperimentSettings, Identity, Report, RunRecord,
+};
 use super::statistics::percentile;
 use crate::reference::PlacementPolicy;
 use crate::reference::placement::THRESHOLD;
@@ -15,17 +17,22 @@ use std::time::{Duration, Instant};
 pub(super) const EXPERIMENT: Experiment = Experiment {
     name: "soak",
     about: "walking for half an hour: memory and frame times must stay",
-    settings: |effort| LabSettings { effort, size: [320, 180], samples: 2, ..LabSettings::default() },
+    settings: |effort| ExperimentSettings {
+        effort,
+        size: [320, 180],
+        samples: 2,
+        ..ExperimentSettings::default()
+    },
     cells,
     run_cell,
     report,
 };
 
 /// Memory may grow so fast at most, MB per minute.
-const MOST_GROWTH: f64 = 1.0;
+const MAX_GROWTH: f64 = 1.0;
 
 /// The last minute's slowest frames may take so many times the first's.
-const MOST_SLOWER: f64 = 1.1;
+const MAX_SLOWER: f64 = 1.1;
 
 /// Parts of a run, and how long each is.
 fn parts(effort: Effort) -> (u32, Duration) {
@@ -35,28 +42,31 @@ fn parts(effort: Effort) -> (u32, Duration) {
     }
 }
 
-fn cells(lab: &Lab<'_>) -> Vec<Cell> {
-    (0..parts(lab.settings.effort).0).map(|part| Cell(RunRecord::default().with("part", part))).collect()
+fn cells(context: &ExperimentContext<'_>) -> Vec<Cell> {
+    (0..parts(context.settings.effort).0).map(|part| Cell(RunRecord::default().with("part", part))).collect()
 }
 
-fn run_cell(lab: &Lab<'_>, _: &RunRecord) -> CellOutcome {
-    let length = parts(lab.settings.effort).1;
+fn run_cell(context: &ExperimentContext<'_>, _: &RunRecord) -> CellOutcome {
+    let length = parts(context.settings.effort).1;
     let start = Instant::now();
     // Every part does the same work, so that their times can be compared.
-    let mut walk = Walkthrough::new(Arc::clone(lab.tracer), settings(lab, 0));
+    let mut walk = Walkthrough::new(Arc::clone(context.tracer), settings(context, 0));
     let mut secs = Vec::new();
     let mut bad = 0usize;
     for frame in (0..).take_while(|_| start.elapsed() < length) {
-        if (lab.stop)() {
+        if (context.stop)() {
             return Ok(None);
         }
-        trouble(lab, &mut walk, frame);
-        let Some(camera) = lab.walk.camera(frame % lab.settings.frames, lab.settings.frames) else { break };
-        let shown = walk.render(&camera, size(lab, frame), lab.stop);
+        trouble(context, &mut walk, frame);
+        let Some(camera) = context.walk.camera(frame % context.settings.frames, context.settings.frames)
+        else {
+            break;
+        };
+        let shown = walk.render(&camera, size(context, frame), context.stop);
         bad += shown.radiance.iter().filter(|r| !(r.is_finite() && r.min_element() >= 0.0)).count();
         secs.push(shown.stats.secs.frame);
         if let Some(wanted) = walk.wanted_reference() {
-            let made = walk.reference_job(wanted, size(lab, frame)).trace(lab.stop);
+            let made = walk.reference_job(wanted, size(context, frame)).trace(context.stop);
             made.map(|reference| walk.insert(reference));
         }
     }
@@ -70,9 +80,9 @@ fn run_cell(lab: &Lab<'_>, _: &RunRecord) -> CellOutcome {
 }
 
 /// What a restless user does: every so many frames another mode, nothing held, or the scene edited.
-fn trouble(lab: &Lab<'_>, walk: &mut Walkthrough, frame: u32) {
+fn trouble(context: &ExperimentContext<'_>, walk: &mut Walkthrough, frame: u32) {
     match frame % 100 {
-        25 | 75 => walk.set_settings(settings(lab, frame / 25)),
+        25 | 75 => walk.set_settings(settings(context, frame / 25)),
         50 => walk.cache_mut().clear(),
         99 => {
             let scene = walk.tracer().scene();
@@ -84,10 +94,10 @@ fn trouble(lab: &Lab<'_>, walk: &mut Walkthrough, frame: u32) {
     }
 }
 
-fn settings(lab: &Lab<'_>, turn: u32) -> WalkthroughSettings {
+fn settings(context: &ExperimentContext<'_>, turn: u32) -> WalkthroughSettings {
     let mode = [Mode::Exact, Mode::Paper, Mode::Fast][turn as usize % 3];
     WalkthroughSettings {
-        render: RenderSettings { mode, trace: lab.settings.trace() },
+        render: RenderSettings { mode, trace: context.settings.trace() },
         placement: PlacementPolicy::new(&THRESHOLD, 10.0),
         cache_bytes: 64 << 20,
         ..WalkthroughSettings::default()
@@ -95,9 +105,9 @@ fn settings(lab: &Lab<'_>, turn: u32) -> WalkthroughSettings {
 }
 
 /// The window is resized every ten frames.
-fn size(lab: &Lab<'_>, frame: u32) -> [u32; 2] {
+fn size(context: &ExperimentContext<'_>, frame: u32) -> [u32; 2] {
     let shrunk = frame / 10 % 4;
-    lab.settings.size.map(|side| (side - side * shrunk / 8).max(1))
+    context.settings.size.map(|side| (side - side * shrunk / 8).max(1))
 }
 
 /// A number of `/proc/self/status`, where there is one.
@@ -145,15 +155,15 @@ fn report(identity: &Identity, records: &[RunRecord]) -> Report {
     ] {
         summary.insert(name.to_owned(), value.into());
     }
-    let is_ok = growth < MOST_GROWTH && slower <= MOST_SLOWER && bad == 0.0 && more_handles <= 0.0;
+    let is_ok = growth < MAX_GROWTH && slower <= MAX_SLOWER && bad == 0.0 && more_handles <= 0.0;
     summary.insert("ok".to_owned(), is_ok.into());
     let headline = vec![
         format!(
-            "{:.1} minutes: memory grows by {growth:.2} MB a minute (at most {MOST_GROWTH})",
+            "{:.1} minutes: memory grows by {growth:.2} MB a minute (at most {MAX_GROWTH})",
             minutes * records.len() as f64
         ),
         format!(
-            "the slowest frames of the last part take {slower:.2} times those of the first (at most {MOST_SLOWER})"
+            "the slowest frames of the last part take {slower:.2} times those of the first (at most {MAX_SLOWER})"
         ),
         format!("{bad} bad values; {more_handles} more open files at the end than at the beginning"),
     ];

@@ -3,7 +3,7 @@
 use super::measure::{MeasureError, MeasureSettings, Measurer};
 use super::record::{FrameRecord, Pose, ReferenceRecord, TourRecord};
 use crate::camera::Camera;
-use crate::camera_path::CameraPath;
+use crate::camera::CameraPath;
 use crate::raster::save::SaveError;
 use crate::render::{Mode, RenderSettings, Walkthrough, WalkthroughSettings};
 use crate::trace::Tracer;
@@ -84,7 +84,7 @@ pub fn fly(
     let trace = settings.walkthrough.render.trace;
     let mut walk = Walkthrough::new(Arc::clone(tracer), settings.walkthrough);
     if settings.budget.is_some() {
-        walk = walk.showing_unfinished();
+        walk = walk.progressive();
     }
     let warm_up_secs = cameras.first().map_or(0.0, |first| warm_up(&mut walk, first, settings, stop));
     let mut measurer = settings.measure.clone().map(Measurer::new);
@@ -158,7 +158,7 @@ fn record_of(index: u32, walk: &Walkthrough) -> FrameRecord {
         trace_secs: stats.secs.trace,
         audit_secs: stats.secs.audit,
         audit: stats.audit,
-        steadiness: stats.steadiness,
+        temporal_stability: stats.temporal_stability,
         is_complete: stats.is_complete,
         rays: stats.rays,
         reference_added: walk.has_kept_frame(),

@@ -2,7 +2,7 @@
 
 use super::errors::Errors;
 use super::measure::{TRUTH_SEED, see_through_percent};
-use super::run::{CellOutcome, Lab, LabError, RunRecord};
+use super::run::{CellOutcome, ExperimentContext, ExperimentError, RunRecord};
 use super::truth::{TruthRequest, truth};
 use crate::camera::Camera;
 use crate::reference::{ReferenceCache, ReferenceFrame};
@@ -21,13 +21,14 @@ pub struct References {
 
 impl References {
     /// Traces every pixel of references at poses, each with a seed of its own. `None` after a stop.
-    pub fn trace(lab: &Lab<'_>, poses: &[Camera], trace: &TraceSettings) -> Option<Self> {
+    pub fn trace(context: &ExperimentContext<'_>, poses: &[Camera], trace: &TraceSettings) -> Option<Self> {
         let reference = |(number, pose): (u64, &Camera)| {
             let settings = TraceSettings { seed: trace.seed.wrapping_add(number << 32), ..*trace };
-            ReferenceFrame::trace(lab.tracer, pose, lab.settings.size, &settings, lab.stop).map(Arc::new)
+            ReferenceFrame::trace(context.tracer, pose, context.settings.size, &settings, context.stop)
+                .map(Arc::new)
         };
         let frames = (1..).zip(poses).map(reference).collect::<Option<Vec<_>>>()?;
-        let mut cache = ReferenceCache::new(lab.tracer.scene(), usize::MAX);
+        let mut cache = ReferenceCache::new(context.tracer.scene(), usize::MAX);
         frames.iter().for_each(|f| {
             cache.insert(Arc::clone(f));
         });
@@ -35,8 +36,8 @@ impl References {
     }
 
     /// None at all.
-    pub fn none(lab: &Lab<'_>) -> Self {
-        Self { frames: Vec::new(), cache: ReferenceCache::new(lab.tracer.scene(), usize::MAX) }
+    pub fn none(context: &ExperimentContext<'_>) -> Self {
+        Self { frames: Vec::new(), cache: ReferenceCache::new(context.tracer.scene(), usize::MAX) }
     }
 
     /// Seconds that tracing them took, together.
@@ -61,15 +62,19 @@ pub struct Trial<'a> {
 
 impl Trial<'_> {
     /// One frame. `None` after a stop.
-    pub fn render<'r>(&self, lab: &Lab<'_>, renderer: &'r mut Renderer) -> Option<&'r Frame> {
+    pub fn render<'r>(
+        &self,
+        context: &ExperimentContext<'_>,
+        renderer: &'r mut Renderer,
+    ) -> Option<&'r Frame> {
         let settings = RenderSettings { mode: self.mode, trace: self.trace };
-        let size = lab.settings.size;
+        let size = context.settings.size;
         if self.mode.looks_up() {
-            let lookup = self.references.cache.lookup(lab.tracer.epoch());
-            renderer.render_by_lookup(lab.tracer, &self.camera, size, &settings, &lookup, lab.stop);
+            let lookup = self.references.cache.lookup(context.tracer.epoch());
+            renderer.render_by_lookup(context.tracer, &self.camera, size, &settings, &lookup, context.stop);
         } else {
             let references: Vec<&ReferenceFrame> = self.references.frames.iter().map(|r| &**r).collect();
-            renderer.render(lab.tracer, &self.camera, size, &settings, &references, lab.stop);
+            renderer.render(context.tracer, &self.camera, size, &settings, &references, context.stop);
         }
         let frame = renderer.frame();
         frame.stats.is_complete.then_some(frame)
@@ -79,13 +84,18 @@ impl Trial<'_> {
     /// the same in each. The frame stays in `renderer`. `None` after a stop.
     ///
     /// # Errors
-    /// [`LabError::Compare`] for a frame without pixels.
-    pub fn measure(&self, lab: &Lab<'_>, truth: &[Vec3], renderer: &mut Renderer) -> CellOutcome {
+    /// [`ExperimentError::Compare`] for a frame without pixels.
+    pub fn measure(
+        &self,
+        context: &ExperimentContext<'_>,
+        truth: &[Vec3],
+        renderer: &mut Renderer,
+    ) -> CellOutcome {
         let mut records = Vec::new();
-        for repetition in 0..=lab.settings.repetitions {
+        for repetition in 0..=context.settings.repetitions {
             // The same view a second time would find all that was traced for the first.
             renderer.forget_points();
-            let Some(frame) = self.render(lab, renderer) else { return Ok(None) };
+            let Some(frame) = self.render(context, renderer) else { return Ok(None) };
             let stats = &frame.stats;
             records.push(
                 RunRecord::default()
@@ -102,45 +112,45 @@ impl Trial<'_> {
             );
         }
         let frame = renderer.frame();
-        let Some(see_through) = self.see_through_percent(lab, frame) else { return Ok(None) };
-        let errors = Errors::of(frame, truth, lab.exposure_ev(truth))?;
+        let Some(see_through) = self.see_through_percent(context, frame) else { return Ok(None) };
+        let errors = Errors::of(frame, truth, context.exposure_ev(truth))?;
         let with_errors = |r: RunRecord| r.with_fields(&errors).with("see_through_percent", see_through);
         Ok(Some(records.into_iter().map(with_errors).collect()))
     }
 
     /// Reused pixels that show another surface than the primary ray's: none where that is where surfaces come from.
     /// `None` after a stop.
-    fn see_through_percent(&self, lab: &Lab<'_>, frame: &Frame) -> Option<f64> {
+    fn see_through_percent(&self, context: &ExperimentContext<'_>, frame: &Frame) -> Option<f64> {
         if self.mode != Mode::Paper {
             return Some(0.0);
         }
         let settings = RenderSettings { mode: Mode::Full, trace: TraceSettings { samples: 1, ..self.trace } };
         let mut full = Renderer::default();
-        full.render(lab.tracer, &self.camera, lab.settings.size, &settings, &[], lab.stop);
+        full.render(context.tracer, &self.camera, context.settings.size, &settings, &[], context.stop);
         full.frame().stats.is_complete.then(|| see_through_percent(frame, full.frame()))
     }
 }
 
 /// The converged picture of a view. `None` after a stop.
-pub fn truth_of(lab: &Lab<'_>, camera: &Camera) -> Option<Vec<Vec3>> {
+pub fn truth_of(context: &ExperimentContext<'_>, camera: &Camera) -> Option<Vec<Vec3>> {
     let settings = TraceSettings {
-        samples: lab.settings.truth_samples,
-        seed: lab.settings.seed ^ TRUTH_SEED,
-        bounces: lab.settings.bounces,
+        samples: context.settings.truth_samples,
+        seed: context.settings.seed ^ TRUTH_SEED,
+        bounces: context.settings.bounces,
     };
-    let request = TruthRequest { tracer: lab.tracer, camera, size: lab.settings.size, settings };
+    let request = TruthRequest { tracer: context.tracer, camera, size: context.settings.size, settings };
     // Where it cannot be kept it is only slower the next time.
-    truth(&request, lab.truth_folder, lab.stop).map(|(radiance, _)| radiance)
+    truth(&request, context.truth_folder, context.stop).map(|(radiance, _)| radiance)
 }
 
 /// The camera at a share of the walk, 0 its start, 1 its end; beyond them those.
 ///
 /// # Errors
-/// [`LabError::Unsuitable`] for a walk without key frames.
-pub fn camera_on_walk(lab: &Lab<'_>, share: f64) -> Result<Camera, LabError> {
+/// [`ExperimentError::Unsuitable`] for a walk without key frames.
+pub fn camera_on_walk(context: &ExperimentContext<'_>, share: f64) -> Result<Camera, ExperimentError> {
     /// The walk is divided into so many frames, fine enough for any share.
     const FRAMES: u32 = 10_001;
     let frame = (f64::from(FRAMES - 1) * share.clamp(0.0, 1.0)).round() as u32;
-    let none = || LabError::Unsuitable("the walk has no key frames; it needs at least one".to_owned());
-    lab.walk.camera(frame, FRAMES).ok_or_else(none)
+    let none = || ExperimentError::Unsuitable("the walk has no key frames; it needs at least one".to_owned());
+    context.walk.camera(frame, FRAMES).ok_or_else(none)
 }

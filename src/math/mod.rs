@@ -1,6 +1,6 @@
 //! Rays and random numbers. Imports nothing of ours.
 
-pub mod hash;
+pub mod key;
 pub mod ray;
 pub mod sampling;
 pub mod simd;

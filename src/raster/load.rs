@@ -84,7 +84,7 @@ fn open(path: &Path) -> Result<(BufReader<File>, [u8; 4]), String> {
 }
 
 /// The most pixels read: 8192 squared. A header can claim more than there is memory for.
-const MOST_PIXELS: u64 = 1 << 26;
+const MAX_PIXELS: u64 = 1 << 26;
 
 impl Picture {
     /// Reads a PNG or an OpenEXR file, told apart by their first bytes.
@@ -163,8 +163,8 @@ fn read(path: &Path) -> Result<Picture, String> {
 
 fn check_size(width: u64, height: u64) -> Result<usize, String> {
     match width.checked_mul(height) {
-        Some(count) if count > 0 && count <= MOST_PIXELS => Ok(count as usize),
-        _ => Err(format!("{width}x{height} pixels, at most {MOST_PIXELS} are supported")),
+        Some(count) if count > 0 && count <= MAX_PIXELS => Ok(count as usize),
+        _ => Err(format!("{width}x{height} pixels, at most {MAX_PIXELS} are supported")),
     }
 }
 

@@ -77,7 +77,7 @@ fn write_through(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
 }
 
 /// A name is tried with so many numbers before giving up.
-const MOST_NAMES: u32 = 100_000;
+const MAX_NAMES: u32 = 100_000;
 
 /// Writes a new file `stem-0001.extension`, with the first number that is not taken, in one piece. Nothing is ever
 /// overwritten. Returns the path.
@@ -108,7 +108,7 @@ pub(super) fn persist_new(
     extension: &str,
 ) -> Result<PathBuf, SaveError> {
     let failed = |path: PathBuf, cause| SaveError::Write { path, cause };
-    for number in 1..MOST_NAMES {
+    for number in 1..MAX_NAMES {
         let path = named_with(folder, stem, extension, number);
         match file.persist_noclobber(&path) {
             Ok(_) => {
@@ -119,7 +119,7 @@ pub(super) fn persist_new(
             Err(error) => return Err(failed(path, error.error)),
         }
     }
-    Err(failed(named_with(folder, stem, extension, MOST_NAMES), std::io::ErrorKind::AlreadyExists.into()))
+    Err(failed(named_with(folder, stem, extension, MAX_NAMES), std::io::ErrorKind::AlreadyExists.into()))
 }
 
 fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {

@@ -1,10 +1,11 @@
 //! The references at hand: a byte budget, the choice of the best few for a view, eviction.
 
-use super::directory::{Directory, MOST_SLOTS};
-use super::lookup::LookupSet;
+use super::ReferenceFrame;
+use super::directory::{Directory, MAX_SLOTS};
 use super::placement::OpenSpot;
-use super::{PixelWarp, ReferenceFrame};
+use crate::camera::PixelWarp;
 use crate::camera::View;
+use crate::lookup::point::LookupSet;
 use crate::scene::Scene;
 use crate::trace::SceneEpoch;
 use glam::Vec2;
@@ -28,7 +29,7 @@ pub struct CachedReference {
     pub is_enabled: bool,
     last_used: u64,
     /// Its bit in the directory.
-    pub(super) slot: usize,
+    pub(crate) slot: usize,
 }
 
 /// The references at one moment; cheap to take, because nothing but names is copied until the cache changes.
@@ -47,7 +48,7 @@ impl KnownLight {
 
 impl CachedReference {
     /// Of this epoch, and not switched off.
-    pub(super) fn is_usable(&self, epoch: SceneEpoch) -> bool {
+    pub(crate) fn is_usable(&self, epoch: SceneEpoch) -> bool {
         self.is_enabled && self.frame.epoch == epoch
     }
 
@@ -186,7 +187,7 @@ impl ReferenceCache {
     /// Least contribution first, then the longest unused.
     fn evict(&mut self) {
         // One slot is kept free for the next.
-        while self.entries.len() > 1 && (self.bytes() > self.budget_bytes || self.entries.len() >= MOST_SLOTS)
+        while self.entries.len() > 1 && (self.bytes() > self.budget_bytes || self.entries.len() >= MAX_SLOTS)
         {
             let rank = |e: &CachedReference| (e.contribution, e.last_used);
             let candidates = &self.entries[..self.entries.len() - 1];
@@ -274,7 +275,7 @@ const CELL: u32 = 16;
 
 /// A further reference must close at least this share of the view: less than its own warp costs at the price of
 /// traced pixels (5 ns against 10 microseconds).
-const LEAST_GAIN: f32 = 0.0005;
+const MIN_GAIN: f32 = 0.0005;
 
 /// Writes for each cell of `view` which share of its pixels (0..1) samples of `reference` would reach.
 ///
@@ -341,7 +342,7 @@ fn greedy(coverage: &[Vec<f32>], most: usize, open: &mut Vec<f32>) -> Vec<usize>
             .map(|c| (c, gain(c)))
             // Of equals the newer: later in the list.
             .max_by(|a, b| a.1.total_cmp(&b.1));
-        let Some((c, _)) = best.filter(|(_, gain)| *gain >= LEAST_GAIN * count as f32) else { break };
+        let Some((c, _)) = best.filter(|(_, gain)| *gain >= MIN_GAIN * count as f32) else { break };
         open.iter_mut().zip(&coverage[c]).for_each(|(open, covers)| *open *= 1.0 - covers);
         chosen.push(c);
     }

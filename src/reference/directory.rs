@@ -10,10 +10,10 @@ use glam::{UVec3, Vec3};
 use rayon::prelude::*;
 
 /// References a directory tells apart.
-pub const MOST_SLOTS: usize = 128;
+pub const MAX_SLOTS: usize = 128;
 
 /// Cells at most: 4 MB of bits, which stay in a processor's cache.
-const MOST_CELLS: f32 = (1 << 18) as f32;
+const MAX_CELLS: f32 = (1 << 18) as f32;
 
 /// One bit per reference.
 pub type SlotMask = u128;
@@ -33,24 +33,24 @@ pub struct Directory {
 pub struct PackedNormal([i8; 3]);
 
 /// Cosine of eight degrees: triangles that turn less from one to the next lend each other light.
-pub(super) const ALIKE_COSINE: f32 = 0.99;
+pub(crate) const ALIKE_COSINE: f32 = 0.99;
 
 impl PackedNormal {
-    pub(super) const ZERO: Self = Self([0; 3]);
+    pub(crate) const ZERO: Self = Self([0; 3]);
 
     fn of([a, b, c]: [Vec3; 3]) -> Self {
         Self::of_unit((b - a).cross(c - a).normalize_or(Vec3::Y))
     }
 
     #[inline(always)]
-    pub(super) fn of_unit(normal: Vec3) -> Self {
+    pub(crate) fn of_unit(normal: Vec3) -> Self {
         let n = normal * 127.0;
         Self([round(n.x) as i8, round(n.y) as i8, round(n.z) as i8])
     }
 
     /// True where two triangles are turned alike, whichever way they are wound.
     #[inline(always)]
-    pub(super) fn is_like(self, other: Self) -> bool {
+    pub(crate) fn is_like(self, other: Self) -> bool {
         let along = self.dot(other);
         // Lengths are divided out: rounded, they alone would part triangles of one plane.
         along * along >= ALIKE_COSINE * ALIKE_COSINE * self.dot(self) * other.dot(other)
@@ -58,7 +58,7 @@ impl PackedNormal {
 
     /// True where two sides of triangles face alike.
     #[inline(always)]
-    pub(super) fn faces_like(self, other: Self) -> bool {
+    pub(crate) fn faces_like(self, other: Self) -> bool {
         self.dot(other) > 0.0 && self.is_like(other)
     }
 
@@ -74,7 +74,7 @@ impl Directory {
         let [low, high] = scene.bounds_m.map(|p| scene.frame.scene_from_world_f64(p).as_vec3());
         // A flat scene still has a thickness of one cell.
         let extent = (high - low).max(Vec3::splat((high - low).max_element() / 1024.0 + f32::MIN_POSITIVE));
-        let cell = (extent.element_product() / (MOST_CELLS / 2.0)).cbrt().max(extent.max_element() / 512.0);
+        let cell = (extent.element_product() / (MAX_CELLS / 2.0)).cbrt().max(extent.max_element() / 512.0);
         let dimensions = (extent / cell).floor().as_uvec3() + 1;
         let count = dimensions.as_usizevec3().element_product();
         let triangles = 0..scene.triangles.len() as u32;
@@ -83,13 +83,13 @@ impl Directory {
     }
 
     /// Of each triangle.
-    pub(super) fn normals(&self) -> &[PackedNormal] {
+    pub(crate) fn normals(&self) -> &[PackedNormal] {
         &self.normals
     }
 
     /// The cell of a point in scene space; points outside belong to the nearest cell.
     #[inline(always)]
-    pub(super) fn cell_of(&self, position: Vec3) -> u32 {
+    pub(crate) fn cell_of(&self, position: Vec3) -> u32 {
         self.index(self.coordinates(position))
     }
 
@@ -105,12 +105,12 @@ impl Directory {
 
     /// The references that lit something in a cell.
     #[inline(always)]
-    pub(super) fn mask(&self, cell: u32) -> SlotMask {
+    pub(crate) fn mask(&self, cell: u32) -> SlotMask {
         self.masks[cell as usize]
     }
 
     /// Enters a reference's lit pixels under a slot.
-    pub(super) fn add(&mut self, frame: &ReferenceFrame, slot: usize) {
+    pub(crate) fn add(&mut self, frame: &ReferenceFrame, slot: usize) {
         let width = frame.view.size[0].max(1);
         let step = frame.view.scene_from_pixel.x_axis.length();
         let cells: Vec<Vec<u32>> = (0..frame.view.size[1])
@@ -147,12 +147,12 @@ impl Directory {
     }
 
     /// Forgets all slots.
-    pub(super) fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.masks.fill(0);
     }
 
     /// Forgets a slot.
-    pub(super) fn remove(&mut self, slot: usize) {
+    pub(crate) fn remove(&mut self, slot: usize) {
         self.masks.par_iter_mut().with_min_len(1 << 14).for_each(|mask| *mask &= !(1 << slot));
     }
 }

@@ -3,10 +3,10 @@
 use super::bands::Band;
 use super::frame::{Frame, NO_SUPPLIER};
 use crate::raster::color::{ToneMap, srgb8};
+use crate::raster::pixel_types::PixelType;
+use crate::raster::pixel_types::type_color;
 use crate::raster::save::Channel;
-use crate::raster::types_picture::type_color;
-use crate::reference::frame::NO_TRIANGLE;
-use crate::reproject::PixelType;
+use crate::trace::NO_TRIANGLE;
 use crate::trace::{SurfacePoint, Tracer};
 use glam::Vec3;
 use rayon::prelude::*;

@@ -3,8 +3,8 @@
 use super::frame::{Frame, NO_SUPPLIER};
 use super::refine::{offset_of_pass, pixels_of_tile, seed_of_pass};
 use crate::camera::{Camera, View};
-use crate::reference::frame::NO_TRIANGLE;
-use crate::reproject::{PixelMap, PixelType};
+use crate::raster::pixel_types::{PixelMap, PixelType};
+use crate::trace::NO_TRIANGLE;
 use crate::trace::parallel::Stop;
 use crate::trace::{RayCounts, TILE_RAYS, TILE_SIDE, TraceSettings, Tracer};
 use glam::Vec3;

@@ -2,9 +2,9 @@
 
 use super::{Mode, RenderSettings};
 use crate::camera::View;
+use crate::lookup::{LookupSet, PointCache, SurfaceKey, TracedPoint};
 use crate::math::Ray;
-use crate::math::hash::Key;
-use crate::reference::{LookupSet, Place, PointCache, TracedPoint};
+use crate::math::key::Key;
 use crate::trace::{Hit, PixelTrace, RayCounts, SurfacePoint, TraceSettings, Tracer};
 use glam::Vec3;
 use std::ops::AddAssign;
@@ -20,7 +20,7 @@ const HYSTERESIS: f32 = 1.5;
 
 /// Points that one pixel's mirrors and glass leave at most, so that memory is bounded; a frame after it finds these and
 /// leaves the next.
-pub(super) const MOST_POINTS: usize = 4;
+pub(super) const MAX_POINTS: usize = 4;
 
 /// What finishing pixels takes and leaves.
 #[derive(Debug, Default)]
@@ -122,7 +122,7 @@ impl<'a> Finish<'a> {
             return Vec3::ZERO;
         }
         let (key, distance) = (Key::of_pixel(self.settings.seed, pixel), distance(ray, hit));
-        let most_points = spent.points.len() + MOST_POINTS;
+        let most_points = spent.points.len() + MAX_POINTS;
         let mut secondary = 0;
         let (radiance, _) = tracer.follow_specular(point, ray.direction, &mut secondary, |next, link| {
             let key = Tracer::specular_key(key, link.number);
@@ -138,7 +138,7 @@ impl<'a> Finish<'a> {
     /// The diffuse radiance of a point that a mirror or a pane shows.
     fn diffuse(&self, point: &SurfacePoint, seen: &Seen, spent: &mut Spent) -> Vec3 {
         let albedo = point.albedo(self.tracer.scene());
-        let Place { position, normal, footprint } = self.place(point, seen);
+        let SurfaceKey { position, normal, footprint } = self.place(point, seen);
         let found = (albedo != Vec3::ZERO)
             .then(|| {
                 if self.checks {
@@ -163,9 +163,9 @@ impl<'a> Finish<'a> {
         let near = self.place(point, seen);
         match self.points.find(&near, samples) {
             Some(kept) if !kept.is_at_edge => self.lit(point, kept.light),
-            Some(_) => match self.points.find(&near.here(), samples) {
+            Some(_) => match self.points.find(&near.exact(), samples) {
                 Some(kept) => self.lit(point, kept.light),
-                None => self.traced(point, seen, spent, &[near.here()], None),
+                None => self.traced(point, seen, spent, &[near.exact()], None),
             },
             None => self.traced(point, seen, spent, &[near], None),
         }
@@ -177,21 +177,21 @@ impl<'a> Finish<'a> {
     fn checked(&self, guess: Vec3, point: &SurfacePoint, seen: &Seen, spent: &mut Spent) -> Checked {
         let samples = self.settings.samples_for(seen.share);
         let near = self.place(point, seen);
-        let mut trace = |places: &[Place]| {
+        let mut trace = |places: &[SurfaceKey]| {
             let traced = self.traced(point, seen, spent, places, Some(guess));
             self.better(guess, traced, 1.0)
         };
-        let Some(kept) = self.points.find(&near, samples) else { return trace(&[near, near.here()]) };
+        let Some(kept) = self.points.find(&near, samples) else { return trace(&[near, near.exact()]) };
         let most = if kept.took_over { 1.0 / HYSTERESIS } else { 1.0 };
         if !kept.is_at_edge && !self.is_bad(guess, self.lit(point, kept.light), most) {
             return Checked { radiance: guess, is_traced: false };
         }
-        match self.points.find(&near.here(), samples) {
+        match self.points.find(&near.exact(), samples) {
             Some(kept) => {
                 let most = if kept.took_over { 1.0 / HYSTERESIS } else { HYSTERESIS };
                 self.better(guess, self.lit(point, kept.light), most)
             }
-            None => trace(&[near.here()]),
+            None => trace(&[near.exact()]),
         }
     }
 
@@ -202,7 +202,7 @@ impl<'a> Finish<'a> {
         point: &SurfacePoint,
         seen: &Seen,
         spent: &mut Spent,
-        places: &[Place],
+        places: &[SurfaceKey],
         guess: Option<Vec3>,
     ) -> Vec3 {
         let rays = &mut spent.rays;
@@ -220,9 +220,9 @@ impl<'a> Finish<'a> {
         radiance
     }
 
-    fn place(&self, point: &SurfacePoint, seen: &Seen) -> Place {
+    fn place(&self, point: &SurfacePoint, seen: &Seen) -> SurfaceKey {
         let footprint = self.view.scene_from_pixel.x_axis.length() * seen.distance;
-        Place { position: point.position, normal: point.geometric_normal, footprint }
+        SurfaceKey { position: point.position, normal: point.geometric_normal, footprint }
     }
 
     /// True where a guess is off what was traced by more than `most` times the noise.

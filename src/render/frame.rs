@@ -2,9 +2,9 @@
 
 use super::audit::statistics::AuditEstimate;
 use super::refine::RefineState;
-use super::steadiness::Steadiness;
 use crate::camera::{Camera, View};
-use crate::reproject::{PixelMap, TypeCounts};
+use crate::raster::pixel_types::{PixelMap, TypeCounts};
+use crate::render::temporal_stability::TemporalStability;
 use crate::trace::RayCounts;
 use glam::Vec3;
 use serde::Serialize;
@@ -23,7 +23,7 @@ pub struct Frame {
     pub radiance: Vec<Vec3>,
     /// 1 / depth along the viewing axis in scene units; 0 where the sky is seen.
     pub disparity: Vec<f32>,
-    /// First triangle, [`crate::reference::frame::NO_TRIANGLE`] for the sky.
+    /// First triangle, [`crate::trace::NO_TRIANGLE`] for the sky.
     pub triangle: Vec<u32>,
     /// How each pixel came to its colour.
     pub types: PixelMap,
@@ -70,7 +70,7 @@ pub struct FrameStats {
     /// What checks say of this frame and those before it; `None` where nothing is checked.
     pub audit: Option<AuditEstimate>,
     /// What it has in common with the frame before it; `None` where that is not asked for.
-    pub steadiness: Option<Steadiness>,
+    pub temporal_stability: Option<TemporalStability>,
 }
 
 impl Frame {
@@ -98,7 +98,7 @@ impl Frame {
         self.radiance.resize(count, Vec3::ZERO);
         self.disparity.resize(count, 0.0);
         self.triangle.resize(count, 0);
-        self.types.resize(count, crate::reproject::PixelType::Unseen);
+        self.types.resize(count, crate::raster::pixel_types::PixelType::Unseen);
         self.supplier.resize(count, NO_SUPPLIER);
     }
 

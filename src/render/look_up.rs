@@ -9,8 +9,9 @@ use super::frame::NO_SUPPLIER;
 use super::renderer::Renderer;
 use super::{Mode, RenderSettings};
 use crate::camera::View;
-use crate::reference::{LookupSet, ReferenceFrame, TileLight, TileSurfaces, ViewLookup};
-use crate::reproject::PixelType;
+use crate::lookup::{LookupSet, TileLight, TileSurfaces, ViewLookup};
+use crate::raster::pixel_types::PixelType;
+use crate::reference::ReferenceFrame;
 use crate::trace::parallel::{Stop, trace_missing};
 use crate::trace::{Hit, TILE_RAYS, TILE_SIDE, TraceSettings, Tracer};
 use glam::Vec3;
@@ -102,7 +103,7 @@ impl Renderer {
             self.unseen.extend_from_slice(&band.unseen);
             self.uncertain.extend_from_slice(&band.uncertain);
         }
-        if self.spreads_work {
+        if self.progressive {
             self.spread(|r| &mut r.unseen);
             self.spread(|r| &mut r.secondary);
             self.spread(|r| &mut r.uncertain);

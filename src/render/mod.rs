@@ -1,17 +1,17 @@
 //! The stages in order, timed: from a pose and the references at hand to a finished frame.
 
-mod ahead;
 pub mod aov;
 pub mod audit;
 pub mod bands;
 mod finish;
 pub mod frame;
 mod look_up;
+mod placeholders;
+mod prefetch;
 mod reference_job;
 pub mod refine;
 pub mod renderer;
-mod stand_in;
-mod steadiness;
+mod temporal_stability;
 pub mod walkthrough;
 
 pub use audit::statistics::AuditEstimate;
@@ -19,7 +19,7 @@ pub use frame::{Frame, FrameStats, StageSecs};
 pub use reference_job::ReferenceJob;
 pub use refine::{RefineState, render_antialiased};
 pub use renderer::Renderer;
-pub use steadiness::Steadiness;
+pub use temporal_stability::TemporalStability;
 pub use walkthrough::{Walkthrough, WalkthroughSettings};
 
 use crate::trace::TraceSettings;

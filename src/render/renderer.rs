@@ -1,18 +1,20 @@
 //! One frame: warp, classify, finish each list.
 
-use super::finish::{Checked, MOST_POINTS};
+use super::finish::{Checked, MAX_POINTS};
 use super::frame::{Frame, NO_SUPPLIER};
 use super::look_up::Band;
-use super::stand_in::StandIns;
 use super::{Mode, RenderSettings};
 use crate::camera::{Camera, View};
-use crate::math::hash::Key;
-use crate::reference::frame::NO_TRIANGLE;
-use crate::reference::{LookupSet, PointCache, ReferenceFrame, TracedPoint};
-use crate::reproject::classify::classify;
-use crate::reproject::{PixelType, TypeCounts, WarpBuffer};
+use crate::lookup::{LookupSet, PointCache, TracedPoint};
+use crate::math::key::Key;
+use crate::raster::pixel_types::{PixelType, TypeCounts};
+use crate::reference::ReferenceFrame;
+use crate::render::placeholders::Placeholders;
+use crate::trace::NO_TRIANGLE;
 use crate::trace::parallel::{Stop, tile_order, trace_missing};
 use crate::trace::{PixelTrace, SurfacePoint, Tracer};
+use crate::warp::WarpBuffer;
+use crate::warp::classify::classify;
 use glam::Vec3;
 use rayon::prelude::*;
 use std::time::Instant;
@@ -34,7 +36,7 @@ pub struct Renderer {
     pub(super) secondary: Vec<u32>,
     pub(super) unseen: Vec<u32>,
     pub(super) uncertain: Vec<u32>,
-    pub(super) spreads_work: bool,
+    pub(super) progressive: bool,
     /// True where the hits of pixels that are not shaded are right all the same.
     pub(super) knows_hits: bool,
     passes: [Vec<u32>; 16],
@@ -50,7 +52,7 @@ pub struct Renderer {
     /// The same of the last frame.
     pub(super) fresh_points: Vec<TracedPoint>,
     /// Scratch of frames that are shown before they are complete.
-    pub(super) stand_ins: StandIns,
+    pub(super) placeholders: Placeholders,
 }
 
 impl Default for Renderer {
@@ -63,7 +65,7 @@ impl Default for Renderer {
             secondary: Vec::new(),
             unseen: Vec::new(),
             uncertain: Vec::new(),
-            spreads_work: false,
+            progressive: false,
             knows_hits: false,
             passes: Default::default(),
             traced: Vec::new(),
@@ -73,7 +75,7 @@ impl Default for Renderer {
             bands: Vec::new(),
             points: PointCache::default(),
             fresh_points: Vec::new(),
-            stand_ins: StandIns::default(),
+            placeholders: Placeholders::default(),
         }
     }
 }
@@ -83,8 +85,8 @@ impl Renderer {
     /// before anything is reserved.
     pub const BYTES_PER_PIXEL: usize = size_of::<Option<PixelTrace>>() // traced
         + size_of::<Option<Checked>>() // specular or checked
-        + StandIns::BYTES_PER_PIXEL + size_of::<Vec3>() // own
-        + (MOST_POINTS + 1) * size_of::<TracedPoint>() // fresh points
+        + Placeholders::BYTES_PER_PIXEL + size_of::<Vec3>() // own
+        + (MAX_POINTS + 1) * size_of::<TracedPoint>() // fresh points
         + size_of::<u64>() // warped
         + 7 * size_of::<u32>() // order; secondary, unseen, uncertain, of the frame and of its bands
         + size_of::<Vec3>() + size_of::<f32>() + size_of::<u32>() + 2; // the frame
@@ -117,8 +119,8 @@ impl Renderer {
 
     /// Whether frames may be shown before they are complete: the work is then spread over the picture, which costs some
     /// 5 % for rays that are less coherent.
-    pub fn set_spreads_work(&mut self, spreads_work: bool) {
-        self.spreads_work = spreads_work;
+    pub fn set_spreads_work(&mut self, progressive: bool) {
+        self.progressive = progressive;
     }
 
     /// Adds the time that choosing the references took to the last frame's.
@@ -215,7 +217,7 @@ impl Renderer {
 
     /// The parts of its lists that are done one after the other.
     pub(super) fn rounds(&self) -> &'static [usize] {
-        if self.spreads_work { &ROUNDS } else { &[1] }
+        if self.progressive { &ROUNDS } else { &[1] }
     }
 
     fn begin(&mut self, tracer: &Tracer, camera: &Camera, size: [u32; 2]) -> Instant {
@@ -245,7 +247,7 @@ impl Renderer {
 
     fn finish(&mut self, tracer: &Tracer, start: Instant) -> &Frame {
         if !self.frame.stats.is_complete {
-            self.stand_in(tracer);
+            self.placeholder(tracer);
         }
         self.frame.stats.types = TypeCounts::of(&self.frame.types);
         self.frame.stats.secs.frame += start.elapsed().as_secs_f64();
@@ -282,7 +284,7 @@ impl Renderer {
                 _ => {}
             }
         }
-        if self.spreads_work {
+        if self.progressive {
             self.spread(|r| &mut r.unseen);
         }
     }

@@ -2,16 +2,15 @@
 //!
 //! The window and the headless tour run the same walk; they differ only in when a wished reference is traced.
 
-use super::ahead::Ahead;
 use super::audit::{Audited, Auditor};
 use super::refine::{PASSES, RefineState, Refinement};
-use super::steadiness::SteadinessWatch;
 use super::{Frame, Mode, ReferenceJob, RenderSettings, Renderer};
 use crate::camera::{Camera, View};
+use crate::lookup::open_percent;
 use crate::reference::cache::CachedReference;
-use crate::reference::{
-    Observation, PlacementPolicy, ReferenceCache, ReferenceFrame, ReferenceId, open_percent,
-};
+use crate::reference::{Observation, PlacementPolicy, ReferenceCache, ReferenceFrame, ReferenceId};
+use crate::render::prefetch::Ahead;
+use crate::render::temporal_stability::TemporalStabilityWatch;
 use crate::trace::parallel::Stop;
 use crate::trace::{TraceSettings, Tracer};
 use std::sync::Arc;
@@ -68,7 +67,7 @@ pub struct Walkthrough {
     /// While frames are checked.
     auditor: Option<Auditor>,
     /// While frames are compared.
-    watch: Option<SteadinessWatch>,
+    watch: Option<TemporalStabilityWatch>,
     /// Of the last frame's pose, from the first [`Self::refine`] on.
     refinement: Option<Refinement>,
 }
@@ -135,7 +134,7 @@ impl Walkthrough {
 
     /// The same walk for someone who looks on: frames may be stopped and shown unfinished.
     #[must_use]
-    pub fn showing_unfinished(mut self) -> Self {
+    pub fn progressive(mut self) -> Self {
         self.renderer.set_spreads_work(true);
         self
     }
@@ -228,8 +227,8 @@ impl Walkthrough {
             self.watch = None;
         } else if self.renderer.frame().stats.is_complete {
             let watch = self.watch.get_or_insert_default();
-            let steadiness = watch.compare(self.tracer.scene(), self.renderer.frame());
-            self.renderer.frame_mut().stats.steadiness = steadiness;
+            let temporal_stability = watch.compare(self.tracer.scene(), self.renderer.frame());
+            self.renderer.frame_mut().stats.temporal_stability = temporal_stability;
         }
     }
 

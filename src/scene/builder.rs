@@ -2,11 +2,12 @@
 
 use super::duplicates::Duplicates;
 use super::{
-    Light, Material, MaterialId, NamedView, Needs, Scene, SceneFrame, Sky, Stiffness, Texture, bounds,
-    lights, mend, solids,
+    Conditioning, Light, Material, MaterialId, NamedView, Scene, SceneFrame, Sky, Texture, bounds, lights,
+    solids,
 };
 use crate::camera::Camera;
-use crate::camera_path::{CameraKey, CameraPath};
+use crate::camera::{CameraKey, CameraPath};
+use crate::scene::{SceneFeatures, sanitize};
 use glam::{DQuat, DVec3, Vec2, Vec3};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
@@ -171,30 +172,30 @@ impl SceneBuilder {
         if self.materials.is_empty() {
             self.add_material(Material::diffuse("default", Vec3::splat(0.6)));
         }
-        let mut mended = mend::mend(&mut self);
-        mended.triangles_not_finite = self.drop_untraceable(
+        let mut repairs = sanitize::sanitize(&mut self);
+        repairs.triangles_not_finite = self.drop_untraceable(
             |b, t| t.iter().all(|&v| b.positions.get(v as usize).is_some_and(|p| is_place(*p))),
             "with a vertex that is missing, not finite or farther than 1e100 m away",
         );
         let (bounds_m, ignores_outliers) =
             bounds::of(&self.positions, &self.triangles).ok_or_else(|| self.empty_error())?;
-        mended.ignores_outliers = ignores_outliers;
+        repairs.ignores_outliers = ignores_outliers;
         let frame = bounds::frame_for(bounds_m);
-        if mended.ignores_outliers {
-            mended.triangles_not_finite += self.drop_the_absurdly_far(&frame);
+        if repairs.ignores_outliers {
+            repairs.triangles_not_finite += self.drop_the_absurdly_far(&frame);
         }
         let positions: Vec<Vec3> =
             self.positions.iter().map(|&p| frame.scene_from_world_f64(p).as_vec3()).collect();
-        mended.triangles_without_area =
+        repairs.triangles_without_area =
             self.drop_untraceable(|_, t| has_area(t.map(|v| positions[v as usize])), "without area");
         if self.triangles.is_empty() {
             return Err(self.empty_error());
         }
         let duplicates =
             Duplicates::find(&positions, &self.triangles, &self.triangle_materials, &self.materials);
-        (mended.duplicates_hidden, mended.duplicates_seen) = (duplicates.hidden.len(), duplicates.seen);
+        (repairs.duplicates_hidden, repairs.duplicates_seen) = (duplicates.hidden.len(), duplicates.seen);
         let lights = self.lights(&positions, &frame);
-        let needs = Needs::of(&self.materials, &lights, self.sky.as_ref(), false);
+        let features = SceneFeatures::of(&self.materials, &lights, self.sky.as_ref(), false);
         let solids = solids::classify(&positions, &self.triangles, &self.triangle_materials, &self.materials);
         let (walk, [brings_view, brings_walk]) = self.visit(bounds_m);
         let mut scene = Scene {
@@ -202,7 +203,7 @@ impl SceneBuilder {
             hash: String::new(),
             frame,
             normals: if self.normals.iter().any(|n| *n != Vec3::ZERO) { self.normals } else { Vec::new() },
-            uvs: if needs.textures || needs.alpha { self.uvs } else { Vec::new() },
+            uvs: if features.textures || features.alpha { self.uvs } else { Vec::new() },
             positions,
             triangles: self.triangles,
             triangle_materials: self.triangle_materials,
@@ -215,14 +216,14 @@ impl SceneBuilder {
             walk,
             brings_view,
             brings_walk,
-            needs,
+            features,
             warnings: self.warnings,
             bounds_m,
             hidden: duplicates.hidden,
-            stiffness: Stiffness::default(),
+            conditioning: Conditioning::default(),
         };
         scene.hash = hash_of(&scene);
-        scene.set_stiffness(mended);
+        scene.set_stiffness(repairs);
         Ok(scene)
     }
 
@@ -317,7 +318,7 @@ impl SceneBuilder {
 const FARTHEST_M: f64 = 1e100;
 
 /// True for a point that something can be.
-pub(super) fn is_place(p: DVec3) -> bool {
+pub(crate) fn is_place(p: DVec3) -> bool {
     p.abs().max_element() <= FARTHEST_M && p.is_finite()
 }
 
@@ -344,7 +345,7 @@ fn has_area([a, b, c]: [Vec3; 3]) -> bool {
 fn overview([low, high]: [DVec3; 2]) -> Camera {
     let centre = low + (high - low) / 2.0;
     let distance = (high - low).length();
-    Camera::look_at(centre + DVec3::new(0.5, 0.35, 0.8) * distance, centre, Camera::USUAL_FOV_Y_DEG)
+    Camera::look_at(centre + DVec3::new(0.5, 0.35, 0.8) * distance, centre, Camera::DEFAULT_FOV_Y_DEG)
 }
 
 /// Once around the model from outside, beginning at its [`overview`], for one that brings neither view nor walk.

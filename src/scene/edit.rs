@@ -1,7 +1,8 @@
 //! Changes of a finished scene that leave its geometry alone: materials, the sun and the sky.
 
 use super::builder::hash_of;
-use super::{Light, Material, Needs, Scene, Sky, lights, mend, solids};
+use super::{Light, Material, Scene, Sky, lights, solids};
+use crate::scene::{SceneFeatures, sanitize};
 use glam::Vec3;
 
 /// What lights a scene from outside.
@@ -38,9 +39,9 @@ impl Scene {
         let mut edited = self.clone();
         edited.materials.clone_from(&look.materials);
         for material in &mut edited.materials {
-            let (clamped, is_scaled) = mend::mend_material(material);
-            edited.stiffness.mended.values_clamped += clamped;
-            edited.stiffness.mended.materials_scaled += usize::from(is_scaled);
+            let (clamped, is_scaled) = sanitize::mend_material(material);
+            edited.conditioning.repairs.values_clamped += clamped;
+            edited.conditioning.repairs.materials_scaled += usize::from(is_scaled);
         }
         edited.find_lights_anew(look.daylight);
         edited
@@ -74,13 +75,14 @@ impl Scene {
             found.push(Light::Sky);
         }
         (self.lights, self.sky) = (found, daylight.sky);
-        self.needs = Needs::of(&self.materials, &self.lights, self.sky.as_ref(), self.needs.needles);
+        self.features =
+            SceneFeatures::of(&self.materials, &self.lights, self.sky.as_ref(), self.features.needles);
         self.solids =
             solids::classify(&self.positions, &self.triangles, &self.triangle_materials, &self.materials);
         self.hash = hash_of(self);
-        let mut stiffness = std::mem::take(&mut self.stiffness);
-        stiffness.set_light(self);
-        self.stiffness = stiffness;
+        let mut conditioning = std::mem::take(&mut self.conditioning);
+        conditioning.set_light(self);
+        self.conditioning = conditioning;
     }
 }
 
@@ -95,7 +97,7 @@ mod tests {
             let scene = builtin::build(name).unwrap();
             let same = scene.with_look(&scene.look());
             assert_eq!((&same.hash, &same.lights), (&scene.hash, &scene.lights), "{name}");
-            assert_eq!((same.needs, &same.solids), (scene.needs, &scene.solids), "{name}");
+            assert_eq!((same.features, &same.solids), (scene.features, &scene.solids), "{name}");
         }
     }
 
@@ -108,7 +110,7 @@ mod tests {
         look.daylight.sky = Some(Sky { zenith: Vec3::ONE, horizon: Vec3::ONE, ground: Vec3::ONE });
         let edited = scene.with_look(&look);
         assert_eq!(edited.lights, [Light::Sky]);
-        assert!(edited.needs.glass && edited.needs.sky && !edited.needs.area_lights);
+        assert!(edited.features.glass && edited.features.sky && !edited.features.area_lights);
         assert_eq!(edited.solids.len(), edited.triangles.len());
         assert_ne!(edited.hash, scene.hash);
         assert_eq!(edited.with_look(&scene.look()).hash, scene.hash);

@@ -5,30 +5,29 @@
 mod bounds;
 pub mod builder;
 pub mod builtin;
+pub mod conditioning;
 mod duplicates;
 mod edit;
-pub mod import;
+pub mod features;
 mod lights;
 pub mod material;
-mod mend;
-pub mod needs;
+mod sanitize;
 pub mod solar;
 mod solids;
-pub mod stiffness;
 pub mod texture;
 
 pub use crate::camera::SceneFrame;
 pub use builder::{SceneBuilder, SceneError, Warning};
+pub use conditioning::{Conditioning, Repairs};
 pub use edit::{Daylight, Look};
+pub use features::SceneFeatures;
 pub use lights::Light;
 pub(crate) use lights::point_on_mesh;
 pub use material::{Material, MaterialKind, TextureRef};
-pub use needs::Needs;
-pub use stiffness::{Mended, Stiffness};
 pub use texture::{Encoding, Texture};
 
 use crate::camera::Camera;
-use crate::camera_path::CameraPath;
+use crate::camera::CameraPath;
 use glam::{DVec3, Vec2, Vec3};
 
 /// Index into [`Scene::materials`].
@@ -111,7 +110,7 @@ pub struct Scene {
     /// False where the walk was made up.
     pub brings_walk: bool,
     /// What the renderer must do for this scene.
-    pub needs: Needs,
+    pub features: SceneFeatures,
     /// Everything doubtful found on the way in.
     pub warnings: Vec<Warning>,
     /// Lower and upper corner, world metres; of the bulk where a few vertices lie far outside.
@@ -119,7 +118,7 @@ pub struct Scene {
     /// Triangles that lie exactly on an earlier one and cannot be told from it, ascending: no ray meets them.
     pub hidden: Vec<u32>,
     /// How hard it is on numbers, and what was mended.
-    pub stiffness: Stiffness,
+    pub conditioning: Conditioning,
 }
 
 /// How a triangle of a dielectric bounds it.

@@ -97,7 +97,7 @@ impl SunPosition {
 const AIR_DEPTH: Vec3 = Vec3::new(0.0656, 0.1001, 0.1985);
 
 /// Height for which the usual sun and sky are meant, degrees.
-const USUAL_HEIGHT_DEG: f64 = 55.0;
+const DEFAULT_HEIGHT_DEG: f64 = 55.0;
 
 /// The sun has gone from all of the sky, degrees: the end of civil twilight.
 const TWILIGHT_DEG: f64 = -6.0;
@@ -106,10 +106,10 @@ const TWILIGHT_DEG: f64 = -6.0;
 pub fn clear_daylight(position: &SunPosition, north_deg: f64) -> Daylight {
     let (_, radius, usual) = daylight_sun();
     let passed = |height_deg: f64| (-AIR_DEPTH * air_mass(height_deg)).map(f32::exp);
-    let irradiance = usual * passed(position.height_deg) / passed(USUAL_HEIGHT_DEG);
+    let irradiance = usual * passed(position.height_deg) / passed(DEFAULT_HEIGHT_DEG);
     let direction = position.direction(north_deg).as_vec3();
     let sun = (position.height_deg > 0.0).then_some((direction, radius, irradiance));
-    let share = (sky_klux(position.height_deg) / sky_klux(USUAL_HEIGHT_DEG)) as f32;
+    let share = (sky_klux(position.height_deg) / sky_klux(DEFAULT_HEIGHT_DEG)) as f32;
     let Sky { zenith, horizon, ground } = DAYLIGHT_SKY;
     let sky = Sky { zenith: zenith * share, horizon: horizon * share, ground: ground * share };
     Daylight { sun, sky: (share > 0.0).then_some(sky) }
@@ -189,7 +189,7 @@ mod tests {
     #[test]
     fn a_low_sun_is_red_and_a_sun_below_the_horizon_is_gone() {
         let light = |height_deg| clear_daylight(&SunPosition { azimuth_deg: 180.0, height_deg }, 0.0);
-        let (_, _, usual) = light(USUAL_HEIGHT_DEG).sun.unwrap();
+        let (_, _, usual) = light(DEFAULT_HEIGHT_DEG).sun.unwrap();
         assert!((usual - daylight_sun().2).length() < 1e-4);
         let (_, _, low) = light(2.0).sun.unwrap();
         assert!(low.x > 2.0 * low.z && low.max_element() < usual.max_element());

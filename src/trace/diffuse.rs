@@ -5,13 +5,13 @@
 //! interreflection is path traced when bounces are asked for.
 
 use super::bvh::{BUNDLE_RAYS, RayBundle};
-use super::light_sample::{add_samples, is_behind, sample_count};
 use super::pixel::{RayCounts, TraceSettings};
-use super::quad_sample::Points;
 use super::{SurfacePoint, Tracer};
 use crate::math::Ray;
-use crate::math::hash::Key;
+use crate::math::key::Key;
 use crate::math::sampling::{cosine_hemisphere, frame_around, lattice};
+use crate::trace::lights::quad::Points;
+use crate::trace::lights::sample::{add_samples, is_behind, sample_count};
 use glam::Vec3;
 use std::f32::consts::{FRAC_1_PI, PI};
 

@@ -3,7 +3,7 @@
 
 use super::Tracer;
 use crate::camera::Camera;
-use crate::camera_path::CameraPath;
+use crate::camera::CameraPath;
 use crate::scene::{Light, NamedView};
 use glam::{DQuat, DVec3};
 use std::f64::consts::{PI, TAU};
@@ -16,13 +16,13 @@ const LOOKS: i32 = 24;
 // Sponza outside, the open Cornell box before its opening.
 
 /// From this share of backs among what is seen from outside on, it is the inside that the model shows.
-const LEAST_BACKS: f64 = 0.4;
+const MIN_BACKS: f64 = 0.4;
 
 /// Places tried along each side of the plan.
 const PLACES: i32 = 12;
 
 /// Storeys tried at a place.
-const MOST_FLOORS: usize = 8;
+const MAX_FLOORS: usize = 8;
 
 /// What was hit is passed by so much of the model's diagonal to look for the next floor: less than a storey is high.
 const PAST: f64 = 1e-3;
@@ -37,10 +37,10 @@ const DIRECTIONS: i32 = 96;
 const STEP_M: f64 = 0.3;
 
 /// A room has walls, floor and ceiling in this share of all directions; the rest are its windows.
-const LEAST_ENCLOSED: f64 = 0.85;
+const MIN_ENCLOSED: f64 = 0.85;
 
 /// And shows their fronts in this share.
-const LEAST_FRONTS: f64 = 0.7;
+const MIN_FRONTS: f64 = 0.7;
 
 /// Directions of view tried, and the angles to all sides of each that it is judged by.
 const HEADINGS: i32 = 24;
@@ -78,7 +78,7 @@ impl Tracer {
         let seen =
             looks.filter_map(|[x, y]| self.probe(start.eye, axes * DVec3::new(x, y, -1.0), f64::INFINITY));
         let (backs, all) = seen.fold((0, 0), |(backs, all), p| (backs + i32::from(!p.is_front), all + 1));
-        f64::from(backs) >= LEAST_BACKS * f64::from(all.max(1))
+        f64::from(backs) >= MIN_BACKS * f64::from(all.max(1))
     }
 
     /// The eye of one who stands in the room with the most space around; `None` where there is no room.
@@ -104,7 +104,7 @@ impl Tracer {
         let [low, high] = self.scene().bounds_m;
         let past = (high - low).length() * PAST;
         let (mut at, mut eyes) = (top + DVec3::Y * past, Vec::new());
-        for _ in 0..MOST_FLOORS {
+        for _ in 0..MAX_FLOORS {
             let Some(floor) = self.probe(at, DVec3::NEG_Y, f64::INFINITY) else { break };
             if floor.distance_m >= HEADROOM_M {
                 eyes.push(floor.position_m + DVec3::Y * Camera::EYE_HEIGHT_M);
@@ -119,8 +119,8 @@ impl Tracer {
         let directions = (0..DIRECTIONS).map(|i| spread(i, DIRECTIONS));
         let hits: Vec<_> = directions.filter_map(|d| self.probe(eye, d, f64::INFINITY)).collect();
         let fronts = hits.iter().filter(|p| p.is_front).count() as f64;
-        let is_room = hits.len() as f64 >= LEAST_ENCLOSED * f64::from(DIRECTIONS)
-            && fronts >= LEAST_FRONTS * hits.len() as f64;
+        let is_room = hits.len() as f64 >= MIN_ENCLOSED * f64::from(DIRECTIONS)
+            && fronts >= MIN_FRONTS * hits.len() as f64;
         let mut distances: Vec<f64> = hits.iter().map(|p| p.distance_m).collect();
         distances.sort_by(f64::total_cmp);
         is_room.then(|| distances[distances.len() / 2])
@@ -139,7 +139,7 @@ impl Tracer {
         let headings = (0..HEADINGS).map(|i| f64::from(i) / f64::from(HEADINGS) * TAU);
         let scored = headings.map(|yaw| (space(yaw), yaw));
         let (_, widest) = scored.max_by(|(a, _), (b, _)| a.total_cmp(b)).unwrap_or_default();
-        Camera::look_at(eye, eye + direction(widest, 0.0), Camera::USUAL_FOV_Y_DEG)
+        Camera::look_at(eye, eye + direction(widest, 0.0), Camera::DEFAULT_FOV_Y_DEG)
     }
 }
 

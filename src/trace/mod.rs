@@ -6,22 +6,22 @@
 pub mod bvh;
 pub mod diffuse;
 mod indoors;
-mod light_grid;
-mod light_sample;
+pub mod lights;
 pub mod parallel;
 pub mod pixel;
 pub mod primary;
 mod primary_tile;
 mod probe;
-mod quad_sample;
-mod shadow;
 pub mod specular;
 mod surface;
 
 pub use bvh::{BUNDLE_RAYS, Bvh, Hit, RayBundle, RayTile, TILE_RAYS, TILE_SIDE, TileHits};
-pub use light_grid::{LightCuts, LightGrid};
+pub use lights::grid::{LightCuts, LightGrid};
 pub use pixel::{PixelTrace, RayCounts, TraceSettings};
 pub use primary::{SceneEpoch, Tracer};
 pub use primary_tile::primary_tile;
 pub use probe::Probe;
 pub use surface::{ILL_CONDITIONED, SurfacePoint};
+
+/// The triangle of a sky pixel.
+pub const NO_TRIANGLE: u32 = u32::MAX;

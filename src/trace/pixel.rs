@@ -4,7 +4,7 @@ use super::specular::Link;
 use super::{Hit, SurfacePoint, Tracer};
 use crate::camera::View;
 use crate::math::Ray;
-use crate::math::hash::Key;
+use crate::math::key::Key;
 use glam::Vec3;
 use std::ops::AddAssign;
 

@@ -1,11 +1,11 @@
 //! The tracer: a scene with its hierarchy, and the rays that ask it questions.
 
 use super::bvh::{Bvh, Hit};
-use super::light_grid::LightGrid;
 use super::surface::{SurfacePoint, interpolate_uv};
 use crate::camera::View;
 use crate::math::Ray;
 use crate::scene::Scene;
+use crate::trace::lights::grid::LightGrid;
 use glam::Vec3;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -106,7 +106,7 @@ impl Tracer {
 
     /// The nearest surface along a ray. Cut-out texels are no surface.
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
-        if self.scene.needs.checks_hits() {
+        if self.scene.features.checks_hits() {
             self.bvh.closest(ray, |hit| self.stands(ray, hit))
         } else {
             self.bvh.closest(ray, |_| true)
@@ -115,8 +115,8 @@ impl Tracer {
 
     /// True where the surface is there and met where it lies.
     pub(super) fn stands(&self, ray: &Ray, hit: &Hit) -> bool {
-        let needs = self.scene.needs;
-        (!needs.alpha || self.is_covered(hit)) && (!needs.needles || self.is_in_reach(ray, hit))
+        let features = self.scene.features;
+        (!features.alpha || self.is_covered(hit)) && (!features.needles || self.is_in_reach(ray, hit))
     }
 
     /// True where a hit lies no nearer and no farther than its triangle, by a thousandth. On needles it may not: the

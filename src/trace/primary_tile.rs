@@ -12,7 +12,7 @@ impl Tracer {
     pub fn closest_in_tile(&self, view: &View, corner: [u32; 2], tile: &mut RayTile, hits: &mut TileHits) {
         *tile = primary_tile(view, corner);
         let stands = |ray: usize, hit: &Hit| self.stands(&tile.ray(ray), hit);
-        self.bvh().closest_in_tile(tile, !self.scene().needs.checks_hits(), stands, hits);
+        self.bvh().closest_in_tile(tile, !self.scene().features.checks_hits(), stands, hits);
     }
 
     /// The same, as if surfaces of glass that scatter nothing were not there.
@@ -23,7 +23,7 @@ impl Tracer {
         tile: &mut RayTile,
         hits: &mut TileHits,
     ) {
-        if !self.scene().needs.glass {
+        if !self.scene().features.glass {
             return self.closest_in_tile(view, corner, tile, hits);
         }
         *tile = primary_tile(view, corner);

@@ -46,13 +46,13 @@ fn cornell_box_has_one_lamp_and_two_boxes() {
     assert!(matches!(&scene.lights[..], [Light::Quad { .. }]));
     // Five walls, the lamp, and five sides each of two boxes.
     assert_eq!(scene.triangles.len(), 2 * (5 + 1 + 2 * 5));
-    assert!(!scene.needs.mirror && !scene.needs.glass && !scene.needs.textures);
+    assert!(!scene.features.mirror && !scene.features.glass && !scene.features.textures);
 }
 
 #[test]
 fn cornell_spheres_are_a_mirror_and_a_solid_of_glass() {
     let scene = scene("cornell-glass");
-    assert!(scene.needs.mirror && scene.needs.glass);
+    assert!(scene.features.mirror && scene.features.glass);
     let glass: Vec<SolidSide> = (0..scene.triangles.len() as u32)
         .filter(|&t| matches!(scene.material_of(t).kind, MaterialKind::Glass { .. }))
         .map(|t| scene.solids[t as usize])

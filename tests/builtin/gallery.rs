@@ -33,9 +33,9 @@ fn gallery_has_twelve_quads_for_lamps() {
 
 #[test]
 fn gallery_needs_mirrors_glass_textures_and_area_lights() {
-    let needs = scene("gallery").needs;
-    assert!(needs.mirror && needs.glass && needs.textures && needs.area_lights);
-    assert!(!needs.alpha && !needs.sky);
+    let features = scene("gallery").features;
+    assert!(features.mirror && features.glass && features.textures && features.area_lights);
+    assert!(!features.alpha && !features.sky);
 }
 
 #[test]

@@ -1,8 +1,8 @@
 //! Files that attack or never end: nothing outside the folder, nothing that is not a file, nothing too long.
 
 use super::{Folder, TRIANGLE, material, warning};
+use afterimage::import::{Phase, load};
 use afterimage::scene::SceneError;
-use afterimage::scene::import::{Phase, load};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 

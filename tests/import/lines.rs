@@ -1,8 +1,8 @@
 //! Lines, faces and vertices: every way of writing them, and every way of writing them wrong.
 
 use super::{Folder, TRIANGLE, area_m2, assert_clean, doubts, load_obj, warning};
+use afterimage::import::{Unit, Up};
 use afterimage::scene::SceneError;
-use afterimage::scene::import::{Unit, Up};
 use glam::DVec3;
 
 fn assert_triangle(text: impl AsRef<[u8]>) {

@@ -172,7 +172,7 @@ fn ke_makes_a_light() {
     assert_clean(&scene);
     assert_eq!(material(&scene, "a").emission.to_array(), [10.0, 9.0, 8.0]);
     assert_eq!(scene.lights.len(), 1);
-    assert!(scene.needs.area_lights);
+    assert!(scene.features.area_lights);
 }
 
 #[test]

@@ -9,7 +9,7 @@ mod real;
 mod sidecar;
 mod textures;
 
-use afterimage::scene::import::{ImportOptions, load};
+use afterimage::import::{ImportOptions, load};
 use afterimage::scene::{Material, Scene, SceneError};
 use std::path::PathBuf;
 use tempfile::TempDir;

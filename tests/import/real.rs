@@ -1,7 +1,7 @@
 //! Scenes made by others, where this machine has them, and the time that a large model may take.
 
 use super::{doubts, material};
-use afterimage::scene::import::{ImportOptions, load};
+use afterimage::import::{ImportOptions, load};
 use afterimage::scene::{MaterialKind, Scene};
 use std::fmt::Write as _;
 use std::io::Write as _;

@@ -14,7 +14,7 @@ fn unit_and_up_axis_are_set_and_flags_win() {
     let obj = "v 0 0 0\nv 100 0 0\nv 0 0 200\nf 1 2 3\n";
     let mut folder = Folder::with_obj(obj).add("scene.afterimage.toml", "unit = \"cm\"\nup = \"+Z\"\n");
     assert_eq!(folder.load().bounds_m[1], DVec3::new(1.0, 2.0, 0.0));
-    folder.options.unit = Some(afterimage::scene::import::Unit::Metre);
+    folder.options.unit = Some(afterimage::import::Unit::Metre);
     assert_eq!(folder.load().bounds_m[1], DVec3::new(100.0, 200.0, 0.0));
 }
 

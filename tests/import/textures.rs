@@ -143,7 +143,7 @@ fn coverage_comes_from_alpha_that_varies_else_from_brightness() {
     assert_eq!(scene.textures.len(), 1);
     let a = material(&scene, "a");
     assert_eq!(a.alpha_texture, a.diffuse_texture);
-    assert!(scene.needs.alpha);
+    assert!(scene.features.alpha);
 
     let mask = png(2, 1, &[[255, 255, 255, 255], [0, 0, 0, 255]]);
     let folder = Folder::with_mtl(&["a"], "newmtl a\nmap_d mask.png\n");

@@ -84,7 +84,7 @@ pub const NAMES: [&str; 12] = [
 pub const UI_SCALES: std::ops::RangeInclusive<f32> = 0.5..=3.0;
 
 /// A file of settings, by the user or beside a scene, is read up to here; the importer reads no more either.
-pub(crate) const MOST_BYTES: u64 = 16 << 20;
+pub(crate) const MAX_BYTES: u64 = 16 << 20;
 
 /// Names the file of the user's settings.
 pub const CONFIG_VARIABLE: &str = "AFTERIMAGE_CONFIG";
@@ -190,7 +190,7 @@ fn table_of(path: &Path, warnings: &mut Vec<String>) -> Option<Table> {
     if is_absent(path) {
         return None;
     }
-    let text = read_text(path, MOST_BYTES)
+    let text = read_text(path, MAX_BYTES)
         .map_err(|cause| warnings.push(format!("{cause}; its settings are left aside")))
         .ok()?;
     text.parse().map_err(|error| warnings.push(broken(path, &text, &error))).ok()
@@ -235,7 +235,7 @@ pub(crate) fn suggestion(word: &str, known: &[&str]) -> String {
 /// # Errors
 /// A message for people.
 pub fn write(path: &Path, name: &str, value: Option<toml_edit::Value>) -> Result<(), String> {
-    let text = if is_absent(path) { String::new() } else { read_text(path, MOST_BYTES)? };
+    let text = if is_absent(path) { String::new() } else { read_text(path, MAX_BYTES)? };
     let mut document: toml_edit::DocumentMut = text.parse().map_err(|error| {
         format!("the settings in {} are not changed, because the file is broken: {error}", path.display())
     })?;
@@ -308,7 +308,7 @@ mod tests {
     fn what_is_no_file_of_settings_is_left_aside_unread() {
         let folder = tempfile::tempdir().unwrap();
         let huge = folder.path().join("huge.toml");
-        std::fs::File::create(&huge).unwrap().set_len(MOST_BYTES + 1).unwrap();
+        std::fs::File::create(&huge).unwrap().set_len(MAX_BYTES + 1).unwrap();
         let latin = folder.path().join("latin.toml");
         std::fs::write(&latin, b"pictures = '/home/jos\xe9'\n").unwrap();
         for (path, words) in
@@ -319,7 +319,7 @@ mod tests {
             assert!(warnings.len() == 1 && warnings[0].contains(words), "{warnings:?}");
             assert!(write(path, "theme", Some("dark".into())).is_err());
         }
-        assert_eq!(std::fs::metadata(&huge).unwrap().len(), MOST_BYTES + 1, "it is not touched");
+        assert_eq!(std::fs::metadata(&huge).unwrap().len(), MAX_BYTES + 1, "it is not touched");
     }
 
     #[test]

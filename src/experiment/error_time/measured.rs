@@ -32,7 +32,7 @@ impl Metric {
 
 /// A place of the walk.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Place {
+pub(super) struct SurfaceKey {
     /// Of all repetitions that count.
     pub(super) frame_secs: Vec<f64>,
     /// What a frame pays for the references of the walk.
@@ -41,7 +41,7 @@ pub(super) struct Place {
     pub(super) values: [f64; METRICS.len()],
 }
 
-impl Place {
+impl SurfaceKey {
     /// Of a frame, without or with its share of references.
     pub(super) fn secs(&self, references_count: bool) -> f64 {
         let own = median(self.frame_secs.iter().copied()).unwrap_or(f64::NAN);
@@ -56,7 +56,7 @@ pub(super) struct Setup {
     /// `None` where the walk was flown with its own.
     pub(super) references: Option<usize>,
     pub(super) samples: usize,
-    pub(super) places: BTreeMap<usize, Place>,
+    pub(super) places: BTreeMap<usize, SurfaceKey>,
 }
 
 impl Setup {
@@ -104,7 +104,7 @@ impl Setup {
     }
 
     /// Places that have errors: all of still views, some of a flown walk.
-    pub(super) fn measured(&self) -> impl Iterator<Item = (&usize, &Place)> + Clone {
+    pub(super) fn measured(&self) -> impl Iterator<Item = (&usize, &SurfaceKey)> + Clone {
         self.places.iter().filter(|(_, p)| p.values.iter().all(|v| v.is_finite()))
     }
 
@@ -120,7 +120,7 @@ impl Setup {
 
     /// Quartiles over repetitions and the walk.
     pub(super) fn secs_range(&self, references_count: bool) -> Option<[f64; 2]> {
-        let share = |p: &Place| if references_count { p.reference_secs } else { 0.0 };
+        let share = |p: &SurfaceKey| if references_count { p.reference_secs } else { 0.0 };
         quartiles(self.places.values().flat_map(|p| p.frame_secs.iter().map(move |s| s + share(p))))
     }
 

@@ -1,8 +1,8 @@
 //! The middle view in every mode, and the part of it where they differ most, with error maps.
 
-use super::super::run::{CellOutcome, Lab, LabError, RunRecord};
+use super::super::run::{CellOutcome, ExperimentContext, ExperimentError, RunRecord};
 use super::super::trial::{References, Trial, truth_of};
-use super::{REUSING, USUAL_REFERENCES, poses, view_share};
+use super::{DEFAULT_REFERENCES, REUSING, poses, view_share};
 use crate::raster::color::{ToneMap, srgb8};
 use crate::raster::load::exposed;
 use crate::raster::metrics::{error_picture, flip_map};
@@ -24,28 +24,29 @@ struct Shown {
 }
 
 /// Saves the pictures; a record for every mode.
-pub(super) fn run(lab: &Lab<'_>) -> CellOutcome {
-    let (trace, size) = (lab.settings.trace(), lab.settings.size);
-    let (camera, poses) = poses(lab, view_share(lab, lab.settings.views / 2), USUAL_REFERENCES)?;
-    let Some(truth) = truth_of(lab, &camera) else { return Ok(None) };
-    let Some(references) = References::trace(lab, &poses, &trace) else { return Ok(None) };
-    let (none, exposure_ev) = (References::none(lab), lab.exposure_ev(&truth));
+pub(super) fn run(context: &ExperimentContext<'_>) -> CellOutcome {
+    let (trace, size) = (context.settings.trace(), context.settings.size);
+    let (camera, poses) =
+        poses(context, view_share(context, context.settings.views / 2), DEFAULT_REFERENCES)?;
+    let Some(truth) = truth_of(context, &camera) else { return Ok(None) };
+    let Some(references) = References::trace(context, &poses, &trace) else { return Ok(None) };
+    let (none, exposure_ev) = (References::none(context), context.exposure_ev(&truth));
     let mut all = Vec::new();
     for mode in [Mode::Full].into_iter().chain(REUSING) {
         let references = if mode == Mode::Full { &none } else { &references };
         let mut renderer = Renderer::default();
         let trial = Trial { mode, trace, camera, references };
-        let Some(frame) = trial.render(lab, &mut renderer) else { return Ok(None) };
+        let Some(frame) = trial.render(context, &mut renderer) else { return Ok(None) };
         all.push(shown(mode, frame, &truth, exposure_ev)?);
     }
     let part = worst_part(size, &all);
     let truth_picture: Vec<[u8; 3]> = truth.iter().map(|v| srgb8(*v, exposure_ev, ToneMap::Aces)).collect();
-    save(lab, "truth", &truth_picture, part)?;
+    save(context, "truth", &truth_picture, part)?;
     for shown in &all {
         let name = shown.mode.name();
-        save(lab, name, &shown.picture, part)?;
-        save(lab, &format!("{name}-error"), &error_picture(&shown.flip), part)?;
-        lab.save_picture(&format!("{name}-types.png"), size, &shown.types)?;
+        save(context, name, &shown.picture, part)?;
+        save(context, &format!("{name}-error"), &error_picture(&shown.flip), part)?;
+        context.save_picture(&format!("{name}-types.png"), size, &shown.types)?;
     }
     let record = |s: &Shown| {
         let mean = s.flip.iter().map(|v| f64::from(*v)).sum::<f64>() / s.flip.len() as f64;
@@ -54,7 +55,7 @@ pub(super) fn run(lab: &Lab<'_>) -> CellOutcome {
     Ok(Some(all.iter().map(record).collect()))
 }
 
-fn shown(mode: Mode, frame: &Frame, truth: &[Vec3], exposure_ev: f32) -> Result<Shown, LabError> {
+fn shown(mode: Mode, frame: &Frame, truth: &[Vec3], exposure_ev: f32) -> Result<Shown, ExperimentError> {
     let [found, right] = [&frame.radiance[..], truth].map(|r| exposed(r, exposure_ev));
     Ok(Shown {
         mode,
@@ -83,13 +84,18 @@ fn worst_part([width, height]: [u32; 2], all: &[Shown]) -> Part {
 }
 
 /// The whole and the part.
-fn save(lab: &Lab<'_>, name: &str, picture: &[[u8; 3]], [left, top, w, h]: Part) -> Result<(), LabError> {
-    let [width, _] = lab.settings.size;
-    lab.save_picture(&format!("{name}.png"), lab.settings.size, picture)?;
+fn save(
+    context: &ExperimentContext<'_>,
+    name: &str,
+    picture: &[[u8; 3]],
+    [left, top, w, h]: Part,
+) -> Result<(), ExperimentError> {
+    let [width, _] = context.settings.size;
+    context.save_picture(&format!("{name}.png"), context.settings.size, picture)?;
     let row = |y: u32| {
         let start = (y * width + left) as usize;
         picture[start..start + w as usize].iter().copied()
     };
     let part: Vec<[u8; 3]> = (top..top + h).flat_map(row).collect();
-    lab.save_picture(&format!("{name}-part.png"), [w, h], &part)
+    context.save_picture(&format!("{name}-part.png"), [w, h], &part)
 }

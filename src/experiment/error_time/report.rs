@@ -6,7 +6,7 @@ use super::super::statistics::median;
 use super::compare::pareto;
 use super::measured::{METRICS, Setup};
 use super::words::{factors, headline, summary, time, times};
-use super::{REUSING, USUAL_REFERENCES};
+use super::{DEFAULT_REFERENCES, REUSING};
 use serde_json::{Map, Value, json};
 
 /// The same in every chart.
@@ -167,9 +167,9 @@ fn influences(setups: &[Setup], samples: usize) -> Vec<Block> {
     let of_references = |s: &Setup| s.references.unwrap_or(0);
     let is_reusing = |s: &Setup| s.samples == samples && s.references.is_some_and(|n| n > 0);
     let is_usual =
-        |s: &Setup| s.references.is_some_and(|n| n == USUAL_REFERENCES || n == 0 && s.mode == "full");
+        |s: &Setup| s.references.is_some_and(|n| n == DEFAULT_REFERENCES || n == 0 && s.mode == "full");
     let with = format!("FLIP by references, {samples} samples");
-    let by = format!("FLIP by samples, {USUAL_REFERENCES} references");
+    let by = format!("FLIP by samples, {DEFAULT_REFERENCES} references");
     vec![
         chart("by-references", with, "references", lines(&of_references, &is_reusing)),
         chart("by-samples", by, "shadow rays per light and pixel", lines(&|s| s.samples, &is_usual)),
@@ -200,7 +200,7 @@ fn equal_errors(setups: &[Setup]) -> Table {
 
 fn by_type(records: &[RunRecord], samples: usize) -> Table {
     let row = |mode: &str| {
-        let references = if mode == "full" { 0 } else { USUAL_REFERENCES };
+        let references = if mode == "full" { 0 } else { DEFAULT_REFERENCES };
         let wanted = RunRecord::default()
             .with("kind", "still")
             .with("mode", mode)
@@ -217,7 +217,7 @@ fn by_type(records: &[RunRecord], samples: usize) -> Table {
     let parts = ["share of pixels, %", "share of squared error, %", "mean squared error"];
     let names = parts.iter().flat_map(|part| (1..=3).map(move |t| format!("Type {t}, {part}")));
     Table {
-        title: format!("Error by type of pixel, {USUAL_REFERENCES} references, {samples} samples; medians"),
+        title: format!("Error by type of pixel, {DEFAULT_REFERENCES} references, {samples} samples; medians"),
         columns: std::iter::once("mode".to_owned()).chain(names).collect(),
         rows: COLORS.iter().map(|(mode, _)| row(mode)).filter(|row| !row[1].is_null()).collect(),
     }
@@ -254,7 +254,7 @@ fn pictures(records: &[RunRecord], samples: usize) -> Vec<Block> {
     };
     let name = |mode: &str| match mode {
         "full" => format!("full, {samples} samples"),
-        mode => format!("{mode}, {USUAL_REFERENCES} references, {samples} samples"),
+        mode => format!("{mode}, {DEFAULT_REFERENCES} references, {samples} samples"),
     };
     let file = |mode: &str, what: &str| format!("{mode}{what}.png");
     let mut blocks = Vec::new();

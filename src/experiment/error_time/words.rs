@@ -2,7 +2,7 @@
 
 use super::compare::{Bound, Factor, equal_error, full_at, full_error_at, full_medians, middle, pareto};
 use super::measured::{METRICS, Setup};
-use super::{REUSING, USUAL_REFERENCES};
+use super::{DEFAULT_REFERENCES, REUSING};
 use serde_json::{Value, json};
 
 /// The metric that sentences lead with.
@@ -10,7 +10,7 @@ const LEAD: usize = 0;
 
 /// What is compared in words: still with the usual number of references, and flown.
 pub(super) fn usual(setups: &[Setup], samples: usize) -> Vec<&Setup> {
-    let is_usual = |s: &&Setup| s.samples == samples && s.references.is_none_or(|n| n == USUAL_REFERENCES);
+    let is_usual = |s: &&Setup| s.samples == samples && s.references.is_none_or(|n| n == DEFAULT_REFERENCES);
     REUSING.iter().flat_map(|mode| setups.iter().filter(|s| s.mode == mode.name()).filter(is_usual)).collect()
 }
 
@@ -22,7 +22,7 @@ pub(super) fn factors(
     references_count: bool,
 ) -> Option<[Factor; 3]> {
     let measure = METRICS[metric];
-    let at = |(place, found): (&usize, &super::measured::Place)| {
+    let at = |(place, found): (&usize, &super::measured::SurfaceKey)| {
         // A flown frame has no view of full tracing of its own: it is held against the walk's medians.
         let full = match setup.references {
             Some(_) => full_at(setups, *place, measure, metric),

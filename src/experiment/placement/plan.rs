@@ -10,7 +10,7 @@ use glam::{DVec2, DVec3};
 const WIDTH: u32 = 960;
 
 /// Its height at most.
-const MOST_HEIGHT: u32 = 960;
+const MAX_HEIGHT: u32 = 960;
 
 /// Around the walk and the references, metres.
 const MARGIN_M: f64 = 5.0;
@@ -93,7 +93,7 @@ impl Sheet {
         let (low, high) = if low.is_finite() { (low, high) } else { (DVec2::ZERO, DVec2::ZERO) };
         let (low, high) = (low - MARGIN_M, high + MARGIN_M);
         let extent = high - low;
-        let pixels_per_m = (f64::from(WIDTH) / extent.x).min(f64::from(MOST_HEIGHT) / extent.y);
+        let pixels_per_m = (f64::from(WIDTH) / extent.x).min(f64::from(MAX_HEIGHT) / extent.y);
         let size = [extent.x, extent.y].map(|e| (e * pixels_per_m).ceil() as u32);
         Self { size, low, pixels_per_m, pixels: vec![PAPER; size[0] as usize * size[1] as usize] }
     }

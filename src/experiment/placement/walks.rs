@@ -1,8 +1,8 @@
 //! Six ways to move, made from a scene's own walk so that every scene has them.
 
-use super::super::run::Lab;
+use super::super::run::ExperimentContext;
 use crate::camera::Camera;
-use crate::camera_path::CameraPath;
+use crate::camera::CameraPath;
 use crate::trace::Tracer;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
@@ -29,13 +29,13 @@ pub(super) const WALKS: [(&str, Poses); 6] = [
 ];
 
 /// The poses of a walk by its name.
-pub(super) fn cameras(lab: &Lab<'_>, name: &str) -> Option<Vec<Camera>> {
+pub(super) fn cameras(context: &ExperimentContext<'_>, name: &str) -> Option<Vec<Camera>> {
     let (_, poses) = WALKS.into_iter().find(|(n, _)| *n == name)?;
     let way = Way {
-        tracer: lab.tracer,
-        walk: lab.walk,
-        length_m: lab.walk.length_m(),
-        frames: lab.settings.frames,
+        tracer: context.tracer,
+        walk: context.walk,
+        length_m: context.walk.length_m(),
+        frames: context.settings.frames,
     };
     poses(&way)
 }

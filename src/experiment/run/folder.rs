@@ -2,7 +2,7 @@
 
 use super::journal::{Done, Journal};
 use super::manifest::{FORMAT, Manifest, Session};
-use super::{Identity, LabError, Report, RunRecord, Shard};
+use super::{ExperimentError, Identity, Report, RunRecord, Shard};
 use crate::experiment::record::csv;
 use crate::raster::load::read_bounded;
 use crate::raster::save::write_atomically;
@@ -28,18 +28,18 @@ impl RunFolder {
     /// Opens the folder of a run: a new one, or one in which the very same run was begun.
     ///
     /// # Errors
-    /// [`LabError`] where it holds anything else, where another process writes to it, or where it cannot be written.
+    /// [`ExperimentError`] where it holds anything else, where another process writes to it, or where it cannot be written.
     pub fn open(
         path: &Path,
         identity: Identity,
         shard: Shard,
         cells: usize,
         session: Session,
-    ) -> Result<Self, LabError> {
+    ) -> Result<Self, ExperimentError> {
         if !is_new(path)? {
             check(path, &read_manifest(path)?, &identity, shard)?;
         }
-        std::fs::create_dir_all(path.join("images")).map_err(|e| LabError::at(path, e))?;
+        std::fs::create_dir_all(path.join("images")).map_err(|e| ExperimentError::at(path, e))?;
         let lock = lock(path)?;
         // Another process may have begun in between.
         let known = if path.join(MANIFEST).exists() { Some(read_manifest(path)?) } else { None };
@@ -61,7 +61,7 @@ impl RunFolder {
         let folder = Self { path: path.to_owned(), journal: Journal::open(path)?, manifest, _lock: lock };
         folder.write_manifest()?;
         let config = toml::to_string(&folder.manifest.identity.settings)
-            .map_err(|e| LabError::Folder { path: path.to_owned(), cause: e.to_string() })?;
+            .map_err(|e| ExperimentError::Folder { path: path.to_owned(), cause: e.to_string() })?;
         write_atomically(&path.join("config.toml"), config.as_bytes())?;
         Ok(folder)
     }
@@ -89,8 +89,8 @@ impl RunFolder {
     /// Keeps what a cell left.
     ///
     /// # Errors
-    /// [`LabError`] where it cannot be written.
-    pub fn add(&mut self, done: Done) -> Result<(), LabError> {
+    /// [`ExperimentError`] where it cannot be written.
+    pub fn add(&mut self, done: Done) -> Result<(), ExperimentError> {
         self.journal.add(done)
     }
 
@@ -104,8 +104,8 @@ impl RunFolder {
     /// Brings the tables up to what the journal holds: `records.csv`, `summary.json`, `manifest.json`.
     ///
     /// # Errors
-    /// [`LabError`] where one cannot be written.
-    pub fn export(&mut self, report: &Report) -> Result<(), LabError> {
+    /// [`ExperimentError`] where one cannot be written.
+    pub fn export(&mut self, report: &Report) -> Result<(), ExperimentError> {
         write_atomically(&self.path.join("records.csv"), csv(&self.records()).as_bytes())?;
         let summary = serde_json::to_string_pretty(&report.summary).unwrap_or_default();
         write_atomically(&self.path.join("summary.json"), (summary + "\n").as_bytes())?;
@@ -116,30 +116,30 @@ impl RunFolder {
         self.write_manifest()
     }
 
-    fn write_manifest(&self) -> Result<(), LabError> {
+    fn write_manifest(&self) -> Result<(), ExperimentError> {
         let text = serde_json::to_string_pretty(&self.manifest).unwrap_or_default();
         Ok(write_atomically(&self.path.join(MANIFEST), (text + "\n").as_bytes())?)
     }
 }
 
 /// True where nothing is there yet.
-fn is_new(path: &Path) -> Result<bool, LabError> {
+fn is_new(path: &Path) -> Result<bool, ExperimentError> {
     match std::fs::read_dir(path) {
         // A lock alone is left by a run that ended before it began.
         Ok(mut entries) => {
             Ok(entries.all(|e| e.is_ok_and(|e| e.file_name() == LOCK || e.file_name() == "images")))
         }
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(true),
-        Err(error) => Err(LabError::at(path, error)),
+        Err(error) => Err(ExperimentError::at(path, error)),
     }
 }
 
 /// What a run folder says of itself.
 ///
 /// # Errors
-/// [`LabError`] where it is none, or one of another form.
-pub fn read_manifest(path: &Path) -> Result<Manifest, LabError> {
-    let not_ours = |cause: String| LabError::Folder { path: path.to_owned(), cause };
+/// [`ExperimentError`] where it is none, or one of another form.
+pub fn read_manifest(path: &Path) -> Result<Manifest, ExperimentError> {
+    let not_ours = |cause: String| ExperimentError::Folder { path: path.to_owned(), cause };
     let bytes = read_bounded(&path.join(MANIFEST), MANIFEST_BYTES)
         .map_err(|e| not_ours(format!("it is no run folder: its {MANIFEST} cannot be read ({})", e.cause)))?;
     let value: serde_json::Value =
@@ -152,10 +152,10 @@ pub fn read_manifest(path: &Path) -> Result<Manifest, LabError> {
     serde_json::from_value(value).map_err(|e| not_ours(format!("its {MANIFEST} is damaged: {e}")))
 }
 
-fn check(path: &Path, found: &Manifest, identity: &Identity, shard: Shard) -> Result<(), LabError> {
+fn check(path: &Path, found: &Manifest, identity: &Identity, shard: Shard) -> Result<(), ExperimentError> {
     let other = |difference: String| {
         let cause = format!("it holds another run ({difference}); nothing was changed, choose another --out");
-        Err(LabError::Folder { path: path.to_owned(), cause })
+        Err(ExperimentError::Folder { path: path.to_owned(), cause })
     };
     if let Some(difference) = identity.difference(&found.identity) {
         return other(difference);
@@ -167,15 +167,15 @@ fn check(path: &Path, found: &Manifest, identity: &Identity, shard: Shard) -> Re
     Ok(())
 }
 
-fn lock(path: &Path) -> Result<File, LabError> {
+fn lock(path: &Path) -> Result<File, ExperimentError> {
     let lock = path.join(LOCK);
     let file = File::options().create(true).truncate(false).write(true).open(&lock);
-    let file = file.map_err(|e| LabError::at(&lock, e))?;
+    let file = file.map_err(|e| ExperimentError::at(&lock, e))?;
     match file.try_lock() {
         Ok(()) => Ok(file),
         Err(TryLockError::WouldBlock) => {
             let cause = "another process is writing to it; every shard needs a folder of its own".to_owned();
-            Err(LabError::Folder { path: path.to_owned(), cause })
+            Err(ExperimentError::Folder { path: path.to_owned(), cause })
         }
         // Some network file systems know no locks; two writers are then the user's to avoid.
         Err(TryLockError::Error(_)) => Ok(file),

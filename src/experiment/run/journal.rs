@@ -1,6 +1,6 @@
 //! What is done, a line a cell: appended, flushed and synced, so that a killed run loses at most the cell it was at.
 
-use super::{LabError, RunRecord};
+use super::{ExperimentError, RunRecord};
 use crate::raster::load::read_bounded;
 use crate::raster::save::write_atomically;
 use serde::{Deserialize, Serialize};
@@ -36,22 +36,22 @@ impl Journal {
     /// the file too.
     ///
     /// # Errors
-    /// [`LabError`] where the file cannot be read or written.
-    pub fn open(folder: &Path) -> Result<Self, LabError> {
+    /// [`ExperimentError`] where the file cannot be read or written.
+    pub fn open(folder: &Path) -> Result<Self, ExperimentError> {
         let path = folder.join(Self::NAME);
         let (done, is_whole) = read(&path)?;
         if !is_whole {
             write_atomically(&path, lines(&done).as_bytes())?;
         }
         let file = OpenOptions::new().create(true).append(true).open(&path);
-        Ok(Self { file: file.map_err(|e| LabError::at(&path, e))?, done })
+        Ok(Self { file: file.map_err(|e| ExperimentError::at(&path, e))?, done })
     }
 
     /// The finished cells of a folder, without a claim to write there.
     ///
     /// # Errors
-    /// [`LabError`] where the file cannot be read.
-    pub fn read(folder: &Path) -> Result<Vec<Done>, LabError> {
+    /// [`ExperimentError`] where the file cannot be read.
+    pub fn read(folder: &Path) -> Result<Vec<Done>, ExperimentError> {
         Ok(read(&folder.join(Self::NAME))?.0)
     }
 
@@ -63,15 +63,15 @@ impl Journal {
     /// Adds a finished cell; afterwards it is on the disk.
     ///
     /// # Errors
-    /// [`LabError`] where it cannot be written.
-    pub fn add(&mut self, done: Done) -> Result<(), LabError> {
+    /// [`ExperimentError`] where it cannot be written.
+    pub fn add(&mut self, done: Done) -> Result<(), ExperimentError> {
         let line = lines(std::slice::from_ref(&done));
         let length = self.file.metadata().map(|m| m.len());
         let write = self.file.write_all(line.as_bytes()).and_then(|()| self.file.sync_data());
         if let Err(error) = write {
             // What was begun is taken back, or the next line would be joined to it.
             let _ = length.and_then(|length| self.file.set_len(length));
-            return Err(LabError::at(Path::new(Self::NAME), error));
+            return Err(ExperimentError::at(Path::new(Self::NAME), error));
         }
         self.done.push(done);
         Ok(())
@@ -83,15 +83,15 @@ fn lines(done: &[Done]) -> String {
 }
 
 /// A million cells have less.
-const MOST_BYTES: u64 = 4 << 30;
+const MAX_BYTES: u64 = 4 << 30;
 
 /// The cells of a journal, and whether every byte of it was of use.
-fn read(path: &Path) -> Result<(Vec<Done>, bool), LabError> {
+fn read(path: &Path) -> Result<(Vec<Done>, bool), ExperimentError> {
     if std::fs::symlink_metadata(path).is_err_and(|e| e.kind() == std::io::ErrorKind::NotFound) {
         return Ok((Vec::new(), true));
     }
-    let bytes = read_bounded(path, MOST_BYTES)
-        .map_err(|e| LabError::Folder { path: path.to_owned(), cause: e.cause })?;
+    let bytes = read_bounded(path, MAX_BYTES)
+        .map_err(|e| ExperimentError::Folder { path: path.to_owned(), cause: e.cause })?;
     // A line without its end was being written when the run was killed, even if it happens to parse.
     let ended = bytes.iter().rposition(|b| *b == b'\n').map_or(0, |at| at + 1);
     let lines: Vec<&[u8]> = bytes[..ended].split(|b| *b == b'\n').filter(|l| !l.is_empty()).collect();

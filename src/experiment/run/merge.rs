@@ -3,7 +3,7 @@
 use super::folder::{RunFolder, read_manifest};
 use super::journal::Journal;
 use super::manifest::{Manifest, Session};
-use super::{LabError, Shard};
+use super::{ExperimentError, Shard};
 use crate::raster::load::read_bounded;
 use crate::raster::save::write_atomically;
 use std::collections::BTreeSet;
@@ -13,14 +13,14 @@ use std::path::{Path, PathBuf};
 /// folder does them. A cell that two folders have is taken from the first.
 ///
 /// # Errors
-/// [`LabError`] where a folder is none, where two are not of one run, or where `into` holds something else.
-pub fn merge(folders: &[PathBuf], into: &Path, session: Session) -> Result<RunFolder, LabError> {
+/// [`ExperimentError`] where a folder is none, where two are not of one run, or where `into` holds something else.
+pub fn merge(folders: &[PathBuf], into: &Path, session: Session) -> Result<RunFolder, ExperimentError> {
     let manifests = folders.iter().map(|f| read_manifest(f)).collect::<Result<Vec<Manifest>, _>>()?;
-    let first = manifests.first().ok_or(LabError::NothingToMerge)?;
+    let first = manifests.first().ok_or(ExperimentError::NothingToMerge)?;
     for (manifest, path) in manifests.iter().zip(folders) {
         if let Some(difference) = first.identity.difference(&manifest.identity) {
             let cause = format!("it is of another run than {} ({difference})", folders[0].display());
-            return Err(LabError::Folder { path: path.clone(), cause });
+            return Err(ExperimentError::Folder { path: path.clone(), cause });
         }
     }
     let ran: Vec<Session> = manifests.iter().flat_map(|m| m.sessions.iter().cloned()).collect();
@@ -41,18 +41,18 @@ pub fn merge(folders: &[PathBuf], into: &Path, session: Session) -> Result<RunFo
 /// Of one picture: a float picture of 8192 x 8192 has less.
 const PICTURE_BYTES: u64 = 2 << 30;
 
-fn copy_images(from: &Path, to: &Path) -> Result<(), LabError> {
+fn copy_images(from: &Path, to: &Path) -> Result<(), ExperimentError> {
     let entries = match std::fs::read_dir(from) {
         Ok(entries) => entries,
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(()),
-        Err(error) => return Err(LabError::at(from, error)),
+        Err(error) => return Err(ExperimentError::at(from, error)),
     };
     for entry in entries {
-        let entry = entry.map_err(|e| LabError::at(from, e))?;
+        let entry = entry.map_err(|e| ExperimentError::at(from, e))?;
         let to = to.join(entry.file_name());
         if entry.path().is_file() && !to.exists() {
             let bytes = read_bounded(&entry.path(), PICTURE_BYTES)
-                .map_err(|e| LabError::Folder { path: e.path, cause: e.cause })?;
+                .map_err(|e| ExperimentError::Folder { path: e.path, cause: e.cause })?;
             write_atomically(&to, &bytes)?;
         }
     }

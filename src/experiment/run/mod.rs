@@ -4,7 +4,7 @@
 //! 1. Write one file `src/experiment/NAME.rs` with a `pub const EXPERIMENT: Experiment`.
 //! 2. `cells` lists what is to be done, each cell a [`RunRecord`] of what sets it apart (`mode`, `samples`, ...).
 //! 3. `run_cell` does one of them and returns flat records: names with units, `repetition`, `is_warm_up: true` where it
-//!    does not count. Pictures go to `lab.save_picture`. Names that hold `_secs`, `speedup`, `per_sec`, `_ns` or `_us`
+//!    does not count. Pictures go to `context.save_picture`. Names that hold `_secs`, `speedup`, `per_sec`, `_ns` or `_us`
 //!    may differ from run to run; all others must be the same to the bit for a seed. `None` after a stop.
 //! 4. `report` turns records, of whatever cells are done, into sentences, a summary, tables and charts.
 //! 5. Add it to [`EXPERIMENTS`].
@@ -30,7 +30,7 @@ pub use record::{RunRecord, counted};
 pub use report::Report;
 
 use super::{error_time, placement, scaling, soak, stability, table1, throughput};
-use crate::camera_path::CameraPath;
+use crate::camera::CameraPath;
 use crate::raster::color::metered_exposure_ev;
 use crate::raster::save::{SaveError, save_png};
 use crate::trace::parallel::Stop;
@@ -60,17 +60,17 @@ pub struct Experiment {
     /// What it is about, in one line.
     pub about: &'static str,
     /// What is asked for where the user says nothing else.
-    pub settings: fn(Effort) -> LabSettings,
+    pub settings: fn(Effort) -> ExperimentSettings,
     /// What is to be done.
-    pub cells: fn(&Lab<'_>) -> Vec<Cell>,
+    pub cells: fn(&ExperimentContext<'_>) -> Vec<Cell>,
     /// Does one of them. `None` after a stop.
-    pub run_cell: fn(&Lab<'_>, &RunRecord) -> CellOutcome,
+    pub run_cell: fn(&ExperimentContext<'_>, &RunRecord) -> CellOutcome,
     /// What the records say.
     pub report: fn(&Identity, &[RunRecord]) -> Report,
 }
 
 /// What a cell left. `None` after a stop.
-pub type CellOutcome = Result<Option<Vec<RunRecord>>, LabError>;
+pub type CellOutcome = Result<Option<Vec<RunRecord>>, ExperimentError>;
 
 /// How long a run may take.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -85,7 +85,7 @@ pub enum Effort {
 
 /// What every experiment is told.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct LabSettings {
+pub struct ExperimentSettings {
     /// How much is tried.
     pub effort: Effort,
     /// Of pictures.
@@ -106,12 +106,12 @@ pub struct LabSettings {
     pub truth_samples: u32,
     /// Memory for references.
     pub cache_mb: u64,
-    /// Stops that pictures are brought up by before they are shown and compared; see [`Lab::exposure_ev`].
+    /// Stops that pictures are brought up by before they are shown and compared; see [`ExperimentContext::exposure_ev`].
     #[serde(skip_serializing_if = "Option::is_none")] // TOML knows no nothing
     pub exposure_ev: Option<f32>,
 }
 
-impl Default for LabSettings {
+impl Default for ExperimentSettings {
     fn default() -> Self {
         Self {
             effort: Effort::Usual,
@@ -129,7 +129,7 @@ impl Default for LabSettings {
     }
 }
 
-impl LabSettings {
+impl ExperimentSettings {
     /// Samples, bounces, seed.
     pub fn trace(&self) -> TraceSettings {
         TraceSettings { samples: self.samples, bounces: self.bounces, seed: self.seed }
@@ -138,13 +138,13 @@ impl LabSettings {
 
 /// Where cells are run.
 #[derive(Clone, Copy)]
-pub struct Lab<'a> {
+pub struct ExperimentContext<'a> {
     /// The scene.
     pub tracer: &'a Arc<Tracer>,
     /// The scene's own walk, or one that was recorded.
     pub walk: &'a CameraPath,
     /// What was asked for.
-    pub settings: &'a LabSettings,
+    pub settings: &'a ExperimentSettings,
     /// Where converged pictures are kept; `None` keeps none.
     pub truth_folder: Option<&'a Path>,
     /// The folder of pictures of the run.
@@ -153,7 +153,7 @@ pub struct Lab<'a> {
     pub stop: Stop<'a>,
 }
 
-impl std::fmt::Debug for Lab<'_> {
+impl std::fmt::Debug for ExperimentContext<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Lab").field("settings", self.settings).finish_non_exhaustive()
     }
@@ -161,7 +161,7 @@ impl std::fmt::Debug for Lab<'_> {
 
 /// Why a run cannot go on.
 #[derive(Debug, thiserror::Error)]
-pub enum LabError {
+pub enum ExperimentError {
     /// A folder that is not what it should be.
     #[error("{path}: {cause}", path = path.display())]
     Folder {
@@ -195,7 +195,7 @@ pub enum LabError {
     NothingToMerge,
 }
 
-impl LabError {
+impl ExperimentError {
     pub(super) fn at(path: &Path, cause: std::io::Error) -> Self {
         Self::File { path: path.to_owned(), cause }
     }
@@ -206,7 +206,7 @@ pub fn find(name: &str) -> Option<&'static Experiment> {
     EXPERIMENTS.iter().find(|e| e.name == name)
 }
 
-impl Lab<'_> {
+impl ExperimentContext<'_> {
     /// What the run has in common, and what two runs must share to be joined. `scene` is the scene as it was named.
     pub fn identity(&self, experiment: &Experiment, scene: &str) -> Identity {
         let walk = serde_json::to_string(self.walk).unwrap_or_default();
@@ -218,7 +218,7 @@ impl Lab<'_> {
             settings: RunRecord::default()
                 .with_fields(self.settings)
                 .with("walk_sha256", super::truth::digest(&walk))
-                .with_fields(&serde_json::json!({"stiffness": self.tracer.scene().stiffness})),
+                .with_fields(&serde_json::json!({"stiffness": self.tracer.scene().conditioning})),
         }
     }
 
@@ -234,8 +234,8 @@ impl Lab<'_> {
     /// Writes an 8-bit sRGB picture to `images/`.
     ///
     /// # Errors
-    /// [`LabError::Save`] where it cannot be written.
-    pub fn save_picture(&self, name: &str, size: [u32; 2], srgb: &[[u8; 3]]) -> Result<(), LabError> {
+    /// [`ExperimentError::Save`] where it cannot be written.
+    pub fn save_picture(&self, name: &str, size: [u32; 2], srgb: &[[u8; 3]]) -> Result<(), ExperimentError> {
         Ok(save_png(&self.images.join(name), size, srgb, &[])?)
     }
 }
@@ -253,23 +253,23 @@ pub enum LabEvent<'a> {
 /// only where all are done.
 ///
 /// # Errors
-/// [`LabError`] where a cell cannot be done or kept; those before it are kept.
+/// [`ExperimentError`] where a cell cannot be done or kept; those before it are kept.
 pub fn run_cells(
     experiment: &Experiment,
-    lab: &Lab<'_>,
+    context: &ExperimentContext<'_>,
     folder: &mut RunFolder,
     mut observe: impl FnMut(LabEvent<'_>),
-) -> Result<bool, LabError> {
+) -> Result<bool, ExperimentError> {
     let identity = folder.manifest().identity.clone();
     let shard = folder.manifest().shard;
-    let cells: Vec<Cell> = (experiment.cells)(lab);
+    let cells: Vec<Cell> = (experiment.cells)(context);
     let mine = cells.iter().enumerate().filter(|(place, _)| shard.has(*place));
     for (done, (place, cell)) in mine.enumerate() {
         let key = identity.key(cell);
         if !folder.has(&key) {
             observe(LabEvent::Begins(cell, done));
             let start = Instant::now();
-            let records = if (lab.stop)() { None } else { (experiment.run_cell)(lab, &cell.0)? };
+            let records = if (context.stop)() { None } else { (experiment.run_cell)(context, &cell.0)? };
             let Some(records) = records else { return Ok(false) };
             let records = records.into_iter().map(|r| cell.0.clone().with_fields(&r)).collect();
             folder.add(Done { place, key, records, cell_secs: start.elapsed().as_secs_f64() })?;

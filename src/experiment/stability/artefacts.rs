@@ -6,17 +6,17 @@ use super::bench::{
 };
 use super::{Case, Measured, Trial};
 use crate::camera::Camera;
-use crate::experiment::run::LabError;
+use crate::experiment::run::ExperimentError;
+use crate::raster::pixel_types::PixelType;
 use crate::reference::{ReferenceCache, ReferenceFrame};
 use crate::render::{Frame, Mode, RenderSettings, Renderer};
-use crate::reproject::PixelType;
 use crate::scene::{Material, SceneBuilder};
 use crate::trace::Tracer;
 use crate::trace::parallel::NEVER;
 use glam::Vec3;
 use std::sync::Arc;
 
-type Outcome = Result<Measured, LabError>;
+type Outcome = Result<Measured, ExperimentError>;
 
 pub(super) const CASES: &[Case] = &[
     Case::new("G1 holes at magnification 1.01", "% of pixels, by 1 - 1/m^2 at most 2", 3.0, |_| holes(1.01)),
@@ -58,7 +58,7 @@ pub(super) const CASES: &[Case] = &[
 ];
 
 /// A wall with a coloured one behind it, seen from so far.
-fn two_walls(distance: f64, has_back: bool) -> Result<(Tracer, Camera), LabError> {
+fn two_walls(distance: f64, has_back: bool) -> Result<(Tracer, Camera), ExperimentError> {
     let mut b = SceneBuilder::new("walls");
     let front = b.add_material(Material::diffuse("front", Vec3::splat(0.7)));
     let back = b.add_material(Material::diffuse("back", Vec3::new(0.8, 0.1, 0.1)));
@@ -87,7 +87,7 @@ fn holes(magnification: f64) -> Outcome {
 }
 
 /// From before the slit, where the reference saw the back wall beside the front ones, to the side and nearer.
-fn slit() -> Result<(Tracer, Camera, Camera), LabError> {
+fn slit() -> Result<(Tracer, Camera, Camera), ExperimentError> {
     let (tracer, _) = two_walls(5.0, true)?;
     let before = Camera::look_at(dvec(-0.75, 0.0, 5.0), dvec(-0.75, 0.0, 0.0), 40.0);
     let beside = Camera::look_at(dvec(0.15, 0.0, 5.0 / 1.05), dvec(-0.6, 0.0, 0.0), 40.0);

@@ -2,7 +2,7 @@
 
 use super::Measured;
 use crate::camera::{Camera, View};
-use crate::math::hash::Key;
+use crate::math::key::Key;
 use crate::raster::color::ToneMap;
 use crate::reference::ReferenceFrame;
 use crate::render::aov::display_picture;

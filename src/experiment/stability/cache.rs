@@ -6,12 +6,13 @@ use super::bench::{
 };
 use super::camera::fastest_ratio;
 use super::{Case, Measured, Trial};
+use crate::camera::PixelWarp;
 use crate::camera::{Camera, View};
-use crate::experiment::run::LabError;
-use crate::math::hash::Key;
-use crate::reference::{PixelWarp, ReferenceCache, ReferenceFrame};
+use crate::experiment::run::ExperimentError;
+use crate::math::key::Key;
+use crate::raster::pixel_types::PixelType;
+use crate::reference::{ReferenceCache, ReferenceFrame};
 use crate::render::{Frame, Mode, RenderSettings, Renderer, Walkthrough, WalkthroughSettings};
-use crate::reproject::PixelType;
 use crate::scene::{Material, SceneBuilder};
 use crate::trace::Tracer;
 use crate::trace::parallel::NEVER;
@@ -19,7 +20,7 @@ use glam::{DVec3, Vec3};
 use std::sync::Arc;
 use std::time::Instant;
 
-type Outcome = Result<Measured, LabError>;
+type Outcome = Result<Measured, ExperimentError>;
 
 pub(super) const CASES: &[Case] = &[
     Case::new("E1 a reference on its own camera", "holes, and pixels off by more than 1/255", 0.0, identity),
@@ -182,7 +183,7 @@ fn never_copied(_: &Trial) -> Outcome {
 }
 
 /// Two mirrors that lose so little that light runs to and fro more than 255 times.
-fn hall(reflectance: f32) -> Result<(Tracer, Camera), LabError> {
+fn hall(reflectance: f32) -> Result<(Tracer, Camera), ExperimentError> {
     let mut b = SceneBuilder::new("hall");
     let mirror = b.add_material(Material::mirror("mirror", Vec3::splat(reflectance)));
     for z in [-2.0, 2.0] {
@@ -246,8 +247,7 @@ fn on_surface(_: &Trial) -> Outcome {
     let mut wrong = 0;
     for eye in [dvec(3.0, 1.5, 0.0), dvec(3.0 - UNSEEN_M, 1.5, 0.0), dvec(-1.0, 1.0, -3.875)] {
         let lent = reference(&tracer, &Camera::look_at(eye, dvec(4.0, 1.5, -9.0), 70.0), SIZE);
-        wrong +=
-            lent.disparity().iter().filter(|d| **d > 1.0 / crate::reference::frame::NEAREST_DEPTH).count();
+        wrong += lent.disparity().iter().filter(|d| **d > 1.0 / crate::camera::NEAREST_DEPTH).count();
     }
     Ok(wrong.into())
 }

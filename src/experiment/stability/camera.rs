@@ -5,14 +5,14 @@ use super::bench::{
     reference, seen_in_white, tracer, view,
 };
 use super::{Case, Measured, Trial};
+use crate::camera::NEAREST_DEPTH;
 use crate::camera::{Camera, View};
-use crate::experiment::run::LabError;
+use crate::experiment::run::ExperimentError;
 use crate::math::Ray;
-use crate::math::hash::Key;
+use crate::math::key::Key;
 use crate::raster::load::Picture;
 use crate::raster::save::save_png;
 use crate::reference::ReferenceFrame;
-use crate::reference::frame::NEAREST_DEPTH;
 use crate::render::{Frame, Mode, Renderer};
 use crate::scene::{Material, SceneBuilder};
 use crate::trace::{RayCounts, Tracer};
@@ -20,7 +20,7 @@ use glam::{Mat3, Vec3};
 use rayon::prelude::*;
 use std::time::Instant;
 
-type Outcome = Result<Measured, LabError>;
+type Outcome = Result<Measured, ExperimentError>;
 
 /// Of f32 axes of length one: their parts are rounded once each, and so are three products and a sum. One step was measured.
 const ORTHONORMALITY: f64 = 8.0 * f32::EPSILON as f64;
@@ -245,11 +245,11 @@ fn wide_picture(_: &Trial) -> Outcome {
     let size = [16_384, 16];
     let srgb: Vec<[u8; 3]> =
         (0..size[0] * size[1]).map(|i| [i as u8, (i >> 8) as u8, (i >> 16) as u8]).collect();
-    let folder =
-        tempfile::tempdir().map_err(|e| LabError::Unsuitable(format!("no folder to write to: {e}")))?;
+    let folder = tempfile::tempdir()
+        .map_err(|e| ExperimentError::Unsuitable(format!("no folder to write to: {e}")))?;
     let file = folder.path().join("wide.png");
     save_png(&file, size, &srgb, &[])?;
-    let back = Picture::load(&file).map_err(|e| LabError::Unsuitable(e.to_string()))?;
+    let back = Picture::load(&file).map_err(|e| ExperimentError::Unsuitable(e.to_string()))?;
     let is_right = back.size == size && back.values.len() == srgb.len();
     let differ = back.values.iter().zip(&srgb).filter(|(shown, wanted)| {
         let stored = shown.to_array().map(|c| (c * 255.0).round() as u8);

@@ -7,18 +7,18 @@ use super::bench::{
 use super::camera::fastest_ratio;
 use super::{Case, Measured, Trial};
 use crate::camera::Camera;
-use crate::experiment::run::LabError;
+use crate::experiment::run::ExperimentError;
+use crate::import::{ImportOptions, load};
 use crate::math::Ray;
-use crate::math::hash::Key;
+use crate::math::key::Key;
 use crate::render::Frame;
-use crate::scene::import::{ImportOptions, load};
 use crate::scene::{Material, MaterialId, Scene, SceneBuilder, SceneError};
 use crate::trace::{Bvh, Tracer};
 use glam::{DVec3, Vec2, Vec3, Vec3Swizzles};
 use rayon::prelude::*;
 use std::time::Instant;
 
-type Outcome = Result<Measured, LabError>;
+type Outcome = Result<Measured, ExperimentError>;
 
 pub(super) const CASES: &[Case] = &[
     Case::new("C1 a face twice", "% of pixels that show the later one", 0.0, equal_twins),
@@ -57,7 +57,7 @@ fn later_percent(tracer: &Tracer, frame: &Frame) -> f64 {
 }
 
 /// Two faces in one slanted plane, cut into triangles alike or not, with corners in another order.
-fn twins(is_cut_alike: bool) -> Result<(Tracer, Camera), LabError> {
+fn twins(is_cut_alike: bool) -> Result<(Tracer, Camera), ExperimentError> {
     let mut b = SceneBuilder::new("twins");
     let first = b.add_material(Material::diffuse("first", Vec3::new(0.7, 0.2, 0.1)));
     let later = b.add_material(Material::diffuse("later", Vec3::new(0.1, 0.3, 0.7)));
@@ -102,7 +102,7 @@ fn twins_at_rest(trial: &Trial) -> Outcome {
 }
 
 fn duplicates_counted(_: &Trial) -> Outcome {
-    let counted = twins(true)?.0.scene().stiffness.coplanar_duplicates;
+    let counted = twins(true)?.0.scene().conditioning.coplanar_duplicates;
     Ok(counted.abs_diff(2).into())
 }
 
@@ -144,10 +144,10 @@ fn spoiled() -> SceneBuilder {
 
 fn dropped(_: &Trial) -> Outcome {
     let (whole, spoiled) = (Room::PLAIN.builder().finish()?, spoiled().finish()?);
-    let mended = spoiled.stiffness.mended;
+    let repairs = spoiled.conditioning.repairs;
     let wrong = whole.triangles.len().abs_diff(spoiled.triangles.len())
-        + mended.triangles_not_finite.abs_diff(3)
-        + mended.triangles_without_area.abs_diff(6)
+        + repairs.triangles_not_finite.abs_diff(3)
+        + repairs.triangles_without_area.abs_diff(6)
         + usize::from(spoiled.warnings.len() < 2);
     Ok(wrong.into())
 }
@@ -223,7 +223,7 @@ fn needles_not_lent(_: &Trial) -> Outcome {
     };
     let kept = (0..).zip(lent.triangle()).filter(|&pair| is_kept(pair)).count();
     let dark = lent.disparity().iter().filter(|d| d.is_nan()).count();
-    let note = format!("{} needles, {dark} pixels not lent", tracer.scene().stiffness.needles);
+    let note = format!("{} needles, {dark} pixels not lent", tracer.scene().conditioning.needles);
     Ok(Measured { note, ..Measured::from(kept) })
 }
 
@@ -318,12 +318,12 @@ fn inward_normals(_: &Trial) -> Outcome {
 }
 
 /// A model of these lines, imported.
-pub(super) fn imported(files: &[(&str, &str)]) -> Result<Scene, LabError> {
-    let folder =
-        tempfile::tempdir().map_err(|e| LabError::Unsuitable(format!("no folder to write to: {e}")))?;
+pub(super) fn imported(files: &[(&str, &str)]) -> Result<Scene, ExperimentError> {
+    let folder = tempfile::tempdir()
+        .map_err(|e| ExperimentError::Unsuitable(format!("no folder to write to: {e}")))?;
     for (name, text) in files {
         let path = folder.path().join(name);
-        std::fs::write(&path, text).map_err(|e| LabError::at(&path, e))?;
+        std::fs::write(&path, text).map_err(|e| ExperimentError::at(&path, e))?;
     }
     Ok(load(&folder.path().join(files[0].0), &ImportOptions::default(), &|_, _| true)?)
 }

@@ -7,9 +7,9 @@ use super::bench::{
 use super::geometry::imported;
 use super::{Case, Measured, Trial};
 use crate::camera::{Camera, View};
-use crate::experiment::run::LabError;
+use crate::experiment::run::ExperimentError;
 use crate::math::Ray;
-use crate::math::hash::Key;
+use crate::math::key::Key;
 use crate::raster::color::{ToneMap, display_linear, metered_exposure_ev};
 use crate::render::{Frame, Mode};
 use crate::scene::{Encoding, Material, MaterialId, MaterialKind, SceneBuilder, Sky, Texture, TextureRef};
@@ -17,7 +17,7 @@ use crate::trace::specular::{MAX_BOUNCES, fresnel_dielectric, truncation_bound};
 use crate::trace::{PixelTrace, RayCounts, TraceSettings, Tracer};
 use glam::{DVec3, Vec2, Vec3};
 
-type Outcome = Result<Measured, LabError>;
+type Outcome = Result<Measured, ExperimentError>;
 
 pub(super) const CASES: &[Case] = &[
     Case::new("D1 Kd + Ks = 1.8", "reflectance above 1, or not told", 1e-6, scaled_down),
@@ -68,9 +68,9 @@ fn scaled_down(_: &Trial) -> Outcome {
         ..Material::diffuse("lacquer", Vec3::splat(0.9))
     };
     let scene = b.finish()?;
-    let told = scene.stiffness.mended.materials_scaled == 1
+    let told = scene.conditioning.repairs.materials_scaled == 1
         && scene.warnings.iter().any(|w| w.message.contains("lacquer"));
-    Ok((f64::from(scene.stiffness.reflectance_max) - 1.0 + f64::from(u8::from(!told))).max(0.0).into())
+    Ok((f64::from(scene.conditioning.reflectance_max) - 1.0 + f64::from(u8::from(!told))).max(0.0).into())
 }
 
 /// The middle pixel of a view.
@@ -97,7 +97,7 @@ fn mirror_furnace(_: &Trial) -> Outcome {
 }
 
 /// Two mirrors face to face, four metres apart, each of which glows.
-fn facing(r: f32) -> Result<PixelTrace, LabError> {
+fn facing(r: f32) -> Result<PixelTrace, ExperimentError> {
     let mut b = SceneBuilder::new("mirrors");
     let mirror = Material { emission: Vec3::splat(0.1), ..Material::mirror("mirror", Vec3::splat(r)) };
     let mirror = b.add_material(mirror);
@@ -128,8 +128,9 @@ fn truncated(_: &Trial) -> Outcome {
 fn deep_chain(_: &Trial) -> Outcome {
     let work = || facing(1.0).map(|traced| traced.reflections);
     let thread = std::thread::Builder::new().name("small stack".to_owned()).stack_size(256 << 10).spawn(work);
-    let thread = thread.map_err(|e| LabError::Unsuitable(format!("no thread: {e}")))?;
-    let reached = thread.join().map_err(|_| LabError::Unsuitable("the chain panicked".to_owned()))??;
+    let thread = thread.map_err(|e| ExperimentError::Unsuitable(format!("no thread: {e}")))?;
+    let reached =
+        thread.join().map_err(|_| ExperimentError::Unsuitable("the chain panicked".to_owned()))??;
     Ok((MAX_BOUNCES.abs_diff(reached) as usize).into())
 }
 
@@ -175,7 +176,7 @@ fn fresnel_sum(trial: &Trial) -> Outcome {
 }
 
 fn invisible_glass(_: &Trial) -> Outcome {
-    let render = |with_glass: bool| -> Result<Frame, LabError> {
+    let render = |with_glass: bool| -> Result<Frame, ExperimentError> {
         let mut b = SceneBuilder::new("pane");
         let glow = Material { emission: Vec3::new(0.3, 0.5, 0.7), ..Material::diffuse("wall", Vec3::ZERO) };
         let wall = b.add_material(glow);
@@ -202,7 +203,7 @@ fn odd_indices(_: &Trial) -> Outcome {
         let is_outside =
             |m: &Material| matches!(m.kind, MaterialKind::Glass { eta, .. } if !(1.0..=10.0).contains(&eta));
         wrong += tracer.scene().materials.iter().filter(|m| is_outside(m)).count();
-        wrong += usize::from(tracer.scene().stiffness.mended.values_clamped != 1);
+        wrong += usize::from(tracer.scene().conditioning.repairs.values_clamped != 1);
         wrong += bad_values(&full(&tracer, &Room::SHINY.camera()));
     }
     Ok(wrong.into())
@@ -227,7 +228,7 @@ fn open_sheet(_: &Trial) -> Outcome {
 }
 
 fn highlights(_: &Trial) -> Outcome {
-    let render = |ns: &str| -> Result<Frame, LabError> {
+    let render = |ns: &str| -> Result<Frame, ExperimentError> {
         let obj = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nusemtl m\nf 1 2 3\nf 1 2 4\nf 1 3 4\n";
         let mtl = format!("newmtl m\nKd 0.6 0.5 0.4\nKs 0.3 0.3 0.3\nNs {ns}\nillum 2\n");
         let scene = imported(&[("a.obj", obj), ("a.mtl", &mtl)])?;
@@ -341,7 +342,7 @@ fn broken_materials(_: &Trial) -> Outcome {
         b.sky = Some(Sky { zenith: Vec3::splat(broken), ..WHITE });
         let tracer = tracer(b)?;
         wrong += bad_values(&full(&tracer, &Room::SHINY.camera()));
-        wrong += usize::from(tracer.scene().stiffness.mended.values_clamped != 4);
+        wrong += usize::from(tracer.scene().conditioning.repairs.values_clamped != 4);
     }
     Ok(wrong.into())
 }

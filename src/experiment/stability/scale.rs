@@ -6,16 +6,16 @@ use super::bench::{
 };
 use super::{Case, Measured, Trial};
 use crate::camera::Camera;
-use crate::experiment::run::LabError;
+use crate::experiment::run::ExperimentError;
 use crate::math::Ray;
-use crate::math::hash::Key;
+use crate::math::key::Key;
 use crate::math::sampling::{cosine_hemisphere, frame_around, uniform_triangle};
 use crate::scene::{Light, Material, SceneBuilder};
 use crate::trace::{SurfacePoint, Tracer};
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 
-type Outcome = Result<Measured, LabError>;
+type Outcome = Result<Measured, ExperimentError>;
 
 pub(super) const CASES: &[Case] = &[
     Case::new("A1 scaled by 2^k, k -20 to 30", "pixels that differ in a bit, full and paper", 0.0, scaled),
@@ -40,7 +40,7 @@ pub(super) const CASES: &[Case] = &[
 ];
 
 fn scaled(_: &Trial) -> Outcome {
-    let render = |room: Room| -> Result<_, LabError> {
+    let render = |room: Room| -> Result<_, ExperimentError> {
         let tracer = room.tracer()?;
         let reference = reference(&tracer, &room.camera(), SIZE);
         Ok([full(&tracer, &room.camera()), paper(&tracer, &room.moved(0.25, 0.0625), &[&reference])])
@@ -106,7 +106,7 @@ fn any_unit(_: &Trial) -> Outcome {
 }
 
 /// A stadium of a kilometre with a ball of 0.1 mm somewhere in it, or the ball alone.
-fn stadium(at: DVec3, has_walls: bool) -> Result<Tracer, LabError> {
+fn stadium(at: DVec3, has_walls: bool) -> Result<Tracer, ExperimentError> {
     let mut b = SceneBuilder::new("stadium");
     let tiny = b.add_material(Material::diffuse("ball", Vec3::splat(0.5)));
     let wall = b.add_material(Material::diffuse("wall", Vec3::splat(0.5)));
@@ -119,9 +119,9 @@ fn stadium(at: DVec3, has_walls: bool) -> Result<Tracer, LabError> {
 }
 
 /// The share in percent of pixels in which the ball is seen alone and not in the stadium, or the other way.
-fn silhouette_percent(at: DVec3) -> Result<f64, LabError> {
+fn silhouette_percent(at: DVec3) -> Result<f64, ExperimentError> {
     let camera = Camera::look_at(at + dvec(0.0, 0.0, 0.01), at, 1.0);
-    let [alone, inside] = [false, true].map(|walls| -> Result<Vec<bool>, LabError> {
+    let [alone, inside] = [false, true].map(|walls| -> Result<Vec<bool>, ExperimentError> {
         let tracer = stadium(at, walls)?;
         let is_ball = |&t: &u32| t != u32::MAX && tracer.scene().material_of(t).name == "ball";
         Ok(full(&tracer, &camera).triangle.iter().map(is_ball).collect())
@@ -139,7 +139,7 @@ fn tiny_at_origin(_: &Trial) -> Outcome {
 fn tiny_far_off(_: &Trial) -> Outcome {
     let at = dvec(300.0, 20.0, -250.0);
     let wrong = silhouette_percent(at)?;
-    let told_m = stadium(at, true)?.scene().stiffness.smallest_feature_m;
+    let told_m = stadium(at, true)?.scene().conditioning.smallest_feature_m;
     let is_silent = wrong > 0.1 && told_m < 1e-4;
     let note =
         format!("{wrong:.0} % of the silhouette is wrong; the scene says that features need {told_m:.1e} m");
@@ -205,7 +205,7 @@ fn outliers_told(_: &Trial) -> Outcome {
     for builder in [thrown_away(), far()] {
         let scene = builder.finish()?;
         let is_told = scene.warnings.iter().any(|w| w.message.contains("far"));
-        untold += usize::from(!is_told || !scene.stiffness.mended.ignores_outliers);
+        untold += usize::from(!is_told || !scene.conditioning.repairs.ignores_outliers);
     }
     Ok(untold.into())
 }

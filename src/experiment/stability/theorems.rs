@@ -4,9 +4,9 @@ use super::bench::{Room, SIZE, bad_values, ball, picture, random, reference, sou
 use super::camera::fastest_ratio;
 use super::scale::self_hits;
 use super::{Case, Measured, Trial};
-use crate::experiment::run::LabError;
+use crate::experiment::run::ExperimentError;
 use crate::math::Ray;
-use crate::math::hash::Key;
+use crate::math::key::Key;
 use crate::render::{Frame, Mode, RenderSettings, Renderer};
 use crate::scene::{Material, SceneBuilder};
 use crate::trace::parallel::NEVER;
@@ -15,7 +15,7 @@ use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 use std::time::Instant;
 
-type Outcome = Result<Measured, LabError>;
+type Outcome = Result<Measured, ExperimentError>;
 
 pub(super) const CASES: &[Case] = &[
     Case::new(
@@ -33,7 +33,7 @@ pub(super) const CASES: &[Case] = &[
     Case::new("F6 1, 2, 3 and 8 threads", "pixels that differ in a bit, full and paper", 0.0, threads),
 ];
 
-fn sphere(scale: f64, offset: DVec3) -> Result<Vec<[Vec3; 3]>, LabError> {
+fn sphere(scale: f64, offset: DVec3) -> Result<Vec<[Vec3; 3]>, ExperimentError> {
     let mut b = SceneBuilder::new("ball");
     let m = b.add_material(Material::diffuse("m", Vec3::splat(0.5)));
     ball(&mut b, DVec3::ZERO, 1.0, 24, false, m);
@@ -203,9 +203,9 @@ fn threads(_: &Trial) -> Outcome {
         reference(&tracer, &Room::SHINY.moved(0.5, 0.2), SIZE),
     ];
     let here = Room::SHINY.moved(0.3, 0.1);
-    let render = |threads: usize| -> Result<[Frame; 2], LabError> {
+    let render = |threads: usize| -> Result<[Frame; 2], ExperimentError> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-        let pool = pool.map_err(|e| LabError::Unsuitable(format!("no threads: {e}")))?;
+        let pool = pool.map_err(|e| ExperimentError::Unsuitable(format!("no threads: {e}")))?;
         Ok(pool.install(|| {
             [Mode::Full, Mode::Paper].map(|mode| picture(&tracer, &here, SIZE, mode, &[&lent[0], &lent[1]]))
         }))

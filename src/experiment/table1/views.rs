@@ -1,9 +1,9 @@
 //! Where Table 1 is seen from.
 
 use super::super::trial::camera_on_walk;
-use super::{Lab, LabError, camera};
+use super::{ExperimentContext, ExperimentError, camera};
 use crate::camera::Camera;
-use crate::camera_path::CameraKey;
+use crate::camera::CameraKey;
 use serde::Deserialize;
 
 /// The view and the references it is made from, best first.
@@ -28,14 +28,14 @@ struct ViewFile {
 const WALK_SHARES: [f64; 2] = [-0.02, 0.02];
 
 /// Those of the file for the scene it is for; for any other from the middle of its walk.
-pub(super) fn views(lab: &Lab<'_>) -> Result<Views, LabError> {
-    let file: ViewFile =
-        toml::from_str(CHOSEN).map_err(|e| LabError::Unsuitable(format!("the views of table1: {e}")))?;
-    if file.scene == lab.tracer.scene().name {
+pub(super) fn views(context: &ExperimentContext<'_>) -> Result<Views, ExperimentError> {
+    let file: ViewFile = toml::from_str(CHOSEN)
+        .map_err(|e| ExperimentError::Unsuitable(format!("the views of table1: {e}")))?;
+    if file.scene == context.tracer.scene().name {
         let at = |key: &CameraKey| camera(key, file.fov_y_deg);
         return Ok(Views { target: at(&file.target), references: file.references.each_ref().map(at) });
     }
-    let on_walk = |share: f64| camera_on_walk(lab, 0.5 + share);
+    let on_walk = |share: f64| camera_on_walk(context, 0.5 + share);
     let [before, behind] = WALK_SHARES.map(on_walk);
     Ok(Views { target: on_walk(0.0)?, references: [before?, behind?] })
 }

@@ -1,7 +1,7 @@
 //! What failing memory or a bug elsewhere would do to a reference, done on purpose: to see that it stays where it is.
 
 use super::ReferenceFrame;
-use crate::math::hash::Key;
+use crate::math::key::Key;
 
 impl ReferenceFrame {
     /// Flips one random bit in the share `share` (0..1) of all pixels, in disparity, triangle, light or count. Returns

@@ -6,10 +6,10 @@
 //! We differ: what is to be covered is what the next frames will see, not all surfaces, so that the choice can be made
 //! between two frames.
 
-use super::ahead::{ahead, moved};
 use super::{OpenSpot, PlacementRule, SPARSE_WORTH_PERCENT, Situation};
 use crate::camera::{Camera, View};
 use crate::math::Ray;
+use crate::reference::placement::extrapolate::{ahead, moved};
 use glam::Vec3;
 use rayon::prelude::*;
 

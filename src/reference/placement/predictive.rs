@@ -1,9 +1,9 @@
 //! Where the viewer will be, when too much is open; while the viewer moves, only where the reference is worth the frame
 //! it costs.
 
-use super::ahead::ahead;
 use super::{PlacementRule, SPARSE_WORTH_PERCENT, Situation};
 use crate::camera::Camera;
+use crate::reference::placement::extrapolate::ahead;
 
 /// See the module.
 pub const PREDICTIVE: PlacementRule = PlacementRule {

@@ -24,7 +24,7 @@ const STEP_M: f64 = 0.5;
 const EYE_HEIGHT_M: f64 = Camera::EYE_HEIGHT_M;
 
 /// The most that the floor may rise or fall from one place to the next, metres: a stair of 45 degrees.
-const MOST_RISE_M: f64 = STEP_M;
+const MAX_RISE_M: f64 = STEP_M;
 
 /// Heights above the floor at which nothing may stand between two places, metres.
 const CLEAR_HEIGHTS_M: [f64; 2] = [0.6, EYE_HEIGHT_M];
@@ -36,7 +36,7 @@ const RADIUS_M: f64 = 0.2;
 const STOREY_M: f64 = 2.0;
 
 /// More places are not looked for: 25,000 square metres of floor.
-const MOST_PLACES: usize = 100_000;
+const MAX_PLACES: usize = 100_000;
 
 /// Every place that can be reached on foot from the scene's views and walk, by storey, column and row.
 pub fn walkable(tracer: &Tracer) -> Vec<Standing> {
@@ -44,7 +44,7 @@ pub fn walkable(tracer: &Tracer) -> Vec<Standing> {
     let mut queue: VecDeque<Standing> =
         seeds(tracer.scene()).into_iter().filter_map(|eye| place_near(tracer, eye)).collect();
     while let Some(place) = queue.pop_front() {
-        if found.len() >= MOST_PLACES {
+        if found.len() >= MAX_PLACES {
             break;
         }
         if found.contains_key(&key(&place)) {
@@ -101,6 +101,6 @@ fn step(tracer: &Tracer, from: &Standing, column: i32, row: i32) -> Option<Stand
         tracer.probe(start, way, way.length() + RADIUS_M).is_none()
     });
     let floor = is_clear.then(|| floor_below(tracer, above))??;
-    let is_step = (floor - floor_y).abs() <= MOST_RISE_M;
+    let is_step = (floor - floor_y).abs() <= MAX_RISE_M;
     is_step.then(|| standing(column, row, floor))
 }

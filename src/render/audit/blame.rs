@@ -5,8 +5,9 @@
 
 use super::Audited;
 use super::statistics::visibly_brighter;
+use crate::camera::PixelWarp;
 use crate::camera::View;
-use crate::reference::{CachedReference, PixelWarp, ReferenceCache, ReferenceFrame, ReferenceId};
+use crate::reference::{CachedReference, ReferenceCache, ReferenceFrame, ReferenceId};
 use crate::render::Frame;
 use crate::trace::{PixelTrace, RayCounts, TraceSettings, Tracer};
 use std::collections::{BTreeMap, BTreeSet};
@@ -25,13 +26,13 @@ const ENOUGH_WRONG: u32 = 2;
 const RETRACED: usize = 32;
 
 /// It is at fault where its light is off by more than this share on average...
-const LEAST_OFF: f64 = 0.1;
+const MIN_OFF: f64 = 0.1;
 
 /// ...and by so many standard errors of that average, which noise alone never is.
-const SURE: f64 = 6.0;
+const MIN_SIGMAS: f64 = 6.0;
 
 /// Blocks that are remembered at a time: what a whole reference of 1280x720 has.
-const MOST_REMEMBERED: usize = 3600;
+const MAX_REMEMBERED: usize = 3600;
 
 /// A square of a reference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -75,7 +76,7 @@ impl Blame {
     }
 
     fn is_accused_enough(&mut self, block: Block) -> bool {
-        if self.accusations.len() >= MOST_REMEMBERED || self.cleared.len() >= MOST_REMEMBERED {
+        if self.accusations.len() >= MAX_REMEMBERED || self.cleared.len() >= MAX_REMEMBERED {
             *self = Self::default();
         }
         let accusations = self.accusations.entry(block).or_default();
@@ -109,8 +110,8 @@ fn is_at_fault(tracer: &Tracer, reference: &ReferenceFrame, corner: [u32; 2], tr
     let spread = (off_squared - off * off / count).max(0.0);
     // Both sides are sums, not means: `count` cancels.
     count >= RETRACED as f64 / 2.0
-        && off.abs() > LEAST_OFF * all
-        && off.abs() > SURE * (spread * count / (count - 1.0)).sqrt()
+        && off.abs() > MIN_OFF * all
+        && off.abs() > MIN_SIGMAS * (spread * count / (count - 1.0)).sqrt()
 }
 
 /// The blocks that hold light for what a pixel sees which is visibly off.

@@ -16,13 +16,13 @@ use std::collections::VecDeque;
 const WINDOW_SECS: f64 = 4.0;
 
 /// And at least so many frames, where each takes long.
-const LEAST_FRAMES: usize = 16;
+const MIN_FRAMES: usize = 16;
 
 /// So many standard errors on either side hold the true mean in 95 % of all cases.
 const STANDARD_ERRORS: f64 = 1.96;
 
 /// Checked pixels from which on the spread says how sure their mean is.
-const LEAST_PIXELS: usize = 64;
+const MIN_PIXELS: usize = 64;
 
 /// A pixel looks wrong where a channel is off by more than this in display values: a tenth of black to white.
 const VISIBLE: f32 = 0.1;
@@ -81,7 +81,7 @@ impl Window {
     pub(super) fn push(&mut self, frame: FrameSums) {
         self.frames.push_back(frame);
         let mut secs: f64 = self.frames.iter().map(|f| f.secs).sum();
-        while self.frames.len() > LEAST_FRAMES && secs > WINDOW_SECS {
+        while self.frames.len() > MIN_FRAMES && secs > WINDOW_SECS {
             secs -= self.frames.pop_front().map_or(0.0, |f| f.secs);
         }
     }
@@ -95,7 +95,7 @@ impl Window {
         let variance = (sum(|f| f.error_squared) / count - mean * mean).max(0.0);
         let bound = STANDARD_ERRORS * (variance / (count - 1.0).max(1.0)).sqrt();
         let decibels = |error: f64| (error > 0.0).then(|| -10.0 * error.log10());
-        let is_enough = pixels >= LEAST_PIXELS;
+        let is_enough = pixels >= MIN_PIXELS;
         AuditEstimate {
             pixels,
             psnr_db: decibels(mean).filter(|_| is_enough),
@@ -126,9 +126,9 @@ pub(super) fn display_error(shown: Vec3, [a, b]: [Vec3; 2]) -> f64 {
 /// Of the display curve between two values.
 fn slope(a: f32, b: f32) -> f32 {
     // Nearer together the difference of rounded values says nothing; a step this wide keeps three digits.
-    const LEAST_STEP: f32 = 1.0 / 1024.0;
+    const MIN_STEP: f32 = 1.0 / 1024.0;
     let (low, high) = (a.min(b), a.max(b));
-    let (low, high) = if high - low < LEAST_STEP { (low, low + LEAST_STEP) } else { (low, high) };
+    let (low, high) = if high - low < MIN_STEP { (low, low + MIN_STEP) } else { (low, high) };
     (display(high) - display(low)) / (high - low)
 }
 
@@ -150,7 +150,7 @@ pub(super) fn looks_wrong(shown: Vec3, [a, b]: [Vec3; 2]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::hash::Key;
+    use crate::math::key::Key;
 
     /// Even noise around `middle`, of a width.
     fn noisy(key: Key, middle: f32, width: f32) -> Vec3 {

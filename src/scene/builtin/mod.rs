@@ -10,7 +10,7 @@ pub use gallery::statue_hall;
 
 use super::{NamedView, Scene, SceneBuilder, SceneError};
 use crate::camera::Camera;
-use crate::camera_path::{CameraKey, CameraPath};
+use crate::camera::{CameraKey, CameraPath};
 use glam::DVec3;
 
 /// Names of the embedded scenes; the first is the default.

@@ -18,7 +18,7 @@ const REINSERTED: f32 = 0.2;
 
 /// Nodes that a ray may meet on average, above which none is put elsewhere: the search for a better place meets about as
 /// many, so that its time would grow with the square of the triangles. Of five real buildings 42 to 100 are met.
-const MOST_MET: f32 = 1000.0;
+const MAX_MET: f32 = 1000.0;
 
 impl Bvh {
     /// Builds the tree over triangles given by their corners.
@@ -43,7 +43,7 @@ impl Bvh {
 fn binary(corners: &[[Vec3; 3]], triangles: &[u32]) -> Bvh2 {
     let boxes: Vec<Aabb> = triangles.par_iter().map(|&i| bounds_of(&corners[i as usize])).collect();
     let mut tree = cluster(&boxes, false);
-    if nodes_met(&tree) <= MOST_MET {
+    if nodes_met(&tree) <= MAX_MET {
         ReinsertionOptimizer::default().run(&mut tree, REINSERTED, None);
     }
     if depth_of(&tree) > MAX_DEPTH {

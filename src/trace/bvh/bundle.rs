@@ -27,7 +27,7 @@ use glam::Vec3;
 pub const BUNDLE_RAYS: usize = 2 * LANES;
 
 /// Fewer rays are traced one at a time.
-pub const LEAST_RAYS: usize = 3;
+pub const MIN_RAYS: usize = 3;
 
 /// A leaf that at most so many rays reach is tested a ray at a time: four triangles in one step, where the other way takes two steps a
 /// triangle. Not tuned.
@@ -123,7 +123,7 @@ impl Bvh {
                 continue;
             }
             let cone = Cone::new(simd, &lanes, axis, rays);
-            if (rays.count_ones() as usize) < LEAST_RAYS || cone.is_wide {
+            if (rays.count_ones() as usize) < MIN_RAYS || cone.is_wide {
                 blocked |= self.one_by_one::<_, ASKS>(simd, bundle, rays, &mut accept);
             } else {
                 let mut walk = Walk::new(simd, self, bundle, &lanes, cone, (axis, rays));

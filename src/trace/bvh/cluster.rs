@@ -22,7 +22,7 @@ const CHUNK: usize = 1024;
 const FEW: usize = 256;
 
 /// The share of its boxes that a round of merging may leave. Those of six real buildings leave at most 0.89.
-const MOST_LEFT: f32 = 0.9375;
+const MAX_LEFT: f32 = 0.9375;
 
 /// The binary tree over one or more boxes, one a leaf. A round that would leave too many merges every box with the next; with
 /// `is_flat` every round does, and the tree is as flat as can be.
@@ -37,7 +37,7 @@ pub(super) fn cluster(boxes: &[Aabb], is_flat: bool) -> Bvh2 {
     while current.len() > 1 {
         choose(&current, &mut partners);
         let pairs = (0..current.len()).filter(|&i| is_first_of_pair(&partners, i)).count();
-        let is_slow = (current.len() - pairs) as f32 > MOST_LEFT * current.len() as f32;
+        let is_slow = (current.len() - pairs) as f32 > MAX_LEFT * current.len() as f32;
         // Boxes whose area is no number choose nobody.
         if is_flat || pairs == 0 || (is_slow && current.len() > FEW) {
             let last = current.len() - 1;

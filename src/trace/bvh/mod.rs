@@ -18,7 +18,7 @@ mod tile;
 mod traverse;
 mod vectors;
 
-pub use bundle::{BUNDLE_RAYS, LEAST_RAYS, RayBundle};
+pub use bundle::{BUNDLE_RAYS, MIN_RAYS, RayBundle};
 use fearless_simd::Level;
 use packet::TrianglePacket;
 pub use tile::{RayTile, TILE_RAYS, TILE_SIDE, TileHits};

@@ -169,7 +169,7 @@ fn all_buffers_together_have_a_budget() {
 
 #[test]
 fn every_phase_of_a_gltf_can_be_cancelled() {
-    use afterimage::scene::import::Phase;
+    use afterimage::import::Phase;
     let mut model = Model::painted(json!({}));
     let texture = model.texture(&super::super::textures::png(1, 1, &[[9, 9, 9, 255]]));
     model.json["materials"][0]["pbrMetallicRoughness"] = json!({"baseColorTexture": {"index": texture}});

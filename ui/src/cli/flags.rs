@@ -1,8 +1,8 @@
 //! The flags that every command knows, and how their values are read.
 
 use crate::settings::Settings;
+use afterimage::import::{Unit, Up};
 use afterimage::raster::color::ToneMap;
-use afterimage::scene::import::{Unit, Up};
 use afterimage::trace::TraceSettings;
 use afterimage::{Mode, RenderSettings};
 use clap::Args;

@@ -41,11 +41,11 @@ fn object(loaded: &Loaded) -> Value {
         "units_per_metre": scene.frame.units_per_metre,
         "views": scene.views.iter().map(|v| v.name.as_str()).collect::<Vec<_>>(),
         "walk": {"frames": scene.walk.frames, "keyframes": scene.walk.keyframes.len(), "length_m": scene.walk.length_m()},
-        "needs": scene.needs,
-        "left_out": scene.needs.left_out(),
+        "needs": scene.features,
+        "left_out": scene.features.left_out(),
         "mirror_reflectance_max": reflectance,
         "mirror_truncation_bound": bound,
-        "stiffness": scene.stiffness,
+        "stiffness": scene.conditioning,
         "bvh_bytes": loaded.tracer.bvh().bytes(),
         "secs": {"load": loaded.load_secs, "build": loaded.tracer.build_secs()},
         "warnings": scene.warnings,
@@ -85,7 +85,7 @@ fn table(loaded: &Loaded) -> String {
     let (reflectance, bound) = mirrors(scene);
     let bound = bound.map_or("an unbounded share".to_owned(), |b| format!("at most {:.2} %", b * 100.0));
     let textured = scene.materials.iter().filter(|m| m.diffuse_texture.is_some()).count();
-    let left_out = scene.needs.left_out();
+    let left_out = scene.features.left_out();
     let mut text = output::table(&[
         ("scene", loaded.name.clone()),
         ("triangles", format!("{}, {} vertices", scene.triangles.len(), scene.positions.len())),
@@ -108,7 +108,7 @@ fn table(loaded: &Loaded) -> String {
         ("loaded in", format!("{:.3} s", loaded.load_secs)),
         ("warnings", scene.warnings.len().to_string()),
     ]);
-    for said in scene.stiffness.sentences() {
+    for said in scene.conditioning.sentences() {
         text += &format!("  {said}\n");
     }
     for w in &scene.warnings {

@@ -7,10 +7,10 @@ mod doctor;
 mod experiment;
 mod failure;
 pub(crate) mod flags;
+mod generate;
 mod inspect;
 mod interrupt;
 mod output;
-mod papers;
 pub(crate) mod paths;
 mod pose;
 mod progress;
@@ -22,7 +22,8 @@ mod throughput;
 mod tour;
 
 use crate::settings::{self, Settings};
-use crate::window::keymap::{self, help_text};
+use crate::window::input::keymap;
+use crate::window::input::keymap::help_text;
 use clap::parser::ValueSource;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use failure::Failure;
@@ -68,7 +69,7 @@ enum Command {
     /// Say what a bug report needs: version, machine, graphics, paths.
     Doctor,
     /// Print completions for a shell, to be put where it looks for them.
-    Completions(papers::CompletionsArgs),
+    Completions(generate::CompletionsArgs),
     /// Print the manual page.
     Man,
     /// Print the licences of everything the program is made of.
@@ -169,9 +170,9 @@ fn dispatch(cli: &Cli, common: &Common) -> Result<(), Failure> {
         (None, Some(Command::Inspect(args))) => inspect::run(args, flags),
         (None, Some(Command::Compare(args))) => compare::run(args, flags),
         (None, Some(Command::Doctor)) => doctor::run(flags, common.user_file.as_deref()),
-        (None, Some(Command::Completions(args))) => papers::completions(args, Cli::command()),
-        (None, Some(Command::Man)) => papers::man(Cli::command()),
-        (None, Some(Command::Licences)) => papers::licences(),
+        (None, Some(Command::Completions(args))) => generate::completions(args, Cli::command()),
+        (None, Some(Command::Man)) => generate::man(Cli::command()),
+        (None, Some(Command::Licences)) => generate::licences(),
     }
 }
 

@@ -34,7 +34,7 @@ fn object(flags: &Flags, loaded: &Loaded, throughput: &Throughput) -> Value {
         "experiment": "throughput",
         "scene": loaded.name,
         "scene_hash": loaded.scene().hash,
-        "stiffness": loaded.scene().stiffness,
+        "stiffness": loaded.scene().conditioning,
         "version": env!("CARGO_PKG_VERSION"),
         "size": flags.size(),
         "samples": flags.trace().samples,
@@ -115,7 +115,7 @@ fn stages(t: &Throughput) -> Vec<(&'static str, String)> {
             "features forced on",
             format!(
                 "full frames {:+.1} %, exact {:+.1} %",
-                t.needs.forced_full_percent, t.needs.forced_exact_percent
+                t.features.forced_full_percent, t.features.forced_exact_percent
             ),
         ),
     ]

@@ -8,7 +8,7 @@ use super::scene::{Loaded, load};
 use super::{interrupt, output, paths};
 use crate::picture::memory;
 use crate::picture::sequence::film_command;
-use afterimage::camera_path::CameraPath;
+use afterimage::camera::CameraPath;
 use afterimage::experiment::record::csv;
 use afterimage::experiment::{MeasureSettings, TourEvent, TourRecord, TourSettings, run_tour};
 use afterimage::raster::load::read_bounded;
@@ -16,7 +16,7 @@ use afterimage::raster::save::{save_png, write_atomically};
 use afterimage::reference::PlacementPolicy;
 use afterimage::reference::placement::RULES;
 use afterimage::render::aov::{display_picture, types_picture};
-use afterimage::reproject::warp::MAX_REFERENCES;
+use afterimage::warp::splat::MAX_REFERENCES;
 use afterimage::{Frame, WalkthroughSettings};
 use clap::Args;
 use serde_json::{Value, json};
@@ -28,7 +28,7 @@ pub(crate) struct TourArgs {
     /// A model (.obj, .gltf, .glb) or builtin:NAME; the embedded gallery when absent.
     pub(super) scene: Option<String>,
     /// Number of frames; the walk's own when absent.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_FRAMES)))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_FRAMES)))]
     pub(super) frames: Option<u32>,
     /// A recorded walk (JSON); FILE#NAME takes one of several.
     #[arg(long, value_name = "FILE[#NAME]")]
@@ -75,7 +75,7 @@ pub(crate) struct TourArgs {
 }
 
 /// The most frames of a walk.
-const MOST_FRAMES: u32 = CameraPath::MOST_FRAMES;
+const MAX_FRAMES: u32 = CameraPath::MAX_FRAMES;
 
 fn policy_name(text: &str) -> Result<&'static str, String> {
     let names = || RULES.iter().map(|rule| rule.name);
@@ -188,7 +188,7 @@ fn write_pictures(
 }
 
 /// A walk of a million key frames has about 100 MB.
-const MOST_BYTES: u64 = 256 << 20;
+const MAX_BYTES: u64 = 256 << 20;
 
 /// A walk from `FILE`, or the one called `NAME` from `FILE#NAME`.
 pub(super) fn read_path(text: &str) -> Result<CameraPath, Failure> {
@@ -198,7 +198,7 @@ pub(super) fn read_path(text: &str) -> Result<CameraPath, Failure> {
         _ => (text, None),
     };
     let failed = |cause: String| Failure::Failed(format!("cannot read the walk {file}: {cause}"));
-    let bytes = read_bounded(Path::new(file), MOST_BYTES).map_err(|e| failed(e.cause))?;
+    let bytes = read_bounded(Path::new(file), MAX_BYTES).map_err(|e| failed(e.cause))?;
     CameraPath::from_json(&bytes, name).map_err(failed)
 }
 
@@ -206,7 +206,7 @@ fn object(args: &TourArgs, flags: &Flags, loaded: &Loaded, record: &TourRecord) 
     let mut object = json!({
         "scene": loaded.name,
         "scene_hash": loaded.scene().hash,
-        "stiffness": loaded.scene().stiffness,
+        "stiffness": loaded.scene().conditioning,
         "version": env!("CARGO_PKG_VERSION"),
         "mode": flags.mode.name(),
         "size": flags.size(),

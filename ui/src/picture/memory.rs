@@ -1,21 +1,21 @@
 //! What a job will need in memory, said before anything is reserved: a failed allocation cannot be caught.
 
-use super::MOST_PIXELS;
+use super::MAX_PIXELS;
 use afterimage::reference::ReferenceFrame;
 use afterimage::render::Renderer;
-use afterimage::reproject::warp::MAX_REFERENCE_PIXELS;
+use afterimage::warp::splat::MAX_REFERENCE_PIXELS;
 
 /// A picture may need this much, bytes.
 const LIMIT: u64 = 8 << 30;
 
 /// Refuses a picture that is made band by band where it is too large for a file to be of use.
 pub(crate) fn check_banded(pixels: u64) -> Result<(), String> {
-    if pixels <= MOST_PIXELS {
+    if pixels <= MAX_PIXELS {
         return Ok(());
     }
-    let side = MOST_PIXELS.isqrt();
+    let side = MAX_PIXELS.isqrt();
     Err(format!(
-        "a picture has at most {MOST_PIXELS} pixels ({side}x{side}), this would have {pixels}; make --size smaller"
+        "a picture has at most {MAX_PIXELS} pixels ({side}x{side}), this would have {pixels}; make --size smaller"
     ))
 }
 

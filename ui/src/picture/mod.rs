@@ -8,13 +8,13 @@ pub mod sequence;
 pub(crate) use notes::{Made, notes};
 
 use afterimage::raster::color::ToneMap;
+use afterimage::raster::pixel_types::TypeCounts;
 use afterimage::raster::save::{Channel, ChannelValues, SaveError};
 use afterimage::raster::stream::{Contents, PictureFile, Rows, Target};
 use afterimage::reference::{ReferenceCache, ReferenceFrame};
 use afterimage::render::aov::{Aov, display_rows, display_rows_alpha, types_rows};
 use afterimage::render::bands::{Background, Band, BandedPicture};
 use afterimage::render::{FrameStats, RefineState};
-use afterimage::reproject::TypeCounts;
 use afterimage::trace::parallel::Stop;
 use afterimage::{Camera, RenderSettings, Renderer, Tracer};
 use std::path::PathBuf;
@@ -23,7 +23,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 /// A picture has at most so many pixels: 16384 squared.
-pub const MOST_PIXELS: u64 = 1 << 28;
+pub const MAX_PIXELS: u64 = 1 << 28;
 
 /// The longest side of a picture that the window makes.
 pub const LONGEST_SIDE: u32 = 16384;

@@ -1,6 +1,6 @@
 //! Back from a picture to its view: what its notes say, read again.
 
-use crate::window::pose_text::pose_of_flags;
+use crate::window::input::pose_text::pose_of_flags;
 use afterimage::Camera;
 use afterimage::raster::load::read_notes;
 use std::path::Path;

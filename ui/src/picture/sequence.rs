@@ -3,7 +3,7 @@
 
 use super::{Output, PictureJob, Shows};
 use afterimage::Tracer;
-use afterimage::camera_path::CameraPath;
+use afterimage::camera::CameraPath;
 use afterimage::raster::load::read_bounded;
 use afterimage::raster::save::write_atomically;
 use afterimage::raster::stream::Target;
@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 pub const FRAMES_PER_SEC: u32 = 30;
 
 /// A folder is tried with so many numbers before giving up.
-const MOST_FOLDERS: u32 = 10_000;
+const MAX_FOLDERS: u32 = 10_000;
 
 /// Says in its folder what a sequence is.
 const DESCRIPTION: &str = "sequence.json";
@@ -133,7 +133,7 @@ impl Sequence {
     }
 
     fn folder_in(&self, parent: &Path, stem: &str, description: &str) -> Result<PathBuf, String> {
-        for number in 1..MOST_FOLDERS {
+        for number in 1..MAX_FOLDERS {
             let folder = parent.join(format!("{stem}-sequence-{number:04}"));
             match std::fs::create_dir(&folder) {
                 Ok(()) => {

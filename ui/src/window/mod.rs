@@ -2,45 +2,13 @@
 //!
 //! The window's thread only reads input and shows the newest finished frame; it never waits for the renderer.
 
-mod adapter;
-mod aim;
 pub mod app;
-mod apply;
-mod canvas;
-mod comparing;
-pub mod depth_ranges;
-mod develop;
-mod editing;
-mod export;
-pub mod fly_camera;
-pub mod frames;
-mod full_screen_pass;
-mod full_tracing;
-mod input;
-mod keeping;
-pub mod keymap;
-mod leaving;
-pub mod load;
-mod moving;
-mod news;
-mod opening;
+pub mod export;
+pub mod gpu;
+pub mod input;
 pub mod panels;
-pub mod plan;
-pub mod playback;
-pub mod pose_text;
-pub mod presentation;
-pub mod projection;
-mod reference_thread;
-pub mod render_thread;
-pub mod screenshot;
-mod seeing;
-pub mod session;
+pub mod rendering;
 pub mod state;
-pub mod thumbnails;
-pub mod timewarp;
-pub mod viewport;
-pub mod walking;
-mod wishing;
 
 use afterimage::raster::color::ToneMap;
 use afterimage::reference::PlacementPolicy;
@@ -53,7 +21,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 pub use app::App;
-pub use load::SceneSource;
+pub use app::scene_loading::SceneSource;
 use state::{Look, PictureSettings};
 
 /// What the window is opened with.
@@ -165,7 +133,7 @@ pub fn run(request: WindowRequest) -> anyhow::Result<()> {
     let reason = match std::panic::catch_unwind(std::panic::AssertUnwindSafe(open)) {
         Ok(Ok(())) => return Ok(()),
         Ok(Err(error)) => error.to_string(),
-        Err(panic) => render_thread::panic_text(&*panic),
+        Err(panic) => rendering::render_thread::panic_text(&*panic),
     };
     Err(failure(is_open.load(Ordering::Acquire), &reason))
 }

@@ -1,7 +1,7 @@
 //! What the commands answer: the keys of the contract, and sums that must hold.
 
 use super::{Bench, assert_keys, assert_types, keys, number};
-use afterimage::camera_path::{CameraKey, CameraPath};
+use afterimage::camera::{CameraKey, CameraPath};
 use glam::DVec3;
 use serde_json::json;
 
@@ -206,10 +206,10 @@ fn one_recorded_walk_serves_tours_and_experiments() {
             bench.json(&format!("tour room.obj --path {file} --size 32x18 --samples 1 --out tour --json"));
         assert_eq!(tour["frames"].as_array().unwrap().len(), if file == "mine.json" { 4 } else { 6 });
         let line = "experiment placement room.obj --quick --size 32x18 --samples 1 --truth-samples 2 --frames 4 --json";
-        let lab = bench.json(&format!("{line} --path {file} --out lab-{}", file.replace('#', "-")));
+        let context = bench.json(&format!("{line} --path {file} --out lab-{}", file.replace('#', "-")));
         // Two modes, six walks, five rules.
-        assert_eq!((&lab["cells"], &lab["is_complete"]), (&json!(60), &json!(true)));
-        let policies = lab.pointer("/exact/policies").unwrap().as_array().unwrap();
+        assert_eq!((&context["cells"], &context["is_complete"]), (&json!(60), &json!(true)));
+        let policies = context.pointer("/exact/policies").unwrap().as_array().unwrap();
         let none = policies.iter().find(|p| p["rule"] == "none" && p["walk"] == "slow").unwrap();
         assert_eq!(
             (number(none, "/references"), number(none, "/unseen_percent")),

@@ -1,7 +1,7 @@
 //! Whoever does not see the window finds every control by its name.
 
 use super::*;
-use afterimage_ui::window::keymap::BINDINGS;
+use afterimage_ui::window::input::keymap::BINDINGS;
 use egui::accesskit::{Action, Role};
 use egui::{Key, Modifiers, vec2};
 use egui_kittest::kittest::{NodeT, by};

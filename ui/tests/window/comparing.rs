@@ -4,7 +4,7 @@ use super::*;
 use afterimage::Mode;
 use afterimage::render::render_antialiased;
 use afterimage::trace::parallel::NEVER;
-use afterimage_ui::window::frames::rgb9e5;
+use afterimage_ui::window::rendering::exchange::rgb9e5;
 use afterimage_ui::window::state::Compare;
 use egui::{Key, Modifiers};
 

@@ -2,8 +2,8 @@
 
 use super::*;
 use afterimage::raster::color::ToneMap;
-use afterimage_ui::window::keymap::BINDINGS;
-use afterimage_ui::window::presentation::{Coloring, Heatmap};
+use afterimage_ui::window::gpu::presentation::{Coloring, Heatmap};
+use afterimage_ui::window::input::keymap::BINDINGS;
 use afterimage_ui::window::state::{Severity, Work};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, vec2};

@@ -56,9 +56,9 @@ fn a_clicked_surface_is_made_a_mirror_and_matte_again() {
     harness.step();
     harness.step();
     assert!(matches!(kind_of_chosen(harness.state()), MaterialKind::Glass { .. }));
-    step_until(&mut harness, "glass in the scene", |app| scene(app).needs.glass);
+    step_until(&mut harness, "glass in the scene", |app| scene(app).features.glass);
     harness.get_by_label("Undo").click_accesskit();
-    step_until(&mut harness, "no glass in the scene", |app| !scene(app).needs.glass);
+    step_until(&mut harness, "no glass in the scene", |app| !scene(app).features.glass);
 }
 
 #[test]
@@ -89,7 +89,7 @@ fn the_sun_is_switched_on_and_moved() {
     assert!(before.distance(after) > 0.05, "{before} and {after}: another place, another sun");
     assert!(after.z > 0.0, "in the south at noon in Berlin: {after}");
     harness.get_by_label("Sky").click_accesskit();
-    step_until(&mut harness, "a sky", |app| scene(app).needs.sky);
+    step_until(&mut harness, "a sky", |app| scene(app).features.sky);
     for _ in 0..3 {
         harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
         harness.run_steps(2);
@@ -115,7 +115,7 @@ fn changes_are_saved_beside_a_model_and_survive_a_reload_before() {
     settle(&mut harness);
     assert!(edits(harness.state()).is_unsaved(), "a reload loses nothing");
     assert!(matches!(kind_of_chosen(harness.state()), MaterialKind::Mirror { .. }));
-    step_until(&mut harness, "the mirror", |app| scene(app).needs.mirror);
+    step_until(&mut harness, "the mirror", |app| scene(app).features.mirror);
     harness.step();
     harness.get_by_label("Save beside the scene").click_accesskit();
     step_until(&mut harness, "a saved look", |app| !edits(app).is_unsaved());

@@ -1,8 +1,8 @@
 //! Every key of the map does what the map says; one without a check here fails.
 
 use super::*;
-use afterimage_ui::window::fly_camera::Gait;
-use afterimage_ui::window::keymap::{Action, Attention, BINDINGS, Chord, Keyboard, Pressed};
+use afterimage_ui::window::input::fly_camera::MoveMode;
+use afterimage_ui::window::input::keymap::{Action, Attention, BINDINGS, Chord, Keyboard, Pressed};
 use afterimage_ui::window::state::{Compare, Options, PictureSettings, PictureSize, State};
 use egui::{Key, Modifiers, ViewportCommand, vec2};
 use glam::DVec3;
@@ -71,9 +71,9 @@ fn moves(window: &mut Window, action: Action, chord: Chord, index: usize) {
         Action::Down => assert!(way(window, chord.key).y < -0.1),
         Action::ToggleWalk => {
             press(window, chord);
-            assert_eq!(state(window).fly.gait(), Gait::Walk);
+            assert_eq!(state(window).fly.move_mode(), MoveMode::Walk);
             press(window, chord);
-            assert_eq!(state(window).fly.gait(), Gait::Fly);
+            assert_eq!(state(window).fly.move_mode(), MoveMode::Fly);
         }
         Action::Focus => {
             let before = camera(window);

@@ -2,8 +2,8 @@
 
 use super::*;
 use afterimage::Camera;
-use afterimage::camera_path::CameraPath;
-use afterimage_ui::window::fly_camera::{Gait, ViewChange};
+use afterimage::camera::CameraPath;
+use afterimage_ui::window::input::fly_camera::{MoveMode, ViewChange};
 use egui::{Key, Modifiers, vec2};
 
 fn camera(harness: &Harness<'static, App>) -> Camera {
@@ -33,7 +33,7 @@ fn g_walks_on_the_floor_and_a_wall_stops() {
     harness.key_press(Key::E);
     harness.key_press(Key::G);
     arrive(&mut harness);
-    assert_eq!(harness.state().state().fly.gait(), Gait::Walk);
+    assert_eq!(harness.state().state().fly.move_mode(), MoveMode::Walk);
     assert!(harness.query_all_by_label("walking").count() >= 1, "the figures say so");
     assert!((camera(&harness).eye.y - 1.6).abs() < 1e-3, "{:?}", camera(&harness));
     harness.key_down(Key::S);
@@ -44,7 +44,7 @@ fn g_walks_on_the_floor_and_a_wall_stops() {
     assert!((2.5..3.0).contains(&eye.z) && (eye.y - 1.6).abs() < 1e-3, "the wall stands at 3 m: {eye}");
     harness.key_press(Key::G);
     harness.step();
-    assert_eq!(harness.state().state().fly.gait(), Gait::Fly);
+    assert_eq!(harness.state().state().fly.move_mode(), MoveMode::Fly);
 }
 
 #[test]

@@ -55,7 +55,7 @@ fn m_measures_between_two_clicks_and_corners_attract() {
     let tracer_corner = glam::DVec3::new(0.35, 0.5, -0.35);
     let rect = harness.get_by_label("3D viewport").rect();
     let camera = *harness.state().state().fly.camera();
-    let seen = afterimage_ui::window::projection::Projection::new(&camera, rect).point(tracer_corner);
+    let seen = afterimage_ui::window::gpu::projection::Projection::new(&camera, rect).point(tracer_corner);
     let offset = seen.expect("before the eye") - rect.center();
     click(&mut harness, offset.x + 2.0, offset.y + 2.0);
     let first = sight(harness.state()).measure.points[0];

@@ -6,8 +6,8 @@ use afterimage::reference::PlacementPolicy;
 use afterimage::reference::placement::{NONE, THRESHOLD};
 use afterimage::scene::MaterialId;
 use afterimage::{Camera, Mode, Scene, Tracer, WalkthroughSettings};
-use afterimage_ui::window::frames::PublishedFrame;
-use afterimage_ui::window::render_thread::{Message, Order, RenderThread, Wish};
+use afterimage_ui::window::rendering::exchange::PublishedFrame;
+use afterimage_ui::window::rendering::render_thread::{Message, RenderCommand, RenderRequest, RenderThread};
 use crossbeam_channel::{Receiver, unbounded};
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
@@ -36,7 +36,7 @@ impl Storm {
         look.materials[0].diffuse = Vec3::new(0.2, 0.5, 0.3);
         let edited = Arc::new(first.with_same_geometry(Arc::new(first.scene().with_look(&look))));
         let other = Arc::new(Tracer::new(small_room()));
-        thread.order(Order::SetTracer(first.clone()));
+        thread.order(RenderCommand::SetTracer(first.clone()));
         let tracers = vec![first, edited, other];
         Self { thread, bell, shown: None, tracers, newest: 0, random: 0x9e37_79b9_7f4a_7c15 }
     }
@@ -49,7 +49,7 @@ impl Storm {
         (self.random >> 11) % bound
     }
 
-    fn wish(&mut self) -> Wish {
+    fn wish(&mut self) -> RenderRequest {
         let modes = [Mode::Full, Mode::Paper, Mode::Fast, Mode::Exact];
         let placements = [PlacementPolicy::new(&NONE, 0.0), PlacementPolicy::new(&THRESHOLD, 5.0)];
         let placement = placements[self.below(2) as usize];
@@ -60,7 +60,7 @@ impl Storm {
         let camera = Camera { eye: DVec3::new(x, 1.6, 2.0), ..*self.tracers[0].scene().start() };
         let size = [self.below(48) as u32, self.below(32) as u32];
         let budget = [Some(0), Some(1), Some(2), None][self.below(4) as usize].map(Duration::from_millis);
-        Wish {
+        RenderRequest {
             camera,
             size,
             settings,
@@ -76,14 +76,14 @@ impl Storm {
             0 => {
                 let which = self.below(3) as usize;
                 let tracer = self.tracers[which].clone();
-                self.thread.order(Order::SetTracer(tracer))
+                self.thread.order(RenderCommand::SetTracer(tracer))
             }
             1 => {
                 let camera = self.wish().camera;
-                self.thread.order(Order::AddReference(camera))
+                self.thread.order(RenderCommand::AddReference(camera))
             }
-            2 => self.thread.order(Order::Clear),
-            3 => self.thread.order(Order::Picture),
+            2 => self.thread.order(RenderCommand::Clear),
+            3 => self.thread.order(RenderCommand::Picture),
             _ => {
                 let wish = self.wish();
                 self.thread.wish(wish)
@@ -106,8 +106,9 @@ impl Storm {
 
     /// A good wish in a good scene, shown in full.
     fn recovers(&mut self) {
-        self.thread.order(Order::SetTracer(self.tracers[0].clone()));
-        let wish = Wish { size: [32, 24], is_paused: false, budget: Some(Duration::ZERO), ..self.wish() };
+        self.thread.order(RenderCommand::SetTracer(self.tracers[0].clone()));
+        let wish =
+            RenderRequest { size: [32, 24], is_paused: false, budget: Some(Duration::ZERO), ..self.wish() };
         let generation = self.thread.wish(wish);
         while !self.shown.as_ref().is_some_and(|f| f.generation >= generation && f.stats.is_complete) {
             if !self.thread.take_frame(&mut self.shown) {
@@ -117,8 +118,8 @@ impl Storm {
     }
 
     /// The text of the one message of failure that a wish in a scene ends in.
-    fn failure(&mut self, scene: Scene, wish: Wish) -> String {
-        self.thread.order(Order::SetTracer(Arc::new(Tracer::new(Arc::new(scene)))));
+    fn failure(&mut self, scene: Scene, wish: RenderRequest) -> String {
+        self.thread.order(RenderCommand::SetTracer(Arc::new(Tracer::new(Arc::new(scene)))));
         self.thread.wish(wish);
         let failed = loop {
             let failures = self.thread.messages().filter_map(|message| match message {
@@ -135,8 +136,9 @@ impl Storm {
         failed.into_iter().next().unwrap_or_default()
     }
 
-    fn plain_wish(&mut self) -> Wish {
-        let mut wish = Wish { size: [64, 48], is_paused: false, budget: Some(Duration::ZERO), ..self.wish() };
+    fn plain_wish(&mut self) -> RenderRequest {
+        let mut wish =
+            RenderRequest { size: [64, 48], is_paused: false, budget: Some(Duration::ZERO), ..self.wish() };
         wish.settings.render.mode = Mode::Full;
         wish.settings.placement = PlacementPolicy::new(&NONE, 0.0);
         wish
@@ -172,7 +174,7 @@ fn a_panic_in_a_tile_is_one_message_and_the_next_scene_is_shown() {
 #[test]
 fn a_picture_beyond_memory_is_refused_in_words() {
     let mut storm = Storm::new();
-    let wish = Wish { size: [60_000, 60_000], ..storm.plain_wish() };
+    let wish = RenderRequest { size: [60_000, 60_000], ..storm.plain_wish() };
     let text = storm.failure(Scene::clone(&small_room()), wish);
     assert!(text.contains("60000 x 60000") && text.contains("GB"), "{text}");
     storm.recovers();
@@ -185,7 +187,7 @@ fn light_that_is_no_number_stays_in_its_pixels() {
     broken.materials[0].emission = Vec3::NAN;
     let tracer = Arc::new(Tracer::new(Arc::new(broken)));
     for mode in [Mode::Full, Mode::Paper, Mode::Exact] {
-        storm.thread.order(Order::SetTracer(tracer.clone()));
+        storm.thread.order(RenderCommand::SetTracer(tracer.clone()));
         let mut wish = storm.plain_wish();
         wish.settings.render.mode = mode;
         let generation = storm.thread.wish(wish);

@@ -6,8 +6,10 @@ use afterimage::reference::placement::NONE;
 use afterimage::render::render_antialiased;
 use afterimage::trace::parallel::NEVER;
 use afterimage::{Camera, Mode, Tracer, WalkthroughSettings};
-use afterimage_ui::window::frames::PublishedFrame;
-use afterimage_ui::window::render_thread::{Message, Order, Picture, RenderThread, Wish};
+use afterimage_ui::window::rendering::exchange::PublishedFrame;
+use afterimage_ui::window::rendering::render_thread::{
+    Message, Picture, RenderCommand, RenderRequest, RenderThread,
+};
 use crossbeam_channel::{Receiver, unbounded};
 use glam::DVec3;
 use std::sync::Arc;
@@ -30,16 +32,16 @@ impl Bench {
         });
         let thread = RenderThread::start(2, wake).expect("the threads start");
         let tracer = Arc::new(Tracer::new(small_room()));
-        thread.order(Order::SetTracer(tracer.clone()));
+        thread.order(RenderCommand::SetTracer(tracer.clone()));
         Self { thread, bell, shown: None, tracer }
     }
 
-    fn wish(&self, x: f64) -> Wish {
+    fn wish(&self, x: f64) -> RenderRequest {
         let camera = Camera { eye: DVec3::new(x, 1.6, 2.0), ..*self.tracer.scene().start() };
         let mut settings =
             WalkthroughSettings { placement: PlacementPolicy::new(&NONE, 0.0), ..Default::default() };
         settings.render.trace.samples = 1;
-        Wish {
+        RenderRequest {
             camera,
             size: [96, 64],
             settings,
@@ -51,7 +53,7 @@ impl Bench {
 
     /// Orders the picture that is there and waits for it.
     fn picture(&self) -> Picture {
-        self.thread.order(Order::Picture);
+        self.thread.order(RenderCommand::Picture);
         loop {
             match self.thread.messages().next() {
                 Some(Message::Picture(picture)) => return picture,
@@ -106,14 +108,14 @@ fn a_reference_asked_for_is_added_and_removed() {
     let mut bench = Bench::new();
     let generation = bench.thread.wish(bench.wish(0.0));
     bench.wait_for(generation);
-    bench.thread.order(Order::AddReference(bench.wish(0.0).camera));
+    bench.thread.order(RenderCommand::AddReference(bench.wish(0.0).camera));
     // The reference raises the generation by one.
     bench.wait_for(generation + 1);
     let frame = bench.shown.as_ref().expect("a frame");
     assert_eq!((frame.references.len(), frame.stats.references_used), (1, 1));
     assert_eq!(frame.stats.types.type3(), 0, "its own pose has no hole");
     let id = frame.references[0].id;
-    let generation = bench.thread.order(Order::Remove(id));
+    let generation = bench.thread.order(RenderCommand::Remove(id));
     bench.wait_for(generation);
     assert!(bench.shown.as_ref().is_some_and(|f| f.references.is_empty()));
 }
@@ -124,7 +126,10 @@ fn nothing_is_rendered_without_pixels_or_while_paused() {
     let generation = bench.thread.wish(bench.wish(0.0));
     bench.wait_for(generation);
     let rendered = bench.thread.frames_rendered();
-    for idle in [Wish { size: [0, 64], ..bench.wish(0.5) }, Wish { is_paused: true, ..bench.wish(0.5) }] {
+    for idle in [
+        RenderRequest { size: [0, 64], ..bench.wish(0.5) },
+        RenderRequest { is_paused: true, ..bench.wish(0.5) },
+    ] {
         bench.thread.wish(idle);
         // The picture there was comes back once the wish has been taken in.
         assert_eq!(bench.picture().camera, bench.wish(0.0).camera);
@@ -170,7 +175,7 @@ fn a_change_ends_the_refining() {
         bench.bell.recv_timeout(DEADLINE).expect("the thread says something");
         bench.thread.take_frame(&mut bench.shown);
     }
-    let quick = Wish { size: [16, 16], ..slow };
+    let quick = RenderRequest { size: [16, 16], ..slow };
     let generation = bench.thread.wish(quick);
     while bench.shown.as_ref().is_some_and(|f| f.generation < generation) {
         assert!(!refined(&bench).is_complete, "the old picture was brought to its end");
@@ -186,7 +191,7 @@ fn it_ends_while_it_works() {
     let mut wish = bench.wish(0.0);
     wish.size = [2048, 2048];
     wish.settings.render.trace.samples = 64;
-    bench.thread.order(Order::AddReference(wish.camera));
+    bench.thread.order(RenderCommand::AddReference(wish.camera));
     bench.thread.wish(wish);
     drop(bench);
 }

@@ -1,6 +1,6 @@
 //! Saved views, and a walk through all rooms.
 
-use crate::camera_path::CameraPath;
+use crate::camera::CameraPath;
 use crate::scene::NamedView;
 use crate::scene::builtin::{view, walk as path};
 

@@ -1,7 +1,7 @@
 //! The comparison with the full tracer.
 
-use super::super::keymap::{Action, keys_of};
 use super::super::state::{Command, Compare, State};
+use crate::window::input::keymap::{Action, keys_of};
 use egui::{Sense, Ui};
 
 /// Shows the switches and the figures.

@@ -1,7 +1,7 @@
 //! All keys, from the table that the window obeys.
 
-use super::super::keymap::{MOUSE, bindings};
 use super::super::state::{Command, Options, State};
+use crate::window::input::keymap::{MOUSE, bindings};
 use egui::{RichText, Ui};
 
 /// Shows the keys over everything else.

@@ -1,8 +1,8 @@
 //! The figures over the viewport.
 
-use super::super::fly_camera::Gait;
 use super::super::state::{State, Work};
 use super::{comparison, swatch};
+use crate::window::input::fly_camera::MoveMode;
 use afterimage::render::AuditEstimate;
 use egui::{Color32, RichText, Ui};
 
@@ -26,8 +26,8 @@ pub fn show(ui: &mut Ui, state: &State) {
             frame_rows(ui, state);
             comparison::figures(state).into_iter().for_each(|(name, value)| line(ui, name, value));
             line(ui, "window", format!("{:.0} ms", state.window_ms));
-            let gait = if state.fly.gait() == Gait::Walk { "walking" } else { "flying" };
-            line(ui, gait, format!("{} m/s", three_digits(state.fly.speed_m_per_s())));
+            let move_mode = if state.fly.move_mode() == MoveMode::Walk { "walking" } else { "flying" };
+            line(ui, move_mode, format!("{} m/s", three_digits(state.fly.speed_m_per_s())));
         });
         type_rows(ui, state);
     });

@@ -1,8 +1,8 @@
 //! What a click found, and what was measured.
 
-use super::super::keymap::{Action, keys_of};
 use super::super::state::{Command, Inspection, Measure, PixelFacts, Seeing, State};
-use afterimage::reproject::PixelType;
+use crate::window::input::keymap::{Action, keys_of};
+use afterimage::raster::pixel_types::PixelType;
 use egui::{RichText, Ui};
 use glam::DVec3;
 
@@ -72,8 +72,6 @@ fn type_text(kind: PixelType) -> &'static str {
     match kind {
         PixelType::Reused => "Type 1: its light is reused",
         PixelType::Secondary => "Type 2: mirror or glass, secondary rays traced",
-        PixelType::Gap => "Type 3, gap: between neighbours that agree",
-        PixelType::Disoccluded => "Type 3, disoccluded: traced, light looked up",
         PixelType::Uncertain => "Type 3, uncertain: looked up, checked by few rays",
         PixelType::Unseen => "Type 3, unseen: traced and lit in full",
     }

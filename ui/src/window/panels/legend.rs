@@ -1,11 +1,11 @@
 //! What the colours of the heatmap mean, and its switches.
 
-use super::super::keymap::{Action, keys_of};
-use super::super::presentation::{Coloring, Heatmap};
 use super::super::state::{Command, Options, State};
 use super::{TYPE_NAMES, swatch};
+use crate::window::gpu::presentation::{Coloring, Heatmap};
+use crate::window::input::keymap::{Action, keys_of};
 use afterimage::Mode;
-use afterimage::reproject::TypeCounts;
+use afterimage::raster::pixel_types::TypeCounts;
 use egui::{RichText, Ui};
 
 /// Shows switches and legend.
@@ -57,12 +57,10 @@ fn percent(is_known: bool, share: f64) -> String {
 }
 
 /// Type 3 by what is done about it, in percent of all pixels.
-fn parts(types: &TypeCounts) -> [(&'static str, &'static str, f64); 4] {
-    let all = types.reused + types.secondary + types.gap + types.disoccluded + types.unseen + types.uncertain;
+fn parts(types: &TypeCounts) -> [(&'static str, &'static str, f64); 2] {
+    let all = types.reused + types.secondary + types.unseen + types.uncertain;
     let share = |count: usize| 100.0 * count as f64 / all.max(1) as f64;
     [
-        ("gap", "Between neighbours that agree", share(types.gap)),
-        ("disoccluded", "Traced; its light is looked up in references", share(types.disoccluded)),
         ("uncertain", "Traced and looked up, then checked by few rays", share(types.uncertain)),
         ("unseen", "Traced and lit in full: no reference saw it", share(types.unseen)),
     ]

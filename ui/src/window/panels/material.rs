@@ -1,7 +1,7 @@
 //! The material of what was clicked: matte, mirror or glass.
 
-use super::super::load::SceneSource;
 use super::super::state::{Change, Command, Editing, Edits, Seeing, State};
+use crate::window::app::scene_loading::SceneSource;
 use afterimage::scene::{Material, MaterialId, MaterialKind};
 use egui::{Slider, SliderClamping, Ui};
 use glam::Vec3;
@@ -133,7 +133,7 @@ fn glass(material: &Material) -> Material {
 }
 
 fn history(ui: &mut Ui, state: &State, edits: &Edits, commands: &mut Vec<Command>) {
-    use super::super::keymap::{Action, keys_of};
+    use crate::window::input::keymap::{Action, keys_of};
     ui.horizontal_wrapped(|ui| {
         let mut button = |ui: &mut Ui, text: &str, is_enabled: bool, help: String, editing: Editing| {
             let button = ui.add_enabled(is_enabled, egui::Button::new(text));

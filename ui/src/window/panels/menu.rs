@@ -1,11 +1,11 @@
 //! The bar at the top.
 
-use super::super::fly_camera::Gait;
-use super::super::keymap::{Action, keys_of};
-use super::super::load::SceneSource;
 use super::super::state::{
     Command, Editing, Edits, FileCommand, Moving, Options, PictureCommand, Seeing, State,
 };
+use crate::window::app::scene_loading::SceneSource;
+use crate::window::input::fly_camera::MoveMode;
+use crate::window::input::keymap::{Action, keys_of};
 use afterimage::scene::builtin;
 use egui::{Button, Ui};
 
@@ -105,11 +105,11 @@ fn view_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         }
     }
     ui.separator();
-    let (gait, other) = match state.fly.gait() {
-        Gait::Fly => ("Walk", Gait::Walk),
-        Gait::Walk => ("Fly", Gait::Fly),
+    let (move_mode, other) = match state.fly.move_mode() {
+        MoveMode::Fly => ("Walk", MoveMode::Walk),
+        MoveMode::Walk => ("Fly", MoveMode::Fly),
     };
-    if item(ui, gait, Some(Action::ToggleWalk)) {
+    if item(ui, move_mode, Some(Action::ToggleWalk)) {
         commands.push(Command::Moving(Moving::SetGait(other)));
     }
     if item(ui, "Level", Some(Action::Level)) {

@@ -1,7 +1,7 @@
 //! Messages, loading and questions over the viewport.
 
-use super::super::load::{Progress, SceneSource};
 use super::super::state::{Command, Notice, Severity, State};
+use crate::window::app::scene_loading::{Progress, SceneSource};
 use egui::{Align2, Color32, ProgressBar, Rect, RichText, Ui};
 
 /// Shows what there is to say, at the bottom of the viewport: the figures have the top.

@@ -1,7 +1,7 @@
 //! What is drawn over the picture: the inspected triangle, what is measured, a reference that is looked through.
 
-use super::super::projection::Projection;
 use super::super::state::{Lent, Measure, SnapKind, State};
+use crate::window::gpu::projection::Projection;
 use egui::{Align2, Color32, FontId, Pos2, Rect, Stroke, Ui};
 use glam::DVec3;
 

@@ -1,8 +1,8 @@
 //! The camera path: its keys, a timeline, and the recording of a walk.
 
-use super::super::keymap::{Action, keys_of};
-use super::super::playback::Playback;
 use super::super::state::{Command, Moving, State};
+use crate::window::input::keymap::{Action, keys_of};
+use crate::window::input::playback::Playback;
 use egui::{Slider, Ui};
 
 /// Shows timeline, keys and recording.

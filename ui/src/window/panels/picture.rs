@@ -1,10 +1,10 @@
 //! How pictures are saved, and the one that is being saved.
 
-use super::super::keymap::{Action, keys_of};
 use super::super::state::{
     Command, Exporting, PictureCommand, PictureFormat, PictureSettings, PictureSize, State,
 };
 use crate::picture::LONGEST_SIDE;
+use crate::window::input::keymap::{Action, keys_of};
 use afterimage::Mode;
 use afterimage::render::bands::Background;
 use egui::{Align2, Color32, DragValue, ProgressBar, Rect, RichText, Ui};

@@ -1,8 +1,8 @@
 //! The plan: walls at eye height, you, your way, and every reference's view by what it gives.
 
-use super::super::frames::ReferenceInfo;
-use super::super::plan::{Plan, PlanView};
 use super::super::state::{Command, Seeing, State};
+use crate::window::rendering::exchange::ReferenceInfo;
+use crate::window::rendering::plan::{Plan, PlanView};
 use afterimage::Camera;
 use egui::{Color32, Mesh, Pos2, Rect, Response, Sense, Shape, Stroke, Ui};
 use glam::DVec2;

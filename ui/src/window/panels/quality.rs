@@ -1,7 +1,7 @@
 //! Everything that trades time for quality, with units and a way back.
 
-use super::super::fly_camera::ViewChange;
 use super::super::state::{Command, Options, Quality, State};
+use crate::window::input::fly_camera::ViewChange;
 use afterimage::Mode;
 use afterimage::raster::color::ToneMap;
 use afterimage::reference::{PlacementPolicy, PlacementRule, placement};
@@ -176,7 +176,7 @@ fn picture_rows(ui: &mut Ui, q: &mut Quality, d: &Quality) {
 }
 
 fn camera_rows(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    use super::super::fly_camera::{DEFAULT_SPEED, SPEED_RANGE};
+    use crate::window::input::fly_camera::{DEFAULT_SPEED, SPEED_RANGE};
     let mut speed = state.fly.speed_m_per_s();
     let help = "How fast the keys fly; also right mouse button + wheel. Shift is five times, Alt a fifth.";
     row(ui, "Speed", help, &mut speed, DEFAULT_SPEED, |ui, v| {

@@ -1,8 +1,8 @@
 //! Questions that must be answered before anything else. Each has the keyboard: Tab goes round the answers, Enter gives
 //! one, Escape is the one that changes nothing.
 
-use super::super::load::SceneSource;
 use super::super::state::{Answer, Command, FileCommand, Leaving, State};
+use crate::window::app::scene_loading::SceneSource;
 use egui::{Context, Ui};
 
 /// Shows the question that is open, if any.

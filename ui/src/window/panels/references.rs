@@ -1,8 +1,8 @@
 //! The references held: what they are worth, where they stand.
 
-use super::super::frames::{ReferenceInfo, supplier_byte};
-use super::super::keymap::{Action, keys_of};
 use super::super::state::{Command, Options, Seeing, State, Work};
+use crate::window::input::keymap::{Action, keys_of};
+use crate::window::rendering::exchange::{ReferenceInfo, supplier_byte};
 use afterimage::reference::ReferenceId;
 use egui::{Color32, ProgressBar, RichText, Ui};
 

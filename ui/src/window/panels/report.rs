@@ -13,14 +13,14 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         ui.weak("No scene yet.");
     }
     path_field(ui, state, commands);
-    stiffness(ui, state);
+    conditioning(ui, state);
     warnings(ui, state, commands);
 }
 
-fn stiffness(ui: &mut Ui, state: &State) {
+fn conditioning(ui: &mut Ui, state: &State) {
     let Some(scene) = &state.scene else { return };
     egui::CollapsingHeader::new("Numerical stiffness").id_salt("stiffness").show(ui, |ui| {
-        for said in &scene.stiffness {
+        for said in &scene.conditioning {
             ui.add(egui::Label::new(RichText::new(said).small()).wrap());
         }
     });
@@ -29,14 +29,14 @@ fn stiffness(ui: &mut Ui, state: &State) {
 /// What is in the scene, what it needs, and what the renderer therefore leaves out.
 fn facts(ui: &mut Ui, scene: &SceneInfo) {
     let [x, y, z] = scene.extent_m;
-    let (needs, left_out) = (scene.needs, scene.needs.left_out());
+    let (features, left_out) = (scene.features, scene.features.left_out());
     let needed = [
-        (needs.mirror, "mirrors"),
-        (needs.glass, "glass"),
-        (needs.textures, "textures"),
-        (needs.alpha, "cut-outs"),
-        (needs.area_lights, "area lights"),
-        (needs.sky, "a sky"),
+        (features.mirror, "mirrors"),
+        (features.glass, "glass"),
+        (features.textures, "textures"),
+        (features.alpha, "cut-outs"),
+        (features.area_lights, "area lights"),
+        (features.sky, "a sky"),
     ];
     let needed: Vec<&str> = needed.into_iter().filter_map(|(is, what)| is.then_some(what)).collect();
     let or_nothing = |list: Vec<&str>| if list.is_empty() { "nothing".to_owned() } else { list.join(", ") };

@@ -1,7 +1,7 @@
 //! Saved views: a list to go to, name and delete.
 
-use super::super::keymap::{Action, keys_of};
 use super::super::state::{Command, Moving, SavedView, State};
+use crate::window::input::keymap::{Action, keys_of};
 use egui::{Key, RichText, Ui};
 
 /// Shows the list.

@@ -3,10 +3,10 @@
 use super::{
     Answer, Change, Compare, FileCommand, Look, Options, PictureCommand, Quality, Severity, SunControls,
 };
-use crate::window::fly_camera::Gait;
-use crate::window::load::SceneSource;
-use crate::window::plan::PlanView;
-use crate::window::playback::Playback;
+use crate::window::app::scene_loading::SceneSource;
+use crate::window::input::fly_camera::MoveMode;
+use crate::window::input::playback::Playback;
+use crate::window::rendering::plan::PlanView;
 use afterimage::Camera;
 use afterimage::reference::ReferenceId;
 use afterimage::scene::MaterialId;
@@ -65,7 +65,7 @@ pub enum Moving {
     Rename(Option<(usize, String)>),
     FinishRenaming,
     PastePose(String),
-    SetGait(Gait),
+    SetGait(MoveMode),
     AddPathKey,
     RemovePathKey(usize),
     SetPlayback(Playback),

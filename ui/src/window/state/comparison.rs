@@ -1,7 +1,7 @@
 //! The picture against the full tracer's: what is shown of it, how far it is and how much they differ.
 
 use super::Quality;
-use crate::window::frames::{PublishedFrame, rgb9e5_decoded};
+use crate::window::rendering::exchange::{PublishedFrame, rgb9e5_decoded};
 use afterimage::raster::color::srgb8;
 use afterimage::raster::metrics::{CompareError, error_picture, flip_map, psnr_db};
 use glam::Vec3;
@@ -90,7 +90,7 @@ pub fn difference(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::window::frames::rgb9e5;
+    use crate::window::rendering::exchange::rgb9e5;
     use afterimage::WalkthroughSettings;
     use afterimage::raster::metrics::PSNR_OF_EQUALS_DB;
 

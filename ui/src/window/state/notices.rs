@@ -29,7 +29,7 @@ pub struct Notice {
 const INFO_TIME: Duration = Duration::from_secs(8);
 
 /// So many notices are kept.
-const MOST_NOTICES: usize = 4;
+const MAX_NOTICES: usize = 4;
 
 impl State {
     /// Puts a message over the viewport; one that is there already is not repeated.
@@ -38,7 +38,7 @@ impl State {
         let id = self.next_notice;
         self.next_notice += 1;
         self.notices.push(Notice { id, severity, text, since: Instant::now() });
-        let surplus = self.notices.len().saturating_sub(MOST_NOTICES);
+        let surplus = self.notices.len().saturating_sub(MAX_NOTICES);
         self.notices.drain(..surplus);
     }
 

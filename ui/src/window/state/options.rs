@@ -1,7 +1,7 @@
 //! What is switched on.
 
-use crate::window::fly_camera::ViewChange;
-use crate::window::presentation::{Coloring, Heatmap};
+use crate::window::gpu::presentation::{Coloring, Heatmap};
+use crate::window::input::fly_camera::ViewChange;
 
 /// What is switched on.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,6 +1,6 @@
 //! What decides how good a picture is, how long it takes and how it is developed.
 
-use crate::window::screenshot::Development;
+use crate::window::export::screenshot::Development;
 use afterimage::WalkthroughSettings;
 use afterimage::raster::color::ToneMap;
 

@@ -1,7 +1,7 @@
 //! The scene as the panels show it.
 
-use crate::window::load::SceneSource;
-use afterimage::scene::{Needs, Scene, Warning};
+use crate::window::app::scene_loading::SceneSource;
+use afterimage::scene::{Scene, SceneFeatures, Warning};
 use afterimage::{Camera, Tracer};
 
 /// A view that can be gone back to.
@@ -33,13 +33,13 @@ pub struct SceneInfo {
     /// Lights.
     pub lights: usize,
     /// How hard it is on numbers, in sentences.
-    pub stiffness: Vec<String>,
+    pub conditioning: Vec<String>,
     /// Textures.
     pub textures: usize,
     /// Extent along x, y and z, metres.
     pub extent_m: [f64; 3],
     /// What the renderer must do for it.
-    pub needs: Needs,
+    pub features: SceneFeatures,
 }
 
 impl SceneInfo {
@@ -54,17 +54,17 @@ impl SceneInfo {
             triangles: scene.triangles.len(),
             vertices: scene.positions.len(),
             lights: scene.lights.len(),
-            stiffness: scene.stiffness.sentences(),
+            conditioning: scene.conditioning.sentences(),
             textures: scene.textures.len(),
             extent_m: (scene.bounds_m[1] - scene.bounds_m[0]).to_array(),
-            needs: scene.needs,
+            features: scene.features,
         }
     }
 
     /// Takes over what a change of materials or light has changed.
     pub fn relight(&mut self, scene: &Scene) {
-        (self.lights, self.needs) = (scene.lights.len(), scene.needs);
-        self.stiffness = scene.stiffness.sentences();
+        (self.lights, self.features) = (scene.lights.len(), scene.features);
+        self.conditioning = scene.conditioning.sentences();
     }
 }
 

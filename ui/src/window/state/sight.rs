@@ -1,8 +1,8 @@
 //! What is looked at more closely: a pixel, a distance, a reference.
 
 use afterimage::Camera;
+use afterimage::raster::pixel_types::PixelType;
 use afterimage::reference::ReferenceId;
-use afterimage::reproject::PixelType;
 use afterimage::scene::MaterialId;
 use glam::{DVec3, Vec3};
 

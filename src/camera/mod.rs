@@ -1,0 +1,180 @@
+//! The pinhole camera: a pose in the world, and the same pose as the renderer sees it, in scene space.
+
+pub mod path;
+pub mod pixel_warp;
+
+pub use path::{CameraKey, CameraPath};
+pub use pixel_warp::{PixelWarp, RowWarp};
+
+use glam::{DMat3, DVec3, Mat3, Vec3};
+use serde::{Deserialize, Serialize};
+
+/// Nothing nearer than this to the eye is kept, in scene units: a millionth of the scene's diagonal. The pixel's
+/// footprint there is below the rounding of positions.
+pub const NEAREST_DEPTH: f32 = 1.0 / 1024.0;
+
+/// Where someone stands and looks: world space, metres, +Y up, f64 so that it also serves far from the origin.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Camera {
+    /// Eye, world metres.
+    pub eye: DVec3,
+    /// Heading about +Y in radians; 0 looks along -Z, growing to the left.
+    pub yaw: f64,
+    /// Elevation in radians, -pi/2..pi/2.
+    pub pitch: f64,
+    /// Vertical field of view in radians.
+    pub fov_y: f64,
+}
+
+impl Camera {
+    /// The smallest and largest field of view accepted, in degrees: beyond them a picture plane makes no sense.
+    pub const FOV_Y_DEGREES: std::ops::RangeInclusive<f64> = 1.0..=170.0;
+
+    /// What people are used to, in degrees: an angle that rooms look neither flat nor drawn out at.
+    pub const DEFAULT_FOV_Y_DEG: f64 = 60.0;
+
+    /// Eyes of who stands, above the floor, metres.
+    pub const EYE_HEIGHT_M: f64 = 1.6;
+
+    /// A camera at `eye` that looks at `target`. Looks along -Z where the two are the same point.
+    pub fn look_at(eye: DVec3, target: DVec3, fov_y_degrees: f64) -> Self {
+        let d = (target - eye).try_normalize().unwrap_or(DVec3::NEG_Z);
+        let range = Self::FOV_Y_DEGREES;
+        Self {
+            eye,
+            yaw: (-d.x).atan2(-d.z),
+            pitch: d.y.clamp(-1.0, 1.0).asin(),
+            fov_y: fov_y_degrees.clamp(*range.start(), *range.end()).to_radians(),
+        }
+    }
+
+    /// Columns right, up, backward in world space. Built from sines, so it is orthonormal even looking straight up.
+    pub fn world_from_camera(&self) -> DMat3 {
+        let (sy, cy) = self.yaw.sin_cos();
+        let (sp, cp) = self.pitch.sin_cos();
+        DMat3::from_cols(
+            DVec3::new(cy, 0.0, -sy),
+            DVec3::new(sy * sp, cp, cy * sp),
+            DVec3::new(sy * cp, -sp, cy * cp),
+        )
+    }
+
+    /// The unit viewing direction in world space.
+    pub fn forward(&self) -> DVec3 {
+        -self.world_from_camera().z_axis
+    }
+
+    /// True where every number is finite and the field of view is within [`Self::FOV_Y_DEGREES`].
+    pub fn is_valid(&self) -> bool {
+        let finite = self.eye.is_finite() && self.yaw.is_finite() && self.pitch.is_finite();
+        // A hair of slack: degrees and radians round.
+        finite && (0.99..170.01).contains(&self.fov_y.to_degrees())
+    }
+}
+
+/// World metres <-> scene units.
+///
+/// The world keeps the model's own coordinates (in metres). Scene space has its origin near the model's centre and a
+/// diagonal in 512..1024, by a power of two: the same model at another place or another power-of-two size has the
+/// very same bits in scene space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SceneFrame {
+    /// World position of the scene-space origin, metres.
+    pub origin_in_world_m: DVec3,
+    /// Scene units per metre, a power of two.
+    pub units_per_metre: f64,
+}
+
+impl SceneFrame {
+    /// Scene space of a world position, before rounding to f32.
+    pub fn scene_from_world_f64(&self, world_m: DVec3) -> DVec3 {
+        (world_m - self.origin_in_world_m) * self.units_per_metre
+    }
+
+    /// World position, in metres, of a scene-space position.
+    pub fn world_from_scene(&self, scene: Vec3) -> DVec3 {
+        scene.as_dvec3() / self.units_per_metre + self.origin_in_world_m
+    }
+}
+
+/// A camera as one picture sees it: scene space, f32, with the picture's size.
+///
+/// Camera space is +X right, +Y down, +Z forward, so that a pixel's column and row grow with x and y. The ray through
+/// the point (x, y) of the picture, in pixels, is `world_from_view * (x, y, 1)`: its camera-space z is one, so a
+/// distance along it is a depth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Eye in scene space.
+    pub eye: Vec3,
+    /// The same in f64, for differences between two eyes.
+    pub eye_f64: DVec3,
+    /// Scene-space axes right, down, forward as columns; orthonormal.
+    pub scene_from_camera: Mat3,
+    /// Scene-space direction of the picture point (x, y, 1), in pixels.
+    pub scene_from_pixel: Mat3,
+    /// The same before rounding, for the product with another view's inverse.
+    pub scene_from_pixel_f64: DMat3,
+    /// Half the picture's height on the plane at depth one.
+    pub tan_half_fov_y: f32,
+}
+
+impl View {
+    /// The view of a camera in a scene.
+    pub fn new(camera: &Camera, frame: &SceneFrame, size: [u32; 2]) -> Self {
+        let m = camera.world_from_camera();
+        let axes = DMat3::from_cols(m.x_axis, -m.y_axis, -m.z_axis);
+        let tan = (camera.fov_y / 2.0).tan();
+        let (w, h) = (f64::from(size[0].max(1)), f64::from(size[1].max(1)));
+        let step = 2.0 * tan / h;
+        let camera_from_pixel = DMat3::from_cols(
+            DVec3::new(step, 0.0, 0.0),
+            DVec3::new(0.0, step, 0.0),
+            DVec3::new(-step * w / 2.0, -tan, 1.0),
+        );
+        let eye_f64 = frame.scene_from_world_f64(camera.eye);
+        Self {
+            size,
+            eye: eye_f64.as_vec3(),
+            eye_f64,
+            scene_from_camera: axes.as_mat3(),
+            scene_from_pixel: (axes * camera_from_pixel).as_mat3(),
+            scene_from_pixel_f64: axes * camera_from_pixel,
+            tan_half_fov_y: tan as f32,
+        }
+    }
+
+    /// The same view with every pixel's ray through another point of the pixel: so many pixels right of its centre and
+    /// down.
+    #[must_use]
+    pub fn shifted(&self, [right, down]: [f64; 2]) -> Self {
+        if [right, down] == [0.0; 2] {
+            return *self;
+        }
+        let mut m = self.scene_from_pixel_f64;
+        m.z_axis += m.x_axis * right + m.y_axis * down;
+        Self { scene_from_pixel: m.as_mat3(), scene_from_pixel_f64: m, ..*self }
+    }
+
+    /// Number of pixels.
+    pub fn pixel_count(&self) -> usize {
+        self.size[0] as usize * self.size[1] as usize
+    }
+
+    /// The direction through the centre of a pixel, by its row-major index; its camera-space z is one.
+    pub fn direction_of_pixel(&self, pixel: u32) -> Vec3 {
+        let (x, y) = (pixel % self.size[0], pixel / self.size[0]);
+        self.direction_of_point(x as f32 + 0.5, y as f32 + 0.5)
+    }
+
+    /// The direction through a point of the picture, in pixels from the top left corner.
+    pub fn direction_of_point(&self, x: f32, y: f32) -> Vec3 {
+        self.scene_from_pixel * Vec3::new(x, y, 1.0)
+    }
+
+    /// The eye as seen from another one: `self.eye - other.eye` in scene space, rounded once.
+    pub fn eye_relative_to(&self, other: &View) -> Vec3 {
+        (self.eye_f64 - other.eye_f64).as_vec3()
+    }
+}

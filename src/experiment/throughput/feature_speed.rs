@@ -1,0 +1,84 @@
+//! What the features that a scene does not need would cost: the same frames with every feature forced on.
+
+use crate::experiment::statistics::median;
+use crate::experiment::throughput::ThroughputSettings;
+use crate::experiment::throughput::warp_speed::moved;
+use crate::reference::{ReferenceCache, ReferenceFrame};
+use crate::render::{Mode, RenderSettings, Renderer};
+use crate::scene::{Scene, SceneFeatures};
+use crate::trace::parallel::{NEVER, Stop};
+use crate::trace::{TraceSettings, Tracer};
+use serde::Serialize;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Pairs of frames that are timed in turns; a hundredth is looked for, so more than elsewhere.
+const PAIRS: usize = 15;
+
+/// The time of a frame with everything forced on over that of one with what the scene needs, less one: the median of
+/// pairs. One sample a light, so that what is asked of every pixel and ray is not hidden behind shading.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct FeatureSpeed {
+    /// Mode `full`.
+    pub forced_full_percent: f64,
+    /// Mode `exact`, a reference ahead of the view, what was traced before known.
+    pub forced_exact_percent: f64,
+}
+
+/// `None` after a stop.
+pub(crate) fn feature_speed(
+    tracer: &Tracer,
+    settings: &ThroughputSettings,
+    stop: Stop<'_>,
+) -> Option<FeatureSpeed> {
+    let scene = tracer.scene();
+    let forced = Scene { features: SceneFeatures::EVERYTHING, ..Scene::clone(scene) };
+    let forced = tracer.with_same_geometry(Arc::new(forced));
+    let [mut lean, mut forced] = [Frames::new(tracer, settings)?, Frames::new(&forced, settings)?];
+    let mut over = |mode| {
+        let pair = |i: usize| {
+            let second = i % 2 == 1;
+            let early = if second { forced.secs(mode) } else { lean.secs(mode) };
+            let late = if second { lean.secs(mode) } else { forced.secs(mode) };
+            if second { early / late } else { late / early }
+        };
+        let ratios: Vec<f64> = (0..=PAIRS).take_while(|_| !stop()).map(pair).collect();
+        // The first pair fills caches and buffers.
+        Some((median(ratios.into_iter().skip(1))? - 1.0) * 100.0)
+    };
+    Some(FeatureSpeed { forced_full_percent: over(Mode::Full)?, forced_exact_percent: over(Mode::Exact)? })
+}
+
+/// One view, again and again.
+struct Frames<'a> {
+    tracer: &'a Tracer,
+    cache: ReferenceCache,
+    settings: ThroughputSettings,
+    renderers: [Renderer; 2],
+}
+
+impl<'a> Frames<'a> {
+    fn new(tracer: &'a Tracer, settings: &ThroughputSettings) -> Option<Self> {
+        let trace = TraceSettings { samples: 1, ..settings.trace };
+        let settings = ThroughputSettings { trace, ..*settings };
+        let ahead = moved(tracer, &settings.camera);
+        let reference = ReferenceFrame::trace(tracer, &ahead, settings.size, &trace, NEVER)?;
+        let mut cache = ReferenceCache::new(tracer.scene(), usize::MAX);
+        cache.insert(Arc::new(reference));
+        Some(Self { tracer, cache, settings, renderers: Default::default() })
+    }
+
+    fn secs(&mut self, mode: Mode) -> f64 {
+        let ThroughputSettings { camera, size, trace } = self.settings;
+        let render = RenderSettings { mode, trace };
+        let [plain, looking] = &mut self.renderers;
+        let start = Instant::now();
+        if mode.looks_up() {
+            let lookup = self.cache.lookup(self.tracer.epoch());
+            looking.render_by_lookup(self.tracer, &camera, size, &render, &lookup, NEVER);
+        } else {
+            plain.render(self.tracer, &camera, size, &render, &[], NEVER);
+        }
+        start.elapsed().as_secs_f64()
+    }
+}

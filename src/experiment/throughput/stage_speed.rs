@@ -1,0 +1,136 @@
+//! The stages of a looked-up frame, each against what it cannot do without.
+
+use crate::camera::{Camera, View};
+use crate::experiment::statistics::median;
+use crate::experiment::throughput::warp_speed::moved;
+use crate::experiment::throughput::{ROUNDS, ThroughputSettings, median_secs};
+use crate::lookup::open_percent;
+use crate::reference::{ReferenceCache, ReferenceFrame};
+use crate::render::{FrameStats, Mode, RenderSettings, Renderer};
+use crate::trace::Tracer;
+use crate::trace::parallel::NEVER;
+use serde::Serialize;
+use std::hint::black_box;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// References that the look-up is timed with: as many as `exact` averages.
+const REFERENCES: usize = 2;
+
+/// Bytes of a reference pixel that a look-up reads: disparity, triangle, light.
+const LOOKED_UP_BYTES: f64 = 12.0;
+
+/// Bytes of a reference pixel that entering it into the directory reads: disparity, light.
+const ENTERED_BYTES: f64 = 8.0;
+
+/// The stages of a frame in mode `exact`, on all threads. The view stands a hundredth of the scene's diagonal ahead of
+/// one of its references and as much behind the other.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct StageSpeed {
+    /// Tiles of primary rays, their look-ups, writing the pixels.
+    pub resolve_ns_per_pixel: f64,
+    /// The same without the time of the tiles.
+    pub lookup_ns_per_pixel: f64,
+    /// What is read of two references, once, over the memory's speed.
+    pub lookup_floor_ns_per_pixel: f64,
+    /// Pixels whose light was a guess.
+    pub checked_pixels: usize,
+    /// Checking one that no frame before has traced.
+    pub check_new_us_per_pixel: f64,
+    /// Checking one whose light a frame before has traced.
+    pub check_known_us_per_pixel: f64,
+    /// Pixels with mirrors or glass.
+    pub secondary_pixels: usize,
+    /// One of them where the light of what it shows is not known.
+    pub secondary_new_us_per_pixel: f64,
+    /// One of them where it is.
+    pub secondary_known_us_per_pixel: f64,
+    /// Rays of such a pixel over the rate of primary rays.
+    pub secondary_floor_us_per_pixel: f64,
+    /// Foreseeing what would be open at a pose.
+    pub foresight_ms: f64,
+    /// Its rays alone: a sixteenth of the tiles.
+    pub foresight_floor_ms: f64,
+    /// Entering a fully lit reference into the directory, on all threads.
+    pub directory_ms: f64,
+    /// What it reads over the memory's speed.
+    pub directory_floor_ms: f64,
+}
+
+/// What the floors are made of.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Floors {
+    pub(crate) primary_mrays_per_sec: f64,
+    pub(crate) primary_tile_mrays_per_sec: f64,
+    pub(crate) memory_gb_per_sec: f64,
+}
+
+pub(crate) fn stage_speed(tracer: &Tracer, settings: &ThroughputSettings, floors: &Floors) -> StageSpeed {
+    let mut cache = ReferenceCache::new(tracer.scene(), usize::MAX);
+    let behind = settings.camera;
+    let camera = moved(tracer, &behind);
+    let mut directory_secs = Vec::new();
+    for pose in [behind, moved(tracer, &camera)] {
+        let Some(frame) = ReferenceFrame::trace(tracer, &pose, settings.size, &settings.trace, NEVER) else {
+            return StageSpeed::default();
+        };
+        let frame = Arc::new(frame);
+        let start = Instant::now();
+        cache.insert(frame);
+        directory_secs.push(start.elapsed().as_secs_f64());
+    }
+    let frames = frames(tracer, &camera, settings, &cache);
+    let view = View::new(&camera, &tracer.scene().frame, settings.size);
+    let lookup = cache.lookup(tracer.epoch());
+    let foresight_secs = median_secs(|| {
+        black_box(open_percent(tracer, &view, &lookup, None));
+    });
+    let pixels = view.pixel_count().max(1) as f64;
+    let tile_ns = 1e3 / floors.primary_tile_mrays_per_sec;
+    let read_ns = |bytes: f64| bytes / floors.memory_gb_per_sec;
+    StageSpeed {
+        lookup_floor_ns_per_pixel: read_ns(LOOKED_UP_BYTES * REFERENCES as f64),
+        foresight_ms: foresight_secs * 1e3,
+        foresight_floor_ms: tile_ns * pixels / 16.0 / 1e6,
+        directory_ms: median(directory_secs).unwrap_or(f64::NAN) * 1e3,
+        directory_floor_ms: read_ns(ENTERED_BYTES) * pixels / 1e6,
+        ..of_frames(&frames, pixels, tile_ns, floors.primary_mrays_per_sec)
+    }
+}
+
+/// The first frame, which traces what it does not know, and [`ROUNDS`] that find it known.
+fn frames(
+    tracer: &Tracer,
+    camera: &Camera,
+    settings: &ThroughputSettings,
+    cache: &ReferenceCache,
+) -> Vec<FrameStats> {
+    let lookup = cache.lookup(tracer.epoch());
+    let render = RenderSettings { mode: Mode::Exact, trace: settings.trace };
+    let mut renderer = Renderer::default();
+    (0..=ROUNDS)
+        .map(|_| renderer.render_by_lookup(tracer, camera, settings.size, &render, &lookup, NEVER).stats)
+        .collect()
+}
+
+fn of_frames(frames: &[FrameStats], pixels: f64, tile_ns: f64, mrays_per_sec: f64) -> StageSpeed {
+    let [first, later @ ..] = frames else { return StageSpeed::default() };
+    let known = |secs: fn(&FrameStats) -> f64| median(later.iter().map(secs)).unwrap_or(f64::NAN);
+    let types = first.types;
+    let (checked, secondary) = (types.uncertain, types.secondary);
+    let us = |secs: f64, count: usize| if count == 0 { 0.0 } else { secs * 1e6 / count as f64 };
+    let resolve_ns = known(|f| f.secs.warp) * 1e9 / pixels;
+    let rays = first.rays.secondary as f64 / 1e6;
+    StageSpeed {
+        resolve_ns_per_pixel: resolve_ns,
+        lookup_ns_per_pixel: resolve_ns - tile_ns,
+        checked_pixels: checked,
+        check_new_us_per_pixel: us(first.secs.trace, checked + types.unseen),
+        check_known_us_per_pixel: us(known(|f| f.secs.trace), checked + types.unseen),
+        secondary_pixels: secondary,
+        secondary_new_us_per_pixel: us(first.secs.secondary, secondary),
+        secondary_known_us_per_pixel: us(known(|f| f.secs.secondary), secondary),
+        secondary_floor_us_per_pixel: us(rays / mrays_per_sec, secondary),
+        ..StageSpeed::default()
+    }
+}

@@ -1,0 +1,192 @@
+//! Accessors: numbers in buffers, read one by one where they lie. Nothing is allocated for what a file merely claims.
+
+use crate::import::gltf::buffers::Buffers;
+use crate::import::gltf::document::{Document, Fault, Found, List};
+use crate::import::gltf::schema;
+use crate::import::report::Trouble;
+
+/// How a number is stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Component {
+    I8,
+    U8,
+    I16,
+    U16,
+    U32,
+    F32,
+}
+
+impl Component {
+    fn of(code: u32) -> Option<Self> {
+        Some(match code {
+            5120 => Self::I8,
+            5121 => Self::U8,
+            5122 => Self::I16,
+            5123 => Self::U16,
+            5125 => Self::U32,
+            5126 => Self::F32,
+            _ => return None,
+        })
+    }
+
+    fn bytes(self) -> usize {
+        match self {
+            Self::I8 | Self::U8 => 1,
+            Self::I16 | Self::U16 => 2,
+            Self::U32 | Self::F32 => 4,
+        }
+    }
+
+    /// The number at the front of `bytes`; zero where there are too few.
+    fn read(self, bytes: &[u8], normalized: bool) -> f32 {
+        // The specification's equations for normalised integers.
+        let scaled = |value: f32, most: f32| if normalized { (value / most).max(-1.0) } else { value };
+        match (self, bytes) {
+            (Self::I8, &[a, ..]) => scaled(f32::from(a as i8), 127.0),
+            (Self::U8, &[a, ..]) => scaled(f32::from(a), 255.0),
+            (Self::I16, &[a, b, ..]) => scaled(f32::from(i16::from_le_bytes([a, b])), 32_767.0),
+            (Self::U16, &[a, b, ..]) => scaled(f32::from(u16::from_le_bytes([a, b])), 65_535.0),
+            (Self::U32, &[a, b, c, d, ..]) => u32::from_le_bytes([a, b, c, d]) as f32,
+            (Self::F32, &[a, b, c, d, ..]) => f32::from_le_bytes([a, b, c, d]),
+            _ => 0.0,
+        }
+    }
+
+    /// The index at the front of `bytes`.
+    fn read_index(self, bytes: &[u8]) -> u32 {
+        match (self, bytes) {
+            (Self::U8, &[a, ..]) => a.into(),
+            (Self::U16, &[a, b, ..]) => u16::from_le_bytes([a, b]).into(),
+            (Self::U32, &[a, b, c, d, ..]) => u32::from_le_bytes([a, b, c, d]),
+            _ => u32::MAX,
+        }
+    }
+}
+
+/// Elements of a buffer at even distances. Checked when made: every element lies inside.
+#[derive(Clone, Copy, Debug)]
+struct Elements<'a> {
+    bytes: &'a [u8],
+    stride: usize,
+}
+
+impl<'a> Elements<'a> {
+    fn at(&self, index: usize) -> &'a [u8] {
+        self.bytes.get(index * self.stride..).unwrap_or(&[])
+    }
+}
+
+/// Numbers that replace some of the others.
+#[derive(Debug)]
+struct Sparse<'a> {
+    count: usize,
+    component: Component,
+    indices: Elements<'a>,
+    values: Elements<'a>,
+}
+
+impl<'a> Sparse<'a> {
+    /// The replacement of an element; the file's indices increase.
+    fn find(&self, index: u32) -> Option<&'a [u8]> {
+        let (mut low, mut high) = (0, self.count);
+        while low < high {
+            let middle = (low + high) / 2;
+            match self.component.read_index(self.indices.at(middle)).cmp(&index) {
+                std::cmp::Ordering::Equal => return Some(self.values.at(middle)),
+                std::cmp::Ordering::Less => low = middle + 1,
+                std::cmp::Ordering::Greater => high = middle,
+            }
+        }
+        None
+    }
+}
+
+/// An accessor whose every element can be read.
+#[derive(Debug)]
+pub(crate) struct Accessor<'a> {
+    pub(crate) count: usize,
+    component: Component,
+    normalized: bool,
+    /// `None`: all zero but for the sparse ones.
+    elements: Option<Elements<'a>>,
+    sparse: Option<Sparse<'a>>,
+}
+
+impl<'a> Accessor<'a> {
+    /// Takes an accessor's number and the shape it must have (`VEC3`).
+    pub(crate) fn open(document: &Document, buffers: &'a Buffers, index: usize, shape: &str) -> Found<Self> {
+        let json: schema::Accessor = document.item(List::Accessors, index)?;
+        let fault = |trouble, detail: &str| document.fault(List::Accessors, index, trouble, detail);
+        let component = Component::of(json.component_type)
+            .ok_or_else(|| fault(Trouble::ACCESSOR, &format!("component type {}", json.component_type)))?;
+        if json.shape != shape {
+            let found: String = json.shape.chars().take(16).collect();
+            return Err(fault(Trouble::ACCESSOR, &format!("{found} where {shape} is needed")));
+        }
+        let size = component.bytes() * width(shape);
+        let count = usize::try_from(json.count).ok().filter(|c| *c < u32::MAX as usize);
+        let count = count.ok_or_else(|| fault(Trouble::ACCESSOR, &format!("{} elements", json.count)))?;
+        let outside = || fault(Trouble::OUTSIDE_BUFFER, &format!("{count} elements of {size} bytes"));
+        let elements = |view, offset, size, count| {
+            let found = elements(document, buffers, view, offset, size, count)?;
+            found.ok_or_else(outside)
+        };
+        let all = json.buffer_view.map(|view| elements(view, json.byte_offset, size, count)).transpose()?;
+        let sparse = json.sparse.map(|s| -> Found<Sparse> {
+            let component = s.indices.component_type.and_then(Component::of).unwrap_or(Component::U32);
+            let count = usize::try_from(s.count).map_err(|_| outside())?;
+            let indices = elements(s.indices.buffer_view, s.indices.byte_offset, component.bytes(), count)?;
+            let values = elements(s.values.buffer_view, s.values.byte_offset, size, count)?;
+            Ok(Sparse { count, component, indices, values })
+        });
+        Ok(Self { count, component, normalized: json.normalized, elements: all, sparse: sparse.transpose()? })
+    }
+
+    fn bytes(&self, index: u32) -> &'a [u8] {
+        let replaced = self.sparse.as_ref().and_then(|s| s.find(index));
+        replaced.or_else(|| Some(self.elements.as_ref()?.at(index as usize))).unwrap_or(&[])
+    }
+
+    /// An element as numbers; zero beyond the last.
+    pub(crate) fn vector<const N: usize>(&self, index: u32) -> [f32; N] {
+        let bytes = self.bytes(index);
+        let number = |i: usize| bytes.get(i * self.component.bytes()..).unwrap_or(&[]);
+        std::array::from_fn(|i| self.component.read(number(i), self.normalized))
+    }
+
+    /// An element as an index; one that no vertex has where it is not an index at all.
+    pub(crate) fn index(&self, index: u32) -> u32 {
+        match (&self.elements, &self.sparse) {
+            (None, None) => 0,
+            _ => self.component.read_index(self.bytes(index)),
+        }
+    }
+}
+
+fn width(shape: &str) -> usize {
+    match shape {
+        "SCALAR" => 1,
+        "VEC2" => 2,
+        "VEC3" => 3,
+        _ => 4,
+    }
+}
+
+/// The elements of a view, or `None` where they do not lie inside it.
+fn elements<'a>(
+    document: &Document,
+    buffers: &'a Buffers,
+    view: usize,
+    offset: u64,
+    size: usize,
+    count: usize,
+) -> Result<Option<Elements<'a>>, Fault> {
+    let (bytes, stride) = buffers.view(document, view)?;
+    let stride = stride.unwrap_or(size);
+    let inside = || {
+        let bytes = bytes.get(usize::try_from(offset).ok()?..)?;
+        let end = count.checked_sub(1)?.checked_mul(stride)?.checked_add(size)?;
+        (stride >= size && end <= bytes.len()).then_some(Elements { bytes, stride })
+    };
+    Ok(inside())
+}

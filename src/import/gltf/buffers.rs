@@ -1,0 +1,82 @@
+//! Buffers: in the file itself, in a `data:` address, or in a file beside it; all together within a budget.
+
+use crate::import::gltf::document::{Document, Found, List};
+use crate::import::gltf::schema;
+use crate::import::gltf::uri;
+use crate::import::report::{Tally, Trouble};
+use crate::import::search::Finder;
+use crate::import::{Limits, Phase, Steps, files};
+use crate::scene::SceneError;
+use std::borrow::Cow;
+
+/// The bytes of all buffers.
+pub(crate) struct Buffers<'t> {
+    /// `None` where one could not be had; that was noted.
+    buffers: Vec<Option<Cow<'t, [u8]>>>,
+}
+
+impl<'t> Buffers<'t> {
+    /// Reads them all.
+    pub(crate) fn read(
+        document: &Document<'t>,
+        finder: &mut Finder,
+        limits: &Limits,
+        steps: &Steps,
+        tally: &mut Tally,
+    ) -> Result<Self, SceneError> {
+        let mut left = limits.buffers_bytes;
+        let mut buffers = Vec::new();
+        let count = document.root.buffers.len();
+        for index in 0..count {
+            steps.at(Phase::Reading, index as f32 / count as f32)?;
+            let bytes = buffer(document, index, finder, &mut left);
+            buffers.push(bytes.map_err(|fault| document.note(fault, tally)).ok());
+        }
+        Ok(Self { buffers })
+    }
+
+    /// The bytes of a view, and its stride where it has one.
+    pub(crate) fn view(&self, document: &Document, index: usize) -> Found<(&[u8], Option<usize>)> {
+        let view: schema::BufferView = document.item(List::BufferViews, index)?;
+        let fault = |trouble, detail: &str| document.fault(List::BufferViews, index, trouble, detail);
+        let Some(buffer) = self.buffers.get(view.buffer) else {
+            return Err(fault(Trouble::ITEM_MISSING, &format!("buffers[{}]", view.buffer)));
+        };
+        let Some(buffer) = buffer else { return Err(fault(Trouble::BUFFER_MISSING, "")) };
+        let inside = || {
+            let from = usize::try_from(view.byte_offset).ok()?;
+            let to = from.checked_add(usize::try_from(view.byte_length).ok()?)?;
+            buffer.get(from..to)
+        };
+        let bytes = inside().ok_or_else(|| fault(Trouble::OUTSIDE_BUFFER, "the view itself"))?;
+        Ok((bytes, view.byte_stride.and_then(|s| usize::try_from(s).ok())))
+    }
+}
+
+fn buffer<'t>(
+    document: &Document<'t>,
+    index: usize,
+    finder: &mut Finder,
+    left: &mut u64,
+) -> Found<Cow<'t, [u8]>> {
+    let json: schema::Buffer = document.item(List::Buffers, index)?;
+    let fault = |trouble, detail: &str| document.fault(List::Buffers, index, trouble, detail);
+    let Some(uri) = json.uri else {
+        let bin = document.bin.filter(|_| index == 0).map(Cow::Borrowed);
+        return bin.ok_or_else(|| fault(Trouble::BUFFER_MISSING, "it has no uri"));
+    };
+    if let Some(data) = uri::data(&uri) {
+        return data.map(Cow::Owned).ok_or_else(|| fault(Trouble::DATA_URI, ""));
+    }
+    let name = uri::file_name(&uri);
+    let found = finder.library(&name);
+    let Some(file) = found.file else {
+        let detail = format!("'{name}', tried {}", found.tried.join(", "));
+        let trouble = if found.outside { Trouble::BUFFER_OUTSIDE } else { Trouble::BUFFER_MISSING };
+        return Err(fault(trouble, &detail));
+    };
+    let bytes =
+        files::read_limited(&file, *left).map_err(|(cause, _)| fault(Trouble::BUFFER_MISSING, &cause))?;
+    *left -= bytes.len() as u64;
+    Ok(Cow::Owned(bytes))
+}

@@ -1,0 +1,202 @@
+//! A glTF file's bytes to its JSON and its binary part; items of the JSON by list and number.
+
+use crate::import::gltf::schema::Root;
+use crate::import::report::{Tally, Trouble, quote};
+use crate::scene::SceneError;
+use serde::Deserialize;
+use serde_json::value::RawValue;
+use std::path::Path;
+
+/// A trouble with one item.
+#[derive(Debug)]
+pub(crate) struct Fault {
+    pub(crate) trouble: Trouble,
+    /// Byte in the JSON, to name the line.
+    pub(crate) at: usize,
+    pub(crate) detail: String,
+}
+
+/// An item, or what is wrong with it.
+pub(crate) type Found<T> = Result<T, Fault>;
+
+/// A glTF file, taken apart.
+pub(crate) struct Document<'t> {
+    text: &'t str,
+    /// In a binary file the JSON has no lines that a person could look up.
+    is_binary: bool,
+    pub(crate) root: Root<'t>,
+    /// The binary part of a `.glb`.
+    pub(crate) bin: Option<&'t [u8]>,
+}
+
+/// A list of the root, by its name in the JSON.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum List {
+    Scenes,
+    Nodes,
+    Meshes,
+    Materials,
+    Textures,
+    Images,
+    Accessors,
+    BufferViews,
+    Buffers,
+    Cameras,
+    Lights,
+}
+
+impl List {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Scenes => "scenes",
+            Self::Nodes => "nodes",
+            Self::Meshes => "meshes",
+            Self::Materials => "materials",
+            Self::Textures => "textures",
+            Self::Images => "images",
+            Self::Accessors => "accessors",
+            Self::BufferViews => "bufferViews",
+            Self::Buffers => "buffers",
+            Self::Cameras => "cameras",
+            Self::Lights => "lights",
+        }
+    }
+}
+
+impl<'t> Document<'t> {
+    /// Takes a file's bytes.
+    pub(crate) fn parse(bytes: &'t [u8], file: &Path) -> Result<Self, SceneError> {
+        let is_binary = bytes.starts_with(b"glTF");
+        let (json, bin) = if is_binary { split(bytes, file)? } else { (bytes, None) };
+        let json = json.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(json);
+        let text = std::str::from_utf8(json).map_err(|e| {
+            let line = lines_before(&json[..e.valid_up_to()]) + 1;
+            broken(file, line, "the JSON is not UTF-8".to_owned())
+        })?;
+        let root: Root = serde_json::from_str(text).map_err(|e| {
+            broken(file, e.line() as u64, format!("the JSON cannot be read: {}", without_place(&e)))
+        })?;
+        match &root.asset.version {
+            Some(version) if !version.starts_with("2.") => Err(SceneError::Read {
+                file: file.to_owned(),
+                cause: format!(
+                    "it is glTF {}, only glTF 2.0 is read",
+                    version.chars().take(20).collect::<String>()
+                ),
+                remedy: "export the model as glTF 2.0".to_owned(),
+            }),
+            _ => Ok(Self { text, is_binary, root, bin }),
+        }
+    }
+
+    fn list(&self, list: List) -> &[&'t RawValue] {
+        match list {
+            List::Scenes => &self.root.scenes,
+            List::Nodes => &self.root.nodes,
+            List::Meshes => &self.root.meshes,
+            List::Materials => &self.root.materials,
+            List::Textures => &self.root.textures,
+            List::Images => &self.root.images,
+            List::Accessors => &self.root.accessors,
+            List::BufferViews => &self.root.buffer_views,
+            List::Buffers => &self.root.buffers,
+            List::Cameras => &self.root.cameras,
+            List::Lights => &self.root.extensions.lights.lights,
+        }
+    }
+
+    /// An item by its number.
+    pub(crate) fn item<T: Deserialize<'t>>(&self, list: List, index: usize) -> Found<T> {
+        let items = self.list(list);
+        let Some(raw) = items.get(index) else {
+            let detail = format!("{}[{index}] of {}", list.name(), items.len());
+            return Err(Fault { trouble: Trouble::ITEM_MISSING, at: 0, detail });
+        };
+        self.read(raw, || format!("{}[{index}]", list.name()))
+    }
+
+    /// A part that is still text. `name` is for messages.
+    pub(crate) fn read<T: Deserialize<'t>>(
+        &self,
+        raw: &'t RawValue,
+        name: impl FnOnce() -> String,
+    ) -> Found<T> {
+        serde_json::from_str(raw.get()).map_err(|e| {
+            let detail = format!("{}: {}", name(), without_place(&e));
+            Fault { trouble: Trouble::ITEM_UNREADABLE, at: self.at(raw), detail }
+        })
+    }
+
+    /// A fault of an item.
+    pub(crate) fn fault(&self, list: List, index: usize, trouble: Trouble, detail: &str) -> Fault {
+        let at = self.list(list).get(index).map_or(0, |raw| self.at(raw));
+        let colon = if detail.is_empty() { "" } else { ": " };
+        Fault { trouble, at, detail: format!("{}[{index}]{colon}{detail}", list.name()) }
+    }
+
+    /// Where in the text a part of it stands.
+    pub(crate) fn at(&self, part: &RawValue) -> usize {
+        (part.get().as_ptr() as usize).saturating_sub(self.text.as_ptr() as usize)
+    }
+
+    /// Counts a fault.
+    pub(crate) fn note(&self, fault: Fault, tally: &mut Tally) {
+        // Lines are counted only for the first fault of a kind: a file may have a million.
+        let line = if self.is_binary || tally.has(fault.trouble) { 0 } else { self.line(fault.at) };
+        tally.add(fault.trouble, line, || fault.detail);
+    }
+
+    fn line(&self, at: usize) -> u64 {
+        lines_before(&self.text.as_bytes()[..at.min(self.text.len())]) + 1
+    }
+}
+
+fn lines_before(bytes: &[u8]) -> u64 {
+    bytes.iter().filter(|b| **b == b'\n').count() as u64
+}
+
+fn broken(file: &Path, line: u64, cause: String) -> SceneError {
+    SceneError::Line {
+        file: file.to_owned(),
+        line: line.max(1),
+        cause,
+        remedy: "correct the file or export it again".to_owned(),
+    }
+}
+
+/// What the parser says, without the place in the part it was given.
+fn without_place(error: &serde_json::Error) -> String {
+    let text = error.to_string();
+    quote(text.rsplit_once(" at line ").map_or(text.as_str(), |(said, _)| said))
+}
+
+/// The JSON and the binary part of a `.glb`. A length that is not there is cut to what is: what is missing will be
+/// missed where it is used.
+fn split<'t>(bytes: &'t [u8], file: &Path) -> Result<(&'t [u8], Option<&'t [u8]>), SceneError> {
+    let failed = |cause: String| SceneError::Read {
+        file: file.to_owned(),
+        cause,
+        remedy: "export the model as glTF 2.0 again".to_owned(),
+    };
+    match word(bytes, 4) {
+        Some(2) => {}
+        Some(version) => {
+            return Err(failed(format!("it is binary glTF version {version}, only version 2 is read")));
+        }
+        None => return Err(failed("it ends inside its header".to_owned())),
+    }
+    let json =
+        chunk(bytes, 12, b"JSON").ok_or_else(|| failed("it does not begin with a JSON chunk".to_owned()))?;
+    Ok((json, chunk(bytes, 20 + json.len(), b"BIN\0")))
+}
+
+/// A little-endian number.
+fn word(bytes: &[u8], at: usize) -> Option<u32> {
+    Some(u32::from_le_bytes(bytes.get(at..at.checked_add(4)?)?.try_into().ok()?))
+}
+
+fn chunk<'t>(bytes: &'t [u8], at: usize, kind: &[u8; 4]) -> Option<&'t [u8]> {
+    let length = word(bytes, at)? as usize;
+    let rest = bytes.get(at..)?.get(4..)?.strip_prefix(kind)?;
+    Some(&rest[..length.min(rest.len())])
+}

@@ -1,0 +1,271 @@
+//! Meshes to triangles: each primitive is understood once and written once for every place it has.
+
+use crate::import::gltf::accessor::Accessor;
+use crate::import::gltf::buffers::Buffers;
+use crate::import::gltf::document::{Document, Fault, Found, List};
+use crate::import::gltf::nodes::Placement;
+use crate::import::gltf::palette::Palette;
+use crate::import::gltf::schema;
+use crate::import::gltf::schema::Primitive;
+use crate::import::report::{Tally, Trouble};
+use crate::import::{Phase, Steps};
+use crate::scene::{MaterialId, SceneBuilder, SceneError};
+use glam::{DMat3, DMat4, DVec3, Vec2, Vec3};
+
+/// Vertices between two looks at whether anybody still waits.
+const STEP_VERTICES: usize = 1 << 16;
+
+/// Writes meshes into a builder.
+pub(crate) struct Mesher<'a, 't> {
+    pub(crate) document: &'a Document<'t>,
+    pub(crate) buffers: &'a Buffers<'t>,
+    pub(crate) palette: Palette,
+    pub(crate) builder: &'a mut SceneBuilder,
+    pub(crate) tally: &'a mut Tally,
+    pub(crate) steps: &'a Steps<'a>,
+    /// Most vertices, and most triangles, of all places together.
+    pub(crate) limit: usize,
+}
+
+/// A primitive in its mesh's own space.
+struct Local {
+    positions: Vec<Vec3>,
+    /// Zero where the face normal is meant.
+    normals: Vec<Vec3>,
+    uvs: Vec<Vec2>,
+    triangles: Vec<[u32; 3]>,
+    material: MaterialId,
+}
+
+impl<'a> Mesher<'a, '_> {
+    /// Takes the places of meshes, sorted by mesh.
+    pub(crate) fn add_all(&mut self, placements: &[Placement]) -> Result<(), SceneError> {
+        let mut done = 0;
+        for places in placements.chunk_by(|a, b| a.mesh == b.mesh) {
+            self.steps.at(Phase::Building, done as f32 / placements.len() as f32)?;
+            done += places.len();
+            self.mesh(places)?;
+        }
+        Ok(())
+    }
+
+    fn mesh(&mut self, places: &[Placement]) -> Result<(), SceneError> {
+        let index = places[0].mesh;
+        let mesh: schema::Mesh = match self.document.item(List::Meshes, index) {
+            Ok(mesh) => mesh,
+            Err(fault) => {
+                self.document.note(fault, self.tally);
+                return Ok(());
+            }
+        };
+        let name = mesh.name.unwrap_or_else(|| format!("meshes[{index}]"));
+        for (i, raw) in mesh.primitives.iter().enumerate() {
+            self.steps.at(Phase::Building, 0.0)?;
+            let name = || format!("primitive {i} of {name}");
+            let primitive: Primitive = match self.document.read(raw, name) {
+                Ok(primitive) => primitive,
+                Err(fault) => {
+                    self.document.note(fault, self.tally);
+                    continue;
+                }
+            };
+            let at = self.document.at(raw);
+            match self.local(&primitive, at, &name)? {
+                Ok(local) => self.place(&local, places)?,
+                Err(fault) => self.document.note(fault, self.tally),
+            }
+        }
+        Ok(())
+    }
+
+    fn note(&mut self, trouble: Trouble, at: usize, detail: String) {
+        self.document.note(Fault { trouble, at, detail }, self.tally);
+    }
+
+    /// What one primitive is. The outer error ends the import, the inner one costs the primitive.
+    fn local(
+        &mut self,
+        primitive: &Primitive,
+        at: usize,
+        name: &dyn Fn() -> String,
+    ) -> Result<Found<Local>, SceneError> {
+        let fault = |trouble| Fault { trouble, at, detail: name() };
+        let mode = primitive.mode.unwrap_or(4);
+        if mode < 4 {
+            return Ok(Err(fault(Trouble::LINE_OR_POINT)));
+        }
+        if mode > 6 {
+            return Ok(Err(fault(Trouble::MODE)));
+        }
+        let Some(position) = primitive.attributes.position else {
+            return Ok(Err(fault(Trouble::NO_POSITION)));
+        };
+        let positions = match Accessor::open(self.document, self.buffers, position, "VEC3") {
+            Ok(positions) => positions,
+            Err(fault) => return Ok(Err(fault)),
+        };
+        let corners = match self.corners(primitive, &positions)? {
+            Ok(corners) => corners,
+            Err(fault) => return Ok(Err(fault)),
+        };
+        let mut triangles = triangles_of(mode, &corners);
+        drop(corners);
+        let all = triangles.len();
+        triangles.retain(|t| t.iter().all(|v| (*v as usize) < positions.count));
+        if triangles.len() < all {
+            let missing = format!("{} of {}, {} vertices", all - triangles.len(), name(), positions.count);
+            self.note(Trouble::TRIANGLE_VERTEX, at, missing);
+        }
+        if primitive.targets.is_some() {
+            self.note(Trouble::MORPH, at, name());
+        }
+        if primitive.attributes.color_0.is_some() {
+            self.note(Trouble::VERTEX_COLOR, at, name());
+        }
+        let (material, uv_set) =
+            self.palette.material(primitive.material, self.document, self.builder, self.tally);
+        Ok(Ok(self.vertices(primitive, &positions, triangles, material, uv_set)))
+    }
+
+    /// The vertex of every corner in the order of the file.
+    fn corners(
+        &mut self,
+        primitive: &Primitive,
+        positions: &Accessor,
+    ) -> Result<Found<Vec<u32>>, SceneError> {
+        let indices = match primitive.indices {
+            None => None,
+            Some(i) => match Accessor::open(self.document, self.buffers, i, "SCALAR") {
+                Ok(indices) => Some(indices),
+                Err(fault) => return Ok(Err(fault)),
+            },
+        };
+        let count = indices.as_ref().map_or(positions.count, |i| i.count);
+        self.within(count.div_ceil(3))?;
+        let mut corners = Vec::new();
+        corners.try_reserve_exact(count).map_err(|_| self.no_memory(count))?;
+        for from in (0..count).step_by(STEP_VERTICES) {
+            self.steps.at(Phase::Building, 0.0)?;
+            let part = from as u32..count.min(from + STEP_VERTICES) as u32;
+            corners.extend(part.map(|i| indices.as_ref().map_or(i, |indices| indices.index(i))));
+        }
+        Ok(Ok(corners))
+    }
+
+    /// The vertices that the triangles use, and no others: exporters like one large buffer for many primitives.
+    fn vertices(
+        &mut self,
+        primitive: &Primitive,
+        positions: &Accessor,
+        mut triangles: Vec<[u32; 3]>,
+        material: MaterialId,
+        uv_set: u32,
+    ) -> Local {
+        let mut used: Vec<u32> = triangles.iter().flatten().copied().collect();
+        used.sort_unstable();
+        used.dedup();
+        let (low, high) = (used.first().copied().unwrap_or(0), used.last().copied().unwrap_or(0));
+        let is_whole = used.len() as u64 == u64::from(high - low) + 1;
+        let place = |v: u32| if is_whole { v - low } else { used.binary_search(&v).unwrap_or(0) as u32 };
+        triangles.iter_mut().for_each(|t| *t = t.map(place));
+        let normals = self.optional(primitive.attributes.normal, "VEC3");
+        let uv_index = match uv_set {
+            0 => primitive.attributes.texcoord_0,
+            _ => primitive.attributes.texcoord_1,
+        };
+        let uvs = self.optional(uv_index, "VEC2");
+        let normal = |v: u32| normals.as_ref().map_or(Vec3::ZERO, |n| Vec3::from_array(n.vector(v)));
+        // glTF counts v downwards from the top of a picture.
+        let uv = |v: u32| uvs.as_ref().map_or(Vec2::ZERO, |uv| up(uv.vector(v)));
+        Local {
+            positions: used.iter().map(|&v| Vec3::from_array(positions.vector(v))).collect(),
+            normals: used.iter().map(|&v| normal(v)).collect(),
+            uvs: used.iter().map(|&v| uv(v)).collect(),
+            triangles,
+            material,
+        }
+    }
+
+    /// An attribute without which the primitive is still worth showing.
+    fn optional(&mut self, index: Option<usize>, shape: &str) -> Option<Accessor<'a>> {
+        let opened = Accessor::open(self.document, self.buffers, index?, shape);
+        opened.map_err(|fault| self.document.note(fault, self.tally)).ok()
+    }
+
+    fn place(&mut self, local: &Local, places: &[Placement]) -> Result<(), SceneError> {
+        let more = local.positions.len().max(local.triangles.len());
+        self.within(more.saturating_mul(places.len()))?;
+        for placement in places {
+            let vertices = local.positions.len();
+            let reserved = self.builder.positions.try_reserve(vertices);
+            reserved.map_err(|_| self.no_memory(vertices))?;
+            self.bake(local, &placement.world_from_mesh)?;
+        }
+        Ok(())
+    }
+
+    fn bake(&mut self, local: &Local, world: &DMat4) -> Result<(), SceneError> {
+        let base = self.builder.positions.len() as u32;
+        let linear = DMat3::from_mat4(*world);
+        // Normals turn with the inverse transpose; its scale does not matter, its sign is the winding's.
+        let mirrored = linear.determinant() < 0.0;
+        let cofactors = DMat3::from_cols(
+            linear.y_axis.cross(linear.z_axis),
+            linear.z_axis.cross(linear.x_axis),
+            linear.x_axis.cross(linear.y_axis),
+        );
+        let sign = if mirrored { -1.0 } else { 1.0 };
+        for (i, position) in local.positions.iter().enumerate() {
+            if i % STEP_VERTICES == 0 {
+                self.steps.at(Phase::Building, 0.0)?;
+            }
+            let position_m: DVec3 = world.transform_point3(position.as_dvec3());
+            let normal = (cofactors * local.normals[i].as_dvec3() * sign).try_normalize();
+            self.builder.add_vertex(position_m, normal.unwrap_or(DVec3::ZERO).as_vec3(), local.uvs[i]);
+        }
+        for &[a, b, c] in &local.triangles {
+            let [b, c] = if mirrored { [c, b] } else { [b, c] };
+            self.builder.add_triangle([a, b, c].map(|v| base + v), local.material);
+        }
+        Ok(())
+    }
+
+    fn within(&self, more: usize) -> Result<(), SceneError> {
+        let so_far = self.builder.positions.len().max(self.builder.triangles.len());
+        let count = so_far.saturating_add(more);
+        if count <= self.limit {
+            return Ok(());
+        }
+        let name = self.builder.name.clone();
+        Err(SceneError::TooLarge { name, what: "vertices at all their places", count, limit: self.limit })
+    }
+
+    fn no_memory(&self, count: usize) -> SceneError {
+        SceneError::Read {
+            file: self.builder.name.clone().into(),
+            cause: format!("there is no memory for {count} more vertices"),
+            remedy: "close other programs or split the model".to_owned(),
+        }
+    }
+}
+
+/// A texture coordinate with v upwards; zero where it is not finite.
+fn up([u, v]: [f32; 2]) -> Vec2 {
+    let up = Vec2::new(u, 1.0 - v);
+    if up.is_finite() { up } else { Vec2::ZERO }
+}
+
+/// The triangles of a list (4), a strip (5) or a fan (6). Corners that do not make a whole triangle are left out.
+fn triangles_of(mode: u32, corners: &[u32]) -> Vec<[u32; 3]> {
+    match mode {
+        4 => corners.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect(),
+        5 => {
+            // Every second triangle of a strip is wound the other way round.
+            let strip = corners.windows(3).enumerate();
+            strip.map(|(i, t)| if i % 2 == 0 { [t[0], t[1], t[2]] } else { [t[0], t[2], t[1]] }).collect()
+        }
+        _ => {
+            corners.windows(2).skip(1).map(|t| [t[0], t[1], corners[0]]).map(|[b, c, a]| [a, b, c]).collect()
+        }
+    }
+}

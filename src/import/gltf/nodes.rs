@@ -1,0 +1,185 @@
+//! The tree of nodes to meshes, lights and cameras at their places in the world. No recursion: a file may be as deep
+//! as it likes, or go in circles.
+
+use crate::camera::Camera;
+use crate::import::gltf::document::{Document, Found, List};
+use crate::import::gltf::schema;
+use crate::import::gltf::schema::Node;
+use crate::import::report::{Tally, Trouble};
+use crate::import::{Phase, Steps};
+use crate::scene::builder::{daylight_sun, is_place};
+use crate::scene::{NamedView, SceneBuilder, SceneError};
+use glam::{DMat4, DQuat, DVec3, Vec3};
+
+/// Radiances and intensities beyond this are mistakes, and overflow in sums.
+pub(crate) const BRIGHTEST: f64 = 1e9;
+
+/// A mesh at a place.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Placement {
+    pub(crate) mesh: usize,
+    pub(crate) world_from_mesh: DMat4,
+}
+
+/// Takes the document and where its origin lies in the world; gives the builder lights and views, and returns the
+/// meshes' places, sorted by mesh.
+pub(crate) fn walk(
+    document: &Document,
+    world_from_root: DMat4,
+    builder: &mut SceneBuilder,
+    tally: &mut Tally,
+    steps: &Steps,
+) -> Result<Vec<Placement>, SceneError> {
+    /// Nodes between two looks at whether anybody still waits.
+    const STEP_NODES: usize = 4096;
+    let mut walker = Walker { document, builder, tally, placements: Vec::new() };
+    let mut seen = vec![false; document.root.nodes.len()];
+    let mut open: Vec<(usize, DMat4)> = Vec::new();
+    let roots = walker.roots();
+    walker.open(&roots, world_from_root, &mut seen, &mut open);
+    let mut visited = 0;
+    while let Some((index, world_from_parent)) = open.pop() {
+        if visited % STEP_NODES == 0 {
+            steps.at(Phase::Parsing, visited as f32 / seen.len() as f32)?;
+        }
+        visited += 1;
+        match document.item::<Node>(List::Nodes, index) {
+            Ok(node) => {
+                let world_from_node = world_from_parent * walker.local(index, &node);
+                walker.place(index, &node, world_from_node);
+                walker.open(&node.children, world_from_node, &mut seen, &mut open);
+            }
+            Err(fault) => document.note(fault, walker.tally),
+        }
+    }
+    let mut placements = walker.placements;
+    placements.sort_by_key(|p| p.mesh);
+    Ok(placements)
+}
+
+struct Walker<'a, 't> {
+    document: &'a Document<'t>,
+    builder: &'a mut SceneBuilder,
+    tally: &'a mut Tally,
+    placements: Vec<Placement>,
+}
+
+impl Walker<'_, '_> {
+    /// The nodes that the shown scene begins with; without a scene, those that are nobody's children.
+    fn roots(&mut self) -> Vec<usize> {
+        let root = &self.document.root;
+        if root.scenes.is_empty() {
+            return self.parentless();
+        }
+        match self.document.item::<schema::Scene>(List::Scenes, root.scene.unwrap_or(0)) {
+            Ok(scene) => scene.nodes,
+            Err(fault) => {
+                self.document.note(fault, self.tally);
+                self.parentless()
+            }
+        }
+    }
+
+    fn parentless(&self) -> Vec<usize> {
+        let count = self.document.root.nodes.len();
+        let mut is_child = vec![false; count];
+        for index in 0..count {
+            let Ok(node) = self.document.item::<Node>(List::Nodes, index) else { continue };
+            node.children.iter().filter(|c| **c < count).for_each(|c| is_child[*c] = true);
+        }
+        (0..count).filter(|i| !is_child[*i]).collect()
+    }
+
+    /// Puts nodes on the stack, the first one on top. A node has one parent; one that is met again is left out.
+    fn open(&mut self, nodes: &[usize], parent: DMat4, seen: &mut [bool], open: &mut Vec<(usize, DMat4)>) {
+        let first = open.len();
+        for &node in nodes {
+            match seen.get_mut(node) {
+                Some(seen) if !*seen => {
+                    *seen = true;
+                    open.push((node, parent));
+                }
+                Some(_) => self.note(node, Trouble::NODE_AGAIN, ""),
+                None => self.note(node, Trouble::ITEM_MISSING, &format!("of {}", seen.len())),
+            }
+        }
+        open[first..].reverse();
+    }
+
+    fn note(&mut self, node: usize, trouble: Trouble, detail: &str) {
+        self.document.note(self.document.fault(List::Nodes, node, trouble, detail), self.tally);
+    }
+
+    fn local(&mut self, index: usize, node: &Node) -> DMat4 {
+        if let Some(matrix) = node.matrix {
+            return DMat4::from_cols_array(&matrix);
+        }
+        let rotation = DQuat::from_array(node.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]));
+        let length = rotation.length();
+        let is_rotation = length > 0.0 && length.is_finite();
+        if !is_rotation {
+            self.note(index, Trouble::ROTATION, "");
+        }
+        let rotation = if is_rotation { rotation * (1.0 / length) } else { DQuat::IDENTITY };
+        let scale = DVec3::from_array(node.scale.unwrap_or([1.0; 3]));
+        DMat4::from_scale_rotation_translation(scale, rotation, node.translation.unwrap_or([0.0; 3]).into())
+    }
+
+    fn place(&mut self, index: usize, node: &Node, world_from_node: DMat4) {
+        if let Some(mesh) = node.mesh {
+            if node.skin.is_some() {
+                self.note(index, Trouble::SKIN, node.name.as_deref().unwrap_or(""));
+            }
+            self.placements.push(Placement { mesh, world_from_mesh: world_from_node });
+        }
+        if let Some(camera) = node.camera {
+            let view = self.view(camera, node, world_from_node);
+            view.map_or_else(|f| self.document.note(f, self.tally), |view| self.builder.views.push(view));
+        }
+        if let Some(light) = &node.extensions.light {
+            let added = self.light(light.light, world_from_node);
+            added.unwrap_or_else(|fault| self.document.note(fault, self.tally));
+        }
+    }
+
+    /// A camera as a saved view: it looks along its -Z; what it is rolled by is lost, and so is its aspect.
+    fn view(&self, index: usize, node: &Node, world: DMat4) -> Found<NamedView> {
+        let camera: schema::Camera = self.document.item(List::Cameras, index)?;
+        let fault = |trouble| self.document.fault(List::Cameras, index, trouble, "");
+        let Some(perspective) = camera.perspective else { return Err(fault(Trouble::ORTHOGRAPHIC)) };
+        let (eye, behind) = (world.w_axis.truncate(), world.z_axis.truncate());
+        let degrees = perspective.yfov.to_degrees();
+        let looks = behind.try_normalize().filter(|_| is_place(eye) && degrees > 0.0);
+        let back = looks.ok_or_else(|| fault(Trouble::CAMERA))?;
+        let name = node.name.clone().or(camera.name).unwrap_or_else(|| format!("camera {index}"));
+        Ok(NamedView { name, camera: Camera::look_at(eye, eye - back, degrees) })
+    }
+
+    /// Candela and lux are taken as radiant intensity and irradiance, as nits are taken as radiance.
+    fn light(&mut self, index: usize, world: DMat4) -> Found<()> {
+        let light: schema::Light = self.document.item(List::Lights, index)?;
+        let note =
+            |trouble| self.document.fault(List::Lights, index, trouble, light.name.as_deref().unwrap_or(""));
+        let strength = light.intensity.unwrap_or(1.0);
+        let color = DVec3::from_array(light.color.unwrap_or([1.0; 3])) * strength;
+        let (at, back) = (world.w_axis.truncate(), world.z_axis.truncate().try_normalize());
+        let is_possible = color.min_element() >= 0.0 && color.max_element() <= BRIGHTEST;
+        if !is_possible || !is_place(at) {
+            return Err(note(Trouble::LIGHT));
+        }
+        let color: Vec3 = color.as_vec3();
+        match (light.kind.as_str(), back) {
+            ("point", _) => self.builder.point_lights.push((at, color)),
+            ("spot", _) => {
+                self.builder.point_lights.push((at, color));
+                return Err(note(Trouble::SPOT));
+            }
+            ("directional", Some(towards)) if self.builder.sun.is_none() => {
+                self.builder.sun = Some((towards.as_vec3(), daylight_sun().1, color));
+            }
+            ("directional", Some(_)) => return Err(note(Trouble::SECOND_SUN)),
+            _ => return Err(note(Trouble::LIGHT)),
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,167 @@
+//! The OBJ reader: text to positions, normals, texture coordinates and faces, in pieces and in parallel.
+//!
+//! Why not `tobj`: one bad index or a bare `f` makes it give up the whole file without a line number, and it takes
+//! `l` for a face. Reading around that needs every line rewritten first, which costs more than reading it here.
+//! `tobj` remains the independent second opinion in the tests.
+
+use crate::import::obj_piece::{Corner, Counts, Face, NONE, Piece, Reader, count};
+use crate::import::report::Tally;
+use crate::import::text;
+use crate::import::{Limits, Phase, Steps};
+use crate::scene::SceneError;
+use glam::{DVec3, Vec2, Vec3};
+use rayon::prelude::*;
+use std::collections::HashMap;
+use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Text per unit of parallel work: some 16,000 lines, so that a cancel is noticed within milliseconds.
+const PIECE_BYTES: usize = 512 << 10;
+
+/// A whole OBJ file.
+#[derive(Debug, Default)]
+pub(crate) struct Model {
+    /// As written; not finite where a vertex was refused.
+    pub(crate) positions: Vec<DVec3>,
+    /// Unit length, or zero.
+    pub(crate) normals: Vec<Vec3>,
+    pub(crate) uvs: Vec<Vec2>,
+    pieces: Vec<Piece>,
+    /// Names used by faces, in the order of use; the first is empty where faces come before any `usemtl`.
+    pub(crate) material_names: Vec<String>,
+    /// `mtllib` lines: number and operand.
+    pub(crate) libraries: Vec<(u64, String)>,
+    pub(crate) tally: Tally,
+}
+
+/// Takes the text of an OBJ file; returns what it says. Troubles of single lines are counted, never fatal.
+pub(crate) fn parse(text: &str, file: &Path, limits: &Limits, steps: &Steps) -> Result<Model, SceneError> {
+    let texts = text::pieces(text, PIECE_BYTES);
+    let counts: Vec<Counts> = texts.par_iter().map(|t| count(t, steps)).collect::<Result<_, _>>()?;
+    let mut total = Counts::default();
+    let before: Vec<Counts> = counts
+        .iter()
+        .map(|c| {
+            let so_far = total;
+            total = total.plus(*c);
+            so_far
+        })
+        .collect();
+    check_counts(&total, file)?;
+    let done = AtomicUsize::new(0);
+    let pieces: Vec<Piece> = texts
+        .par_iter()
+        .zip(&before)
+        .map(|(t, before)| {
+            let piece = Reader { before: *before, total, piece: Piece::default() }.read(t, file)?;
+            let done = done.fetch_add(t.len(), Ordering::Relaxed) + t.len();
+            steps.at(Phase::Parsing, done as f32 / text.len() as f32)?;
+            Ok(piece)
+        })
+        .collect::<Result<_, SceneError>>()?;
+    let corners: usize = pieces.iter().map(|p| p.corners.len()).sum();
+    within("corners", corners, limits.corners, file)?;
+    Ok(Model::of(pieces, &total))
+}
+
+fn check_counts(total: &Counts, file: &Path) -> Result<(), SceneError> {
+    let limit = NONE as usize - 1;
+    within("vertices", total.positions, limit, file)?;
+    within("normals", total.normals, limit, file)?;
+    within("texture coordinates", total.uvs, limit, file)
+}
+
+fn within(what: &'static str, count: usize, limit: usize, file: &Path) -> Result<(), SceneError> {
+    if count <= limit {
+        return Ok(());
+    }
+    Err(SceneError::TooLarge { name: file.display().to_string(), what, count, limit })
+}
+
+/// A face as the welder takes it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Polygon<'a> {
+    pub(crate) line: u64,
+    /// Index into [`Model::material_names`].
+    pub(crate) material: u32,
+    pub(crate) corners: &'a [Corner],
+}
+
+impl Model {
+    fn of(mut pieces: Vec<Piece>, total: &Counts) -> Self {
+        let mut model = Self::default();
+        model.positions.reserve_exact(total.positions);
+        model.normals.reserve_exact(total.normals);
+        model.uvs.reserve_exact(total.uvs);
+        let mut materials = MaterialRuns::default();
+        for piece in &mut pieces {
+            model.positions.append(&mut piece.positions);
+            model.normals.append(&mut piece.normals);
+            model.uvs.append(&mut piece.uvs);
+            model.libraries.append(&mut piece.libraries);
+            model.tally.append(std::mem::take(&mut piece.tally));
+            piece.runs = materials.runs_of(piece);
+        }
+        model.material_names = materials.names;
+        model.pieces = pieces;
+        model
+    }
+
+    /// Number of polygons.
+    pub(crate) fn face_count(&self) -> usize {
+        self.pieces.iter().map(|p| p.faces.len()).sum()
+    }
+
+    /// The polygons in the order of the file.
+    pub(crate) fn faces(&self) -> impl Iterator<Item = Polygon<'_>> {
+        self.pieces.iter().flat_map(|piece| {
+            let mut start = 0;
+            let runs = piece.runs.iter().scan(0, |from, &(to, material)| {
+                let run = *from..to;
+                *from = to;
+                Some(run.map(move |face| (face, material)))
+            });
+            runs.flatten().map(move |(face, material)| {
+                let Face { end, line } = piece.faces[face];
+                let corners = &piece.corners[start as usize..end as usize];
+                start = end;
+                Polygon { line: piece.first_line + u64::from(line), material, corners }
+            })
+        })
+    }
+}
+
+/// Gives names their numbers while the pieces go by; a piece starts with the material that the last one ended with.
+#[derive(Default)]
+struct MaterialRuns {
+    current: String,
+    names: Vec<String>,
+    number_of: HashMap<String, u32>,
+}
+
+impl MaterialRuns {
+    /// Consecutive faces of one material: the end of the run, and the material.
+    fn runs_of(&mut self, piece: &mut Piece) -> Vec<(usize, u32)> {
+        let mut runs = Vec::new();
+        let mut start = 0;
+        for (face, name) in piece.switches.drain(..) {
+            self.close(start..face, &mut runs);
+            start = face;
+            self.current = name;
+        }
+        self.close(start..piece.faces.len(), &mut runs);
+        runs
+    }
+
+    fn close(&mut self, faces: std::ops::Range<usize>, runs: &mut Vec<(usize, u32)>) {
+        if faces.is_empty() {
+            return; // a material that no face uses costs nothing
+        }
+        let next = self.names.len() as u32;
+        let number = *self.number_of.entry(self.current.clone()).or_insert_with(|| {
+            self.names.push(self.current.clone());
+            next
+        });
+        runs.push((faces.end, number));
+    }
+}

@@ -1,0 +1,325 @@
+//! `<scene>.afterimage.toml` beside a model: what a model cannot say, or says wrongly. Metres, world coordinates.
+//!
+//! A broken sidecar is a warning: the model is still worth seeing.
+
+use crate::camera::Camera;
+use crate::camera::{CameraKey, CameraPath};
+use crate::import::sidecar_table::{Notes, Section, suggestion};
+use crate::import::units::{Unit, Up};
+use crate::import::{files, text};
+use crate::scene::builder::{DAYLIGHT_SKY, daylight_sun};
+use crate::scene::{Material, MaterialKind, NamedView, SceneBuilder, Sky};
+use glam::{DVec3, Vec3};
+use std::collections::{HashMap, HashSet};
+use std::path::Path;
+use toml::de::DeTable;
+
+/// Nobody writes a longer one by hand.
+pub(crate) const SIDECAR_BYTES: u64 = 16 << 20;
+/// Radiances and intensities beyond this are mistakes, and overflow in sums.
+const BRIGHTEST: f32 = 1e9;
+/// Field of view where a file gives none, degrees.
+const FOV_Y_DEG: f64 = Camera::DEFAULT_FOV_Y_DEG;
+
+/// The part of a material that the sidecar replaces.
+struct Override {
+    name: String,
+    line: u64,
+    kind: Option<Kind>,
+    fresnel: Option<bool>,
+    diffuse: Option<Vec3>,
+    reflectance: Option<Vec3>,
+    eta: Option<f32>,
+    transmittance: Option<Vec3>,
+    emission: Option<Vec3>,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Diffuse,
+    Mirror,
+    Glass,
+}
+
+impl std::str::FromStr for Kind {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "diffuse" => Ok(Self::Diffuse),
+            "mirror" => Ok(Self::Mirror),
+            "glass" => Ok(Self::Glass),
+            _ => Err(format!("'{text}' is no kind of material; there are diffuse, mirror, glass")),
+        }
+    }
+}
+
+/// What the file says; empty where there is none.
+#[derive(Default)]
+pub(crate) struct Sidecar {
+    /// Its name, whether it exists or not: messages tell where a setting goes.
+    pub(crate) file_name: String,
+    pub(crate) unit: Option<Unit>,
+    pub(crate) up: Option<Up>,
+    overrides: Vec<Override>,
+    point_lights: Vec<(DVec3, Vec3)>,
+    sun: Option<(Vec3, f32, Vec3)>,
+    sky: Option<Sky>,
+    start: Option<Camera>,
+    views: Vec<NamedView>,
+    walk: Option<CameraPath>,
+}
+
+impl Sidecar {
+    /// Reads the file beside a model, where there is one.
+    pub(crate) fn beside(model: &Path, builder: &mut SceneBuilder) -> Self {
+        let path = model.with_extension("afterimage.toml");
+        let file_name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let nothing = Self { file_name: file_name.clone(), ..Self::default() };
+        if path.symlink_metadata().is_err() {
+            return nothing;
+        }
+        let bytes = match files::read_limited(&path, SIDECAR_BYTES) {
+            Ok(bytes) => bytes,
+            Err((cause, remedy)) => {
+                builder.warn(&file_name, 0, format!("the file is not used: {cause}; {remedy}"));
+                return nothing;
+            }
+        };
+        let text = text::decode(bytes).text;
+        let mut notes = Notes::new(&text);
+        let sidecar = match DeTable::parse(&text) {
+            Ok(table) => Self { file_name, ..Self::of(table.get_ref(), &mut notes) },
+            Err(error) => {
+                let at = error.span().map_or(0, |s| s.start);
+                let message = format!("{}; the scene is shown without this file", error.message());
+                notes.add(at, message.replace('\n', ", "));
+                nothing
+            }
+        };
+        for (line, message) in notes.said {
+            builder.warn(&sidecar.file_name, line, message);
+        }
+        if notes.more > 0 {
+            builder.warn(&sidecar.file_name, 0, format!("and {} more doubts of this kind", notes.more));
+        }
+        sidecar
+    }
+
+    fn of(table: &DeTable, notes: &mut Notes) -> Self {
+        let known =
+            ["unit", "up", "material", "point_light", "sun", "sky", "start", "walk", "view", "settings"];
+        let top = Section::new(table, "", 0, &known, notes);
+        Self {
+            file_name: String::new(),
+            unit: top.word("unit", notes),
+            up: top.word("up", notes),
+            overrides: overrides(&top, notes),
+            point_lights: point_lights(&top, notes),
+            sun: sun(&top, notes),
+            sky: sky(&top, notes),
+            start: start(&top, notes),
+            views: views(&top, notes),
+            walk: walk(&top, notes),
+        }
+    }
+
+    /// The materials that the file describes, so that no library needs to.
+    pub(crate) fn defined(&self) -> HashSet<&str> {
+        self.overrides.iter().map(|o| o.name.as_str()).collect()
+    }
+
+    /// Replaces what the file says of the builder's materials. `in_libraries` are names that exist without being used.
+    pub(crate) fn override_materials(&self, in_libraries: &[&str], builder: &mut SceneBuilder) {
+        /// Materials that the model does not have, each said with a suggestion, before the rest is only counted.
+        const STRANGERS_SAID: usize = 20;
+        let unused: HashSet<&str> = in_libraries.iter().copied().collect();
+        let mut by_name: HashMap<String, Vec<usize>> = HashMap::new();
+        builder
+            .materials
+            .iter()
+            .enumerate()
+            .for_each(|(i, m)| by_name.entry(m.name.clone()).or_default().push(i));
+        let (mut warnings, mut strangers) = (Vec::new(), 0);
+        for o in &self.overrides {
+            let mut found = unused.contains(o.name.as_str());
+            for &i in by_name.get(&o.name).into_iter().flatten() {
+                let material = &mut builder.materials[i];
+                found = true;
+                o.apply(material);
+                if material.scale_to_conserve() {
+                    let name = &o.name;
+                    let said =
+                        format!("material '{name}' reflects more light than arrives; it was scaled down");
+                    warnings.push((o.line, said));
+                }
+            }
+            strangers += usize::from(!found);
+            if !found && strangers <= STRANGERS_SAID {
+                let names: Vec<&str> = builder.materials.iter().map(|m| m.name.as_str()).collect();
+                let help = suggestion(&o.name, &names);
+                warnings.push((o.line, format!("the model has no material '{}'; {help}", o.name)));
+            }
+        }
+        if strangers > STRANGERS_SAID {
+            warnings.push((0, format!("{strangers} materials in all are none of the model's")));
+        }
+        warnings.into_iter().for_each(|(line, said)| builder.warn(&self.file_name, line, said));
+    }
+
+    /// Adds lights, sky, views and walk.
+    pub(crate) fn apply(self, builder: &mut SceneBuilder) {
+        builder.point_lights.extend(self.point_lights);
+        builder.sun = self.sun.or(builder.sun);
+        builder.sky = self.sky.or(builder.sky);
+        // A walk's first frame is a better start than a view of the whole model from outside.
+        let start = self.start.or_else(|| self.walk.as_ref()?.camera(0, 2));
+        let of_model = std::mem::take(&mut builder.views);
+        builder.views.extend(start.map(|camera| NamedView { name: "start".to_owned(), camera }));
+        builder.views.extend(self.views);
+        builder.views.extend(of_model);
+        builder.walk = self.walk;
+    }
+}
+
+impl Override {
+    fn apply(&self, material: &mut Material) {
+        let was = material.kind;
+        let (mut reflectance, mut fresnel) = (Vec3::splat(0.9), false);
+        let (mut eta, mut transmittance) = (1.5, Vec3::ONE);
+        match was {
+            MaterialKind::Mirror { reflectance: r, fresnel: f } => (reflectance, fresnel) = (r, f),
+            MaterialKind::Glass { eta: e, transmittance: t } => (eta, transmittance) = (e, t),
+            MaterialKind::Diffuse => {}
+        }
+        let mirror = MaterialKind::Mirror {
+            reflectance: self.reflectance.unwrap_or(reflectance),
+            fresnel: self.fresnel.unwrap_or(fresnel),
+        };
+        let glass = MaterialKind::Glass {
+            eta: self.eta.unwrap_or(eta),
+            transmittance: self.transmittance.unwrap_or(transmittance),
+        };
+        material.kind = match (self.kind, was) {
+            (Some(Kind::Mirror), _) | (None, MaterialKind::Mirror { .. }) => mirror,
+            (Some(Kind::Glass), _) | (None, MaterialKind::Glass { .. }) => glass,
+            (Some(Kind::Diffuse), _) | (None, MaterialKind::Diffuse) => MaterialKind::Diffuse,
+        };
+        // What becomes a mirror or glass was matte in the file only because OBJ could not say better.
+        let became_specular = material.is_specular() && was == MaterialKind::Diffuse;
+        let kept = if became_specular { Vec3::ZERO } else { material.diffuse };
+        material.diffuse = self.diffuse.unwrap_or(kept);
+        material.emission = self.emission.unwrap_or(material.emission);
+    }
+}
+
+fn overrides(top: &Section, notes: &mut Notes) -> Vec<Override> {
+    let known = ["name", "kind", "fresnel", "diffuse", "reflectance", "eta", "transmittance", "emission"];
+    let sections = top.sections("material", "[[material]]", &known, notes);
+    sections
+        .into_iter()
+        .filter_map(|s| {
+            let Some(name) = s.text("name", notes) else {
+                notes.add(s.at(), "[[material]] needs a name; it was ignored".to_owned());
+                return None;
+            };
+            Some(Override {
+                name: name.to_owned(),
+                line: notes.line(s.at()),
+                kind: s.word("kind", notes),
+                fresnel: s.flag("fresnel", notes),
+                diffuse: s.color("diffuse", 1.0, notes),
+                reflectance: s.color("reflectance", 1.0, notes),
+                eta: s.number("eta", 1.0..=10.0, notes).map(|n| n as f32),
+                transmittance: s.color("transmittance", 1.0, notes),
+                emission: s.color("emission", BRIGHTEST, notes),
+            })
+        })
+        .collect()
+}
+
+fn point_lights(top: &Section, notes: &mut Notes) -> Vec<(DVec3, Vec3)> {
+    let sections = top.sections("point_light", "[[point_light]]", &["position_m", "intensity"], notes);
+    sections
+        .into_iter()
+        .filter_map(|s| {
+            let (position, intensity) =
+                (s.point("position_m", notes), s.color("intensity", BRIGHTEST, notes));
+            if position.is_none() || intensity.is_none() {
+                let message = "[[point_light]] needs position_m and intensity; it was ignored";
+                notes.add(s.at(), message.to_owned());
+            }
+            Some((position?, intensity?))
+        })
+        .collect()
+}
+
+fn sun(top: &Section, notes: &mut Notes) -> Option<(Vec3, f32, Vec3)> {
+    let s = top.section("sun", "[sun]", &["direction", "irradiance", "angular_radius_deg"], notes)?;
+    let (direction, radius, irradiance) = daylight_sun();
+    let given = s.point("direction", notes);
+    let unit = given.and_then(DVec3::try_normalize);
+    if given.is_some() && unit.is_none() {
+        notes.add(s.at(), "'direction' in [sun] has no length; the usual one is used".to_owned());
+    }
+    let radius_deg = s.number("angular_radius_deg", 0.0..=90.0, notes);
+    Some((
+        unit.map_or(direction, |d| d.as_vec3()),
+        radius_deg.map_or(radius, |r| r.to_radians() as f32),
+        s.color("irradiance", BRIGHTEST, notes).unwrap_or(irradiance),
+    ))
+}
+
+fn sky(top: &Section, notes: &mut Notes) -> Option<Sky> {
+    let s = top.section("sky", "[sky]", &["zenith", "horizon", "ground"], notes)?;
+    let mut part = |key, usual| s.color(key, BRIGHTEST, notes).unwrap_or(usual);
+    Some(Sky {
+        zenith: part("zenith", DAYLIGHT_SKY.zenith),
+        horizon: part("horizon", DAYLIGHT_SKY.horizon),
+        ground: part("ground", DAYLIGHT_SKY.ground),
+    })
+}
+
+fn fov_y_deg(s: &Section, notes: &mut Notes) -> f64 {
+    s.number("fov_y_deg", Camera::FOV_Y_DEGREES, notes).unwrap_or(FOV_Y_DEG)
+}
+
+fn camera(s: &Section, name: &str, notes: &mut Notes) -> Option<Camera> {
+    let (key, fov) = (key_frame(s, name, notes)?, fov_y_deg(s, notes));
+    Some(Camera::look_at(key.eye, key.at, fov))
+}
+
+fn key_frame(s: &Section, name: &str, notes: &mut Notes) -> Option<CameraKey> {
+    let (eye, at) = (s.point("eye", notes), s.point("at", notes));
+    if eye.is_none() || at.is_none() {
+        notes.add(s.at(), format!("{name} needs eye and at; it was ignored"));
+    }
+    Some(CameraKey { eye: eye?, at: at? })
+}
+
+fn start(top: &Section, notes: &mut Notes) -> Option<Camera> {
+    let s = top.section("start", "[start]", &["eye", "at", "fov_y_deg"], notes)?;
+    camera(&s, "[start]", notes)
+}
+
+fn views(top: &Section, notes: &mut Notes) -> Vec<NamedView> {
+    let sections = top.sections("view", "[[view]]", &["name", "eye", "at", "fov_y_deg"], notes);
+    let view = |(i, s): (usize, Section)| {
+        let name = s.text("name", notes).map_or_else(|| format!("view {}", i + 1), str::to_owned);
+        Some(NamedView { name, camera: camera(&s, "[[view]]", notes)? })
+    };
+    sections.into_iter().enumerate().filter_map(view).collect()
+}
+
+fn walk(top: &Section, notes: &mut Notes) -> Option<CameraPath> {
+    let s = top.section("walk", "[walk]", &["frames", "fov_y_deg", "keyframes"], notes)?;
+    let sections = s.sections("keyframes", "a key frame of [walk]", &["eye", "at"], notes);
+    let keyframes: Vec<CameraKey> =
+        sections.iter().filter_map(|k| key_frame(k, "a key frame of [walk]", notes)).collect();
+    if keyframes.is_empty() {
+        notes.add(s.at(), "[walk] needs keyframes = [{ eye, at }, ...]; it was ignored".to_owned());
+        return None;
+    }
+    let frames = s.number("frames", 1.0..=1e6, notes).map_or(300, |n| n as u32);
+    Some(CameraPath { fov_y_deg: fov_y_deg(&s, notes), frames, keyframes })
+}

@@ -1,0 +1,198 @@
+//! Writes changed materials and daylight into `<scene>.afterimage.toml`, leaving alone whatever else stands there:
+//! other keys, their order and comments.
+
+use crate::import::{files, sidecar, text};
+use crate::raster::save::write_atomically;
+use crate::scene::{Daylight, Look, Material, MaterialKind, SceneError};
+use glam::Vec3;
+use std::path::{Path, PathBuf};
+use toml_edit::{Array, ArrayOfTables, DocumentMut, Item, Table, value};
+
+/// Saves how `now` differs from `before` beside a model; what does not differ is not written. Returns the file. The
+/// next import of the model has the look `now`.
+///
+/// # Errors
+/// [`SceneError::Read`] where the file that is there is no TOML, or where it cannot be written.
+pub fn save_look_beside(model: &Path, before: &Look, now: &Look) -> Result<PathBuf, SceneError> {
+    let path = model.with_extension("afterimage.toml");
+    let mut document = read(&path)?;
+    for (was, is) in before.materials.iter().zip(&now.materials).filter(|(was, is)| was != is) {
+        write_material(&mut document, was, is).map_err(|cause| unreadable(&path, cause))?;
+    }
+    if before.daylight != now.daylight {
+        write_daylight(&mut document, &now.daylight);
+    }
+    write_atomically(&path, document.to_string().as_bytes()).map_err(|error| SceneError::Read {
+        file: path.clone(),
+        cause: error.to_string(),
+        remedy: "nothing was changed; free space or choose a folder that can be written to".to_owned(),
+    })?;
+    Ok(path)
+}
+
+/// What stands there already; an empty document where there is no file.
+fn read(path: &Path) -> Result<DocumentMut, SceneError> {
+    if path.symlink_metadata().is_err() {
+        return Ok(DocumentMut::new());
+    }
+    let bytes = files::read_limited(path, sidecar::SIDECAR_BYTES)
+        .map_err(|(cause, remedy)| SceneError::Read { file: path.to_owned(), cause, remedy })?;
+    let text = text::decode(bytes).text;
+    text.parse().map_err(|error: toml_edit::TomlError| unreadable(path, error.message().replace('\n', ", ")))
+}
+
+fn unreadable(path: &Path, cause: String) -> SceneError {
+    SceneError::Read {
+        file: path.to_owned(),
+        cause,
+        remedy: "nothing was written; mend the file or move it away, and save again".to_owned(),
+    }
+}
+
+/// Changes the `[[material]]` of this name, or adds one.
+fn write_material(document: &mut DocumentMut, was: &Material, is: &Material) -> Result<(), String> {
+    let item = document.entry("material").or_insert_with(|| Item::ArrayOfTables(ArrayOfTables::new()));
+    let tables = item.as_array_of_tables_mut().ok_or("'material' is not written as [[material]]")?;
+    let named = |t: &Table| t.get("name").and_then(Item::as_str) == Some(&is.name);
+    // Of several with one name the last decides.
+    let at = (0..tables.len()).rev().find(|&i| tables.get(i).is_some_and(named)).unwrap_or_else(|| {
+        let mut table = Table::new();
+        table["name"] = value(&is.name);
+        tables.push(table);
+        tables.len() - 1
+    });
+    let table = tables.get_mut(at).ok_or("'material' is empty")?;
+    for key in ["fresnel", "reflectance", "eta", "transmittance"] {
+        table.remove(key);
+    }
+    set(table, "diffuse", color(is.diffuse));
+    if was.emission != is.emission {
+        set(table, "emission", color(is.emission));
+    }
+    match is.kind {
+        MaterialKind::Diffuse => set(table, "kind", value("diffuse")),
+        MaterialKind::Mirror { reflectance, fresnel } => {
+            set(table, "kind", value("mirror"));
+            set(table, "reflectance", color(reflectance));
+            set(table, "fresnel", value(fresnel));
+        }
+        MaterialKind::Glass { eta, transmittance } => {
+            set(table, "kind", value("glass"));
+            set(table, "eta", value(number(eta)));
+            set(table, "transmittance", color(transmittance));
+        }
+    }
+    Ok(())
+}
+
+fn write_daylight(document: &mut DocumentMut, daylight: &Daylight) {
+    match daylight.sun {
+        None => drop(document.remove("sun")),
+        Some((direction, radius, irradiance)) => {
+            let table = section(document, "sun");
+            set(table, "direction", color(direction));
+            set(table, "irradiance", color(irradiance));
+            set(table, "angular_radius_deg", value(number(radius.to_degrees())));
+        }
+    }
+    match daylight.sky {
+        None => drop(document.remove("sky")),
+        Some(sky) => {
+            let table = section(document, "sky");
+            set(table, "zenith", color(sky.zenith));
+            set(table, "horizon", color(sky.horizon));
+            set(table, "ground", color(sky.ground));
+        }
+    }
+}
+
+fn section<'d>(document: &'d mut DocumentMut, name: &str) -> &'d mut dyn toml_edit::TableLike {
+    let item = &mut document[name];
+    if !item.is_table_like() {
+        *item = Item::Table(Table::new());
+    }
+    item.as_table_like_mut().expect("made one where there was none")
+}
+
+/// Sets a value; the comment behind the one before stays.
+fn set<T: toml_edit::TableLike + ?Sized>(table: &mut T, key: &str, mut item: Item) {
+    if let (Some(old), Some(new)) = (table.get(key).and_then(Item::as_value), item.as_value_mut()) {
+        *new.decor_mut() = old.decor().clone();
+    }
+    match table.get_mut(key) {
+        Some(place) => *place = item,
+        None => drop(table.insert(key, item)),
+    }
+}
+
+fn color(c: Vec3) -> Item {
+    value(c.to_array().map(number).into_iter().collect::<Array>())
+}
+
+/// The shortest decimal that is read back as the same f32, not the f64 that it happens to be.
+fn number(v: f32) -> f64 {
+    v.to_string().parse().unwrap_or(f64::from(v))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::import::{ImportOptions, load};
+    use crate::scene::solar::{SunPosition, clear_daylight};
+    use std::fs;
+
+    const MODEL: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nusemtl wall\nf 1 2 3\nusemtl pane\nf \
+                         1 3 4\nusemtl floor\nf 1 2 6 5\n";
+
+    const WRITTEN: &str = "# my notes\nunit = \"m\" # metres\n\n[[material]]\nname = \"wall\"\ndiffuse = [0.1, 0.2, 0.3] # \
+                           painted\n\n[extra]\nkept = true\n\n[[material]]\nname = \"pane\"\nkind = \"mirror\"\n";
+
+    fn scene(folder: &Path) -> crate::scene::Scene {
+        load(&folder.join("m.obj"), &ImportOptions::default(), &|_, _| true).unwrap()
+    }
+
+    #[test]
+    fn a_saved_look_is_imported_again_and_nothing_else_is_touched() {
+        let folder = tempfile::tempdir().unwrap();
+        let side = folder.path().join("m.afterimage.toml");
+        fs::write(folder.path().join("m.obj"), MODEL).unwrap();
+        fs::write(&side, WRITTEN).unwrap();
+        let before = scene(folder.path()).look();
+        let mut now = before.clone();
+        let find = |name: &str| before.materials.iter().position(|m| m.name == name).unwrap();
+        now.materials[find("wall")].diffuse = Vec3::new(0.7, 0.05, 1.0 / 3.0);
+        now.materials[find("pane")] = Material::glass("pane", 1.52, Vec3::new(0.9, 0.95, 0.9));
+        now.materials[find("floor")] = Material::mirror("floor", Vec3::splat(0.8));
+        now.daylight = clear_daylight(&SunPosition { azimuth_deg: 200.0, height_deg: 30.0 }, 0.0);
+        save_look_beside(&folder.path().join("m.obj"), &before, &now).unwrap();
+        let again = scene(folder.path()).look();
+        assert_eq!(again.materials, now.materials);
+        let (sun, wanted) = (again.daylight.sun.unwrap(), now.daylight.sun.unwrap());
+        // A scene keeps the cosine of the radius, which tells small ones apart to a hundredth.
+        assert!((sun.0 - wanted.0).length() < 1e-6 && (sun.1 / wanted.1 - 1.0).abs() < 0.01);
+        assert_eq!((sun.2, again.daylight.sky), (wanted.2, now.daylight.sky));
+        let text = fs::read_to_string(&side).unwrap();
+        for kept in ["# my notes\nunit = \"m\" # metres\n", "# painted", "[extra]\nkept = true"] {
+            assert!(text.contains(kept), "{kept:?} is gone from:\n{text}");
+        }
+        assert_eq!(text.matches("\"wall\"").count(), 1);
+        save_look_beside(&folder.path().join("m.obj"), &now, &now).unwrap();
+        assert_eq!(fs::read_to_string(&side).unwrap(), text, "nothing differs, nothing is written");
+    }
+
+    #[test]
+    fn a_file_that_is_no_toml_is_left_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        let side = folder.path().join("m.afterimage.toml");
+        fs::write(folder.path().join("m.obj"), MODEL).unwrap();
+        let before = scene(folder.path()).look();
+        let mut now = before.clone();
+        now.materials[0].diffuse = Vec3::ZERO;
+        for broken in ["material = 3\n", "[[material\n"] {
+            fs::write(&side, broken).unwrap();
+            let error = save_look_beside(&folder.path().join("m.obj"), &before, &now).unwrap_err();
+            assert!(error.to_string().contains("m.afterimage.toml"), "{error}");
+            assert_eq!(fs::read_to_string(&side).unwrap(), broken);
+        }
+    }
+}

@@ -1,0 +1,325 @@
+//! Gathers one reference's light for a row of eight pixels at a time.
+//!
+//! The projection is the warp equation backwards, with the view as source; whether a sample lies on a pixel's surface
+//! is decided in disparity, which over a plane is linear in picture coordinates.
+
+use crate::camera::NEAREST_DEPTH;
+use crate::camera::PixelWarp;
+use crate::lookup::point::{DEPTH_ROUNDING, LookupReference, MAX_MAGNIFICATION, MIN_WEIGHT, PLANE_TOLERANCE};
+use crate::lookup::tile_light::{TileLight, TilePoints};
+use crate::reference::light::UNLIT;
+use crate::trace::{TILE_RAYS, TILE_SIDE};
+use fearless_simd::{Simd, SimdBase, SimdMask, f32x8, mask32x8, prelude::*, u32x8};
+use glam::Vec3;
+
+/// Samples fall into two groups, as on both sides of a shadow's edge, where one gap between them is at least this share
+/// of their whole range. Four samples of mere noise have such a gap once in eight times.
+pub(crate) const EDGE_GAP: f32 = 0.8;
+
+/// Samples of sixteen shadow rays that differ by more than this share are parted by a shadow's edge however they are spread
+/// between.
+pub(crate) const MAX_NOISE_SPREAD: f32 = 0.5;
+
+/// How a view's pixels meet one reference.
+#[derive(Debug)]
+pub(crate) struct Toward<'a> {
+    pub(crate) reference: &'a LookupReference<'a>,
+    pub(crate) warp: PixelWarp,
+    /// The view's eye as seen from the reference's.
+    pub(crate) eye_offset: Vec3,
+    /// Samples of the reference per pixel of the view, for a surface at equal distance.
+    pub(crate) density: f32,
+}
+
+impl Toward<'_> {
+    /// How good this reference is for a pixel: samples per pixel up to one; a hundredth of that where it sees the place
+    /// but the very sample there is not the point's; zero where it does not see it.
+    pub(crate) fn rank(&self, points: &TilePoints, pixel: usize) -> f32 {
+        let [x0, y0] = points.corner;
+        let (x, y) = (x0 + (pixel % TILE_SIDE) as u32, y0 + (pixel / TILE_SIDE) as u32);
+        let disparity = points.disparity[pixel];
+        let Some((sx, sy, inverse)) = self.warp.point(x, y, disparity) else { return 0.0 };
+        let r = self.reference;
+        let normal = points.normal_at(pixel);
+        let height = points.height[pixel] + normal.dot(self.eye_offset);
+        if !(sx >= 0.0 && sy >= 0.0 && sx < r.size[0] && sy < r.size[1] && height < 0.0) {
+            return 0.0;
+        }
+        let density = self.density * (height / points.height[pixel]) * inverse.powi(3);
+        let (column, row) = (sx as usize, sy as usize);
+        let at = row * r.size[0] as usize + column;
+        let depth = 1.0 / (inverse * disparity);
+        let direction = r.frame.view.direction_of_point(column as f32 + 0.5, row as f32 + 0.5);
+        let expected = normal.dot(direction) / height;
+        let tolerance = PLANE_TOLERANCE * r.step * depth / -height + DEPTH_ROUNDING;
+        let knows = (r.disparity[at] - expected).abs() <= tolerance * expected
+            && r.light[at] != UNLIT
+            && r.is_alike(at, points.triangle[pixel]);
+        density.min(1.0) * if knows { 1.0 } else { 0.01 }
+    }
+
+    /// Adds this reference's light to a row of eight pixels, of a tile's pixels those that are open.
+    #[inline(always)]
+    pub(crate) fn gather_row<S: Simd>(
+        &self,
+        simd: S,
+        slot: u8,
+        row: usize,
+        points: &TilePoints,
+        open: u64,
+        found: &mut TileLight,
+    ) {
+        let at = row * TILE_SIDE;
+        let footprint = self.project(simd, row, points, open);
+        if !footprint.valid.any_true() {
+            return;
+        }
+        let triangle = &points.triangle[at..at + TILE_SIDE];
+        let gathered = self.collect(simd, &footprint, triangle);
+        if gathered.total.simd_ge(f32x8::splat(simd, MIN_WEIGHT)).any_true() {
+            gathered.add_to(simd, (slot, self.reference.wide), at, footprint.density, found);
+        }
+    }
+
+    /// Where the pixels of a row lie in the reference.
+    #[inline(always)]
+    fn project<S: Simd>(&self, simd: S, row: usize, points: &TilePoints, open: u64) -> Footprint<S> {
+        let r = self.reference;
+        let at = row * TILE_SIDE;
+        let disparity = load(simd, &points.disparity, at);
+        let q = self.homogeneous(simd, row, points.corner, disparity);
+        let [nx, ny, nz] = &points.normal;
+        let normal = [load(simd, nx, at), load(simd, ny, at), load(simd, nz, at)];
+        let view_height = load(simd, &points.height, at);
+        let height = view_height + along(&normal, self.eye_offset);
+        let inverse = f32x8::splat(simd, 1.0) / q[2];
+        let (x, y) = (q[0] * inverse, q[1] * inverse);
+        let density = height / view_height * inverse * inverse * inverse * self.density;
+        let zero = f32x8::splat(simd, 0.0);
+        let valid = mask32x8::from_bitmask(simd, open >> at & 0xff)
+            & q[2].simd_gt(disparity * NEAREST_DEPTH)
+            & height.simd_lt(zero)
+            & x.simd_ge(zero)
+            & y.simd_ge(zero)
+            & x.simd_lt(f32x8::splat(simd, r.size[0]))
+            & y.simd_lt(f32x8::splat(simd, r.size[1]))
+            & density.simd_ge(f32x8::splat(simd, 1.0 / MAX_MAGNIFICATION));
+        let inverse_height = f32x8::splat(simd, 1.0) / height;
+        let s = &r.frame.view.scene_from_pixel;
+        // Spelled out, here and below: closures that hold vectors are not compiled for the level that is dispatched to.
+        let plane = [
+            along(&normal, s.x_axis) * inverse_height,
+            along(&normal, s.y_axis) * inverse_height,
+            along(&normal, s.z_axis) * inverse_height,
+        ];
+        let slack = q[2] / disparity * inverse_height * (PLANE_TOLERANCE * r.step);
+        let tolerance = f32x8::splat(simd, DEPTH_ROUNDING) - slack;
+        Footprint { valid, x, y, density, plane, tolerance }
+    }
+
+    /// The warp equation for a row of pixels.
+    #[inline(always)]
+    fn homogeneous<S: Simd>(
+        &self,
+        simd: S,
+        row: usize,
+        corner: [u32; 2],
+        disparity: f32x8<S>,
+    ) -> [f32x8<S>; 3] {
+        let first = corner[0] as f32 + 0.5;
+        let x = f32x8::from_fn(simd, |i| first + i as f32);
+        let (m, t) = self.warp.parts();
+        let line = m.y_axis * (corner[1] as f32 + row as f32 + 0.5) + m.z_axis;
+        [
+            x * m.x_axis.x + disparity * t.x + line.x,
+            x * m.x_axis.y + disparity * t.y + line.y,
+            x * m.x_axis.z + disparity * t.z + line.z,
+        ]
+    }
+
+    /// Sums the light of the samples that lie on the pixels' own surfaces.
+    #[inline(always)]
+    fn collect<S: Simd>(&self, simd: S, f: &Footprint<S>, triangle: &[u32]) -> Gathered<S> {
+        let r = self.reference;
+        let (zero, one, half) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0), f32x8::splat(simd, 0.5));
+        let [x0, wx] = corners(simd, f.valid.select(f.x, one), r.size[0]);
+        let [y0, wy] = corners(simd, f.valid.select(f.y, one), r.size[1]);
+        let [px, py, p] = f.plane;
+        let p00 = px * (x0 + half) + py * (y0 + half) + p;
+        let expected = [p00, p00 + px, p00 + py, p00 + px + py];
+        let (ux, uy) = (one - wx, one - wy);
+        let weights = [ux * uy, wx * uy, ux * wy, wx * wy];
+        let taps = Taps::load(r, x0.to_array(), y0.to_array(), triangle);
+        let mut g = Gathered::nothing(simd, f.valid);
+        for k in 0..4 {
+            let off = (f32x8::load_array_ref(simd, &taps.disparity[k]) - expected[k]).abs();
+            let alike = mask32x8::from_bitmask(simd, taps.alike[k]);
+            let agrees = f.valid & alike & off.simd_le(f.tolerance * expected[k]);
+            let word = u32x8::load_array_ref(simd, &taps.light[k]);
+            let light = unpack(simd, word, r.scale.exponent_offset);
+            g.take(k, agrees, light, agrees.select(weights[k], zero), simd);
+        }
+        g
+    }
+}
+
+/// Where eight pixels lie in a reference.
+struct Footprint<S: Simd> {
+    /// Pixels whose surface the reference faces, in its picture, and not too coarsely.
+    valid: mask32x8<S>,
+    /// Picture coordinates.
+    x: f32x8<S>,
+    y: f32x8<S>,
+    /// Samples per pixel of the view.
+    density: f32x8<S>,
+    /// Disparity of the pixel's plane per picture coordinate, and at the picture's corner.
+    plane: [f32x8<S>; 3],
+    /// By how much a sample's disparity may differ from the plane's, as a share of it.
+    tolerance: f32x8<S>,
+}
+
+/// What the samples around eight pixels say.
+struct Gathered<S: Simd> {
+    sum: [f32x8<S>; 3],
+    total: f32x8<S>,
+    least: f32x8<S>,
+    most: f32x8<S>,
+    brightness: [(mask32x8<S>, f32x8<S>); 4],
+}
+
+impl<S: Simd> Gathered<S> {
+    #[inline(always)]
+    fn nothing(simd: S, valid: mask32x8<S>) -> Self {
+        let zero = f32x8::splat(simd, 0.0);
+        let least = f32x8::splat(simd, f32::INFINITY);
+        Self { sum: [zero; 3], total: zero, least, most: zero, brightness: [(valid, zero); 4] }
+    }
+
+    #[inline(always)]
+    fn take(&mut self, k: usize, agrees: mask32x8<S>, light: [f32x8<S>; 3], weight: f32x8<S>, simd: S) {
+        let zero = f32x8::splat(simd, 0.0);
+        for (sum, light) in self.sum.iter_mut().zip(light) {
+            *sum += agrees.select(light, zero) * weight;
+        }
+        self.total += weight;
+        let brightest = light[0].max(light[1]).max(light[2]);
+        self.least = agrees.select(self.least.min(brightest), self.least);
+        self.most = agrees.select(self.most.max(brightest), self.most);
+        self.brightness[k] = (agrees, brightest);
+    }
+
+    /// Adds up what a tile finds. What is extrapolated from few samples yields to what is interpolated, the coarse to
+    /// the fine.
+    #[inline(always)]
+    fn add_to(&self, simd: S, (slot, wide): (u8, f32), at: usize, density: f32x8<S>, found: &mut TileLight) {
+        let (zero, one) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
+        let total = self.total;
+        let enough = total.simd_ge(f32x8::splat(simd, MIN_WEIGHT));
+        let fine = density.min(one);
+        let scale = enough.select(fine * fine * total * total, zero);
+        for c in 0..3 {
+            store(load(simd, &found.light[c], at) + self.sum[c] * scale, &mut found.light[c], at);
+        }
+        let weight = scale * total;
+        store(load(simd, &found.weight, at) + weight, &mut found.weight, at);
+        let coverage = load(simd, &found.coverage, at);
+        store(enough.select(total.max(coverage), coverage), &mut found.coverage, at);
+        let spread = (self.most - self.least) / self.most.max(f32x8::splat(simd, f32::MIN_POSITIVE));
+        let smoothed = load(simd, &found.smoothed, at);
+        let loss = smoothed.min(spread * (one - fine));
+        store(enough.select(loss, smoothed), &mut found.smoothed, at);
+        let best = load(simd, &found.best_weight, at);
+        let better = weight.simd_gt(best);
+        store(better.select(weight, best), &mut found.best_weight, at);
+        let is_wide = spread.simd_gt(f32x8::splat(simd, wide));
+        let jump = (self.has_gap() | is_wide).select(spread, zero);
+        store(load(simd, &found.jump, at).max(enough.select(jump, zero)), &mut found.jump, at);
+        let mut bits = better.to_bitmask();
+        while bits != 0 {
+            found.slot[at + bits.trailing_zeros() as usize] = slot;
+            bits &= bits - 1;
+        }
+    }
+
+    /// True where the samples fall into two groups.
+    #[inline(always)]
+    fn has_gap(&self) -> mask32x8<S> {
+        let [a, b, c, d] = &self.brightness;
+        let most = self.most;
+        largest_gap([
+            a.0.select(a.1, most),
+            b.0.select(b.1, most),
+            c.0.select(c.1, most),
+            d.0.select(d.1, most),
+        ])
+        .simd_ge((self.most - self.least) * EDGE_GAP)
+    }
+}
+
+#[inline(always)]
+fn load<S: Simd>(simd: S, from: &[f32; TILE_RAYS], at: usize) -> f32x8<S> {
+    f32x8::from_slice(simd, &from[at..at + TILE_SIDE])
+}
+
+#[inline(always)]
+fn store<S: Simd>(value: f32x8<S>, to: &mut [f32; TILE_RAYS], at: usize) {
+    value.store_slice(&mut to[at..at + TILE_SIDE]);
+}
+
+#[inline(always)]
+fn along<S: Simd>(normal: &[f32x8<S>; 3], v: Vec3) -> f32x8<S> {
+    normal[0] * v.x + normal[1] * v.y + normal[2] * v.z
+}
+
+/// The first of the two samples around each picture coordinate, and the weight of the second.
+#[inline(always)]
+fn corners<S: Simd>(simd: S, at: f32x8<S>, size: f32) -> [f32x8<S>; 2] {
+    let at = (at - f32x8::splat(simd, 0.5)).max(f32x8::splat(simd, 0.0)).min(f32x8::splat(simd, size - 1.0));
+    let first = at.floor().min(f32x8::splat(simd, size - 2.0));
+    [first, at - first]
+}
+
+/// The largest step from one of four values to the next larger.
+#[inline(always)]
+fn largest_gap<S: Simd>([a, b, c, d]: [f32x8<S>; 4]) -> f32x8<S> {
+    let (low, high) = ((a.min(b), c.min(d)), (a.max(b), c.max(d)));
+    let (first, last) = (low.0.min(low.1), high.0.max(high.1));
+    let (x, y) = (low.0.max(low.1), high.0.min(high.1));
+    let (second, third) = (x.min(y), x.max(y));
+    (second - first).max(third - second).max(last - third)
+}
+
+/// The four samples around each of eight places.
+struct Taps {
+    disparity: [[f32; 8]; 4],
+    light: [[u32; 8]; 4],
+    /// Bit per lane whose sample is lit and turned like the place.
+    alike: [u64; 4],
+}
+
+impl Taps {
+    #[inline(always)]
+    fn load(r: &LookupReference<'_>, x0: [f32; 8], y0: [f32; 8], triangle: &[u32]) -> Self {
+        let mut taps = Self { disparity: [[0.0; 8]; 4], light: [[0; 8]; 4], alike: [0; 4] };
+        let width = r.size[0] as usize;
+        for lane in 0..8 {
+            let at = y0[lane] as usize * width + x0[lane] as usize;
+            for (k, at) in [at, at + 1, at + width, at + width + 1].into_iter().enumerate() {
+                taps.disparity[k][lane] = r.disparity[at];
+                taps.light[k][lane] = r.light[at];
+                let alike = r.light[at] != UNLIT && r.is_alike(at, triangle[lane]);
+                taps.alike[k] |= u64::from(alike) << lane;
+            }
+        }
+        taps
+    }
+}
+
+/// [`crate::reference::light::LightScale::unpack`] for eight words.
+#[inline(always)]
+fn unpack<S: Simd>(simd: S, word: u32x8<S>, exponent_offset: u32) -> [f32x8<S>; 3] {
+    let nine = u32x8::splat(simd, 0x1ff);
+    let step = f32x8::from_bits(((word >> 27) + u32x8::splat(simd, exponent_offset)) << 23);
+    let channel = |bits: u32x8<S>| (bits & nine).to_float::<f32x8<S>>() * step;
+    [channel(word), channel(word >> 9), channel(word >> 18)]
+}

@@ -1,0 +1,283 @@
+//! The light arriving at a surface point, from references that saw the point.
+//!
+//! The reverse of the warp: the point is projected into a reference, and of the four samples around it those that lie
+//! on the point's own surface are gathered with bilinear weights. Source: Nehab et al., "Accelerating Real-Time
+//! Shading with Reverse Reprojection Caching", Graphics Hardware 2007. We differ: several references are averaged,
+//! the finer ones counting more, and what is gathered is the arriving light alone.
+
+use crate::camera::NEAREST_DEPTH;
+use crate::lookup::gather::{EDGE_GAP, MAX_NOISE_SPREAD};
+use crate::lookup::tile_light::{MAX_JUMP, MAX_LOSS, MIN_COVERAGE};
+use crate::math::whole::floor;
+use crate::reference::ReferenceFrame;
+use crate::reference::cache::CachedReference;
+use crate::reference::directory::{Directory, MAX_SLOTS, PackedNormal, SlotMask};
+use crate::reference::light::{LightScale, UNLIT};
+use crate::trace::SceneEpoch;
+use arrayvec::ArrayVec;
+use glam::{Mat3, Vec3};
+
+/// A sample belongs to the point's surface where it lies off the plane of the point by less than this share of the
+/// distance between samples: a bend of six degrees from one sample to the next. Relative to the sample distance, so it
+/// means the same at every depth, size of picture and scale of scene.
+pub const PLANE_TOLERANCE: f32 = 0.1;
+
+/// Added to it, relative to depth: the rounding of a distance along a ray, some 64 steps of an f32.
+pub const DEPTH_ROUNDING: f32 = 4e-6;
+
+/// Bilinear weights that agree must sum to this in a reference.
+pub const MIN_WEIGHT: f32 = 1.0 / 16.0;
+
+/// A reference whose samples are farther apart than so many pixels of the view, in area, knows nothing of a pixel.
+pub const MAX_MAGNIFICATION: f32 = 1024.0;
+
+/// References averaged for a point met after a mirror or behind glass; more would cost more than their noise is worth.
+const MAX_AVERAGED_REFERENCES: usize = 3;
+
+/// At most, where those are coarser than what is shown.
+const MAX_FOUND: usize = 8;
+
+/// A reference made ready for look-ups.
+#[derive(Debug)]
+pub(crate) struct LookupReference<'a> {
+    pub(crate) frame: &'a ReferenceFrame,
+    pub(crate) disparity: &'a [f32],
+    pub(crate) light: &'a [u32],
+    triangle: &'a [u32],
+    normals: &'a [PackedNormal],
+    pub(crate) scale: LightScale,
+    /// Picture coordinates from an offset from the eye, homogeneous; their third is depth.
+    pixel_from_scene: Mat3,
+    scene_from_pixel: Mat3,
+    eye: Vec3,
+    /// Distance of two samples at depth one.
+    pub(crate) step: f32,
+    pub(crate) size: [f32; 2],
+    /// Samples that differ by more than this share are parted by a shadow's edge however they are spread between: [`MAX_NOISE_SPREAD`]
+    /// where there is little noise.
+    pub(crate) wide: f32,
+}
+
+impl<'a> LookupReference<'a> {
+    fn new(frame: &'a ReferenceFrame, normals: &'a [PackedNormal]) -> Self {
+        let view = &frame.view;
+        let (light, scale) = frame.packed_light();
+        Self {
+            frame,
+            disparity: frame.disparity(),
+            light,
+            triangle: frame.triangle(),
+            normals,
+            scale,
+            pixel_from_scene: view.scene_from_pixel_f64.inverse().as_mat3(),
+            scene_from_pixel: view.scene_from_pixel,
+            eye: view.eye,
+            step: view.scene_from_pixel.x_axis.length(),
+            size: view.size.map(|s| s as f32),
+            wide: MAX_NOISE_SPREAD * frame.settings.noise(),
+        }
+    }
+
+    /// True where a sample lies on a triangle, or on one that is turned like it.
+    #[inline(always)]
+    pub(crate) fn is_alike(&self, sample: usize, triangle: u32) -> bool {
+        let other = self.triangle[sample];
+        other == triangle
+            || match (self.normals.get(other as usize), self.normals.get(triangle as usize)) {
+                (Some(a), Some(b)) => a.is_like(*b),
+                _ => false,
+            }
+    }
+
+    /// The light at a point with a unit normal on the side that is asked for. `None` where this reference does not see
+    /// that side of the point. Whether it is a guess is told only where that is asked.
+    #[inline]
+    pub(crate) fn light_at<const ASKS: bool>(
+        &self,
+        position: Vec3,
+        normal: Vec3,
+        triangle: u32,
+    ) -> Option<Sampled> {
+        let offset = position - self.eye;
+        let height = normal.dot(offset);
+        let q = self.pixel_from_scene * offset;
+        if !(q.z > NEAREST_DEPTH && height < 0.0) {
+            return None;
+        }
+        let (x, y) = (q.x / q.z, q.y / q.z);
+        if !(x >= 0.0 && y >= 0.0 && x < self.size[0] && y < self.size[1]) {
+            return None;
+        }
+        let tolerance = PLANE_TOLERANCE * self.step * q.z / -height + DEPTH_ROUNDING;
+        let plane = self.scene_from_pixel.transpose() * (normal / height);
+        let (sum, coverage, [spread, jump]) = self.gather::<ASKS>(x, y, plane, tolerance, triangle);
+        let density = -height / (self.step * self.step * q.z * q.z * q.z);
+        let weight = coverage * density * density;
+        let known = Sampled { light: sum / coverage, weight, density, coverage, spread, jump };
+        (coverage >= MIN_WEIGHT).then_some(known)
+    }
+
+    /// Sums the light of the samples around (x, y) that lie on a plane, given as disparity by picture coordinates. Told are
+    /// the sum, its bilinear weight, and how far the samples jump.
+    #[inline]
+    fn gather<const ASKS: bool>(
+        &self,
+        x: f32,
+        y: f32,
+        plane: Vec3,
+        tolerance: f32,
+        triangle: u32,
+    ) -> (Vec3, f32, [f32; 2]) {
+        let ([x0, wx], [y0, wy]) = (corner(x, self.size[0]), corner(y, self.size[1]));
+        let base = y0 as usize * self.size[0] as usize + x0 as usize;
+        let (mut sum, mut total) = (Vec3::ZERO, 0.0);
+        let mut brightness = ArrayVec::<f32, 4>::new();
+        for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+            let at = base + dy * self.size[0] as usize + dx;
+            let expected = plane.dot(Vec3::new(x0 + 0.5 + dx as f32, y0 + 0.5 + dy as f32, 1.0));
+            let agrees = (self.disparity[at] - expected).abs() <= tolerance * expected;
+            if agrees && self.light[at] != UNLIT && self.is_alike(at, triangle) {
+                let weight = (if dx == 0 { 1.0 - wx } else { wx }) * (if dy == 0 { 1.0 - wy } else { wy });
+                let light = self.scale.unpack(self.light[at]);
+                sum += weight * light;
+                total += weight;
+                if ASKS {
+                    brightness.push(light.max_element());
+                }
+            }
+        }
+        (sum, total, spread_and_jump(&mut brightness, self.wide))
+    }
+}
+
+/// What one reference knows of a point.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sampled {
+    pub(crate) light: Vec3,
+    /// What it is worth: coverage times density squared.
+    weight: f32,
+    /// Samples per unit of surface, in scene units.
+    density: f32,
+    /// The share of bilinear weight that was found.
+    coverage: f32,
+    /// How far the samples differ, as a share of the brightest.
+    spread: f32,
+    /// The same where they lie on both sides of a shadow's edge; else zero.
+    jump: f32,
+}
+
+/// By how much a few values differ, as a share of the largest, where one gap between them is most of their range.
+#[inline]
+fn spread_and_jump(brightness: &mut [f32], wide: f32) -> [f32; 2] {
+    brightness.sort_unstable_by(f32::total_cmp);
+    let (Some(&least), Some(&most)) = (brightness.first(), brightness.last()) else { return [0.0; 2] };
+    let range = most - least;
+    let gap = brightness.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f32::max);
+    let spread = range / most.max(f32::MIN_POSITIVE);
+    [spread, if gap >= EDGE_GAP * range || spread > wide { spread } else { 0.0 }]
+}
+
+/// The light arriving at a point, as the radiance of a white surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FoundLight {
+    /// By channel.
+    pub light: Vec3,
+    /// True where it is extrapolated beyond the samples, or between samples on both sides of a shadow's edge.
+    pub is_guess: bool,
+}
+
+/// The first of the two samples around a picture coordinate, and the weight of the second.
+#[inline(always)]
+fn corner(x: f32, size: f32) -> [f32; 2] {
+    let at = (x - 0.5).clamp(0.0, size - 1.0);
+    let first = (floor(at) as f32).min(size - 2.0);
+    [first, at - first]
+}
+
+/// The references that a frame may ask.
+#[derive(Debug)]
+pub struct LookupSet<'a> {
+    pub(crate) directory: &'a Directory,
+    /// By slot.
+    pub(crate) references: Vec<Option<LookupReference<'a>>>,
+    pub(crate) usable: SlotMask,
+    /// Of the noisiest reference, over that of sixteen shadow rays.
+    pub(crate) noise: f32,
+}
+
+impl<'a> LookupSet<'a> {
+    /// All references of an epoch that are switched on. Those smaller than two pixels a side are of no use.
+    pub fn new(directory: &'a Directory, entries: &'a [CachedReference], epoch: SceneEpoch) -> Self {
+        let mut references = Vec::new();
+        references.resize_with(MAX_SLOTS, || None);
+        let (mut usable, mut noise) = (0, 1.0f32);
+        for entry in entries.iter().filter(|e| e.is_usable(epoch)) {
+            if entry.frame.view.size.iter().all(|&s| s >= 2) {
+                references[entry.slot] = Some(LookupReference::new(&entry.frame, directory.normals()));
+                usable |= 1 << entry.slot;
+                noise = noise.max(entry.frame.settings.noise());
+            }
+        }
+        Self { directory, references, usable, noise }
+    }
+
+    /// References that may be asked.
+    pub fn len(&self) -> usize {
+        self.usable.count_ones() as usize
+    }
+
+    /// True where there is nothing to ask.
+    pub fn is_empty(&self) -> bool {
+        self.usable == 0
+    }
+
+    /// The light arriving at a point in scene space with a unit normal on the side that is asked for: the mean over
+    /// references that see it, weighted by the square of their sample density; three of them, and a few more while none is as
+    /// fine as `footprint`, the distance of two points that the picture shows. `None` where no reference sees it.
+    pub fn light_at(
+        &self,
+        position: Vec3,
+        normal: Vec3,
+        triangle: u32,
+        footprint: f32,
+    ) -> Option<FoundLight> {
+        self.find::<true>(position, normal, triangle, footprint)
+    }
+
+    /// The same of three references at most, never called a guess.
+    pub fn unchecked_light_at(&self, position: Vec3, normal: Vec3, triangle: u32) -> Option<FoundLight> {
+        self.find::<false>(position, normal, triangle, f32::INFINITY)
+    }
+
+    #[inline]
+    fn find<const ASKS: bool>(
+        &self,
+        position: Vec3,
+        normal: Vec3,
+        triangle: u32,
+        footprint: f32,
+    ) -> Option<FoundLight> {
+        let mut mask = self.directory.mask(self.directory.cell_of(position)) & self.usable;
+        let (mut sum, mut total, mut found) = (Vec3::ZERO, 0.0, 0);
+        let (mut coverage, mut jump, mut loss) = (0.0f32, 0.0f32, f32::INFINITY);
+        let mut finest = 0.0f32;
+        while mask != 0 && (found < MAX_AVERAGED_REFERENCES || ASKS && finest < 0.5 && found < MAX_FOUND) {
+            let slot = mask.trailing_zeros() as usize;
+            mask &= mask - 1;
+            let Some(reference) = &self.references[slot] else { continue };
+            if let Some(known) = reference.light_at::<ASKS>(position, normal, triangle) {
+                sum += known.weight * known.light;
+                total += known.weight;
+                found += 1;
+                let fine = (known.density * footprint * footprint).min(1.0);
+                finest = finest.max(fine);
+                coverage = coverage.max(known.coverage);
+                jump = jump.max(known.jump);
+                loss = loss.min(known.spread * (1.0 - fine));
+            }
+        }
+        let is_far_off = jump > MAX_JUMP * self.noise || loss > MAX_LOSS * self.noise;
+        let is_guess = ASKS && (coverage < MIN_COVERAGE || is_far_off);
+        (total > 0.0).then(|| FoundLight { light: sum / total, is_guess })
+    }
+}

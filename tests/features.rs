@@ -1,0 +1,50 @@
+//! What a scene does not need is left out, and leaving it out changes nothing.
+
+use afterimage::reference::{ReferenceCache, ReferenceFrame};
+use afterimage::scene::{Scene, SceneFeatures, builtin};
+use afterimage::trace::TraceSettings;
+use afterimage::trace::parallel::NEVER;
+use afterimage::{Mode, RenderSettings, Renderer, Tracer};
+use glam::Vec3;
+use std::sync::Arc;
+
+const SIZE: [u32; 2] = [64, 40];
+const TRACE: TraceSettings = TraceSettings { samples: 2, bounces: 1, seed: 9 };
+
+/// The pictures of the full tracer and of both modes that look up, with references of their own making.
+fn pictures(scene: Scene) -> Vec<Vec<Vec3>> {
+    let tracer = Tracer::new(Arc::new(scene));
+    let [from, to] = [0, 1].map(|frame| tracer.scene().walk.camera(frame, 60).unwrap());
+    let mut cache = ReferenceCache::new(tracer.scene(), 1 << 30);
+    let known = cache.known_light();
+    let lookup = known.lookup(tracer.epoch());
+    let reference = ReferenceFrame::trace_sparse(&tracer, &from, SIZE, &TRACE, &lookup, NEVER).unwrap();
+    cache.insert(Arc::new(reference));
+    let lookup = cache.lookup(tracer.epoch());
+    let mut renderer = Renderer::default();
+    [Mode::Full, Mode::Fast, Mode::Exact]
+        .map(|mode| {
+            let settings = RenderSettings { mode, trace: TRACE };
+            match mode.looks_up() {
+                true => renderer.render_by_lookup(&tracer, &to, SIZE, &settings, &lookup, NEVER),
+                false => renderer.render(&tracer, &to, SIZE, &settings, &[], NEVER),
+            }
+            .radiance
+            .clone()
+        })
+        .into()
+}
+
+#[test]
+fn a_scene_with_everything_forced_on_has_the_same_pictures_bit_for_bit() {
+    let mut left_out = 0;
+    for name in builtin::NAMES {
+        let scene = builtin::build(name).unwrap();
+        left_out += scene.features.left_out().len();
+        let forced = Scene { features: SceneFeatures::EVERYTHING, ..scene.clone() };
+        let (lean, full) = (pictures(scene), pictures(forced));
+        assert!(lean.iter().all(|p| p.iter().any(|r| *r != Vec3::ZERO)), "{name} is black");
+        assert!(lean == full, "{name}");
+    }
+    assert!(left_out > 5, "nothing was left out, so nothing was shown");
+}

@@ -1,0 +1,167 @@
+//! Changes of the scene, as deeds: the look is changed at once, the scene follows on a thread of its own, and the old
+//! picture stays until there is one of the new scene.
+
+use crate::window::app::App;
+use crate::window::app::event::AppEvent;
+use crate::window::app::scene_loading::SceneSource;
+use crate::window::input::walking::Obstacles;
+use crate::window::rendering::render_thread::{RenderCommand, panic_text};
+use crate::window::state::{Answer, Editing, Edits, SavedView, Severity, Sight};
+use afterimage::Tracer;
+use afterimage::import;
+use afterimage::scene::{Look, Scene};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// A scene with a look that was asked for.
+#[derive(Debug)]
+pub(crate) struct Edited {
+    /// The scene it was made from.
+    pub(crate) base: Arc<Tracer>,
+    pub(crate) look: Look,
+    pub(crate) made: Result<Arc<Tracer>, String>,
+}
+
+/// A look that was to be saved beside its scene.
+#[derive(Debug)]
+pub(crate) struct SavedLook {
+    look: Look,
+    result: Result<PathBuf, String>,
+}
+
+impl App {
+    /// Does what was asked for.
+    pub(crate) fn edit(&mut self, editing: Editing) {
+        let state = &mut self.state;
+        match editing {
+            Editing::Change(change) => {
+                if let (Some(edits), Some(scene)) = (&mut state.edits, &mut state.scene) {
+                    edits.change(change, &mut scene.views);
+                }
+            }
+            Editing::SetSun(sun) => state.sun = sun,
+            Editing::Undo => self.step_edits(true),
+            Editing::Redo => self.step_edits(false),
+            Editing::SaveBeside => self.save_beside(),
+        }
+        self.follow_look();
+    }
+
+    fn step_edits(&mut self, is_back: bool) {
+        let state = &mut self.state;
+        let (Some(edits), Some(scene)) = (&mut state.edits, &mut state.scene) else { return };
+        let daylight = edits.now().daylight;
+        let has_moved = if is_back { edits.undo(&mut scene.views) } else { edits.redo(&mut scene.views) };
+        if edits.now().daylight != daylight {
+            let now = edits.now().daylight;
+            (state.sun.is_by_place, state.view_index) = (false, 0);
+            state.sun.show(&now);
+        }
+        state.view_index = state.view_index.min(scene.views.len().saturating_sub(1));
+        if !has_moved {
+            let text = if is_back { "there is nothing to undo" } else { "there is nothing to redo" };
+            self.state.notify(Severity::Info, text.to_owned());
+        }
+    }
+
+    /// Makes the scene that looks as it should, unless it is shown or in the making.
+    pub(crate) fn follow_look(&mut self) {
+        let (Some(edits), Some(obstacles)) = (&self.state.edits, &self.obstacles) else { return };
+        if self.is_editing || self.shown_look.as_ref() == Some(edits.now()) {
+            return;
+        }
+        let (look, base) = (edits.now().clone(), obstacles.tracer().clone());
+        self.is_editing = true;
+        self.in_background("afterimage-edit", move || {
+            let make = || Arc::new(base.with_same_geometry(Arc::new(base.scene().with_look(&look))));
+            let made = catch_unwind(AssertUnwindSafe(make)).map_err(|panic| panic_text(&*panic));
+            AppEvent::Edited(Box::new(Edited { base, look, made }))
+        });
+    }
+
+    /// Shows a scene that was made, unless another one has been opened meanwhile.
+    pub(crate) fn take_edited(&mut self, edited: Edited) {
+        self.is_editing = false;
+        let is_current = self.obstacles.as_ref().is_some_and(|o| o.tracer().epoch() == edited.base.epoch());
+        if is_current {
+            self.shown_look = Some(edited.look);
+            match edited.made {
+                Ok(tracer) => self.show_edited(tracer),
+                Err(text) => self.state.notify(Severity::Error, format!("the change failed: {text}")),
+            }
+        }
+        self.follow_look();
+    }
+
+    fn show_edited(&mut self, tracer: Arc<Tracer>) {
+        if let Some(scene) = &mut self.state.scene {
+            scene.relight(tracer.scene());
+        }
+        self.obstacles = Some(Obstacles::new(tracer.clone()));
+        self.state.thumbnails.iter_mut().for_each(|t| t.set_tracer(tracer.clone()));
+        self.threads.order(RenderCommand::SetTracer(tracer));
+        // Its references are of the scene before.
+        self.state.sight.lent = None;
+        // The change is seen at once, at the render scale.
+        self.sent = None;
+    }
+
+    /// Takes over the look of a scene that was opened; of the same scene read again unsaved changes are kept.
+    pub(crate) fn begin_edits(&mut self, scene: &Scene, is_reload: bool) {
+        let look = scene.look();
+        self.shown_look = Some(look.clone());
+        let carried = self.state.edits.as_ref().filter(|e| is_reload && e.is_unsaved());
+        let edits = match carried {
+            Some(edits) => edits.carried_to(look),
+            None => Edits::new(look),
+        };
+        self.state.sun.show(&edits.now().daylight);
+        self.state.edits = Some(edits);
+        if !is_reload {
+            self.state.sight = Sight::default();
+        }
+        self.follow_look();
+    }
+
+    pub(crate) fn save_beside(&mut self) {
+        let (Some(edits), Some(scene)) = (&self.state.edits, &self.state.scene) else { return };
+        let SceneSource::File { path, .. } = &scene.source else {
+            let text = format!(
+                "{} is part of the program and has no folder to save beside; open a model file to keep changes",
+                scene.source.label()
+            );
+            return self.state.notify(Severity::Error, text);
+        };
+        let (path, before, look) = (path.clone(), edits.saved().clone(), edits.now().clone());
+        self.in_background("afterimage-save", move || {
+            let saved = import::save_look_beside(&path, &before, &look);
+            AppEvent::SavedLook(Box::new(SavedLook { look, result: saved.map_err(|e| e.to_string()) }))
+        });
+    }
+
+    /// Says how saving went, and does what waited for it.
+    pub(crate) fn take_saved_look(&mut self, ctx: &egui::Context, saved: SavedLook) {
+        match saved.result {
+            Ok(path) => {
+                self.state.edits.iter_mut().for_each(|e| e.set_saved(saved.look.clone()));
+                self.state.notify(Severity::Info, format!("saved {}", path.display()));
+                self.leave(ctx);
+            }
+            Err(text) => {
+                if self.state.leaving.is_some() {
+                    self.answer(ctx, Answer::Stay);
+                }
+                self.state.notify(Severity::Error, text);
+            }
+        }
+    }
+
+    /// Views that were changed can be had back.
+    pub(crate) fn note_views(&mut self, before: Vec<SavedView>) {
+        let now = self.state.scene.as_ref().map(|s| &s.views);
+        if now.is_some_and(|now| *now != before) {
+            self.state.edits.iter_mut().for_each(|e| e.note_views(before.clone()));
+        }
+    }
+}

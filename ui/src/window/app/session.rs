@@ -1,0 +1,186 @@
+//! A session as a file: the scene, where one stands in it, views, path and settings. Keys that this version does not know
+//! are kept when it is saved again.
+
+use crate::cli::flags;
+use crate::window::input::playback::Playback;
+use crate::window::state::{SavedView, State};
+use afterimage::camera::CameraPath;
+use afterimage::{Camera, Mode};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+use toml::Table;
+
+/// How session files end.
+pub const EXTENSION: &str = "afterimage-session.toml";
+
+/// What this program writes and reads.
+const VERSION: i64 = 1;
+
+/// All that is kept of a session.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Session {
+    version: i64,
+    /// `builtin:NAME` or a path.
+    pub scene: String,
+    mode: Mode,
+    samples: u32,
+    bounces: u32,
+    exposure_ev: f32,
+    tone_map: String,
+    /// Where one stands.
+    pub camera: Camera,
+    #[serde(default)]
+    views: Vec<View>,
+    /// Where the user's own keys lie.
+    #[serde(default)]
+    path: Option<CameraPath>,
+    /// What other versions wrote.
+    #[serde(flatten)]
+    other: Table,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct View {
+    name: String,
+    #[serde(default)]
+    key: Option<u8>,
+    camera: Camera,
+}
+
+/// True for the names of sessions.
+pub fn is_session(path: &Path) -> bool {
+    path.file_name().is_some_and(|name| name.to_string_lossy().ends_with(&format!(".{EXTENSION}")))
+}
+
+impl Session {
+    /// Of what is shown; `None` without a scene. `other` is what a loaded session had beside.
+    pub fn of(state: &State, other: &Table) -> Option<Self> {
+        let (scene, quality) = (state.scene.as_ref()?, &state.quality);
+        let view = |v: &SavedView| View { name: v.name.clone(), key: v.key, camera: v.camera };
+        let render = &quality.walk.render;
+        Some(Self {
+            version: VERSION,
+            scene: scene.source.label(),
+            mode: render.mode,
+            samples: render.trace.samples,
+            bounces: render.trace.bounces,
+            exposure_ev: quality.exposure_ev,
+            tone_map: quality.tone_map.name().to_owned(),
+            camera: *state.fly.camera(),
+            views: scene.views.iter().map(view).collect(),
+            path: state.playback.is_own.then(|| state.playback.path.clone()),
+            other: other.clone(),
+        })
+    }
+
+    /// As a file.
+    ///
+    /// # Errors
+    /// Where it cannot be expressed.
+    pub fn text(&self) -> Result<String, String> {
+        toml::to_string(self).map_err(|error| format!("the session cannot be written: {error}"))
+    }
+
+    /// From a file.
+    ///
+    /// # Errors
+    /// A message for people, with file and line.
+    pub fn parse(text: &str, path: &Path) -> Result<Self, String> {
+        let name = path.display();
+        let table: Table = text.parse().map_err(|error| crate::settings::broken(path, text, &error))?;
+        match table.get("version").and_then(toml::Value::as_integer) {
+            Some(VERSION) => {}
+            Some(newer) if newer > VERSION => {
+                return Err(format!(
+                    "{name} was saved by a newer program (version {newer} of the format, this one reads {VERSION}); \
+                     use that program, or save the session anew"
+                ));
+            }
+            _ => {
+                return Err(format!("{name} is no session of this program: it has no version that is known"));
+            }
+        }
+        let session: Self =
+            toml::from_str(text).map_err(|error| crate::settings::broken(path, text, &error))?;
+        let cameras = session.views.iter().map(|v| &v.camera).chain([&session.camera]);
+        if !cameras.into_iter().all(Camera::is_valid) || session.scene.is_empty() {
+            return Err(format!("{name}: a pose in it is impossible, or no scene is named"));
+        }
+        Ok(session)
+    }
+
+    /// Brings back all but the scene, which must be the one that is shown.
+    pub fn restore(&self, state: &mut State) -> Table {
+        let quality = &mut state.quality;
+        quality.walk.render.mode = self.mode;
+        quality.walk.render.trace.samples = self.samples.max(1);
+        quality.walk.render.trace.bounces = self.bounces;
+        quality.exposure_ev = self.exposure_ev;
+        quality.tone_map = flags::tone_map(&self.tone_map).unwrap_or(quality.tone_map);
+        state.meters_from = None;
+        state.fly.jump_to(self.camera);
+        if let Some(scene) = &mut state.scene {
+            let view = |v: &View| SavedView { name: v.name.clone(), key: v.key, camera: v.camera };
+            scene.views = self.views.iter().map(view).collect();
+            state.view_index = 0;
+        }
+        if let Some(path) = &self.path {
+            state.playback = Playback { is_own: true, ..Playback::of_scene(path.clone()) };
+        }
+        self.other.clone()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    fn session() -> Session {
+        let camera = Camera::look_at(DVec3::new(0.1, 1.6, 1.0 / 3.0), DVec3::ZERO, 60.0);
+        let path = CameraPath::still(&camera);
+        Session {
+            version: VERSION,
+            scene: "builtin:gallery".to_owned(),
+            mode: Mode::Exact,
+            samples: 4,
+            bounces: 1,
+            exposure_ev: -0.5,
+            tone_map: "linear".to_owned(),
+            camera,
+            views: vec![View { name: "r\u{e4}um \"1\"".to_owned(), key: Some(2), camera }],
+            path: Some(path),
+            other: Table::new(),
+        }
+    }
+
+    fn parse(text: &str) -> Result<Session, String> {
+        Session::parse(text, Path::new("a.afterimage-session.toml"))
+    }
+
+    #[test]
+    fn a_session_comes_back_bit_for_bit_and_keeps_what_it_does_not_know() {
+        let text = session().text().unwrap();
+        assert_eq!(parse(&text), Ok(session()));
+        let newer = format!("guests = 3\n{text}\n[weather]\nrain = true\n");
+        let read = parse(&newer).unwrap();
+        assert_eq!(read.camera, session().camera);
+        let again = read.text().unwrap();
+        assert!(again.contains("guests = 3") && again.contains("[weather]"), "{again}");
+    }
+
+    #[test]
+    fn other_versions_and_broken_files_are_said() {
+        let text = session().text().unwrap();
+        let error = |text: &str| parse(text).unwrap_err();
+        assert!(error(&text.replace("version = 1", "version = 2")).contains("newer program"));
+        assert!(error("hello = 1").contains("no session"));
+        assert!(error("version = 1\nscene =\n").contains("line 2"));
+        assert!(
+            error(&text.replace("samples = 4", "samples = 'many'"))
+                .contains("a.afterimage-session.toml, line")
+        );
+        assert!(error(&text.replace("yaw = ", "yaw = nan # ")).contains("impossible"));
+        assert!(is_session(Path::new("x/a.afterimage-session.toml")) && !is_session(Path::new("a.toml")));
+    }
+}

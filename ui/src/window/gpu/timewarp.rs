@@ -1,0 +1,187 @@
+//! The last frame as seen from where the camera is by now: the picture follows the hand at the display's rate, however
+//! long the renderer takes. On the graphics card, in the frame's own pixels.
+//!
+//! Every pixel of the new view is traced through the last frame's depths. Along its ray the source pixel and the source
+//! disparity are linear on the picture, so that a walk along a line from near to far finds the first surface: relief
+//! mapping (Policarpo, Oliveira and Comba, I3D 2005) with a depth image as the relief. Squares of pixels that the ray
+//! passes before or behind are passed in one step (Tevs, Ihrke and Seidel, I3D 2008, with minima as well as maxima), so
+//! that nothing is missed however far the camera went. Where the first surface is one that the frame did not see, what is
+//! beside the one that hid it stands in, and the pixel is marked as filled. Source of the idea: positional timewarp (van
+//! Waveren, VRST 2016).
+
+use crate::window::gpu::depth_ranges::{DepthRanges, LEVELS};
+use crate::window::gpu::full_screen_pass as pass;
+use afterimage::Camera;
+use afterimage::camera::{SceneFrame, View};
+use egui_wgpu::wgpu;
+use glam::{DMat3, DVec3};
+
+/// The longest walk along a line, in steps: a bound on the time of a drawing, whatever the depths are.
+pub const MAX_STEPS: u32 = 128;
+
+/// Where the processor draws, a map has no more texels than this, and every texel is taken from the renderer.
+pub const MAX_TEXELS_IN_SOFTWARE: u32 = 96 * 1024;
+
+/// Displacement in pixels, and whether the pixel is filled: half floats keep a displacement of 64 pixels to 1/32.
+const MAP_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+
+/// The way from one view's picture to another's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reprojection {
+    /// Pixels of the frame (x, y, 1) from those of the new view, for what is infinitely far.
+    source_from_target: DMat3,
+    /// The new eye on the frame's picture; times inverse depth it is what nearness adds.
+    epipole: DVec3,
+    size: [u32; 2],
+    /// The largest disparity of the frame.
+    nearest: f32,
+}
+
+impl Reprojection {
+    /// From a frame's camera to another one. `nearest` is the frame's largest disparity, in scene units.
+    pub fn new(from: &Camera, to: &Camera, scene: &SceneFrame, size: [u32; 2], nearest: f32) -> Self {
+        let [source, target] = [from, to].map(|camera| View::new(camera, scene, size));
+        let source_pixel_from_scene = source.scene_from_pixel_f64.inverse();
+        Self {
+            source_from_target: source_pixel_from_scene * target.scene_from_pixel_f64,
+            epipole: source_pixel_from_scene * (target.eye_f64 - source.eye_f64),
+            size,
+            nearest,
+        }
+    }
+
+    fn params(&self, pixels_per_texel: u32) -> Params {
+        let back = self.source_from_target.inverse();
+        let column = |v: DVec3| v.as_vec3().extend(0.0).to_array();
+        let columns = |m: DMat3| [m.x_axis, m.y_axis, m.z_axis].map(column);
+        Params {
+            source_from_target: columns(self.source_from_target),
+            epipole: self.epipole.as_vec3().extend(pixels_per_texel as f32).to_array(),
+            target_from_source: columns(back),
+            back: column(back * -self.epipole),
+            size: self.size,
+            most_steps: MAX_STEPS,
+            nearest: self.nearest,
+        }
+    }
+}
+
+/// As `Warp` of timewarp.wgsl is laid out.
+#[repr(C)]
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+struct Params {
+    source_from_target: [[f32; 4]; 3],
+    /// And pixels of the frame for one of the map.
+    epipole: [f32; 4],
+    target_from_source: [[f32; 4]; 3],
+    back: [f32; 4],
+    size: [u32; 2],
+    most_steps: u32,
+    nearest: f32,
+}
+
+const _: () = assert!(size_of::<Params>() == 144);
+
+/// The pass that makes a map: for every pixel of the new view, where it is found in the frame.
+pub struct Timewarp {
+    pipeline: wgpu::RenderPipeline,
+    layout: wgpu::BindGroupLayout,
+    params: wgpu::Buffer,
+    most_texels: u32,
+}
+
+/// A map of a frame's size or a whole part of it, and the depths it is made from.
+pub struct WarpMap {
+    /// Displacement in pixels of the frame to where a pixel is found, and 1 in the third channel where it is filled.
+    pub map: wgpu::Texture,
+    /// Of the map, in texels.
+    pub size: [u32; 2],
+    pixels_per_texel: u32,
+    ranges: wgpu::Texture,
+    view: wgpu::TextureView,
+    bind_group: wgpu::BindGroup,
+}
+
+impl Timewarp {
+    /// Makes the pipeline. `None` where the adapter cannot draw to such a map: frames are then shown as they are.
+    pub fn new(adapter: &wgpu::Adapter, device: &wgpu::Device) -> Option<Self> {
+        let uses = adapter.get_texture_format_features(MAP_FORMAT).allowed_usages;
+        if !uses.contains(wgpu::TextureUsages::RENDER_ATTACHMENT) {
+            return None;
+        }
+        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("timewarp"),
+            entries: &[
+                pass::texture_entry(0, wgpu::TextureSampleType::Float { filterable: false }),
+                pass::uniform_entry(1),
+            ],
+        });
+        let is_software = adapter.get_info().device_type == wgpu::DeviceType::Cpu;
+        Some(Self {
+            pipeline: pass::pipeline(
+                device,
+                "timewarp",
+                &layout,
+                &device.create_shader_module(wgpu::include_wgsl!("timewarp.wgsl")),
+                &[],
+                MAP_FORMAT,
+            ),
+            layout,
+            params: pass::uniform_buffer(device, "timewarp", size_of::<Params>()),
+            most_texels: if is_software { MAX_TEXELS_IN_SOFTWARE } else { u32::MAX },
+        })
+    }
+
+    /// Room for frames of a size.
+    pub fn make_map(&self, device: &wgpu::Device, size: [u32; 2]) -> WarpMap {
+        let pixels_per_texel = (1..).find(|n| self.is_affordable(size.map(|s| s.div_ceil(*n)))).unwrap_or(1);
+        let map_size = size.map(|s| s.div_ceil(pixels_per_texel));
+        let drawn = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
+        let map = pass::texture(device, "timewarp", map_size, MAP_FORMAT, drawn);
+        let ranges = pass::layered_texture(
+            device,
+            "depth ranges",
+            DepthRanges::padded(size),
+            LEVELS,
+            wgpu::TextureFormat::Rg32Float,
+            wgpu::TextureUsages::COPY_DST,
+        );
+        let depths = ranges.create_view(&wgpu::TextureViewDescriptor::default());
+        let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("timewarp"),
+            layout: &self.layout,
+            entries: &[
+                wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&depths) },
+                wgpu::BindGroupEntry { binding: 1, resource: self.params.as_entire_binding() },
+            ],
+        });
+        let view = map.create_view(&wgpu::TextureViewDescriptor::default());
+        WarpMap { map, size: map_size, pixels_per_texel, ranges, view, bind_group }
+    }
+
+    fn is_affordable(&self, [width, height]: [u32; 2]) -> bool {
+        width.saturating_mul(height) <= self.most_texels
+    }
+
+    /// Draws the map of a reprojection.
+    pub fn draw(
+        &self,
+        queue: &wgpu::Queue,
+        encoder: &mut wgpu::CommandEncoder,
+        map: &WarpMap,
+        reprojection: &Reprojection,
+    ) {
+        let params = reprojection.params(map.pixels_per_texel);
+        queue.write_buffer(&self.params, 0, bytemuck::bytes_of(&params));
+        pass::draw(encoder, "timewarp", &map.view, &self.pipeline, &map.bind_group);
+    }
+}
+
+impl WarpMap {
+    /// Sends the depths of a frame of the map's size.
+    pub fn write(&self, queue: &wgpu::Queue, ranges: &DepthRanges) {
+        for (level, (size, ranges)) in (0..).zip(ranges.levels()) {
+            pass::write(queue, &self.ranges, level, size, bytemuck::cast_slice(ranges));
+        }
+    }
+}

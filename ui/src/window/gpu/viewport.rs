@@ -1,0 +1,296 @@
+//! The picture on the screen: textures of the newest frame and the pipeline that shows them.
+
+use crate::window::gpu::develop::{Developer, Development, Negative};
+use crate::window::gpu::full_screen_pass as pass;
+use crate::window::gpu::presentation::{Heatmap, Overlay, Presentation};
+use crate::window::gpu::timewarp::{Reprojection, Timewarp, WarpMap};
+use crate::window::rendering::exchange::PublishedFrame;
+use egui_wgpu::{CallbackResources, CallbackTrait, RenderState, ScreenDescriptor, wgpu};
+
+#[repr(C)]
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+struct Params {
+    size: [u32; 2],
+    map_size: [u32; 2],
+    uv_scale: [f32; 2],
+    heatmap: u32,
+    coloring: u32,
+    outline: u32,
+    pixels_per_point: f32,
+    overlay: u32,
+    split: f32,
+}
+
+// As `Params` of present.wgsl is laid out; a uniform's size is a multiple of 16.
+const _: () = assert!(size_of::<Params>() == 48);
+
+/// What a picture needs of the shader: each has a pipeline of its own, made when it is first shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct SceneFeatures {
+    is_warped: bool,
+    shows_types: bool,
+    is_overlaid: bool,
+}
+
+struct ViewGpu {
+    pipelines: Vec<(SceneFeatures, wgpu::RenderPipeline)>,
+    shader: wgpu::ShaderModule,
+    target: wgpu::TextureFormat,
+    layout: wgpu::BindGroupLayout,
+    sampler: wgpu::Sampler,
+    params: wgpu::Buffer,
+    developer: Developer,
+    timewarp: Option<Timewarp>,
+    /// Bound where nothing is warped.
+    no_map: wgpu::TextureView,
+    textures: Option<Textures>,
+}
+
+struct Textures {
+    size: [u32; 2],
+    color: Negative,
+    types: wgpu::Texture,
+    suppliers: wgpu::Texture,
+    full: Negative,
+    errors: wgpu::Texture,
+    warp: Option<WarpMap>,
+    bind_group: wgpu::BindGroup,
+}
+
+/// Makes the pipeline. Once, before the first frame.
+pub fn install(state: &RenderState) {
+    let gpu = ViewGpu::new(&state.adapter, &state.device, state.target_format);
+    state.renderer.write().callback_resources.insert(gpu);
+}
+
+/// Sends a frame to the graphics card.
+pub fn upload(state: &RenderState, frame: &PublishedFrame) {
+    if frame.size.contains(&0) {
+        return;
+    }
+    let mut renderer = state.renderer.write();
+    let Some(gpu) = renderer.callback_resources.get_mut::<ViewGpu>() else { return };
+    if gpu.textures.as_ref().is_none_or(|t| t.size != frame.size) {
+        gpu.textures = Some(gpu.make_textures(&state.device, frame.size));
+    }
+    if let Some(textures) = &mut gpu.textures {
+        textures.write(&state.queue, frame);
+    }
+}
+
+/// Sends the full tracer's picture of the frame's view; one of another size is left out.
+pub fn upload_full(state: &RenderState, full: &PublishedFrame) {
+    let mut renderer = state.renderer.write();
+    let textures = renderer.callback_resources.get_mut::<ViewGpu>().and_then(|gpu| gpu.textures.as_mut());
+    if let Some(textures) = textures.filter(|t| t.size == full.size) {
+        textures.full.write(&state.queue, &full.radiance);
+    }
+}
+
+/// Sends the map of errors, sRGB; one of another size than the frame's is left out.
+pub fn upload_errors(state: &RenderState, size: [u32; 2], map: &[[u8; 3]]) {
+    let renderer = state.renderer.read();
+    let textures = renderer.callback_resources.get::<ViewGpu>().and_then(|gpu| gpu.textures.as_ref());
+    if let Some(textures) = textures.filter(|t| t.size == size) {
+        let rgba: Vec<[u8; 4]> = map.iter().map(|&[r, g, b]| [r, g, b, u8::MAX]).collect();
+        pass::write(&state.queue, &textures.errors, 0, textures.size, bytemuck::cast_slice(&rgba));
+    }
+}
+
+/// The shape that shows the newest frame in a rectangle, as seen from elsewhere where `reprojection` says so.
+pub fn shape(
+    rect: egui::Rect,
+    pixels_per_point: f32,
+    presentation: Presentation,
+    reprojection: Option<Reprojection>,
+) -> egui::Shape {
+    let aspect = rect.width() / rect.height().max(1.0);
+    let show = Show { presentation, reprojection, aspect, pixels_per_point };
+    egui_wgpu::Callback::new_paint_callback(rect, show).into()
+}
+
+struct Show {
+    presentation: Presentation,
+    reprojection: Option<Reprojection>,
+    aspect: f32,
+    pixels_per_point: f32,
+}
+
+impl Show {
+    fn features(&self, has_map: bool) -> SceneFeatures {
+        let p = &self.presentation;
+        SceneFeatures {
+            is_warped: has_map && self.reprojection.is_some(),
+            shows_types: p.heatmap != Heatmap::Off || p.has_outline,
+            is_overlaid: p.overlay != Overlay::None,
+        }
+    }
+
+    fn params(&self, size: [u32; 2], map_size: [u32; 2]) -> Params {
+        let frame_aspect = size[0] as f32 / size[1].max(1) as f32;
+        let p = &self.presentation;
+        let (overlay, split) = match p.overlay {
+            Overlay::None => (0, 0.0),
+            Overlay::Full => (1, 0.0),
+            Overlay::RightOf(split) => (1, split),
+            Overlay::Errors => (2, 0.0),
+        };
+        Params {
+            size,
+            map_size,
+            // The height always fits: a frame made for the window's old shape is cut or bordered left and right.
+            uv_scale: [self.aspect / frame_aspect, 1.0],
+            heatmap: p.heatmap as u32,
+            coloring: p.coloring as u32,
+            outline: p.has_outline.into(),
+            pixels_per_point: self.pixels_per_point,
+            overlay,
+            split,
+        }
+    }
+}
+
+impl CallbackTrait for Show {
+    fn prepare(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        _screen: &ScreenDescriptor,
+        encoder: &mut wgpu::CommandEncoder,
+        resources: &mut CallbackResources,
+    ) -> Vec<wgpu::CommandBuffer> {
+        if let Some(gpu) = resources.get_mut::<ViewGpu>()
+            && let Some(textures) = &mut gpu.textures
+        {
+            let features = self.features(textures.warp.is_some());
+            let development = Development::new(self.presentation.exposure_ev, self.presentation.tone_map);
+            gpu.developer.develop(queue, encoder, &mut textures.color, development);
+            if features.is_overlaid {
+                gpu.developer.develop(queue, encoder, &mut textures.full, development);
+            }
+            let map = textures.warp.as_ref();
+            if let Some(((reprojection, timewarp), map)) =
+                self.reprojection.as_ref().zip(gpu.timewarp.as_ref()).zip(map)
+            {
+                timewarp.draw(queue, encoder, map, reprojection);
+            }
+            let params = self.params(textures.size, map.map_or([1, 1], |map| map.size));
+            queue.write_buffer(&gpu.params, 0, bytemuck::bytes_of(&params));
+            gpu.make_pipeline(device, features);
+        }
+        Vec::new()
+    }
+
+    fn paint(
+        &self,
+        _info: egui::PaintCallbackInfo,
+        pass: &mut wgpu::RenderPass<'static>,
+        resources: &CallbackResources,
+    ) {
+        if let Some(gpu) = resources.get::<ViewGpu>()
+            && let Some(textures) = &gpu.textures
+            && let Some(pipeline) = gpu.pipeline(self.features(textures.warp.is_some()))
+        {
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(0, &textures.bind_group, &[]);
+            pass.draw(0..3, 0..1);
+        }
+    }
+}
+
+impl ViewGpu {
+    fn new(adapter: &wgpu::Adapter, device: &wgpu::Device, target: wgpu::TextureFormat) -> Self {
+        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("viewport"),
+            entries: &[
+                pass::texture_entry(0, wgpu::TextureSampleType::Float { filterable: true }),
+                pass::entry(1, wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering)),
+                pass::texture_entry(2, wgpu::TextureSampleType::Uint),
+                pass::texture_entry(3, wgpu::TextureSampleType::Uint),
+                pass::uniform_entry(4),
+                pass::texture_entry(5, wgpu::TextureSampleType::Float { filterable: false }),
+                pass::texture_entry(6, wgpu::TextureSampleType::Float { filterable: true }),
+                pass::texture_entry(7, wgpu::TextureSampleType::Float { filterable: true }),
+            ],
+        });
+        Self {
+            pipelines: Vec::new(),
+            shader: device.create_shader_module(wgpu::include_wgsl!("present.wgsl")),
+            target,
+            layout,
+            sampler: device.create_sampler(&wgpu::SamplerDescriptor {
+                label: Some("viewport"),
+                mag_filter: wgpu::FilterMode::Linear,
+                min_filter: wgpu::FilterMode::Linear,
+                ..Default::default()
+            }),
+            params: pass::uniform_buffer(device, "viewport", size_of::<Params>()),
+            developer: Developer::new(device),
+            timewarp: Timewarp::new(adapter, device),
+            no_map: texture(device, [1, 1], wgpu::TextureFormat::Rgba16Float)
+                .create_view(&wgpu::TextureViewDescriptor::default()),
+            textures: None,
+        }
+    }
+
+    fn pipeline(&self, features: SceneFeatures) -> Option<&wgpu::RenderPipeline> {
+        self.pipelines.iter().find(|(has, _)| *has == features).map(|(_, pipeline)| pipeline)
+    }
+
+    fn make_pipeline(&mut self, device: &wgpu::Device, features: SceneFeatures) {
+        if self.pipeline(features).is_none() {
+            let constants = [
+                ("IS_WARPED", features.is_warped),
+                ("SHOWS_TYPES", features.shows_types),
+                ("IS_OVERLAID", features.is_overlaid),
+                ("DECODES", self.target.is_srgb()),
+            ]
+            .map(|(name, is_on)| (name, f64::from(u8::from(is_on))));
+            let pipeline =
+                pass::pipeline(device, "viewport", &self.layout, &self.shader, &constants, self.target);
+            self.pipelines.push((features, pipeline));
+        }
+    }
+
+    fn make_textures(&self, device: &wgpu::Device, size: [u32; 2]) -> Textures {
+        let texture = |format| texture(device, size, format);
+        let [color, full] = [(); 2].map(|()| self.developer.make_negative(device, size));
+        let errors = texture(wgpu::TextureFormat::Rgba8Unorm);
+        let (types, suppliers) = (texture(wgpu::TextureFormat::R8Uint), texture(wgpu::TextureFormat::R8Uint));
+        let warp = self.timewarp.as_ref().map(|timewarp| timewarp.make_map(device, size));
+        let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
+        let map = warp.as_ref().map(|warp| view(&warp.map));
+        let bind = |binding, resource| wgpu::BindGroupEntry { binding, resource };
+        let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("viewport"),
+            layout: &self.layout,
+            entries: &[
+                bind(0, wgpu::BindingResource::TextureView(&color.developed)),
+                bind(1, wgpu::BindingResource::Sampler(&self.sampler)),
+                bind(2, wgpu::BindingResource::TextureView(&view(&types))),
+                bind(3, wgpu::BindingResource::TextureView(&view(&suppliers))),
+                bind(4, self.params.as_entire_binding()),
+                bind(5, wgpu::BindingResource::TextureView(map.as_ref().unwrap_or(&self.no_map))),
+                bind(6, wgpu::BindingResource::TextureView(&full.developed)),
+                bind(7, wgpu::BindingResource::TextureView(&view(&errors))),
+            ],
+        });
+        Textures { size, color, types, suppliers, full, errors, warp, bind_group }
+    }
+}
+
+impl Textures {
+    fn write(&mut self, queue: &wgpu::Queue, frame: &PublishedFrame) {
+        self.color.write(queue, &frame.radiance);
+        pass::write(queue, &self.types, 0, self.size, &frame.types);
+        pass::write(queue, &self.suppliers, 0, self.size, &frame.suppliers);
+        if let Some(warp) = &self.warp {
+            warp.write(queue, &frame.depth_ranges);
+        }
+    }
+}
+
+/// A texture that is written from the processor and read in shaders.
+fn texture(device: &wgpu::Device, size: [u32; 2], format: wgpu::TextureFormat) -> wgpu::Texture {
+    pass::texture(device, "viewport", size, format, wgpu::TextureUsages::COPY_DST)
+}

@@ -1,0 +1,103 @@
+//! From what is under the cursor to a view of it.
+
+use crate::window::input::walking::EYE_HEIGHT_M;
+use afterimage::Camera;
+use afterimage::trace::Probe;
+use glam::DVec3;
+use std::f64::consts::FRAC_PI_2;
+
+/// A surface whose normal rises more than this is stood upon. The cosine of 45 degrees.
+const FLOOR_COSINE: f32 = 0.707;
+
+/// One stops so far before a wall that one goes to, metres: an arm's length and a bit.
+const BEFORE_WALL_M: f64 = 1.2;
+
+/// A thing that is focused is looked at from at most so far away, metres.
+const FOCUS_M: f64 = 3.0;
+
+/// All of a model is seen from so far above the horizon, radians: 25 degrees show floors and facades.
+const OVERVIEW_PITCH: f64 = -0.436;
+
+/// The view after going to a surface: standing on a floor, or an arm's length before anything else.
+pub(crate) fn gone_to(probe: &Probe, camera: &Camera) -> Camera {
+    if probe.normal.y > FLOOR_COSINE {
+        return Camera { eye: probe.position_m + DVec3::Y * EYE_HEIGHT_M, ..*camera };
+    }
+    let way = probe.position_m - camera.eye;
+    let left = BEFORE_WALL_M.min(probe.distance_m / 2.0);
+    let eye = camera.eye + way * (1.0 - left / probe.distance_m.max(left));
+    Camera { fov_y: camera.fov_y, ..Camera::look_at(eye, probe.position_m, camera.fov_y.to_degrees()) }
+}
+
+/// The view with a surface in its centre, from not far away.
+pub(crate) fn focused_on(probe: &Probe, camera: &Camera) -> Camera {
+    let way = probe.position_m - camera.eye;
+    let nearer = (1.0 - FOCUS_M / probe.distance_m.max(FOCUS_M)).max(0.0);
+    let eye = camera.eye + way * nearer;
+    Camera { fov_y: camera.fov_y, ..Camera::look_at(eye, probe.position_m, camera.fov_y.to_degrees()) }
+}
+
+/// The view of a whole box, world metres, from the side one looks from already.
+pub(crate) fn framing([low, high]: [DVec3; 2], camera: &Camera, aspect: f64) -> Camera {
+    let centre = low + (high - low) / 2.0;
+    let radius = (high - low).length() / 2.0;
+    let half = camera.fov_y / 2.0;
+    let half_across = (half.tan() * aspect.max(f64::MIN_POSITIVE)).atan();
+    let distance = radius / half.min(half_across).clamp(f64::MIN_POSITIVE, FRAC_PI_2).sin();
+    let framed = Camera { pitch: OVERVIEW_PITCH, ..*camera };
+    Camera { eye: centre - framed.forward() * distance, ..framed }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use afterimage::scene::MaterialId;
+    use glam::Vec3;
+
+    fn probe(position_m: DVec3, normal: Vec3, from: DVec3) -> Probe {
+        let distance_m = position_m.distance(from);
+        Probe { distance_m, position_m, normal, triangle: 0, material: MaterialId(0), is_front: true }
+    }
+
+    fn camera() -> Camera {
+        Camera::look_at(DVec3::new(0.0, 1.6, 0.0), DVec3::new(0.0, 1.0, -10.0), 60.0)
+    }
+
+    #[test]
+    fn a_floor_is_stood_upon_and_a_wall_stopped_before() {
+        let c = camera();
+        let floor = gone_to(&probe(DVec3::new(1.0, 0.5, -4.0), Vec3::Y, c.eye), &c);
+        assert_eq!((floor.eye, floor.yaw), (DVec3::new(1.0, 0.5 + EYE_HEIGHT_M, -4.0), c.yaw));
+        let at = DVec3::new(0.0, 1.6, -8.0);
+        let wall = gone_to(&probe(at, Vec3::Z, c.eye), &c);
+        assert!((wall.eye.distance(at) - BEFORE_WALL_M).abs() < 1e-9 && wall.forward().z < -0.999);
+        let near = gone_to(&probe(DVec3::new(0.0, 1.6, -1.0), Vec3::Z, c.eye), &c);
+        assert!((near.eye.z + 0.5).abs() < 1e-9, "never through what is near: {near:?}");
+    }
+
+    #[test]
+    fn what_is_focused_is_in_the_centre() {
+        let c = camera();
+        for at in [DVec3::new(3.0, 2.0, -9.0), DVec3::new(0.5, 1.0, -1.0)] {
+            let focused = focused_on(&probe(at, Vec3::Z, c.eye), &c);
+            let to = (at - focused.eye).normalize_or_zero();
+            assert!(to.dot(focused.forward()) > 1.0 - 1e-9);
+            assert!(at.distance(focused.eye) <= FOCUS_M.max(at.distance(c.eye).min(FOCUS_M)) + 1e-9);
+        }
+    }
+
+    #[test]
+    fn every_corner_of_a_framed_box_is_seen() {
+        let bounds = [DVec3::new(-10.0, 0.0, -4.0), DVec3::new(30.0, 6.0, 9.0)];
+        for aspect in [0.4, 1.0, 2.5] {
+            let c = framing(bounds, &camera(), aspect);
+            let camera_from_world = c.world_from_camera().transpose();
+            for i in 0..8 {
+                let corner = DVec3::new(bounds[i & 1].x, bounds[i >> 1 & 1].y, bounds[i >> 2 & 1].z) - c.eye;
+                let p = camera_from_world * corner;
+                let tan = (c.fov_y / 2.0).tan();
+                assert!(p.z < 0.0 && (p.y / -p.z).abs() <= tan && (p.x / -p.z).abs() <= tan * aspect);
+            }
+        }
+    }
+}

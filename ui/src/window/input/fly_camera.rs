@@ -1,0 +1,371 @@
+//! Flying and walking: how keys, drags and the wheel move the camera. World metres, no roll.
+
+use crate::window::input::walking::{Obstacles, Walker};
+use afterimage::Camera;
+use glam::DVec3;
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+/// Walking speed through a building, metres per second.
+pub const DEFAULT_SPEED: f64 = 2.5;
+
+/// Slower than 5 cm/s nothing seems to move, faster than 200 m/s nobody can steer.
+pub const SPEED_RANGE: std::ops::RangeInclusive<f64> = 0.05..=200.0;
+
+/// Held Shift multiplies the speed by this, held Alt divides by it.
+pub const SPEED_FACTOR: f64 = 5.0;
+
+/// One notch of the wheel changes the speed by this factor.
+const SPEED_STEP: f64 = 1.25;
+
+/// One notch of the wheel moves as far as flying for so long, in seconds.
+const DOLLY_SECS: f64 = 0.2;
+
+/// One press of a bracket changes the field of view by so many degrees.
+const FOV_STEP_DEGREES: f64 = 5.0;
+
+/// What a person still calls a picture, in degrees.
+const FOV_DEGREES: std::ops::RangeInclusive<f64> = 10.0..=130.0;
+
+/// A drag over the viewport's height turns by this many fields of view: more than one, so that looking back does not
+/// take three strokes.
+const TURN_PER_HEIGHT: f64 = 2.5;
+
+/// How long a change of view is eased, in seconds: the first for a small one, the second for a large one.
+const EASE_SECS: [f64; 2] = [0.2, 0.7];
+
+/// A change of view over so many metres, or half a turn, is a large one.
+const LARGE_CHANGE_M: f64 = 6.0;
+
+/// A frame of the window that took longer moves no further than this, in seconds: after a hitch nobody wants to find
+/// himself behind the next wall.
+const LONGEST_STEP_SECS: f64 = 0.25;
+
+/// Which way to fly, each axis in -1..1.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Motion {
+    /// To the right.
+    pub right: f64,
+    /// Up, along the world's axis.
+    pub up: f64,
+    /// Where the camera looks.
+    pub forward: f64,
+    /// Multiplies the speed.
+    pub factor: f64,
+}
+
+/// How one moves.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum MoveMode {
+    /// Through everything, in all directions.
+    #[default]
+    Fly,
+    /// On the floor, past obstacles.
+    Walk,
+}
+
+/// How a view changes to another one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ViewChange {
+    /// Over a moment, so that a person keeps the bearings.
+    #[default]
+    Eased,
+    /// For people whom motion makes ill.
+    AtOnce,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Ease {
+    from: Camera,
+    to: Camera,
+    elapsed_secs: f64,
+    secs: f64,
+}
+
+/// A camera that is flown.
+#[derive(Clone, Debug)]
+pub struct FlyCamera {
+    camera: Camera,
+    speed_m_per_s: f64,
+    ease: Option<Ease>,
+    view_change: ViewChange,
+    move_mode: MoveMode,
+    walker: Walker,
+    is_settling: bool,
+}
+
+impl FlyCamera {
+    /// Starts at a pose, flying at the default speed.
+    pub fn new(camera: Camera) -> Self {
+        Self {
+            camera,
+            speed_m_per_s: DEFAULT_SPEED,
+            ease: None,
+            view_change: ViewChange::default(),
+            move_mode: MoveMode::default(),
+            walker: Walker::default(),
+            is_settling: false,
+        }
+    }
+
+    /// How it moves.
+    pub fn move_mode(&self) -> MoveMode {
+        self.move_mode
+    }
+
+    /// Changes how it moves. A walker falls to the floor.
+    pub fn set_gait(&mut self, move_mode: MoveMode) {
+        (self.move_mode, self.walker) = (move_mode, Walker::default());
+    }
+
+    /// How views change from now on.
+    pub fn set_view_change(&mut self, view_change: ViewChange) {
+        self.view_change = view_change;
+    }
+
+    /// Where it is.
+    pub fn camera(&self) -> &Camera {
+        &self.camera
+    }
+
+    /// Metres per second without Shift or Alt.
+    pub fn speed_m_per_s(&self) -> f64 {
+        self.speed_m_per_s
+    }
+
+    /// Changes the speed within [`SPEED_RANGE`].
+    pub fn set_speed(&mut self, metres_per_second: f64) {
+        self.speed_m_per_s = metres_per_second.clamp(*SPEED_RANGE.start(), *SPEED_RANGE.end());
+    }
+
+    /// Changes the speed by notches of the wheel.
+    pub fn change_speed(&mut self, notches: f64) {
+        self.set_speed(self.speed_m_per_s * SPEED_STEP.powf(notches));
+    }
+
+    /// Is there at once.
+    pub fn jump_to(&mut self, camera: Camera) {
+        self.camera = camera;
+        self.ease = None;
+    }
+
+    /// Is there after a short, smooth flight, so that a person keeps the bearings.
+    pub fn ease_to(&mut self, camera: Camera) {
+        if self.view_change == ViewChange::AtOnce {
+            return self.jump_to(camera);
+        }
+        let secs = ease_secs(&self.camera, &camera);
+        self.ease = Some(Ease { from: self.camera, to: camera, elapsed_secs: 0.0, secs });
+    }
+
+    /// True while the camera moves by itself: a change of view is under way, or it falls or climbs.
+    pub fn is_easing(&self) -> bool {
+        self.ease.is_some() || self.is_settling
+    }
+
+    /// Lets time pass. A person's own motion ends an eased one. Without obstacles a walker moves level.
+    pub fn advance(&mut self, motion: &Motion, secs: f64, obstacles: Option<&Obstacles>) {
+        let way = self.way(motion);
+        if way != DVec3::ZERO {
+            self.ease = None;
+        }
+        let step_secs = secs.clamp(0.0, LONGEST_STEP_SECS);
+        if let Some(mut ease) = self.ease {
+            ease.elapsed_secs += secs;
+            self.camera = ease.now();
+            self.ease = (ease.elapsed_secs < ease.secs).then_some(ease);
+        } else {
+            self.travel(way * (self.speed_m_per_s * motion.factor * step_secs), step_secs, obstacles);
+        }
+    }
+
+    /// The direction of a motion, unit or zero; level for a walker.
+    fn way(&self, motion: &Motion) -> DVec3 {
+        let m = self.camera.world_from_camera();
+        match self.move_mode {
+            MoveMode::Fly => m.x_axis * motion.right + DVec3::Y * motion.up - m.z_axis * motion.forward,
+            MoveMode::Walk => m.x_axis * motion.right + m.x_axis.cross(DVec3::NEG_Y) * motion.forward,
+        }
+        .normalize_or_zero()
+    }
+
+    fn travel(&mut self, way: DVec3, secs: f64, obstacles: Option<&Obstacles>) {
+        self.is_settling = false;
+        match (self.move_mode, obstacles) {
+            (MoveMode::Walk, Some(obstacles)) => {
+                let before = self.camera.eye;
+                self.camera.eye = self.walker.step(obstacles, before, way, secs);
+                self.is_settling = self.camera.eye.y != before.y;
+            }
+            _ => self.camera.eye += way,
+        }
+    }
+
+    /// Turns by a drag: right looks right, down looks down. `drag` is in parts of the viewport's height.
+    pub fn look(&mut self, drag: [f64; 2]) {
+        if drag == [0.0, 0.0] {
+            return;
+        }
+        self.ease = None;
+        let turn = self.camera.fov_y * TURN_PER_HEIGHT;
+        self.camera.yaw = wrap(self.camera.yaw - drag[0] * turn);
+        self.camera.pitch = (self.camera.pitch - drag[1] * turn).clamp(-FRAC_PI_2, FRAC_PI_2);
+    }
+
+    /// Moves along a direction by notches of the wheel; a walker along its level part.
+    pub fn dolly(&mut self, direction: DVec3, notches: f64, factor: f64, obstacles: Option<&Obstacles>) {
+        let level = DVec3::new(direction.x, 0.0, direction.z);
+        let direction = if self.move_mode == MoveMode::Walk { level } else { direction };
+        if let Some(direction) = direction.try_normalize() {
+            self.ease = None;
+            let way = direction * (notches * factor * self.speed_m_per_s * DOLLY_SECS);
+            self.travel(way, DOLLY_SECS, obstacles);
+        }
+    }
+
+    /// The world direction through a point of the viewport: `x` and `y` in -1..1 from the centre, right and up.
+    pub fn direction_through(&self, x: f64, y: f64, aspect: f64) -> DVec3 {
+        let tan = (self.camera.fov_y / 2.0).tan();
+        self.camera.world_from_camera() * DVec3::new(x * tan * aspect, y * tan, -1.0)
+    }
+
+    /// Looks straight ahead again.
+    pub fn level(&mut self) {
+        self.ease_to(Camera { pitch: 0.0, ..self.camera });
+    }
+
+    /// Widens (positive) or narrows the field of view.
+    pub fn change_fov(&mut self, steps: f64) {
+        self.set_fov_degrees(self.camera.fov_y.to_degrees() + steps * FOV_STEP_DEGREES);
+    }
+
+    /// Sets the vertical field of view.
+    pub fn set_fov_degrees(&mut self, degrees: f64) {
+        self.camera.fov_y = degrees.clamp(*FOV_DEGREES.start(), *FOV_DEGREES.end()).to_radians();
+    }
+}
+
+impl Ease {
+    fn now(&self) -> Camera {
+        let t = (self.elapsed_secs / self.secs).clamp(0.0, 1.0);
+        let t = t * t * (3.0 - 2.0 * t);
+        let (a, b) = (&self.from, &self.to);
+        if t >= 1.0 {
+            return *b;
+        }
+        Camera {
+            eye: a.eye.lerp(b.eye, t),
+            yaw: a.yaw + wrap(b.yaw - a.yaw) * t,
+            pitch: a.pitch + (b.pitch - a.pitch) * t,
+            fov_y: a.fov_y + (b.fov_y - a.fov_y) * t,
+        }
+    }
+}
+
+/// How long a change takes, by how large it is.
+fn ease_secs(from: &Camera, to: &Camera) -> f64 {
+    let turn = wrap(to.yaw - from.yaw).abs().max((to.pitch - from.pitch).abs()) / PI;
+    let way = from.eye.distance(to.eye) / LARGE_CHANGE_M;
+    EASE_SECS[0] + (EASE_SECS[1] - EASE_SECS[0]) * way.max(turn).clamp(0.0, 1.0)
+}
+
+/// An angle in -pi..pi: the shorter way round.
+fn wrap(angle: f64) -> f64 {
+    (angle + PI).rem_euclid(TAU) - PI
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at_origin() -> FlyCamera {
+        FlyCamera::new(Camera::look_at(DVec3::ZERO, DVec3::NEG_Z, 60.0))
+    }
+
+    #[test]
+    fn a_second_forward_is_the_speed_in_metres() {
+        let mut fly = at_origin();
+        for _ in 0..10 {
+            fly.advance(&Motion { forward: 1.0, factor: 1.0, ..Motion::default() }, 0.1, None);
+        }
+        assert!((fly.camera().eye - DVec3::new(0.0, 0.0, -DEFAULT_SPEED)).length() < 1e-9);
+    }
+
+    #[test]
+    fn diagonals_are_no_faster_and_a_hitch_does_not_fly_through_walls() {
+        let mut fly = at_origin();
+        fly.advance(&Motion { forward: 1.0, right: 1.0, factor: 1.0, ..Motion::default() }, 100.0, None);
+        assert!((fly.camera().eye.length() - DEFAULT_SPEED * LONGEST_STEP_SECS).abs() < 1e-9);
+    }
+
+    #[test]
+    fn dragging_right_looks_right_and_down_looks_down_but_never_over() {
+        let mut fly = at_origin();
+        fly.look([0.1, 0.1]);
+        assert!(fly.camera().forward().x > 0.0 && fly.camera().forward().y < 0.0);
+        fly.look([0.0, 100.0]);
+        assert_eq!(fly.camera().pitch, -FRAC_PI_2);
+    }
+
+    #[test]
+    fn easing_arrives_exactly_and_goes_the_shorter_way() {
+        let mut fly = at_origin();
+        fly.jump_to(Camera { yaw: 3.0, ..*fly.camera() });
+        let target = Camera { yaw: -3.0, eye: DVec3::ONE, ..*fly.camera() };
+        fly.ease_to(target);
+        fly.advance(&Motion::default(), EASE_SECS[0] / 2.0, None);
+        assert!(fly.camera().yaw > 3.0, "turned the long way: {}", fly.camera().yaw);
+        fly.advance(&Motion::default(), EASE_SECS[1], None);
+        assert_eq!(*fly.camera(), target);
+        assert!(!fly.is_easing());
+    }
+
+    #[test]
+    fn ones_own_motion_ends_an_eased_one() {
+        let mut fly = at_origin();
+        fly.ease_to(Camera { eye: DVec3::splat(100.0), ..*fly.camera() });
+        fly.look([0.1, 0.0]);
+        fly.advance(&Motion::default(), 1.0, None);
+        assert_eq!(fly.camera().eye, DVec3::ZERO);
+    }
+
+    #[test]
+    fn speed_and_field_of_view_stay_in_range() {
+        let mut fly = at_origin();
+        fly.change_speed(1000.0);
+        assert_eq!(fly.speed_m_per_s(), *SPEED_RANGE.end());
+        fly.change_speed(-1000.0);
+        assert_eq!(fly.speed_m_per_s(), *SPEED_RANGE.start());
+        fly.change_fov(1000.0);
+        assert!(fly.camera().is_valid());
+    }
+
+    #[test]
+    fn the_wheel_moves_towards_the_cursor() {
+        let mut fly = at_origin();
+        fly.dolly(fly.direction_through(1.0, 0.0, 2.0), 1.0, 1.0, None);
+        assert!(fly.camera().eye.x > 0.0 && fly.camera().eye.z < 0.0);
+    }
+
+    #[test]
+    fn small_changes_are_quick_large_ones_slower_and_none_is_eased_where_motion_is_unwanted() {
+        let mut fly = at_origin();
+        let secs = |to: Camera| ease_secs(&at_origin().camera, &to);
+        assert_eq!(secs(*fly.camera()), EASE_SECS[0]);
+        assert_eq!(secs(Camera { eye: DVec3::X * 1e3, ..*fly.camera() }), EASE_SECS[1]);
+        assert!((EASE_SECS[0]..EASE_SECS[1]).contains(&secs(Camera { yaw: 1.0, ..*fly.camera() })));
+        fly.set_view_change(ViewChange::AtOnce);
+        let target = Camera { eye: DVec3::ONE, ..*fly.camera() };
+        fly.ease_to(target);
+        assert_eq!((*fly.camera(), fly.is_easing()), (target, false));
+    }
+
+    #[test]
+    fn a_walker_who_looks_down_still_goes_ahead() {
+        let mut fly = at_origin();
+        fly.set_gait(MoveMode::Walk);
+        fly.look([0.0, 0.2]);
+        fly.advance(&Motion { forward: 1.0, up: 1.0, factor: 1.0, ..Motion::default() }, 0.1, None);
+        let eye = fly.camera().eye;
+        assert!((eye - DVec3::new(0.0, 0.0, -0.1 * DEFAULT_SPEED)).length() < 1e-9, "{eye}");
+    }
+}

@@ -1,0 +1,93 @@
+//! A key with its modifiers, and how it is written.
+
+use egui::Key;
+
+/// A key with the modifiers that must be held; Alt is never asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Chord {
+    /// By its place, named after the US layout.
+    pub key: Key,
+    /// With Shift.
+    pub shift: bool,
+    /// With Ctrl (Command on a Mac).
+    pub ctrl: bool,
+}
+
+pub(crate) const fn plain(key: Key) -> Chord {
+    Chord { key, shift: false, ctrl: false }
+}
+
+pub(crate) const fn shift(key: Key) -> Chord {
+    Chord { key, shift: true, ctrl: false }
+}
+
+pub(crate) const fn ctrl(key: Key) -> Chord {
+    Chord { key, shift: false, ctrl: true }
+}
+
+pub(crate) const fn ctrl_shift(key: Key) -> Chord {
+    Chord { key, shift: true, ctrl: true }
+}
+
+impl Chord {
+    /// Reads `K`, `Shift+K`, `Ctrl+F12`.
+    pub(crate) fn parse(text: &str) -> Result<Self, String> {
+        let (mut chord, mut rest) = (plain(Key::A), text.trim());
+        loop {
+            if let Some(after) = rest.strip_prefix("Shift+") {
+                (chord.shift, rest) = (true, after);
+            } else if let Some(after) = rest.strip_prefix("Ctrl+") {
+                (chord.ctrl, rest) = (true, after);
+            } else {
+                break;
+            }
+        }
+        let name = match rest {
+            "PgUp" => "PageUp",
+            "PgDn" => "PageDown",
+            "?" => "Slash",
+            name => name,
+        };
+        chord.shift |= rest == "?";
+        chord.key = Key::from_name(name).ok_or_else(|| format!("there is no key '{text}'"))?;
+        match chord.key {
+            Key::Tab => Err("Tab belongs to the focus".to_owned()),
+            _ => Ok(chord),
+        }
+    }
+
+    /// As it is printed on keys.
+    pub fn name(&self) -> String {
+        let prefix = match (self.ctrl, self.shift) {
+            (true, true) => "Ctrl+Shift+",
+            (true, _) => "Ctrl+",
+            (_, true) if self.key == Key::Slash => return "?".to_owned(),
+            (_, true) => "Shift+",
+            _ => "",
+        };
+        let key = match self.key {
+            Key::OpenBracket => "[",
+            Key::CloseBracket => "]",
+            Key::Minus => "-",
+            Key::Equals => "=",
+            Key::PageUp => "PgUp",
+            Key::PageDown => "PgDn",
+            Key::Escape => "Esc",
+            key => key.name(),
+        };
+        format!("{prefix}{key}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::window::input::keymap::BINDINGS;
+
+    #[test]
+    fn every_key_reads_back_as_it_is_printed() {
+        for chord in BINDINGS.iter().flat_map(|b| b.chords) {
+            assert_eq!(Chord::parse(&chord.name()).as_ref(), Ok(chord));
+        }
+    }
+}

@@ -1,0 +1,197 @@
+//! Walks: playing one back, making one key by key, and recording where somebody goes.
+
+use afterimage::Camera;
+use afterimage::camera::{CameraKey, CameraPath};
+
+/// Frames of a walk are played at this rate.
+pub const FRAMES_PER_SEC: f64 = 30.0;
+
+/// Between two keys that a person sets, one strolls.
+const STROLL_M_PER_S: f64 = 1.4;
+
+/// Looking round at a key takes a while even where one does not move.
+const SECS_PER_KEY: f64 = 1.0;
+
+/// A pose is recorded so often per second: a key every 25 cm at walking speed.
+const RECORDS_PER_SEC: f64 = 10.0;
+
+/// The walk of the window: the scene's, until someone sets a key.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Playback {
+    /// What is played; `None` without a scene.
+    pub path: CameraPath,
+    /// True where the keys are the user's, not the scene's.
+    pub is_own: bool,
+    /// Where it stands, seconds from its start.
+    pub at_secs: f64,
+    /// Time passes.
+    pub is_playing: bool,
+    /// Starts anew at the end.
+    pub loops: bool,
+}
+
+impl Playback {
+    /// A scene's own walk, at rest at its start.
+    pub fn of_scene(path: CameraPath) -> Self {
+        Self { path, ..Self::default() }
+    }
+
+    /// How long it takes, seconds.
+    pub fn secs(&self) -> f64 {
+        f64::from(self.path.frames.max(2) - 1) / FRAMES_PER_SEC
+    }
+
+    /// Adds a key at a pose; the first one replaces the scene's walk.
+    pub fn add_key(&mut self, camera: &Camera) {
+        let mut keyframes = if self.is_own { std::mem::take(&mut self.path.keyframes) } else { Vec::new() };
+        keyframes.push(key_of(camera));
+        *self = Self { path: path_of(keyframes, camera), is_own: true, loops: self.loops, ..Self::default() };
+        self.at_secs = self.secs();
+    }
+
+    /// Takes a key away.
+    pub fn remove_key(&mut self, index: usize) {
+        if index < self.path.keyframes.len() {
+            self.path.keyframes.remove(index);
+            let camera = Camera { fov_y: self.path.fov_y_deg.to_radians(), ..CAMERA_OF_NO_PLACE };
+            self.path = path_of(std::mem::take(&mut self.path.keyframes), &camera);
+            (self.is_own, self.is_playing) = (true, false);
+            self.at_secs = self.at_secs.min(self.secs());
+        }
+    }
+
+    /// Plays from where it stands, from the start where it is at its end, or pauses.
+    pub fn toggle(&mut self) {
+        self.is_playing = !self.is_playing && !self.path.keyframes.is_empty();
+        if self.is_playing && self.at_secs >= self.secs() {
+            self.at_secs = 0.0;
+        }
+    }
+
+    /// Lets time pass; returns the pose while it plays.
+    pub fn advance(&mut self, secs: f64) -> Option<Camera> {
+        if !self.is_playing {
+            return None;
+        }
+        self.at_secs += secs;
+        let end = self.secs();
+        if self.at_secs >= end {
+            self.is_playing = self.loops;
+            self.at_secs = if self.loops { self.at_secs % end } else { end };
+        }
+        self.camera()
+    }
+
+    /// The pose where it stands.
+    pub fn camera(&self) -> Option<Camera> {
+        // Finer than frames: a display may be faster than the walk was thought for.
+        const PARTS: u32 = 1_000_000;
+        let part = (self.at_secs / self.secs()).clamp(0.0, 1.0) * f64::from(PARTS);
+        self.path.camera(part.round() as u32, PARTS + 1)
+    }
+}
+
+const CAMERA_OF_NO_PLACE: Camera = Camera { eye: glam::DVec3::ZERO, yaw: 0.0, pitch: 0.0, fov_y: 1.0 };
+
+fn key_of(camera: &Camera) -> CameraKey {
+    CameraKey { eye: camera.eye, at: camera.eye + camera.forward() }
+}
+
+fn path_of(keyframes: Vec<CameraKey>, camera: &Camera) -> CameraPath {
+    let mut path = CameraPath { fov_y_deg: camera.fov_y.to_degrees(), frames: 1, keyframes };
+    let secs = path.length_m() / STROLL_M_PER_S + SECS_PER_KEY * path.keyframes.len() as f64;
+    path.frames = (secs * FRAMES_PER_SEC).round().max(1.0) as u32;
+    path
+}
+
+/// A walk being recorded, as it happens.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Recording {
+    keyframes: Vec<CameraKey>,
+    fov_y_deg: f64,
+    secs: f64,
+    next_secs: f64,
+}
+
+impl Recording {
+    /// Takes in where the camera is after so much time.
+    pub fn note(&mut self, camera: &Camera, secs: f64) {
+        self.secs += secs;
+        if self.secs < self.next_secs && !self.keyframes.is_empty() {
+            return;
+        }
+        self.next_secs = self.secs + 1.0 / RECORDS_PER_SEC;
+        self.fov_y_deg = camera.fov_y.to_degrees();
+        let key = key_of(camera);
+        // Standing still is no part of a walk: keys are joined by time spent on way and turning.
+        if self.keyframes.last() != Some(&key) {
+            self.keyframes.push(key);
+        }
+    }
+
+    /// How long it has lasted, seconds.
+    pub fn secs(&self) -> f64 {
+        self.secs
+    }
+
+    /// The walk, with a frame for every thirtieth of a second of the recording; `None` where nobody moved.
+    pub fn finish(self) -> Option<CameraPath> {
+        let frames = (self.secs * FRAMES_PER_SEC).round().clamp(2.0, 1e6) as u32;
+        let path = CameraPath { fov_y_deg: self.fov_y_deg, frames, keyframes: self.keyframes };
+        (path.keyframes.len() > 1).then_some(path)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    fn at(x: f64) -> Camera {
+        Camera { eye: DVec3::new(x, 1.6, 0.0), ..CAMERA_OF_NO_PLACE }
+    }
+
+    #[test]
+    fn the_first_key_replaces_the_scenes_walk() {
+        let mut playback = Playback::of_scene(CameraPath::still(&at(9.0)));
+        playback.add_key(&at(0.0));
+        playback.add_key(&at(7.0));
+        assert_eq!(playback.path.keyframes.len(), 2);
+        assert!((playback.secs() - (5.0 + 2.0)).abs() < 0.1, "{}", playback.secs());
+        playback.remove_key(0);
+        assert_eq!(playback.path.keyframes.len(), 1);
+    }
+
+    #[test]
+    fn it_plays_to_its_end_and_begins_anew_when_asked() {
+        let mut playback = Playback::default();
+        assert_eq!(playback.advance(1.0), None);
+        playback.toggle();
+        assert!(!playback.is_playing, "nothing to play");
+        playback.add_key(&at(0.0));
+        playback.add_key(&at(7.0));
+        playback.toggle();
+        let half = playback.advance(playback.secs() / 2.0).unwrap();
+        assert!((half.eye.x - 3.5).abs() < 1e-3, "{half:?}");
+        assert!((playback.advance(100.0).unwrap().eye.x - 7.0).abs() < 1e-9);
+        assert!(!playback.is_playing);
+        playback.loops = true;
+        playback.toggle();
+        let again = playback.advance(playback.secs() * 1.25).unwrap();
+        assert!(playback.is_playing && (again.eye.x - 1.75).abs() < 1e-3, "{again:?}");
+    }
+
+    #[test]
+    fn a_recording_is_a_walk_that_lasts_as_long() {
+        let mut recording = Recording::default();
+        for i in 0..120 {
+            recording.note(&at(f64::from(i) * 0.05), 1.0 / 60.0);
+        }
+        let path = recording.finish().unwrap();
+        assert_eq!(path.frames, 60);
+        assert!((18..=21).contains(&path.keyframes.len()), "{}", path.keyframes.len());
+        let mut still = Recording::default();
+        (0..60).for_each(|_| still.note(&at(1.0), 0.1));
+        assert_eq!(still.finish(), None);
+    }
+}

@@ -1,0 +1,231 @@
+//! Finished frames on their way from the render thread to the window, without waiting and without allocating.
+
+use crate::window::gpu::depth_ranges::DepthRanges;
+use afterimage::Camera;
+use afterimage::camera::SceneFrame;
+use afterimage::raster::color::metered_exposure_ev;
+use afterimage::reference::{ReferenceCache, ReferenceId};
+use afterimage::render::frame::{Frame, FrameStats, NO_SUPPLIER};
+use glam::Vec3;
+use rayon::prelude::*;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
+
+/// The supplier byte of a pixel that no reference supplied.
+pub const SUPPLIED_BY_NONE: u8 = u8::MAX;
+
+/// A reference as the window lists it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ReferenceInfo {
+    /// Its name.
+    pub id: ReferenceId,
+    /// Where it was taken.
+    pub camera: Camera,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Share of recent frames' pixels that it supplied, 0..1.
+    pub contribution: f32,
+    /// True where the last frame used it.
+    pub is_used: bool,
+    /// False where it was switched off.
+    pub is_enabled: bool,
+    /// When it was added.
+    pub added: Instant,
+}
+
+/// A frame as the window shows it.
+#[derive(Debug)]
+pub struct PublishedFrame {
+    /// The state of all wishes when it was begun; a later frame never has a smaller one.
+    pub generation: u64,
+    /// Where it was taken.
+    pub camera: Camera,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// The space of its disparities.
+    pub scene_frame: SceneFrame,
+    /// 1 / depth along the viewing axis in scene units, of pixels and of squares of them.
+    pub depth_ranges: DepthRanges,
+    /// Radiance as shared-exponent colour, the layout of `Rgb9e5Ufloat`.
+    pub radiance: Vec<u32>,
+    /// [`afterimage::raster::pixel_types::PixelType`] as numbers.
+    pub types: Vec<u8>,
+    /// Which reference supplied a pixel, by its name modulo 255; [`SUPPLIED_BY_NONE`] for none. By name rather than
+    /// by place in the frame's list, so that a reference keeps its colour from frame to frame.
+    pub suppliers: Vec<u8>,
+    /// Times and counts.
+    pub stats: FrameStats,
+    /// The same frame as the one before it, its picture refined.
+    pub is_refinement: bool,
+    /// All references held, oldest first.
+    pub references: Vec<ReferenceInfo>,
+    /// Memory that references hold, and may hold.
+    pub cache_bytes: [usize; 2],
+    /// The exposure that would suit it, in stops; of a complete frame that is not black.
+    pub metered_ev: Option<f32>,
+    /// When it was finished.
+    pub finished: Instant,
+}
+
+impl PublishedFrame {
+    /// A frame of no pixels.
+    pub fn empty() -> Self {
+        Self {
+            generation: 0,
+            camera: Frame::empty().camera,
+            size: [0, 0],
+            scene_frame: SceneFrame { origin_in_world_m: glam::DVec3::ZERO, units_per_metre: 1.0 },
+            depth_ranges: DepthRanges::default(),
+            radiance: Vec::new(),
+            types: Vec::new(),
+            suppliers: Vec::new(),
+            stats: FrameStats::default(),
+            is_refinement: false,
+            references: Vec::new(),
+            cache_bytes: [0, 0],
+            metered_ev: None,
+            finished: Instant::now(),
+        }
+    }
+
+    /// Takes over a rendered frame on the current thread pool, keeping allocations.
+    pub fn fill(&mut self, frame: &Frame, scene: &SceneFrame, used: &[ReferenceId], generation: u64) {
+        (self.generation, self.is_refinement) = (generation, false);
+        (self.camera, self.size, self.stats) = (frame.camera, frame.view.size, frame.stats);
+        self.scene_frame = *scene;
+        self.depth_ranges.fill(&frame.disparity, self.size);
+        frame.radiance.par_iter().map(|&c| rgb9e5(c)).collect_into_vec(&mut self.radiance);
+        self.types.clear();
+        self.types.extend(frame.types.iter().map(|&t| t as u8));
+        self.suppliers.clear();
+        self.suppliers.extend(frame.supplier.iter().map(|&slot| match used.get(slot as usize) {
+            Some(id) if slot != NO_SUPPLIER => supplier_byte(*id),
+            _ => SUPPLIED_BY_NONE,
+        }));
+        self.metered_ev = self.stats.is_complete.then(|| metered_exposure_ev(&frame.radiance)).flatten();
+        self.finished = Instant::now();
+    }
+
+    /// Lists the references held.
+    pub fn list(&mut self, cache: &ReferenceCache, used: &[ReferenceId], added: &[(ReferenceId, Instant)]) {
+        self.cache_bytes = [cache.bytes(), cache.budget_bytes()];
+        self.references.clear();
+        self.references.extend(cache.entries().iter().map(|entry| ReferenceInfo {
+            id: entry.id,
+            camera: entry.frame.camera,
+            size: entry.frame.view.size,
+            contribution: entry.contribution,
+            is_used: used.contains(&entry.id),
+            is_enabled: entry.is_enabled,
+            added: added.iter().find(|(id, _)| *id == entry.id).map_or(self.finished, |(_, at)| *at),
+        }));
+    }
+}
+
+/// The byte that stands for a reference in [`PublishedFrame::suppliers`].
+pub fn supplier_byte(id: ReferenceId) -> u8 {
+    (id.0 % u32::from(SUPPLIED_BY_NONE)) as u8
+}
+
+/// Three channels of nine bits with a common exponent of five bits (EXT_texture_shared_exponent): a third of the
+/// memory traffic of f32 at a relative error below 1/512 of the brightest channel.
+pub fn rgb9e5(color: Vec3) -> u32 {
+    const LARGEST: f32 = 65408.0;
+    let c = color.to_array().map(|v| if v.is_nan() { 0.0 } else { v.clamp(0.0, LARGEST) });
+    let largest = c[0].max(c[1]).max(c[2]);
+    let floor_log2 = ((largest.to_bits() >> 23) as i32 - 127).max(-16);
+    let mut exponent = floor_log2 + 16;
+    let scale = |exponent: i32| f32::from_bits(((127 + 24 - exponent) as u32) << 23);
+    if (largest * scale(exponent) + 0.5) as u32 == 512 {
+        exponent += 1;
+    }
+    let [r, g, b] = c.map(|v| (v * scale(exponent) + 0.5) as u32);
+    r | g << 9 | b << 18 | (exponent as u32) << 27
+}
+
+/// The colour that [`rgb9e5`] packed.
+pub fn rgb9e5_decoded(packed: u32) -> Vec3 {
+    let scale = 2f32.powi((packed >> 27) as i32 - 24);
+    Vec3::from_array([0, 9, 18].map(|at| (packed >> at & 511) as f32 * scale))
+}
+
+/// Three frames: one is written, one is ready, one is shown.
+#[derive(Debug, Default)]
+pub struct Exchange {
+    slots: Mutex<Slots>,
+}
+
+#[derive(Debug, Default)]
+struct Slots {
+    ready: Option<PublishedFrame>,
+    spare: Vec<PublishedFrame>,
+}
+
+impl Exchange {
+    /// A frame to write to.
+    pub fn spare(&self) -> PublishedFrame {
+        locked(&self.slots).spare.pop().unwrap_or_else(PublishedFrame::empty)
+    }
+
+    /// Makes a frame the newest; one that nobody took is written to next.
+    pub fn publish(&self, frame: PublishedFrame) {
+        let mut slots = locked(&self.slots);
+        if let Some(missed) = slots.ready.replace(frame) {
+            slots.spare.push(missed);
+        }
+    }
+
+    /// Swaps the newest frame with the one shown; false where there is none newer.
+    pub fn take(&self, shown: &mut Option<PublishedFrame>) -> bool {
+        let mut slots = locked(&self.slots);
+        let Some(newest) = slots.ready.take() else { return false };
+        slots.spare.extend(shown.replace(newest));
+        true
+    }
+}
+
+/// Locks; a thread that panicked meanwhile has left nothing half-written that matters here.
+pub(crate) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shared_exponent_keeps_colour() {
+        for c in [
+            Vec3::ONE,
+            Vec3::new(0.001, 0.5, 0.25),
+            Vec3::new(1000.0, 3.0, 0.9999),
+            Vec3::splat(0.99999),
+            Vec3::splat(1e-5),
+        ] {
+            let error = (rgb9e5_decoded(rgb9e5(c)) - c).abs().max_element();
+            assert!(error <= c.max_element() / 511.0 + 6e-8, "{c} became {}", rgb9e5_decoded(rgb9e5(c)));
+        }
+        assert_eq!(rgb9e5_decoded(rgb9e5(Vec3::ZERO)), Vec3::ZERO);
+        assert_eq!(rgb9e5_decoded(rgb9e5(Vec3::new(-1.0, f32::NAN, 0.0))), Vec3::ZERO);
+        assert_eq!(rgb9e5_decoded(rgb9e5(Vec3::splat(f32::INFINITY))), Vec3::splat(65408.0));
+    }
+
+    #[test]
+    fn the_newest_frame_is_taken_and_the_others_are_used_again() {
+        let exchange = Exchange::default();
+        let mut shown = None;
+        for generation in 1..=5 {
+            let mut frame = exchange.spare();
+            frame.generation = generation;
+            exchange.publish(frame);
+        }
+        assert!(exchange.take(&mut shown));
+        assert_eq!(shown.as_ref().map(|f| f.generation), Some(5));
+        assert!(!exchange.take(&mut shown));
+        assert_eq!(
+            locked(&exchange.slots).spare.len(),
+            1,
+            "one written and one missed: two were made in all"
+        );
+    }
+}

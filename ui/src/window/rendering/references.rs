@@ -1,0 +1,62 @@
+//! The thread that traces references while the window goes on.
+
+use crate::window::rendering::render_thread::{give_way, panic_text};
+use afterimage::ReferenceJob;
+use afterimage::reference::ReferenceFrame;
+use crossbeam_channel::{Receiver, Sender, unbounded};
+use std::io;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::JoinHandle;
+
+/// A reference to be traced.
+#[derive(Debug)]
+pub(crate) struct Job {
+    pub(crate) reference: ReferenceJob,
+    /// Ends it early; its result is then nobody's.
+    pub(crate) cancel: Arc<AtomicBool>,
+}
+
+/// What became of a job.
+#[derive(Debug)]
+pub(crate) enum Outcome {
+    Traced(Box<ReferenceFrame>),
+    Cancelled,
+    Panicked(String),
+}
+
+/// Starts the thread with a pool of its own. It ends when the sender is dropped.
+///
+/// # Errors
+/// Where the system gives no more threads.
+pub(crate) fn start(
+    threads: usize,
+    deliver: impl Fn(Outcome) + Send + 'static,
+) -> io::Result<(Sender<Job>, JoinHandle<()>)> {
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .thread_name(|i| format!("reference-{i}"))
+        .start_handler(|_| give_way())
+        .build()
+        .map_err(io::Error::other)?;
+    let (sender, jobs) = unbounded();
+    let name = "afterimage-reference".to_owned();
+    let handle = std::thread::Builder::new().name(name).spawn(move || serve(&pool, &jobs, &deliver))?;
+    Ok((sender, handle))
+}
+
+fn serve(pool: &rayon::ThreadPool, jobs: &Receiver<Job>, deliver: &dyn Fn(Outcome)) {
+    for job in jobs {
+        let trace = || {
+            let stop = || job.cancel.load(Ordering::Relaxed);
+            job.reference.trace(&stop)
+        };
+        let outcome = match catch_unwind(AssertUnwindSafe(|| pool.install(trace))) {
+            Err(panic) => Outcome::Panicked(panic_text(&*panic)),
+            Ok(Some(frame)) if !job.cancel.load(Ordering::Relaxed) => Outcome::Traced(Box::new(frame)),
+            Ok(_) => Outcome::Cancelled,
+        };
+        deliver(outcome);
+    }
+}
