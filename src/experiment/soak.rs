@@ -86,7 +86,7 @@ fn trouble(context: &ExperimentContext<'_>, walk: &mut Walkthrough, frame: u32) 
         50 => walk.cache_mut().clear(),
         99 => {
             let scene = walk.tracer().scene();
-            let edited = scene.with_look(&scene.look());
+            let edited = scene.with_edit(&scene.to_edit());
             let tracer = walk.tracer().with_same_geometry(Arc::new(edited));
             walk.set_tracer(Arc::new(tracer));
         }

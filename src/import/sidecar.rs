@@ -7,8 +7,7 @@ use crate::camera::{CameraKey, CameraPath};
 use crate::import::sidecar_table::{Notes, Section, suggestion};
 use crate::import::units::{Unit, Up};
 use crate::import::{files, text};
-use crate::scene::builder::{DAYLIGHT_SKY, daylight_sun};
-use crate::scene::{Material, MaterialKind, NamedView, SceneBuilder, Sky};
+use crate::scene::{Material, MaterialKind, NamedView, SceneBuilder, Sky, Sun};
 use glam::{DVec3, Vec3};
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
@@ -63,7 +62,7 @@ pub(crate) struct Sidecar {
     pub(crate) up: Option<Up>,
     overrides: Vec<Override>,
     point_lights: Vec<(DVec3, Vec3)>,
-    sun: Option<(Vec3, f32, Vec3)>,
+    sun: Option<Sun>,
     sky: Option<Sky>,
     start: Option<Camera>,
     views: Vec<NamedView>,
@@ -254,29 +253,29 @@ fn point_lights(top: &Section, notes: &mut Notes) -> Vec<(DVec3, Vec3)> {
         .collect()
 }
 
-fn sun(top: &Section, notes: &mut Notes) -> Option<(Vec3, f32, Vec3)> {
+fn sun(top: &Section, notes: &mut Notes) -> Option<Sun> {
     let s = top.section("sun", "[sun]", &["direction", "irradiance", "angular_radius_deg"], notes)?;
-    let (direction, radius, irradiance) = daylight_sun();
+    let usual = Sun::clear_day();
     let given = s.point("direction", notes);
     let unit = given.and_then(DVec3::try_normalize);
     if given.is_some() && unit.is_none() {
         notes.add(s.at(), "'direction' in [sun] has no length; the usual one is used".to_owned());
     }
     let radius_deg = s.number("angular_radius_deg", 0.0..=90.0, notes);
-    Some((
-        unit.map_or(direction, |d| d.as_vec3()),
-        radius_deg.map_or(radius, |r| r.to_radians() as f32),
-        s.color("irradiance", BRIGHTEST, notes).unwrap_or(irradiance),
-    ))
+    Some(Sun {
+        direction: unit.map_or(usual.direction, |d| d.as_vec3()),
+        angular_radius: radius_deg.map_or(usual.angular_radius, |r| r.to_radians() as f32),
+        irradiance: s.color("irradiance", BRIGHTEST, notes).unwrap_or(usual.irradiance),
+    })
 }
 
 fn sky(top: &Section, notes: &mut Notes) -> Option<Sky> {
     let s = top.section("sky", "[sky]", &["zenith", "horizon", "ground"], notes)?;
     let mut part = |key, usual| s.color(key, BRIGHTEST, notes).unwrap_or(usual);
     Some(Sky {
-        zenith: part("zenith", DAYLIGHT_SKY.zenith),
-        horizon: part("horizon", DAYLIGHT_SKY.horizon),
-        ground: part("ground", DAYLIGHT_SKY.ground),
+        zenith: part("zenith", Sky::CLEAR_DAY.zenith),
+        horizon: part("horizon", Sky::CLEAR_DAY.horizon),
+        ground: part("ground", Sky::CLEAR_DAY.ground),
     })
 }
 

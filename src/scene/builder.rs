@@ -2,7 +2,7 @@
 
 use super::duplicates::Duplicates;
 use super::{
-    Conditioning, Light, Material, MaterialId, NamedView, Scene, SceneFrame, Sky, Texture, bounds, lights,
+    Conditioning, Light, Material, MaterialId, NamedView, Scene, SceneFrame, Sky, Sun, Texture, bounds, lights,
     solids,
 };
 use crate::camera::Camera;
@@ -105,8 +105,8 @@ pub struct SceneBuilder {
     pub textures: Vec<Texture>,
     /// Point lights: world position, intensity in radiance * square metres.
     pub point_lights: Vec<(DVec3, Vec3)>,
-    /// A sun: unit direction towards it, angular radius in radians, irradiance facing it.
-    pub sun: Option<(Vec3, f32, Vec3)>,
+    /// A sun.
+    pub sun: Option<Sun>,
     /// A sky.
     pub sky: Option<Sky>,
     /// Saved views.
@@ -211,6 +211,7 @@ impl SceneBuilder {
             materials: self.materials,
             textures: self.textures,
             lights,
+            sun: self.sun,
             sky: self.sky,
             views: self.views,
             walk,
@@ -223,7 +224,7 @@ impl SceneBuilder {
             conditioning: Conditioning::default(),
         };
         scene.hash = hash_of(&scene);
-        scene.set_stiffness(repairs);
+        scene.set_conditioning(repairs);
         Ok(scene)
     }
 
@@ -299,14 +300,12 @@ impl SceneBuilder {
             found.push(Light::Point { position, intensity: intensity * square });
         }
         if found.is_empty() && self.sun.is_none() && self.sky.is_none() {
-            self.sun = Some(daylight_sun());
-            self.sky = Some(DAYLIGHT_SKY);
+            self.sun = Some(Sun::clear_day());
+            self.sky = Some(Sky::CLEAR_DAY);
             let name = self.name.clone();
             self.warn(&name, 0, "the scene has no light; a sun and a sky were added");
         }
-        if let Some((direction, radius, irradiance)) = self.sun {
-            found.push(Light::Sun { direction, cos_angular_radius: radius.cos(), irradiance });
-        }
+        found.extend(self.sun.map(Light::from));
         if self.sky.is_some() {
             found.push(Light::Sky);
         }
@@ -320,19 +319,6 @@ const FARTHEST_M: f64 = 1e100;
 /// True for a point that something can be.
 pub(crate) fn is_place(p: DVec3) -> bool {
     p.abs().max_element() <= FARTHEST_M && p.is_finite()
-}
-
-/// A clear day's sky: the sun's light scattered, roughly a tenth of it.
-pub const DAYLIGHT_SKY: Sky = Sky {
-    zenith: Vec3::new(0.35, 0.55, 1.0),
-    horizon: Vec3::new(0.9, 0.95, 1.0),
-    ground: Vec3::new(0.25, 0.23, 0.2),
-};
-
-/// The sun at 55 degrees, south-south-east where -Z is north; 0.27 degrees in radius as seen from the earth.
-pub fn daylight_sun() -> (Vec3, f32, Vec3) {
-    let direction = DVec3::new(0.35, 1.0, 0.6).normalize_or(DVec3::Y).as_vec3();
-    (direction, 0.27f32.to_radians(), Vec3::new(10.0, 9.4, 8.4))
 }
 
 /// True where the cross product of two edges, computed in f64 from the very f32 corners, is not zero.

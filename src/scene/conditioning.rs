@@ -136,7 +136,7 @@ impl Conditioning {
 
 impl Scene {
     /// Finds the numbers of a scene that is complete but for them, and what they ask of the renderer.
-    pub(crate) fn set_stiffness(&mut self, repairs: Repairs) {
+    pub(crate) fn set_conditioning(&mut self, repairs: Repairs) {
         self.conditioning = Conditioning::of(self, repairs);
         self.features.needles = self.conditioning.needles > 0;
     }
@@ -148,10 +148,8 @@ fn named(material: &str) -> String {
 
 fn passed_on(material: &Material) -> f32 {
     let specular = match material.kind {
-        MaterialKind::Diffuse => Vec3::ZERO,
         MaterialKind::Mirror { fresnel: true, .. } => Vec3::ONE - material.diffuse,
-        MaterialKind::Mirror { reflectance, .. } => reflectance,
-        MaterialKind::Glass { transmittance, .. } => transmittance,
+        _ => material.specular(),
     };
     (material.diffuse + specular).max_element()
 }

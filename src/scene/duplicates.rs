@@ -48,9 +48,7 @@ impl Duplicates {
 
 /// True where a surface of the first material leaves nothing to see of one of the second in the same place.
 fn hides(first: &Material, later: &Material) -> bool {
-    let is_opaque =
-        |m: &Material| m.alpha_texture.is_none() && !matches!(m.kind, super::MaterialKind::Glass { .. });
-    is_opaque(first) && is_opaque(later) && first.emission == later.emission
+    first.is_opaque() && later.is_opaque() && first.emission == later.emission
 }
 
 fn fingerprint(corners: &[[u32; 3]; 3]) -> u64 {

@@ -1,22 +1,21 @@
 //! Changes of a finished scene that leave its geometry alone: materials, the sun and the sky.
 
 use super::builder::hash_of;
-use super::{Light, Material, Scene, Sky, lights, solids};
+use super::{Light, Material, Scene, Sky, Sun, lights, solids};
 use crate::scene::{SceneFeatures, sanitize};
-use glam::Vec3;
 
 /// What lights a scene from outside.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Daylight {
-    /// Unit direction towards the sun, angular radius in radians, irradiance on a surface that faces it.
-    pub sun: Option<(Vec3, f32, Vec3)>,
+    /// The sun.
+    pub sun: Option<Sun>,
     /// The sky.
     pub sky: Option<Sky>,
 }
 
 /// What of a scene can be changed without touching its geometry.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Look {
+pub struct SceneEdit {
     /// By [`MaterialId`](super::MaterialId).
     pub materials: Vec<Material>,
     /// Sun and sky.
@@ -25,8 +24,8 @@ pub struct Look {
 
 impl Scene {
     /// What can be changed, as it is.
-    pub fn look(&self) -> Look {
-        Look { materials: self.materials.clone(), daylight: self.daylight() }
+    pub fn to_edit(&self) -> SceneEdit {
+        SceneEdit { materials: self.materials.clone(), daylight: Daylight { sun: self.sun, sky: self.sky } }
     }
 
     /// The same geometry with another look. Lights, needs, solids and hash are found anew.
@@ -34,7 +33,7 @@ impl Scene {
     /// # Panics
     /// Where the look is another scene's: it has more or fewer materials.
     #[must_use]
-    pub fn with_look(&self, look: &Look) -> Self {
+    pub fn with_edit(&self, look: &SceneEdit) -> Self {
         assert_eq!(look.materials.len(), self.materials.len(), "a look of another scene");
         let mut edited = self.clone();
         edited.materials.clone_from(&look.materials);
@@ -47,17 +46,6 @@ impl Scene {
         edited
     }
 
-    /// What lights it from outside.
-    pub fn daylight(&self) -> Daylight {
-        let sun = self.lights.iter().find_map(|light| match *light {
-            Light::Sun { direction, cos_angular_radius, irradiance } => {
-                Some((direction, cos_angular_radius.acos(), irradiance))
-            }
-            _ => None,
-        });
-        Daylight { sun, sky: self.sky }
-    }
-
     /// Everything that follows from materials and daylight, in the order in which the builder makes it.
     fn find_lights_anew(&mut self, daylight: Daylight) {
         let points = self.lights.iter().filter(|l| matches!(l, Light::Point { .. })).cloned();
@@ -68,13 +56,11 @@ impl Scene {
             &self.materials,
         );
         found.extend(points);
-        if let Some((direction, radius, irradiance)) = daylight.sun {
-            found.push(Light::Sun { direction, cos_angular_radius: radius.cos(), irradiance });
-        }
+        found.extend(daylight.sun.map(Light::from));
         if daylight.sky.is_some() {
             found.push(Light::Sky);
         }
-        (self.lights, self.sky) = (found, daylight.sky);
+        (self.lights, self.sun, self.sky) = (found, daylight.sun, daylight.sky);
         self.features =
             SceneFeatures::of(&self.materials, &self.lights, self.sky.as_ref(), self.features.needles);
         self.solids =
@@ -90,12 +76,13 @@ impl Scene {
 mod tests {
     use super::super::builtin;
     use super::*;
+    use glam::Vec3;
 
     #[test]
     fn a_scene_with_its_own_look_is_the_same_scene() {
         for name in builtin::NAMES {
             let scene = builtin::build(name).unwrap();
-            let same = scene.with_look(&scene.look());
+            let same = scene.with_edit(&scene.to_edit());
             assert_eq!((&same.hash, &same.lights), (&scene.hash, &scene.lights), "{name}");
             assert_eq!((same.features, &same.solids), (scene.features, &scene.solids), "{name}");
         }
@@ -104,15 +91,15 @@ mod tests {
     #[test]
     fn another_look_changes_what_follows_from_it_and_can_be_undone() {
         let scene = builtin::build("cornell").unwrap();
-        let mut look = scene.look();
+        let mut look = scene.to_edit();
         look.materials.iter_mut().for_each(|m| m.emission = Vec3::ZERO);
         look.materials[0].kind = crate::scene::MaterialKind::Glass { eta: 1.5, transmittance: Vec3::ONE };
         look.daylight.sky = Some(Sky { zenith: Vec3::ONE, horizon: Vec3::ONE, ground: Vec3::ONE });
-        let edited = scene.with_look(&look);
+        let edited = scene.with_edit(&look);
         assert_eq!(edited.lights, [Light::Sky]);
         assert!(edited.features.glass && edited.features.sky && !edited.features.area_lights);
         assert_eq!(edited.solids.len(), edited.triangles.len());
         assert_ne!(edited.hash, scene.hash);
-        assert_eq!(edited.with_look(&scene.look()).hash, scene.hash);
+        assert_eq!(edited.with_edit(&scene.to_edit()).hash, scene.hash);
     }
 }

@@ -1,6 +1,6 @@
 //! What a scene asks of the renderer, and so what can be left out.
 
-use crate::scene::{Light, Material, MaterialKind, Sky};
+use crate::scene::{Light, Material, Sky};
 use serde::Serialize;
 
 /// The features a scene uses. Decided once, when the scene is complete.
@@ -37,8 +37,8 @@ impl SceneFeatures {
     pub(crate) fn of(materials: &[Material], lights: &[Light], sky: Option<&Sky>, needles: bool) -> Self {
         let any = |test: fn(&Material) -> bool| materials.iter().any(test);
         Self {
-            mirror: any(|m| matches!(m.kind, MaterialKind::Mirror { .. })),
-            glass: any(|m| matches!(m.kind, MaterialKind::Glass { .. })),
+            mirror: any(Material::is_mirror),
+            glass: any(Material::is_glass),
             textures: any(|m| m.diffuse_texture.is_some()),
             alpha: any(|m| m.alpha_texture.is_some()),
             area_lights: lights.iter().any(|l| matches!(l, Light::Quad { .. } | Light::Triangles { .. })),

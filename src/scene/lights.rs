@@ -1,6 +1,6 @@
 //! Lights, and how emissive triangles become them.
 
-use super::{Material, MaterialId};
+use super::{Material, MaterialId, Sun};
 use crate::math::sampling::uniform_triangle;
 use glam::Vec3;
 use std::collections::HashMap;
@@ -48,6 +48,13 @@ pub enum Light {
     },
     /// The scene's sky, as a light.
     Sky,
+}
+
+impl From<Sun> for Light {
+    fn from(sun: Sun) -> Self {
+        let Sun { direction, angular_radius, irradiance } = sun;
+        Self::Sun { direction, cos_angular_radius: angular_radius.cos(), irradiance }
+    }
 }
 
 /// The point of a mesh that belongs to the point `u` of the unit square, uniform by area, and its triangle's number.

@@ -75,6 +75,31 @@ impl Material {
         !matches!(self.kind, MaterialKind::Diffuse)
     }
 
+    /// True for mirrors, with or without Fresnel's rise.
+    pub fn is_mirror(&self) -> bool {
+        matches!(self.kind, MaterialKind::Mirror { .. })
+    }
+
+    /// True for dielectrics, which let light pass.
+    pub fn is_glass(&self) -> bool {
+        matches!(self.kind, MaterialKind::Glass { .. })
+    }
+
+    /// True if no light passes anywhere: the material is not glass and no alpha texture cuts holes.
+    pub fn is_opaque(&self) -> bool {
+        self.alpha_texture.is_none() && !self.is_glass()
+    }
+
+    /// Factor of the specular part: the mirror's reflectance facing the surface, the glass's transmittance, or
+    /// zero for diffuse materials.
+    pub fn specular(&self) -> Vec3 {
+        match self.kind {
+            MaterialKind::Diffuse => Vec3::ZERO,
+            MaterialKind::Mirror { reflectance, .. } => reflectance,
+            MaterialKind::Glass { transmittance, .. } => transmittance,
+        }
+    }
+
     /// True where the surface gives light of its own.
     pub fn is_emissive(&self) -> bool {
         self.emission.max_element() > 0.0
@@ -84,12 +109,7 @@ impl Material {
     pub fn scale_to_conserve(&mut self) -> bool {
         /// Files are written in decimals: 0.8 and 0.2 may sum to a hair above one.
         const SLACK: f32 = 1e-4;
-        let specular = match self.kind {
-            MaterialKind::Diffuse => Vec3::ZERO,
-            MaterialKind::Mirror { reflectance, .. } => reflectance,
-            MaterialKind::Glass { transmittance, .. } => transmittance,
-        };
-        let sum = (self.diffuse + specular).max_element();
+        let sum = (self.diffuse + self.specular()).max_element();
         if sum <= 1.0 {
             return false;
         }

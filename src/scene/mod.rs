@@ -13,17 +13,21 @@ mod lights;
 pub mod material;
 mod sanitize;
 pub mod solar;
+mod sky;
 mod solids;
+mod sun;
 pub mod texture;
 
 pub use crate::camera::SceneFrame;
 pub use builder::{SceneBuilder, SceneError, Warning};
 pub use conditioning::{Conditioning, Repairs};
-pub use edit::{Daylight, Look};
+pub use edit::{Daylight, SceneEdit};
 pub use features::SceneFeatures;
 pub use lights::Light;
 pub(crate) use lights::point_on_mesh;
 pub use material::{Material, MaterialKind, TextureRef};
+pub use sky::Sky;
+pub use sun::Sun;
 pub use texture::{Encoding, Texture};
 
 use crate::camera::Camera;
@@ -37,31 +41,6 @@ pub struct MaterialId(pub u32);
 /// Index into [`Scene::textures`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct TextureId(pub u32);
-
-/// What a ray that leaves the scene sees, and what lights the scene from there: a clear sky by height.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sky {
-    /// Radiance straight up.
-    pub zenith: Vec3,
-    /// Radiance at the horizon.
-    pub horizon: Vec3,
-    /// Radiance from below.
-    pub ground: Vec3,
-}
-
-impl Sky {
-    /// Radiance arriving from a unit direction.
-    pub fn radiance(&self, direction: Vec3) -> Vec3 {
-        // The ground meets the horizon over a few degrees so that there is no edge to alias.
-        const BLEND_SINE: f32 = 0.08;
-        let up = direction.y.clamp(-1.0, 1.0);
-        if up >= 0.0 {
-            self.horizon.lerp(self.zenith, up.sqrt())
-        } else {
-            self.horizon.lerp(self.ground, (-up / BLEND_SINE).min(1.0))
-        }
-    }
-}
 
 /// A saved view.
 #[derive(Clone, Debug, PartialEq)]
@@ -99,7 +78,9 @@ pub struct Scene {
     pub textures: Vec<Texture>,
     /// All lights, emissive surfaces included.
     pub lights: Vec<Light>,
-    /// The sky, where there is one.
+    /// The sun, where there is one. `lights` holds it too.
+    pub sun: Option<Sun>,
+    /// The sky, where there is one. `lights` holds it too.
     pub sky: Option<Sky>,
     /// Where a visit starts. The first is the start view; never empty.
     pub views: Vec<NamedView>,

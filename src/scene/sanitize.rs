@@ -1,7 +1,7 @@
 //! What cannot be traced is mended here, once and counted, so that no ray ever has to ask: numbers that are negative, not
 //! finite or out of range, and materials that reflect more than arrives.
 
-use crate::scene::{Material, MaterialKind, Repairs, SceneBuilder, Texture};
+use crate::scene::{Material, MaterialKind, Repairs, SceneBuilder, Sun, Texture};
 use glam::Vec3;
 
 /// The range of indices of refraction; beyond it nothing known lies.
@@ -96,13 +96,13 @@ fn mend_lights(builder: &mut SceneBuilder) -> usize {
             .iter()
             .sum::<usize>();
     }
-    if let Some((direction, radius, irradiance)) = &mut builder.sun {
+    if let Some(Sun { direction, angular_radius, irradiance }) = &mut builder.sun {
         clamped += clamp(irradiance, BRIGHTEST);
         let right = direction.normalize_or(Vec3::Y);
         let is_unit = (right - *direction).length() < 1.0 / 1024.0;
         clamped += usize::from(replace(direction, is_unit, right));
-        let is_angle = (0.0..=std::f32::consts::FRAC_PI_2).contains(radius);
-        clamped += usize::from(replace(radius, is_angle, 0.0));
+        let is_angle = (0.0..=std::f32::consts::FRAC_PI_2).contains(angular_radius);
+        clamped += usize::from(replace(angular_radius, is_angle, 0.0));
     }
     clamped
 }

@@ -1,7 +1,6 @@
 //! Where the sun stands at a place and time, and what light it and the sky then give.
 
-use super::Sky;
-use super::builder::{DAYLIGHT_SKY, daylight_sun};
+use super::{Sky, Sun};
 use super::edit::Daylight;
 use glam::{DVec3, Vec3};
 
@@ -104,13 +103,13 @@ const TWILIGHT_DEG: f64 = -6.0;
 
 /// The light of a clear day with the sun at a position: redder and weaker through more air, gone below the horizon.
 pub fn clear_daylight(position: &SunPosition, north_deg: f64) -> Daylight {
-    let (_, radius, usual) = daylight_sun();
+    let usual = Sun::clear_day();
     let passed = |height_deg: f64| (-AIR_DEPTH * air_mass(height_deg)).map(f32::exp);
-    let irradiance = usual * passed(position.height_deg) / passed(DEFAULT_HEIGHT_DEG);
+    let irradiance = usual.irradiance * passed(position.height_deg) / passed(DEFAULT_HEIGHT_DEG);
     let direction = position.direction(north_deg).as_vec3();
-    let sun = (position.height_deg > 0.0).then_some((direction, radius, irradiance));
+    let sun = (position.height_deg > 0.0).then_some(Sun { direction, irradiance, ..usual });
     let share = (sky_klux(position.height_deg) / sky_klux(DEFAULT_HEIGHT_DEG)) as f32;
-    let Sky { zenith, horizon, ground } = DAYLIGHT_SKY;
+    let Sky { zenith, horizon, ground } = Sky::CLEAR_DAY;
     let sky = Sky { zenith: zenith * share, horizon: horizon * share, ground: ground * share };
     Daylight { sun, sky: (share > 0.0).then_some(sky) }
 }
@@ -189,9 +188,9 @@ mod tests {
     #[test]
     fn a_low_sun_is_red_and_a_sun_below_the_horizon_is_gone() {
         let light = |height_deg| clear_daylight(&SunPosition { azimuth_deg: 180.0, height_deg }, 0.0);
-        let (_, _, usual) = light(DEFAULT_HEIGHT_DEG).sun.unwrap();
-        assert!((usual - daylight_sun().2).length() < 1e-4);
-        let (_, _, low) = light(2.0).sun.unwrap();
+        let usual = light(DEFAULT_HEIGHT_DEG).sun.unwrap().irradiance;
+        assert!((usual - Sun::clear_day().irradiance).length() < 1e-4);
+        let low = light(2.0).sun.unwrap().irradiance;
         assert!(low.x > 2.0 * low.z && low.max_element() < usual.max_element());
         assert_eq!(light(-1.0).sun, None);
         assert!(light(-1.0).sky.is_some() && light(-7.0).sky.is_none());

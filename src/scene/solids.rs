@@ -1,6 +1,6 @@
 //! Which dielectric triangles bound a closed body, and on which side its inside lies.
 
-use super::{Material, MaterialId, MaterialKind, SolidSide};
+use super::{Material, MaterialId, SolidSide};
 use glam::{DVec3, Vec3};
 use std::collections::HashMap;
 
@@ -15,8 +15,7 @@ pub(super) fn classify(
     triangle_materials: &[MaterialId],
     materials: &[Material],
 ) -> Vec<SolidSide> {
-    let is_glass =
-        |t: usize| matches!(materials[triangle_materials[t].0 as usize].kind, MaterialKind::Glass { .. });
+    let is_glass = |t: usize| materials[triangle_materials[t].0 as usize].is_glass();
     let glass: Vec<usize> = (0..triangles.len()).filter(|&t| is_glass(t)).collect();
     if glass.is_empty() {
         return Vec::new();

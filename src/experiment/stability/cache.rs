@@ -230,9 +230,9 @@ fn edited(_: &Trial) -> Outcome {
     };
     let mut walk = Walkthrough::new(tracer.clone(), settings);
     walk.insert(reference(&tracer, &Room::PLAIN.camera(), SIZE));
-    let mut look = tracer.scene().look();
+    let mut look = tracer.scene().to_edit();
     look.materials[0] = Material::diffuse("wall", Vec3::new(0.1, 0.6, 0.2));
-    let scene = tracer.scene().with_look(&look);
+    let scene = tracer.scene().with_edit(&look);
     let edited = Arc::new(tracer.with_same_geometry(Arc::new(scene)));
     walk.set_tracer(edited.clone());
     let shown = walk.render(&Room::PLAIN.camera(), SIZE, NEVER);

@@ -12,7 +12,7 @@ use crate::import::{ImportOptions, load};
 use crate::math::Ray;
 use crate::math::key::Key;
 use crate::render::Frame;
-use crate::scene::{Material, MaterialId, Scene, SceneBuilder, SceneError};
+use crate::scene::{Material, MaterialId, Scene, SceneBuilder, SceneError, Sun};
 use crate::trace::{Bvh, Tracer};
 use glam::{DVec3, Vec2, Vec3, Vec3Swizzles};
 use rayon::prelude::*;
@@ -366,7 +366,11 @@ fn terminator(_: &Trial) -> Outcome {
         b.add_triangle([v[0], v[1], v[2]], grey);
         b.add_triangle([v[0], v[2], v[3]], grey);
     }
-    b.sun = Some((Vec3::new(1.0, 0.0, 0.3).normalize_or(Vec3::X), 0.0, Vec3::splat(3.0)));
+    b.sun = Some(Sun {
+        direction: Vec3::new(1.0, 0.0, 0.3).normalize_or(Vec3::X),
+        angular_radius: 0.0,
+        irradiance: Vec3::splat(3.0),
+    });
     let frame = full(&tracer(b)?, &Camera::look_at(dvec(0.0, 0.0, 5.0), DVec3::ZERO, 22.0));
     let shown = srgb(&frame);
     let row = &shown[(SIZE[1] / 2 * SIZE[0]) as usize..][..SIZE[0] as usize];

@@ -7,7 +7,8 @@ use crate::import::gltf::schema;
 use crate::import::gltf::schema::Node;
 use crate::import::report::{Tally, Trouble};
 use crate::import::{Phase, Steps};
-use crate::scene::builder::{daylight_sun, is_place};
+use crate::scene::Sun;
+use crate::scene::builder::is_place;
 use crate::scene::{NamedView, SceneBuilder, SceneError};
 use glam::{DMat4, DQuat, DVec3, Vec3};
 
@@ -175,7 +176,11 @@ impl Walker<'_, '_> {
                 return Err(note(Trouble::SPOT));
             }
             ("directional", Some(towards)) if self.builder.sun.is_none() => {
-                self.builder.sun = Some((towards.as_vec3(), daylight_sun().1, color));
+                self.builder.sun = Some(Sun {
+                    direction: towards.as_vec3(),
+                    angular_radius: Sun::ANGULAR_RADIUS,
+                    irradiance: color,
+                });
             }
             ("directional", Some(_)) => return Err(note(Trouble::SECOND_SUN)),
             _ => return Err(note(Trouble::LIGHT)),

@@ -81,7 +81,7 @@ fn the_sun_is_switched_on_and_moved() {
     let lights = scene(harness.state()).lights;
     harness.get_by_label("Sun").click_accesskit();
     step_until(&mut harness, "one light more", |app| scene(app).lights == lights + 1);
-    let direction = |app: &App| edits(app).now().daylight.sun.expect("a sun").0;
+    let direction = |app: &App| edits(app).now().daylight.sun.expect("a sun").direction;
     let before = direction(harness.state());
     harness.get_by_label("By place and time").click_accesskit();
     harness.run_steps(3);

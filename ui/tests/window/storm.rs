@@ -32,9 +32,9 @@ impl Storm {
         });
         let thread = RenderThread::start(2, wake).expect("the threads start");
         let first = Arc::new(Tracer::new(small_room()));
-        let mut look = first.scene().look();
+        let mut look = first.scene().to_edit();
         look.materials[0].diffuse = Vec3::new(0.2, 0.5, 0.3);
-        let edited = Arc::new(first.with_same_geometry(Arc::new(first.scene().with_look(&look))));
+        let edited = Arc::new(first.with_same_geometry(Arc::new(first.scene().with_edit(&look))));
         let other = Arc::new(Tracer::new(small_room()));
         thread.order(RenderCommand::SetTracer(first.clone()));
         let tracers = vec![first, edited, other];

@@ -27,7 +27,7 @@ use crate::window::rendering::request::MOTION_TIME;
 use crate::window::rendering::thumbnails::Thumbnails;
 use crate::window::state::{Severity, State, Work};
 use afterimage::Camera;
-use afterimage::scene::Look;
+use afterimage::scene::SceneEdit;
 use crossbeam_channel::{Receiver, Sender, unbounded};
 use egui_wgpu::RenderState;
 use glam::DVec3;
@@ -66,7 +66,7 @@ pub struct App {
     /// The pointer is held in the window.
     pub(crate) has_grab: bool,
     /// The look of the scene that is rendered.
-    pub(crate) shown_look: Option<Look>,
+    pub(crate) shown_look: Option<SceneEdit>,
     /// A scene of another look is in the making.
     pub(crate) is_editing: bool,
     /// A plan is in the making.

@@ -9,7 +9,7 @@ use crate::window::rendering::render_thread::{RenderCommand, panic_text};
 use crate::window::state::{Answer, Editing, Edits, SavedView, Severity, Sight};
 use afterimage::Tracer;
 use afterimage::import;
-use afterimage::scene::{Look, Scene};
+use afterimage::scene::{Scene, SceneEdit};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -19,14 +19,14 @@ use std::sync::Arc;
 pub(crate) struct Edited {
     /// The scene it was made from.
     pub(crate) base: Arc<Tracer>,
-    pub(crate) look: Look,
+    pub(crate) look: SceneEdit,
     pub(crate) made: Result<Arc<Tracer>, String>,
 }
 
 /// A look that was to be saved beside its scene.
 #[derive(Debug)]
 pub(crate) struct SavedLook {
-    look: Look,
+    look: SceneEdit,
     result: Result<PathBuf, String>,
 }
 
@@ -74,7 +74,7 @@ impl App {
         let (look, base) = (edits.now().clone(), obstacles.tracer().clone());
         self.is_editing = true;
         self.in_background("afterimage-edit", move || {
-            let make = || Arc::new(base.with_same_geometry(Arc::new(base.scene().with_look(&look))));
+            let make = || Arc::new(base.with_same_geometry(Arc::new(base.scene().with_edit(&look))));
             let made = catch_unwind(AssertUnwindSafe(make)).map_err(|panic| panic_text(&*panic));
             AppEvent::Edited(Box::new(Edited { base, look, made }))
         });
@@ -109,7 +109,7 @@ impl App {
 
     /// Takes over the look of a scene that was opened; of the same scene read again unsaved changes are kept.
     pub(crate) fn begin_edits(&mut self, scene: &Scene, is_reload: bool) {
-        let look = scene.look();
+        let look = scene.to_edit();
         self.shown_look = Some(look.clone());
         let carried = self.state.edits.as_ref().filter(|e| is_reload && e.is_unsaved());
         let edits = match carried {

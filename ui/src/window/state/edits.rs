@@ -1,7 +1,7 @@
 //! What was changed in the scene since it was opened, and the way back.
 
 use super::SavedView;
-use afterimage::scene::{Daylight, Look, Material, MaterialId};
+use afterimage::scene::{Daylight, Material, MaterialId, SceneEdit};
 use std::time::{Duration, Instant};
 
 /// Changes of one thing within so long are one: a slider that is dragged, a colour that is looked for.
@@ -31,8 +31,8 @@ impl Change {
 /// All changes. A step of undoing holds the value that was there before, one of redoing the value that came after.
 #[derive(Clone, Debug)]
 pub struct Edits {
-    saved: Look,
-    now: Look,
+    saved: SceneEdit,
+    now: SceneEdit,
     done: Vec<Change>,
     undone: Vec<Change>,
     changed: Option<Instant>,
@@ -42,18 +42,18 @@ pub struct Edits {
 
 impl Edits {
     /// Nothing is changed yet.
-    pub fn new(look: Look) -> Self {
+    pub fn new(look: SceneEdit) -> Self {
         let (done, undone) = (Vec::new(), Vec::new());
         Self { saved: look.clone(), now: look, done, undone, changed: None, is_unsaved: false }
     }
 
     /// What the scene should look like.
-    pub fn now(&self) -> &Look {
+    pub fn now(&self) -> &SceneEdit {
         &self.now
     }
 
     /// What it looks like in its files.
-    pub fn saved(&self) -> &Look {
+    pub fn saved(&self) -> &SceneEdit {
         &self.saved
     }
 
@@ -63,7 +63,7 @@ impl Edits {
     }
 
     /// To be called once a look is in the scene's files.
-    pub fn set_saved(&mut self, look: Look) {
+    pub fn set_saved(&mut self, look: SceneEdit) {
         self.saved = look;
         self.is_unsaved = self.now != self.saved;
         // What comes next is a step of its own.
@@ -118,7 +118,7 @@ impl Edits {
 
     /// The same changes, where they are not saved, on another state of the scene's files: materials by name.
     #[must_use]
-    pub fn carried_to(&self, look: Look) -> Self {
+    pub fn carried_to(&self, look: SceneEdit) -> Self {
         let mut carried = Self::new(look);
         let changed =
             self.now.materials.iter().zip(&self.saved.materials).filter(|(now, saved)| now != saved);
@@ -159,9 +159,9 @@ mod tests {
     use super::*;
     use glam::Vec3;
 
-    fn look() -> Look {
+    fn look() -> SceneEdit {
         let materials = ["a", "b"].map(|name| Material::diffuse(name, Vec3::splat(0.5))).into();
-        Look { materials, daylight: Daylight::default() }
+        SceneEdit { materials, daylight: Daylight::default() }
     }
 
     fn red(id: u32, amount: f32) -> Change {

@@ -77,8 +77,8 @@ impl SunControls {
 
     /// Takes over where a scene's sun stands.
     pub fn show(&mut self, daylight: &Daylight) {
-        if let Some((direction, ..)) = daylight.sun {
-            let shown = SunPosition::of_direction(direction);
+        if let Some(sun) = daylight.sun {
+            let shown = SunPosition::of_direction(sun.direction);
             let azimuth_deg = (shown.azimuth_deg - self.north_deg).rem_euclid(360.0);
             self.direction = SunPosition { azimuth_deg, ..shown };
         }
