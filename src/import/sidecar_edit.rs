@@ -168,7 +168,10 @@ mod tests {
         let again = scene(folder.path()).to_edit();
         assert_eq!(again.materials, now.materials);
         let (sun, wanted) = (again.daylight.sun.unwrap(), now.daylight.sun.unwrap());
-        assert!((sun.direction - wanted.direction).length() < 1e-6 && (sun.angular_radius / wanted.angular_radius - 1.0).abs() < 1e-6);
+        assert!(
+            (sun.direction - wanted.direction).length() < 1e-6
+                && (sun.angular_radius / wanted.angular_radius - 1.0).abs() < 1e-6
+        );
         assert_eq!((sun.irradiance, again.daylight.sky), (wanted.irradiance, now.daylight.sky));
         let text = fs::read_to_string(&side).unwrap();
         for kept in ["# my notes\nunit = \"m\" # metres\n", "# painted", "[extra]\nkept = true"] {

@@ -2,8 +2,8 @@
 
 use super::duplicates::Duplicates;
 use super::{
-    Conditioning, Light, Material, MaterialId, NamedView, Scene, SceneFrame, Sky, Sun, Texture, bounds, lights,
-    solids,
+    Conditioning, Light, Material, MaterialId, NamedView, Scene, SceneFrame, Sky, Sun, Texture, bounds,
+    lights, solids,
 };
 use crate::camera::Camera;
 use crate::camera::{CameraKey, CameraPath};

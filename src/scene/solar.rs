@@ -1,7 +1,7 @@
 //! Where the sun stands at a place and time, and what light it and the sky then give.
 
-use super::{Sky, Sun};
 use super::edit::Daylight;
+use super::{Sky, Sun};
 use glam::{DVec3, Vec3};
 
 /// A moment, in universal time.
