@@ -1,6 +1,7 @@
 //! Checks of looked-up frames: what is wrong is found, what is right is left alone, and the estimate is true.
 
 use crate::rooms::{cuboid, dvec, quad, room_camera, room_tracer};
+use afterimage::lookup::LookupSet;
 use afterimage::raster::load::display_of;
 use afterimage::raster::metrics::psnr_db;
 use afterimage::reference::{ReferenceCache, ReferenceFrame};
@@ -36,7 +37,7 @@ fn checked(
 ) -> (Vec<Vec3>, AuditEstimate) {
     let settings = RenderSettings { mode: Mode::Exact, trace: TRACE };
     let mut renderer = Renderer::default();
-    let lookup = cache.lookup(tracer.epoch());
+    let lookup = LookupSet::new(cache, tracer.epoch());
     let frame = renderer.render_by_lookup(tracer, camera, SIZE, &settings, &lookup, NEVER);
     let estimate = auditor.check(&Audited { tracer, frame, trace: &TRACE }, cache, count);
     (frame.radiance.clone(), estimate)

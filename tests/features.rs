@@ -1,5 +1,6 @@
 //! What a scene does not need is left out, and leaving it out changes nothing.
 
+use afterimage::lookup::LookupSet;
 use afterimage::reference::{ReferenceCache, ReferenceFrame};
 use afterimage::scene::{Scene, SceneFeatures, builtin};
 use afterimage::trace::TraceSettings;
@@ -17,10 +18,10 @@ fn pictures(scene: Scene) -> Vec<Vec<Vec3>> {
     let [from, to] = [0, 1].map(|frame| tracer.scene().walk.camera(frame, 60).unwrap());
     let mut cache = ReferenceCache::new(tracer.scene(), 1 << 30);
     let known = cache.known_light();
-    let lookup = known.lookup(tracer.epoch());
+    let lookup = LookupSet::of_snapshot(&known, tracer.epoch());
     let reference = ReferenceFrame::trace_sparse(&tracer, &from, SIZE, &TRACE, &lookup, NEVER).unwrap();
     cache.insert(Arc::new(reference));
-    let lookup = cache.lookup(tracer.epoch());
+    let lookup = LookupSet::new(&cache, tracer.epoch());
     let mut renderer = Renderer::default();
     [Mode::Full, Mode::Fast, Mode::Exact]
         .map(|mode| {

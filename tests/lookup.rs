@@ -3,6 +3,7 @@
 use crate::rooms::{cuboid, dvec, leafy_scene, quad, room_camera, room_tracer};
 use afterimage::camera::View;
 use afterimage::import::{ImportOptions, load};
+use afterimage::lookup::LookupSet;
 use afterimage::raster::pixel_types::PixelType;
 use afterimage::reference::placement::THRESHOLD;
 use afterimage::reference::{PlacementPolicy, ReferenceCache, ReferenceFrame};
@@ -41,7 +42,7 @@ fn full(tracer: &Tracer, camera: &Camera) -> afterimage::Frame {
 }
 
 fn exact(tracer: &Tracer, camera: &Camera, cache: &ReferenceCache) -> afterimage::Frame {
-    let lookup = cache.lookup(tracer.epoch());
+    let lookup = LookupSet::new(cache, tracer.epoch());
     let mut renderer = Renderer::default();
     renderer.render_by_lookup(tracer, camera, SIZE, &settings(Mode::Exact), &lookup, NEVER).clone()
 }
@@ -155,7 +156,10 @@ fn the_same_bits_at_any_number_of_threads() {
 fn light_of_another_epoch_is_never_used() {
     let (old, new) = (Arc::new(room_tracer(false, false)), Arc::new(room_tracer(true, true)));
     let cache = cache_with(&old, &[room_camera()], &TRACE);
-    assert_eq!((cache.lookup(old.epoch()).len(), cache.lookup(new.epoch()).len()), (1, 0));
+    assert_eq!(
+        (LookupSet::new(&cache, old.epoch()).len(), LookupSet::new(&cache, new.epoch()).len()),
+        (1, 0)
+    );
     let mut walk = walkthrough(&old);
     let stale = walk.reference_job(room_camera(), SIZE).trace(NEVER).unwrap();
     walk.set_tracer(new.clone());
@@ -247,7 +251,7 @@ fn a_reference_that_is_switched_off_is_as_good_as_gone() {
 fn what_mirrors_and_glass_show_is_shaded_once() {
     let tracer = room_tracer(true, true);
     let none = ReferenceCache::new(tracer.scene(), 1 << 30);
-    let lookup = none.lookup(tracer.epoch());
+    let lookup = LookupSet::new(&none, tracer.epoch());
     let mut renderer = Renderer::default();
     let mut render = || {
         renderer

@@ -5,6 +5,7 @@ use super::measure::{TRUTH_SEED, see_through_percent};
 use super::run::{CellOutcome, ExperimentContext, ExperimentError, RunRecord};
 use super::truth::{TruthRequest, truth};
 use crate::camera::Camera;
+use crate::lookup::LookupSet;
 use crate::reference::{ReferenceCache, ReferenceFrame};
 use crate::render::{Frame, Mode, RenderSettings, Renderer};
 use crate::trace::TraceSettings;
@@ -70,7 +71,7 @@ impl Trial<'_> {
         let settings = RenderSettings { mode: self.mode, trace: self.trace };
         let size = context.settings.size;
         if self.mode.looks_up() {
-            let lookup = self.references.cache.lookup(context.tracer.epoch());
+            let lookup = LookupSet::new(&self.references.cache, context.tracer.epoch());
             renderer.render_by_lookup(context.tracer, &self.camera, size, &settings, &lookup, context.stop);
         } else {
             let references: Vec<&ReferenceFrame> = self.references.frames.iter().map(|r| &**r).collect();

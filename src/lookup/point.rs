@@ -9,10 +9,9 @@ use crate::camera::NEAREST_DEPTH;
 use crate::lookup::gather::{EDGE_GAP, MAX_NOISE_SPREAD};
 use crate::lookup::tile_light::{MAX_JUMP, MAX_LOSS, MIN_COVERAGE};
 use crate::math::whole::floor;
-use crate::reference::ReferenceFrame;
-use crate::reference::cache::CachedReference;
 use crate::reference::directory::{Directory, MAX_SLOTS, PackedNormal, SlotMask};
 use crate::reference::light::{LightScale, UNLIT};
+use crate::reference::{CachedReference, KnownLight, ReferenceCache, ReferenceFrame};
 use crate::trace::SceneEpoch;
 use arrayvec::ArrayVec;
 use glam::{Mat3, Vec3};
@@ -206,8 +205,18 @@ pub struct LookupSet<'a> {
 }
 
 impl<'a> LookupSet<'a> {
-    /// All references of an epoch that are switched on. Those smaller than two pixels a side are of no use.
-    pub fn new(directory: &'a Directory, entries: &'a [CachedReference], epoch: SceneEpoch) -> Self {
+    /// All enabled references of a cache that belong to an epoch. References smaller than two pixels
+    /// a side are left out, because a look-up interpolates between two samples per axis.
+    pub fn new(cache: &'a ReferenceCache, epoch: SceneEpoch) -> Self {
+        Self::from_parts(cache.directory(), cache.entries(), epoch)
+    }
+
+    /// The same references as [`Self::new`], from a snapshot of a cache that another thread may use.
+    pub fn of_snapshot(known: &'a KnownLight, epoch: SceneEpoch) -> Self {
+        Self::from_parts(known.directory(), known.entries(), epoch)
+    }
+
+    fn from_parts(directory: &'a Directory, entries: &'a [CachedReference], epoch: SceneEpoch) -> Self {
         let mut references = Vec::new();
         references.resize_with(MAX_SLOTS, || None);
         let (mut usable, mut noise) = (0, 1.0f32);

@@ -212,7 +212,7 @@ mod tests {
         let settings = TraceSettings { samples: 1, ..TraceSettings::default() };
         let mut cache = ReferenceCache::new(tracer.scene(), usize::MAX);
         cache.insert(Arc::new(ReferenceFrame::trace(&tracer, &before, SIZE, &settings, NEVER).unwrap()));
-        let set = cache.lookup(tracer.epoch());
+        let set = LookupSet::new(&cache, tracer.epoch());
         let view = View::new(&now, &tracer.scene().frame, SIZE);
         let lookup = ViewLookup::new(&set, &view, 1);
         let reference = set.references.iter().flatten().next().unwrap();

@@ -5,7 +5,6 @@ use super::directory::{Directory, MAX_SLOTS};
 use super::placement::OpenSpot;
 use crate::camera::PixelWarp;
 use crate::camera::View;
-use crate::lookup::point::LookupSet;
 use crate::scene::Scene;
 use crate::trace::SceneEpoch;
 use glam::Vec2;
@@ -40,9 +39,14 @@ pub struct KnownLight {
 }
 
 impl KnownLight {
-    /// Ready to be asked for light.
-    pub fn lookup(&self, epoch: SceneEpoch) -> LookupSet<'_> {
-        LookupSet::new(&self.directory, &self.entries, epoch)
+    /// For each cell of the scene, the references that know its light.
+    pub fn directory(&self) -> &Directory {
+        &self.directory
+    }
+
+    /// All references, oldest first.
+    pub fn entries(&self) -> &[CachedReference] {
+        &self.entries
     }
 }
 
@@ -88,9 +92,9 @@ impl ReferenceCache {
         }
     }
 
-    /// All references of an epoch, ready to be asked for light.
-    pub fn lookup(&self, epoch: SceneEpoch) -> LookupSet<'_> {
-        LookupSet::new(&self.directory, &self.entries, epoch)
+    /// For each cell of the scene, the references that know its light.
+    pub fn directory(&self) -> &Directory {
+        &self.directory
     }
 
     /// All references, oldest first.

@@ -263,7 +263,7 @@ mod tests {
         let (pixel, settings) = (40, RenderSettings { mode: Mode::Exact, ..RenderSettings::default() });
         let triangle = tracer.closest(&Tracer::primary_ray(&view, pixel)).expect("a hit").triangle;
         let cache = ReferenceCache::new(&scene, 0);
-        let lookup = cache.lookup(tracer.epoch());
+        let lookup = LookupSet::new(&cache, tracer.epoch());
         let (mut points, mut spent) = (PointCache::default(), Spent::default());
         let truth = Finish::new(&tracer, &lookup, &view, &points, &settings)
             .check(pixel, triangle, Vec3::ZERO, &mut Spent::default())

@@ -1,6 +1,7 @@
 //! A reference to be traced, by this thread or another.
 
 use crate::camera::Camera;
+use crate::lookup::LookupSet;
 use crate::reference::{KnownLight, ReferenceFrame};
 use crate::trace::parallel::Stop;
 use crate::trace::{TraceSettings, Tracer};
@@ -28,7 +29,7 @@ impl ReferenceJob {
         match &self.known {
             None => ReferenceFrame::trace(tracer, camera, size, settings, stop),
             Some(known) => {
-                let lookup = known.lookup(tracer.epoch());
+                let lookup = LookupSet::of_snapshot(known, tracer.epoch());
                 ReferenceFrame::trace_sparse(tracer, camera, size, settings, &lookup, stop)
             }
         }

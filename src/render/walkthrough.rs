@@ -6,7 +6,7 @@ use super::audit::{Audited, Auditor};
 use super::refine::{PASSES, RefineState, Refinement};
 use super::{Frame, Mode, ReferenceJob, RenderSettings, Renderer};
 use crate::camera::{Camera, View};
-use crate::lookup::open_percent;
+use crate::lookup::{LookupSet, open_percent};
 use crate::reference::cache::CachedReference;
 use crate::reference::{Observation, PlacementPolicy, ReferenceCache, ReferenceFrame, ReferenceId};
 use crate::render::prefetch::Ahead;
@@ -161,7 +161,7 @@ impl Walkthrough {
         let select_secs = start.elapsed().as_secs_f64();
         let settings = self.settings.render;
         if settings.mode.looks_up() {
-            let lookup = self.cache.lookup(self.tracer.epoch());
+            let lookup = LookupSet::new(&self.cache, self.tracer.epoch());
             self.renderer.render_by_lookup(&self.tracer, camera, size, &settings, &lookup, stop);
         } else {
             let references: Vec<&ReferenceFrame> = selected.iter().map(|r| &*r.frame).collect();
@@ -185,7 +185,7 @@ impl Walkthrough {
         }
         let settings = self.rendered;
         if settings.mode.looks_up() {
-            let lookup = self.cache.lookup(self.tracer.epoch());
+            let lookup = LookupSet::new(&self.cache, self.tracer.epoch());
             self.renderer.resume_by_lookup(&self.tracer, &settings, &lookup, stop);
         } else {
             let references: Vec<&ReferenceFrame> = self.selected.iter().map(|r| &*r.frame).collect();
@@ -326,7 +326,7 @@ impl Walkthrough {
         let placement = self.settings.placement;
         let view = |pose: &Camera| View::new(pose, &tracer.scene().frame, size);
         if is_sparse {
-            let lookup = cache.lookup(tracer.epoch());
+            let lookup = LookupSet::new(cache, tracer.epoch());
             return placement.decide(&seen, size, tracer, &mut |pose, spots| {
                 open_percent(tracer, &view(pose), &lookup, spots)
             });

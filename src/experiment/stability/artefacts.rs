@@ -7,6 +7,7 @@ use super::bench::{
 use super::{Case, Measured, Trial};
 use crate::camera::Camera;
 use crate::experiment::run::ExperimentError;
+use crate::lookup::LookupSet;
 use crate::raster::pixel_types::PixelType;
 use crate::reference::{ReferenceCache, ReferenceFrame};
 use crate::render::{Frame, Mode, RenderSettings, Renderer};
@@ -113,13 +114,13 @@ fn behind_percent(tracer: &Tracer, shown: &Frame, right: &Frame) -> f64 {
 fn exact(tracer: &Tracer, from: &Camera, here: &Camera) -> Frame {
     let mut cache = ReferenceCache::new(tracer.scene(), 1 << 30);
     let known = cache.known_light();
-    let lookup = known.lookup(tracer.epoch());
+    let lookup = LookupSet::of_snapshot(&known, tracer.epoch());
     if let Some(lent) = ReferenceFrame::trace_sparse(tracer, from, SIZE, &TRACE, &lookup, NEVER) {
         cache.insert(Arc::new(lent));
     }
     let mut renderer = Renderer::default();
     let settings = RenderSettings { mode: Mode::Exact, trace: TRACE };
-    renderer.render_by_lookup(tracer, here, SIZE, &settings, &cache.lookup(tracer.epoch()), NEVER);
+    renderer.render_by_lookup(tracer, here, SIZE, &settings, &LookupSet::new(&cache, tracer.epoch()), NEVER);
     renderer.into_frame()
 }
 

@@ -9,6 +9,7 @@ use super::{Case, Measured, Trial};
 use crate::camera::PixelWarp;
 use crate::camera::{Camera, View};
 use crate::experiment::run::ExperimentError;
+use crate::lookup::LookupSet;
 use crate::math::key::Key;
 use crate::raster::pixel_types::PixelType;
 use crate::reference::{ReferenceCache, ReferenceFrame};
@@ -205,7 +206,7 @@ fn other_epochs(_: &Trial) -> Outcome {
     let mut cache = ReferenceCache::new(new.scene(), 1 << 30);
     cache.insert(Arc::new(lent.clone()));
     let mut accepted = cache.select(&view(&new, &Room::PLAIN.camera()), new.epoch(), 8).len();
-    accepted += cache.lookup(new.epoch()).len();
+    accepted += LookupSet::new(&cache, new.epoch()).len();
     accepted += usize::from(Walkthrough::new(new, WalkthroughSettings::default()).insert(lent).is_some());
     Ok(accepted.into())
 }
@@ -287,7 +288,7 @@ fn looked_up(tracer: &Tracer, share: f32) -> Frame {
     let here = Room::SHINY.camera();
     let mut cache = ReferenceCache::new(tracer.scene(), 1 << 30);
     let known = cache.known_light();
-    let lookup = known.lookup(tracer.epoch());
+    let lookup = LookupSet::of_snapshot(&known, tracer.epoch());
     let traced = ReferenceFrame::trace_sparse(tracer, &here, SIZE, &TRACE, &lookup, NEVER);
     if let Some(mut lent) = traced {
         lent.flip_bits(share, 78);
@@ -295,7 +296,7 @@ fn looked_up(tracer: &Tracer, share: f32) -> Frame {
     }
     let mut renderer = Renderer::default();
     let settings = RenderSettings { mode: Mode::Exact, trace: TRACE };
-    renderer.render_by_lookup(tracer, &here, SIZE, &settings, &cache.lookup(tracer.epoch()), NEVER);
+    renderer.render_by_lookup(tracer, &here, SIZE, &settings, &LookupSet::new(&cache, tracer.epoch()), NEVER);
     renderer.into_frame()
 }
 

@@ -3,6 +3,7 @@
 use crate::experiment::statistics::median;
 use crate::experiment::throughput::ThroughputSettings;
 use crate::experiment::throughput::warp_speed::moved;
+use crate::lookup::LookupSet;
 use crate::reference::{ReferenceCache, ReferenceFrame};
 use crate::render::{Mode, RenderSettings, Renderer};
 use crate::scene::{Scene, SceneFeatures};
@@ -74,7 +75,7 @@ impl<'a> Frames<'a> {
         let [plain, looking] = &mut self.renderers;
         let start = Instant::now();
         if mode.looks_up() {
-            let lookup = self.cache.lookup(self.tracer.epoch());
+            let lookup = LookupSet::new(&self.cache, self.tracer.epoch());
             looking.render_by_lookup(self.tracer, &camera, size, &render, &lookup, NEVER);
         } else {
             plain.render(self.tracer, &camera, size, &render, &[], NEVER);

@@ -4,7 +4,7 @@ use crate::camera::{Camera, View};
 use crate::experiment::statistics::median;
 use crate::experiment::throughput::warp_speed::moved;
 use crate::experiment::throughput::{ROUNDS, ThroughputSettings, median_secs};
-use crate::lookup::open_percent;
+use crate::lookup::{LookupSet, open_percent};
 use crate::reference::{ReferenceCache, ReferenceFrame};
 use crate::render::{FrameStats, Mode, RenderSettings, Renderer};
 use crate::trace::Tracer;
@@ -81,7 +81,7 @@ pub(crate) fn stage_speed(tracer: &Tracer, settings: &ThroughputSettings, floors
     }
     let frames = frames(tracer, &camera, settings, &cache);
     let view = View::new(&camera, &tracer.scene().frame, settings.size);
-    let lookup = cache.lookup(tracer.epoch());
+    let lookup = LookupSet::new(&cache, tracer.epoch());
     let foresight_secs = median_secs(|| {
         black_box(open_percent(tracer, &view, &lookup, None));
     });
@@ -105,7 +105,7 @@ fn frames(
     settings: &ThroughputSettings,
     cache: &ReferenceCache,
 ) -> Vec<FrameStats> {
-    let lookup = cache.lookup(tracer.epoch());
+    let lookup = LookupSet::new(cache, tracer.epoch());
     let render = RenderSettings { mode: Mode::Exact, trace: settings.trace };
     let mut renderer = Renderer::default();
     (0..=ROUNDS)

@@ -7,6 +7,7 @@ pub mod sequence;
 
 pub(crate) use notes::{Made, notes};
 
+use afterimage::lookup::LookupSet;
 use afterimage::raster::color::ToneMap;
 use afterimage::raster::pixel_types::TypeCounts;
 use afterimage::raster::save::{Channel, ChannelValues, SaveError};
@@ -204,7 +205,14 @@ impl PictureJob {
             for reference in references {
                 cache.insert(Arc::clone(reference));
             }
-            renderer.render_by_lookup(tracer, camera, size, settings, &cache.lookup(tracer.epoch()), stop);
+            renderer.render_by_lookup(
+                tracer,
+                camera,
+                size,
+                settings,
+                &LookupSet::new(&cache, tracer.epoch()),
+                stop,
+            );
         } else {
             let references: Vec<&ReferenceFrame> = references.iter().map(|r| &**r).collect();
             renderer.render(tracer, camera, size, settings, &references, stop);
