@@ -1,6 +1,6 @@
-//! The command line: flags as typed become a checked job, the engine does it, and the result goes to stdout and files.
+//! The command line: each command checks its flags, calls the engine, and writes results to stdout and files.
 //!
-//! stdout is data, stderr is for people. No command but `doctor` and the window touches graphics.
+//! Data goes to stdout, messages to stderr. Only `doctor` and the window use graphics.
 
 mod compare;
 mod doctor;
@@ -21,10 +21,8 @@ mod start;
 mod throughput;
 mod tour;
 
-use crate::settings::{self, Settings};
+use crate::settings::{self, Layers, Settings};
 use crate::window::input::keymap;
-use crate::window::input::keymap::help_text;
-use clap::parser::ValueSource;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use failure::Failure;
 use flags::Flags;
@@ -35,9 +33,9 @@ use std::process::ExitCode;
 const EXIT_CODES: &str = "Exit codes: 0 ok, 1 failure, 2 usage, 3 the scene cannot be imported, \
     4 warnings under --strict, 130 interrupted.";
 
-/// What `--help` says below the flags.
+/// Text of `--help` below the flags.
 fn long_help() -> String {
-    format!("Keys in the window:\n{}\n{EXIT_CODES}", help_text())
+    format!("Keys in the window:\n{}\n{EXIT_CODES}", keymap::help_text())
 }
 
 /// Walk through ray-traced buildings; reference images are reused.
@@ -45,8 +43,8 @@ fn long_help() -> String {
 #[command(name = "afterimage", version, about, subcommand_precedence_over_arg = true)]
 #[command(after_help = EXIT_CODES, after_long_help = long_help())]
 struct Cli {
-    /// A model (.obj, .gltf, .glb), builtin:NAME, or a picture saved by this program: its view; the embedded gallery when absent. Opens
-    /// the window.
+    /// A model (.obj, .gltf, .glb), builtin:NAME, or a picture saved by this program, whose view is
+    /// restored [default: the embedded gallery]. Opens the window.
     scene: Option<String>,
     #[command(flatten)]
     flags: Flags,
@@ -58,26 +56,26 @@ struct Cli {
 enum Command {
     /// Render one picture.
     Render(render::RenderArgs),
-    /// Fly the scene's walk and record every frame.
+    /// Render the scene's camera path and record every frame.
     Tour(tour::TourArgs),
     /// Run a named experiment.
     Experiment(experiment::ExperimentArgs),
-    /// Say what is in a scene, what it needs and what is doubtful.
+    /// List a scene's contents, the features it uses, and the warnings about its files.
     Inspect(inspect::InspectArgs),
-    /// Compare two pictures of one size, the second being the truth.
+    /// Compare a picture with a reference picture of the same size.
     Compare(compare::CompareArgs),
-    /// Say what a bug report needs: version, machine, graphics, paths.
+    /// Print what a bug report needs: version, machine, graphics, paths.
     Doctor,
-    /// Print completions for a shell, to be put where it looks for them.
+    /// Print the completion script for a shell.
     Completions(generate::CompletionsArgs),
     /// Print the manual page.
     Man,
-    /// Print the licences of everything the program is made of.
+    /// Print the licences of the program's dependencies.
     Licences,
 }
 
 impl Command {
-    /// The scene that the command is about, where it is about one.
+    /// The scene argument of commands that have one.
     fn scene(&self) -> Option<&str> {
         match self {
             Self::Render(args) => args.scene.as_deref(),
@@ -88,28 +86,34 @@ impl Command {
     }
 }
 
-/// Runs the program on its arguments.
+/// Runs the program with the arguments of the process.
 pub fn run() -> ExitCode {
     let user_file = user_settings(std::env::args_os());
-    // Keys come first: `--help` prints them.
-    let (settings, _) = settings::load(user_file.as_deref(), None, std::env::vars());
-    let key_trouble = settings.keys.and_then(|keys| keymap::install(&keys).err());
-    let parsed = Cli::command().try_get_matches().and_then(|m| Ok((Cli::from_arg_matches(&m)?, m)));
-    let (mut cli, matches) = match parsed {
-        Ok(parsed) => parsed,
-        Err(error) => {
-            // Help and version are no errors: clap knows where they go and how they end.
-            let _ = error.print();
-            return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(1));
-        }
+    // Keys are installed first because `--help` lists them.
+    let layers = Layers::load(user_file.as_deref(), None, std::env::vars());
+    let key_error = layers.settings().keys.and_then(|keys| keymap::install(&keys).err());
+    let cli = match parse(Cli::command()) {
+        Ok(cli) => cli,
+        Err(exit_code) => return exit_code,
     };
     let scene = cli.scene.as_deref().or_else(|| cli.command.as_ref().and_then(Command::scene));
-    let (settings, mut warnings) = settings::load(user_file.as_deref(), scene, std::env::vars());
-    warnings.extend(key_trouble);
-    warnings.iter().for_each(|warning| output::say(&format!("warning: {warning}")));
-    let is_given = |id: &str| matches.value_source(id).is_some_and(|s| s != ValueSource::DefaultValue);
-    cli.flags.fill_in(&settings, is_given);
-    let common = Common { settings, user_file, warnings };
+    let mut layers = Layers::load(user_file.as_deref(), scene, std::env::vars());
+    layers.warnings.extend(key_error);
+    for warning in &layers.warnings {
+        output::say(&format!("warning: {warning}"));
+    }
+    let with_settings = Cli::command().mut_args(|arg| {
+        let name = arg.get_long().unwrap_or_default().replace('-', "_");
+        match layers.flag_value(&name) {
+            Some(value) => arg.default_value(value),
+            None => arg,
+        }
+    });
+    let cli = match parse(with_settings) {
+        Ok(cli) => cli,
+        Err(exit_code) => return exit_code,
+    };
+    let common = Common { settings: layers.settings(), user_file, warnings: layers.warnings };
     let outcome =
         check(&cli.flags).and_then(|()| start_threads(&cli.flags)).and_then(|()| dispatch(&cli, &common));
     match outcome {
@@ -121,7 +125,15 @@ pub fn run() -> ExitCode {
     }
 }
 
-/// What holds beside the flags.
+/// Parses the arguments of the process. Prints clap's errors, and the texts of `--help` and `--version`.
+fn parse(command: clap::Command) -> Result<Cli, ExitCode> {
+    command.try_get_matches().and_then(|matches| Cli::from_arg_matches(&matches)).map_err(|error| {
+        let _ = error.print();
+        ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(1))
+    })
+}
+
+/// What a command needs in addition to its flags.
 #[derive(Debug)]
 struct Common {
     settings: Settings,
@@ -129,7 +141,7 @@ struct Common {
     warnings: Vec<String>,
 }
 
-/// The file of the user's settings, found before anything else is known.
+/// Path of the user's settings file. It is needed before the arguments are parsed.
 fn user_settings(arguments: impl Iterator<Item = OsString>) -> Option<PathBuf> {
     let mut arguments = arguments.skip(1);
     while let Some(argument) = arguments.next() {
@@ -140,8 +152,8 @@ fn user_settings(arguments: impl Iterator<Item = OsString>) -> Option<PathBuf> {
             return Some(PathBuf::from(path));
         }
     }
-    let named = std::env::var_os(settings::CONFIG_VARIABLE).filter(|name| !name.is_empty());
-    named.map(PathBuf::from).or_else(|| paths::config_folder().map(|f| f.join("settings.toml")))
+    let from_variable = std::env::var_os(settings::CONFIG_VARIABLE).filter(|path| !path.is_empty());
+    from_variable.map(PathBuf::from).or_else(|| paths::config_folder().map(|f| f.join("settings.toml")))
 }
 
 fn check(flags: &Flags) -> Result<(), Failure> {
@@ -155,7 +167,7 @@ fn check(flags: &Flags) -> Result<(), Failure> {
 
 fn dispatch(cli: &Cli, common: &Common) -> Result<(), Failure> {
     let flags = &cli.flags;
-    // The window is ended by the system's own answer to a signal.
+    // In the window, signals keep their default action.
     if cli.command.is_some() {
         interrupt::install();
     }

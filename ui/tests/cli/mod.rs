@@ -112,5 +112,5 @@ fn assert_keys(value: &Value, wanted: &[&str]) {
 fn assert_types(types: &Value) {
     let part = |name: &str| number(types, &format!("/{name}_percent"));
     assert!((part("type1") + part("type2") + part("type3") - 100.0).abs() < 1e-9, "{types}");
-    assert!((part("gap") + part("disoccluded") + part("unseen") - part("type3")).abs() < 1e-9, "{types}");
+    assert!((part("unseen") + part("uncertain") - part("type3")).abs() < 1e-9, "{types}");
 }

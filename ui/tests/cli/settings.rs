@@ -1,4 +1,4 @@
-//! Settings in layers, and what goes with an installed program.
+//! Layers of settings, and the files that are installed with the program.
 
 use super::{Bench, number, stderr};
 
@@ -26,7 +26,7 @@ fn settings_come_in_layers() {
 }
 
 #[test]
-fn what_cannot_be_used_is_a_warning_and_the_work_is_done() {
+fn invalid_settings_are_warnings_and_the_command_still_runs() {
     let bench = Bench::new();
     std::fs::write(bench.path("mine.toml"), "sampels = 3\n[keys]\nadd-reference = 'K'\n").unwrap();
     let output = bench.run(&format!("render room.obj {TINY} -o a.png --config mine.toml"));
@@ -49,7 +49,7 @@ fn help_lists_the_keys_as_they_are_bound() {
 }
 
 #[test]
-fn doctor_says_where_everything_is() {
+fn doctor_reports_paths_and_simd() {
     let bench = Bench::new();
     std::fs::write(bench.path("mine.toml"), "").unwrap();
     let answer = bench.json("doctor --json --config mine.toml");
@@ -63,7 +63,7 @@ fn doctor_says_where_everything_is() {
 }
 
 #[test]
-fn papers_are_made_from_the_flags() {
+fn completions_and_manual_page_list_the_flags() {
     let bench = Bench::new();
     let text = |line: &str| {
         let output = bench.run(line);

@@ -23,7 +23,7 @@ fn usage_errors_end_with_two() {
         ("render room.obj --size 60000x60000 --mode fast -o a.png", "GB of memory"),
         ("render room.obj --no-background --reference 1,1,1:0,0,0 -o a.png", "cannot be used with"),
         ("render room.obj --samples 0 -o a.png", "--samples"),
-        ("render room.obj --mode slow -o a.png", "'exact'"),
+        ("render room.obj --mode slow -o a.png", "possible values: full, paper, fast, exact"),
         ("rendr", "did you mean 'render'?"),
         ("house", "there is no command and no file 'house'; there are render, tour"),
         ("render room.obj --eye nan,0,0 --look-at 0,0,0 -o a.png", "three finite numbers"),

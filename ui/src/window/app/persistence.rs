@@ -110,7 +110,7 @@ impl App {
 
     /// Opens a session; one that is kept for a crash and broken is put aside, so that it is not offered for ever.
     pub(crate) fn open_session(&mut self, path: PathBuf) {
-        let text = settings::read_text(&path, MAX_SESSION_BYTES);
+        let text = settings::read_text(&path, MAX_SESSION_BYTES).map_err(|e| e.to_string());
         let is_recovery = is_recovery(&path);
         match text.and_then(|text| Session::parse(&text, &path)) {
             Ok(session) => {

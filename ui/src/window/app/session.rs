@@ -116,7 +116,7 @@ impl Session {
         quality.walk.render.trace.samples = self.samples.max(1);
         quality.walk.render.trace.bounces = self.bounces;
         quality.exposure_ev = self.exposure_ev;
-        quality.tone_map = flags::tone_map(&self.tone_map).unwrap_or(quality.tone_map);
+        quality.tone_map = flags::named(&self.tone_map).unwrap_or(quality.tone_map);
         state.meters_from = None;
         state.fly.jump_to(self.camera);
         if let Some(scene) = &mut state.scene {

@@ -75,7 +75,7 @@ impl App {
         self.show_look(ctx, look);
         let Some(path) = self.request.settings_file.clone() else { return };
         self.in_background("afterimage-settings", move || {
-            let write = |(name, value)| settings::write(&path, name, value);
+            let write = |(name, value)| settings::write(&path, name, value).map_err(|e| e.to_string());
             AppEvent::Kept(changes.into_iter().try_for_each(write))
         });
     }

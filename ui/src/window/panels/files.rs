@@ -55,8 +55,8 @@ fn rows(ui: &mut Ui, look: &mut Look) {
     egui::ComboBox::from_id_salt("theme")
         .selected_text(look.theme.name())
         .show_ui(ui, |ui| {
-            for (theme, name) in Theme::ALL {
-                ui.selectable_value(&mut look.theme, theme, name);
+            for theme in [Theme::System, Theme::Dark, Theme::Light] {
+                ui.selectable_value(&mut look.theme, theme, theme.name());
             }
         })
         .response
