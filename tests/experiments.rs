@@ -3,9 +3,10 @@
 use crate::rooms::{dvec, room_tracer};
 use afterimage::Tracer;
 use afterimage::camera::{CameraKey, CameraPath};
+use afterimage::experiment::registry::find;
 use afterimage::experiment::run::{
-    Effort, Experiment, ExperimentContext, ExperimentSettings, Identity, Journal, LabEvent, RunFolder,
-    RunRecord, Session, Shard, find, merge, run_cells,
+    Effort, Experiment, ExperimentContext, ExperimentSettings, Identity, Journal, CellEvent, RunFolder,
+    RunRecord, Session, Shard, merge, run_cells,
 };
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -50,8 +51,8 @@ impl Bench {
         let context = self.context(&images, &stop);
         let mut folder = self.open(name, &context, shard).unwrap();
         let mut left = most;
-        let observe = |event: LabEvent<'_>| {
-            if matches!(event, LabEvent::Done(..)) {
+        let observe = |event: CellEvent<'_>| {
+            if matches!(event, CellEvent::Done(..)) {
                 left -= 1;
                 stopped.store(left == 0, Ordering::Relaxed);
             }
@@ -64,7 +65,7 @@ impl Bench {
     }
 
     fn identity(&self) -> Identity {
-        self.context(&self.path("none"), &|| false).identity(self.experiment, "room")
+        self.context(&self.path("none"), &|| false).identity(self.experiment.name, "room")
     }
 
     fn context<'a>(&'a self, images: &'a Path, stop: &'a (dyn Fn() -> bool + Sync)) -> ExperimentContext<'a> {
@@ -76,7 +77,7 @@ impl Bench {
         let cells = (self.experiment.cells)(context).len();
         let opened = RunFolder::open(
             &self.path(name),
-            context.identity(self.experiment, "room"),
+            context.identity(self.experiment.name, "room"),
             shard,
             cells,
             session(),

@@ -2,7 +2,7 @@
 
 use crate::rooms::{dvec, room_camera, room_tracer};
 use afterimage::camera::{CameraKey, CameraPath};
-use afterimage::experiment::record::csv;
+use afterimage::experiment::run::csv;
 use afterimage::experiment::statistics::{median, percentile};
 use afterimage::experiment::throughput::{ThroughputSettings, measure_throughput};
 use afterimage::experiment::{MeasureSettings, TourEvent, TourRecord, TourSettings, run_tour};

@@ -1,13 +1,13 @@
-//! Runs that are recorded: the measured walk, the speed of the parts, and the experiments of [`run`], which also tells
-//! how to add one.
+//! Recorded runs: the measured walk, and the experiments that produce the figures of the documentation.
 //!
-//! One record, many exporters: CSV, JSON, plots and the report derive from the same structures.
+//! [`run`] is the framework: cells, a journal of finished cells, shards, merging, and reports as data.
+//! [`registry`] lists the experiments; each has a folder of its own. [`measure`] compares frames with
+//! converged pictures. How to add an experiment: `docs/how_to_add_experiment.md`.
 
 mod error_time;
-pub mod errors;
 pub mod measure;
 mod placement;
-pub mod record;
+pub mod registry;
 pub mod run;
 mod scaling;
 mod soak;
@@ -16,10 +16,7 @@ pub mod statistics;
 mod table1;
 pub mod throughput;
 pub mod tour;
-pub mod trial;
-pub mod truth;
 
 pub use measure::{MeasureSettings, Measurement};
-pub use record::{FrameRecord, ReferenceRecord, Summary, TourRecord};
 pub use throughput::{Throughput, ThroughputSettings};
-pub use tour::{TourEvent, TourSettings, run_tour};
+pub use tour::{FrameRecord, ReferenceRecord, Summary, TourEvent, TourRecord, TourSettings, run_tour};

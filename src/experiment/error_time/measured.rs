@@ -1,7 +1,7 @@
 //! Records of one setting brought together: medians and their spread over repetitions and over the walk.
 
-use super::super::run::{RunRecord, counted};
-use super::super::statistics::{median, percentile};
+use crate::experiment::run::{RunRecord, counted};
+use crate::experiment::statistics::{median, percentile};
 use std::collections::BTreeMap;
 
 /// A measure of error.

@@ -1,12 +1,12 @@
 //! Charts, tables and pictures of error against run time.
 
-use super::super::run::report::{Axis, Block, Chart, Drawn, Picture, Point, Section, Series, Table};
-use super::super::run::{Identity, Report, RunRecord, counted};
-use super::super::statistics::median;
+use crate::experiment::run::report::{Axis, Block, Chart, Drawn, Picture, Point, Section, Series, Table};
+use crate::experiment::run::{Identity, Report, RunRecord, counted};
+use crate::experiment::statistics::median;
 use super::compare::pareto;
 use super::measured::{METRICS, Setup};
 use super::words::{factors, headline, summary, time, times};
-use super::{DEFAULT_REFERENCES, REUSING};
+use super::plan::{DEFAULT_REFERENCES, REUSING};
 use serde_json::{Map, Value, json};
 
 /// The same in every chart.
@@ -24,7 +24,7 @@ const HOW: &str = "Still views stand midway between two references, which stand 
 const COUNTED: &str = "Here every frame pays its share of all references along the walk. Flown walks place their own \
     references as they go, and pay for exactly those.";
 
-pub(super) fn report(identity: &Identity, records: &[RunRecord]) -> Report {
+pub(crate) fn report(identity: &Identity, records: &[RunRecord]) -> Report {
     let samples = identity.settings.number("samples").unwrap_or(16.0) as usize;
     let setups = Setup::all(records);
     let sections = vec![

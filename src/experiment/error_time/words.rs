@@ -2,7 +2,7 @@
 
 use super::compare::{Bound, Factor, equal_error, full_at, full_error_at, full_medians, middle, pareto};
 use super::measured::{METRICS, Setup};
-use super::{DEFAULT_REFERENCES, REUSING};
+use super::plan::{DEFAULT_REFERENCES, REUSING};
 use serde_json::{Value, json};
 
 /// The metric that sentences lead with.

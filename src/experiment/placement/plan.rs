@@ -1,139 +1,54 @@
-//! The building from above: what is cut at eye height, the walk, and where references look, by how much they gave.
+//! The walks, modes and policies that are compared.
 
-use super::watch::{Watch, Watched};
-use crate::camera::Camera;
-use crate::raster::metrics::error_picture;
-use crate::trace::Tracer;
-use glam::{DVec2, DVec3};
+use super::walks::WALKS;
+use crate::experiment::run::{Cell, Effort, ExperimentContext, ExperimentSettings, RunRecord};
+use crate::render::Mode;
 
-/// Width of the picture.
-const WIDTH: u32 = 960;
+pub(super) const MODES: [Mode; 2] = [Mode::Paper, Mode::Exact];
 
-/// Its height at most.
-const MAX_HEIGHT: u32 = 960;
+/// Rule, percentages for the paper's references, percentages for sparse ones; the quick effort takes the first of each.
+/// Above 20 % and, for sparse ones, below 1 % the percentage itself decides what is worth a reference.
+pub(super) const POLICIES: [(&str, &[f64], &[f64]); 5] = [
+    ("threshold", &[5.0, 2.0, 10.0, 20.0, 40.0], &[1.0, 0.25, 4.0, 16.0]),
+    ("predictive", &[5.0, 30.0, 50.0], &[1.0, 0.25, 0.0625]),
+    ("greedy", &[5.0, 30.0, 50.0], &[1.0, 0.25, 0.0625]),
+    ("grid", &[0.0], &[0.0]),
+    ("none", &[0.0], &[0.0]),
+];
 
-/// Around the walk and the references, metres.
-const MARGIN_M: f64 = 5.0;
-
-/// How far a reference is drawn to look, metres, and half its angle in radians.
-const WEDGE_M: f64 = 1.5;
-const WEDGE_HALF_ANGLE: f64 = 0.35;
-
-/// A reference that supplied this share of all pixels of the walk has the brightest colour.
-const MUCH: f64 = 0.2;
-
-const PAPER: [u8; 3] = [250, 250, 247];
-const WALL: [u8; 3] = [90, 90, 90];
-const WALK: [u8; 3] = [0, 114, 178];
-
-/// The name of a plan.
-pub(super) fn file_name(mode: &str, walk: &str, rule: &str) -> String {
-    format!("plan-{mode}-{walk}-{rule}.png")
-}
-
-/// Draws it: size and pixels.
-pub(super) fn draw(tracer: &Tracer, cameras: &[Camera], watch: &Watch) -> ([u32; 2], Vec<[u8; 3]>) {
-    let mut sheet = Sheet::around(cameras.iter().chain(watch.references.iter().map(|r| &r.camera)));
-    let mut wedges: Vec<&Watched> = watch.references.iter().collect();
-    wedges.sort_by(|a, b| a.supplied.total_cmp(&b.supplied));
-    for reference in wedges {
-        sheet.wedge(&reference.camera, color(reference.supplied / (MUCH * cameras.len().max(1) as f64)));
-    }
-    let height = cameras.iter().map(|c| c.eye.y).sum::<f64>() / cameras.len().max(1) as f64;
-    for [a, b] in cut(tracer, height) {
-        sheet.line(a, b, WALL);
-    }
-    for pair in cameras.windows(2) {
-        sheet.line(from_above(pair[0].eye), from_above(pair[1].eye), WALK);
-    }
-    (sheet.size, sheet.pixels)
-}
-
-/// Dark for what gave nothing, bright for what gave much.
-fn color(share: f64) -> [u8; 3] {
-    // The darkest tenth is kept off, so that even useless ones stand out against the walls.
-    error_picture(&[(0.1 + 0.8 * share.min(1.0)) as f32])[0]
-}
-
-fn from_above(point: DVec3) -> DVec2 {
-    DVec2::new(point.x, point.z)
-}
-
-/// Where triangles meet the horizontal plane at a height.
-fn cut(tracer: &Tracer, height_m: f64) -> Vec<[DVec2; 2]> {
-    let scene = tracer.scene();
-    let of_triangle = |t: u32| {
-        let corners = scene.corners(t).map(|c| scene.frame.world_from_scene(c));
-        let crossing = |a: DVec3, b: DVec3| {
-            let is_crossing = (a.y > height_m) != (b.y > height_m);
-            is_crossing.then(|| from_above(a.lerp(b, (height_m - a.y) / (b.y - a.y))))
-        };
-        let [a, b, c] = corners;
-        let mut ends = [crossing(a, b), crossing(b, c), crossing(c, a)].into_iter().flatten();
-        Some([ends.next()?, ends.next()?])
+pub(crate) fn settings(effort: Effort) -> ExperimentSettings {
+    let (size, frames, samples, truth_samples) = match effort {
+        Effort::Quick => ([160, 90], 24, 1, 16),
+        Effort::Usual => ([320, 180], 80, 4, 256),
     };
-    (0..scene.triangles.len() as u32).filter_map(of_triangle).collect()
+    ExperimentSettings {
+        effort,
+        size,
+        frames,
+        samples,
+        truth_samples,
+        views: 1,
+        repetitions: 1,
+        ..Default::default()
+    }
 }
 
-/// A picture with a scale.
-struct Sheet {
-    size: [u32; 2],
-    low: DVec2,
-    pixels_per_m: f64,
-    pixels: Vec<[u8; 3]>,
-}
-
-impl Sheet {
-    fn around<'a>(cameras: impl Iterator<Item = &'a Camera>) -> Self {
-        let ends = (DVec2::INFINITY, DVec2::NEG_INFINITY);
-        let grow = |(low, high): (DVec2, DVec2), c: &Camera| {
-            (low.min(from_above(c.eye)), high.max(from_above(c.eye)))
-        };
-        let (low, high) = cameras.fold(ends, grow);
-        let (low, high) = if low.is_finite() { (low, high) } else { (DVec2::ZERO, DVec2::ZERO) };
-        let (low, high) = (low - MARGIN_M, high + MARGIN_M);
-        let extent = high - low;
-        let pixels_per_m = (f64::from(WIDTH) / extent.x).min(f64::from(MAX_HEIGHT) / extent.y);
-        let size = [extent.x, extent.y].map(|e| (e * pixels_per_m).ceil() as u32);
-        Self { size, low, pixels_per_m, pixels: vec![PAPER; size[0] as usize * size[1] as usize] }
-    }
-
-    fn to_pixels(&self, point: DVec2) -> DVec2 {
-        (point - self.low) * self.pixels_per_m
-    }
-
-    fn set(&mut self, at: DVec2, color: [u8; 3]) {
-        let inside = at.x >= 0.0 && at.y >= 0.0 && at.x < self.size[0].into() && at.y < self.size[1].into();
-        if inside {
-            self.pixels[at.y as usize * self.size[0] as usize + at.x as usize] = color;
-        }
-    }
-
-    fn line(&mut self, a: DVec2, b: DVec2, color: [u8; 3]) {
-        let (a, b) = (self.to_pixels(a), self.to_pixels(b));
-        let size = DVec2::new(self.size[0].into(), self.size[1].into());
-        if a.max(b).min_element() < 0.0 || (a.min(b) - size).max_element() >= 0.0 {
-            return;
-        }
-        let steps = (b - a).abs().max_element().ceil().clamp(1.0, 1e5);
-        (0..=steps as u32).for_each(|i| self.set(a.lerp(b, f64::from(i) / steps), color));
-    }
-
-    /// A slice of a disc around the eye, in the direction of view.
-    fn wedge(&mut self, camera: &Camera, color: [u8; 3]) {
-        let eye = self.to_pixels(from_above(camera.eye));
-        let forward = from_above(camera.forward()).normalize_or(DVec2::NEG_Y);
-        let radius = WEDGE_M * self.pixels_per_m;
-        let reach = radius.ceil() as i32;
-        for y in -reach..=reach {
-            for x in -reach..=reach {
-                let way = DVec2::new(x.into(), y.into());
-                let is_inside =
-                    way.length() <= radius && way.dot(forward) >= way.length() * WEDGE_HALF_ANGLE.cos();
-                if is_inside {
-                    self.set(eye + way, color);
-                }
+pub(crate) fn cells(context: &ExperimentContext<'_>) -> Vec<Cell> {
+    let is_quick = context.settings.effort == Effort::Quick;
+    let mut cells = Vec::new();
+    for mode in MODES {
+        for (walk, _) in WALKS {
+            for (rule, dense, sparse) in POLICIES {
+                let percents = if mode.looks_up() { sparse } else { dense };
+                let count = if is_quick { 1 } else { percents.len() };
+                cells.extend(percents[..count].iter().map(|percent| cell(mode, walk, rule, *percent)));
             }
         }
     }
+    cells
+}
+
+fn cell(mode: Mode, walk: &str, rule: &str, percent: f64) -> Cell {
+    let record = RunRecord::default().with("mode", mode.name()).with("walk", walk);
+    Cell(record.with("rule", rule).with("percent", percent))
 }

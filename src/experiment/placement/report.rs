@@ -1,14 +1,15 @@
 //! Which rule leaves least to wait for, at equal tracing.
 
-use super::super::run::report::{Axis, Block, Chart, Drawn, Picture, Point, Section, Series, Table};
-use super::super::run::{Identity, Report, RunRecord};
-use super::{MODES, POLICIES, plan, walks};
+use crate::experiment::run::report::{Axis, Block, Chart, Drawn, Picture, Point, Section, Series, Table};
+use crate::experiment::run::{Identity, Report, RunRecord};
+use super::plan::{MODES, POLICIES};
+use super::{floor_plan, walks};
 use serde_json::{Map, Value, json};
 
 /// The policy the others are compared with.
 const BASELINE: &str = "threshold";
 
-pub(super) fn report(_: &Identity, records: &[RunRecord]) -> Report {
+pub(crate) fn report(_: &Identity, records: &[RunRecord]) -> Report {
     let mut report = Report::default();
     for mode in MODES.map(|m| m.name()) {
         let of_mode: Vec<&RunRecord> = records.iter().filter(|r| r.text("mode") == Some(mode)).collect();
@@ -116,7 +117,7 @@ fn section(mode: &'static str, records: &[&RunRecord]) -> Section {
     for (walk, _) in walks::WALKS {
         blocks.push(Block::Chart(over_time(mode, walk, records)));
         let picture = |(rule, ..): &(&str, &[f64], &[f64])| {
-            Picture::new(plan::file_name(mode, walk, rule), format!("{walk}, {rule}"))
+            Picture::new(floor_plan::file_name(mode, walk, rule), format!("{walk}, {rule}"))
         };
         blocks.push(Block::Pictures(POLICIES.iter().map(picture).collect()));
     }

@@ -1,6 +1,6 @@
 //! Six ways to move, made from a scene's own walk so that every scene has them.
 
-use super::super::run::ExperimentContext;
+use crate::experiment::run::ExperimentContext;
 use crate::camera::Camera;
 use crate::camera::CameraPath;
 use crate::trace::Tracer;

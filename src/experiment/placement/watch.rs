@@ -1,6 +1,6 @@
 //! What became of each reference of a walk.
 
-use super::super::run::RunRecord;
+use crate::experiment::run::RunRecord;
 use crate::camera::Camera;
 use crate::reference::ReferenceId;
 use crate::render::Walkthrough;

@@ -1,6 +1,7 @@
 //! What a reader must know before trusting a run's times.
 
-use super::{Manifest, RunRecord, counted};
+use super::manifest::Manifest;
+use super::record::{RunRecord, counted};
 use crate::experiment::statistics::{median, percentile};
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -1,9 +1,13 @@
 //! The folder of a run: never overwritten, resumed where it is of the same run, written by one process at a time.
 
+use super::csv::csv;
+use super::error::ExperimentError;
+use super::identity::Identity;
 use super::journal::{Done, Journal};
 use super::manifest::{FORMAT, Manifest, Session};
-use super::{ExperimentError, Identity, Report, RunRecord, Shard};
-use crate::experiment::record::csv;
+use super::record::RunRecord;
+use super::report::Report;
+use super::shard::Shard;
 use crate::raster::load::read_bounded;
 use crate::raster::save::write_atomically;
 use std::fs::{File, TryLockError};

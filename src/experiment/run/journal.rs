@@ -1,6 +1,7 @@
 //! What is done, a line a cell: appended, flushed and synced, so that a killed run loses at most the cell it was at.
 
-use super::{ExperimentError, RunRecord};
+use super::error::ExperimentError;
+use super::record::RunRecord;
 use crate::raster::load::read_bounded;
 use crate::raster::save::write_atomically;
 use serde::{Deserialize, Serialize};

@@ -1,6 +1,7 @@
 //! What a run folder says of itself.
 
-use super::{Identity, Shard};
+use super::identity::Identity;
+use super::shard::Shard;
 use serde::{Deserialize, Serialize};
 
 /// `manifest.json`.

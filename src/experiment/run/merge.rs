@@ -1,9 +1,10 @@
 //! Joining the folders of shards into the folder of the whole.
 
+use super::error::ExperimentError;
 use super::folder::{RunFolder, read_manifest};
 use super::journal::Journal;
 use super::manifest::{Manifest, Session};
-use super::{ExperimentError, Shard};
+use super::shard::Shard;
 use crate::raster::load::read_bounded;
 use crate::raster::save::write_atomically;
 use std::collections::BTreeSet;

@@ -1,9 +1,9 @@
 //! Growth as exponents, beside the goals.
 
-use super::super::run::report::{Axis, Block, Chart, Drawn, Point, Section, Series, Table};
-use super::super::run::{Identity, Report, RunRecord, counted};
-use super::super::statistics::{PowerLaw, median, power_law};
-use super::{AXES, MODES};
+use crate::experiment::run::report::{Axis, Block, Chart, Drawn, Point, Section, Series, Table};
+use crate::experiment::run::{Identity, Report, RunRecord, counted};
+use crate::experiment::statistics::{PowerLaw, median, power_law};
+use super::plan::{AXES, MODES};
 use serde_json::{Map, Value, json};
 
 /// The names of all axes.
@@ -14,7 +14,7 @@ fn axes() -> impl Iterator<Item = &'static str> {
 /// Value and median seconds of a frame.
 type Curve = Vec<[f64; 2]>;
 
-pub(super) fn report(_: &Identity, records: &[RunRecord]) -> Report {
+pub(crate) fn report(_: &Identity, records: &[RunRecord]) -> Report {
     let curves: Vec<(&str, Vec<Curve>)> =
         axes().map(|axis| (axis, MODES.iter().map(|m| curve(records, axis, m.name())).collect())).collect();
     let mut report = Report { headline: goals(&curves), ..Report::default() };

@@ -4,7 +4,7 @@
 use super::bench::{
     Room, SIZE, TRACE, dvec, full, other_triangles_percent, paper, percent, quad, reference, srgb, tracer,
 };
-use super::{Case, Measured, Trial};
+use super::case::{Case, Measured, Outcome, Trial};
 use crate::camera::Camera;
 use crate::experiment::run::ExperimentError;
 use crate::lookup::LookupSet;
@@ -16,8 +16,6 @@ use crate::trace::Tracer;
 use crate::trace::parallel::NEVER;
 use glam::Vec3;
 use std::sync::Arc;
-
-type Outcome = Result<Measured, ExperimentError>;
 
 pub(super) const CASES: &[Case] = &[
     Case::new("G1 holes at magnification 1.01", "% of pixels, by 1 - 1/m^2 at most 2", 3.0, |_| holes(1.01)),

@@ -1,6 +1,6 @@
 //! What the cases share: a room at any place and size, pictures of it, and what must hold of every picture.
 
-use super::Measured;
+use super::case::Measured;
 use crate::camera::{Camera, View};
 use crate::math::key::Key;
 use crate::raster::color::ToneMap;

@@ -5,7 +5,7 @@ use super::bench::{
     random, reference, srgb, tracer, view,
 };
 use super::camera::fastest_ratio;
-use super::{Case, Measured, Trial};
+use super::case::{Case, Measured, Outcome, Trial};
 use crate::camera::PixelWarp;
 use crate::camera::{Camera, View};
 use crate::experiment::run::ExperimentError;
@@ -20,8 +20,6 @@ use crate::trace::parallel::NEVER;
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 use std::time::Instant;
-
-type Outcome = Result<Measured, ExperimentError>;
 
 pub(super) const CASES: &[Case] = &[
     Case::new("E1 a reference on its own camera", "holes, and pixels off by more than 1/255", 0.0, identity),

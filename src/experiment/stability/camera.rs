@@ -4,7 +4,7 @@ use super::bench::{
     Room, SIZE, TRACE, bad_values, ball, cuboid, differing, dvec, full, paper, percent, picture, random,
     reference, seen_in_white, tracer, view,
 };
-use super::{Case, Measured, Trial};
+use super::case::{Case, Outcome, Trial};
 use crate::camera::NEAREST_DEPTH;
 use crate::camera::{Camera, View};
 use crate::experiment::run::ExperimentError;
@@ -19,8 +19,6 @@ use crate::trace::{RayCounts, Tracer};
 use glam::{Mat3, Vec3};
 use rayon::prelude::*;
 use std::time::Instant;
-
-type Outcome = Result<Measured, ExperimentError>;
 
 /// Of f32 axes of length one: their parts are rounded once each, and so are three products and a sum. One step was measured.
 const ORTHONORMALITY: f64 = 8.0 * f32::EPSILON as f64;

@@ -5,7 +5,7 @@ use super::bench::{
     srgb, tracer,
 };
 use super::camera::fastest_ratio;
-use super::{Case, Measured, Trial};
+use super::case::{Case, Measured, Outcome, Trial};
 use crate::camera::Camera;
 use crate::experiment::run::ExperimentError;
 use crate::import::{ImportOptions, load};
@@ -17,8 +17,6 @@ use crate::trace::{Bvh, Tracer};
 use glam::{DVec3, Vec2, Vec3, Vec3Swizzles};
 use rayon::prelude::*;
 use std::time::Instant;
-
-type Outcome = Result<Measured, ExperimentError>;
 
 pub(super) const CASES: &[Case] = &[
     Case::new("C1 a face twice", "% of pixels that show the later one", 0.0, equal_twins),

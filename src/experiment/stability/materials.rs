@@ -5,7 +5,7 @@ use super::bench::{
     reference, seen_in_white, tracer,
 };
 use super::geometry::imported;
-use super::{Case, Measured, Trial};
+use super::case::{Case, Measured, Outcome, Trial};
 use crate::camera::{Camera, View};
 use crate::experiment::run::ExperimentError;
 use crate::math::Ray;
@@ -16,8 +16,6 @@ use crate::scene::{Encoding, Material, MaterialId, MaterialKind, SceneBuilder, S
 use crate::trace::specular::{MAX_BOUNCES, fresnel_dielectric, truncation_bound};
 use crate::trace::{PixelTrace, RayCounts, TraceSettings, Tracer};
 use glam::{DVec3, Vec2, Vec3};
-
-type Outcome = Result<Measured, ExperimentError>;
 
 pub(super) const CASES: &[Case] = &[
     Case::new("D1 Kd + Ks = 1.8", "reflectance above 1, or not told", 1e-6, scaled_down),

@@ -4,7 +4,7 @@ use super::bench::{
     Room, SIZE, bad_values, ball, cuboid, differing, dvec, full, other_triangles_percent, paper, random,
     reference, tracer,
 };
-use super::{Case, Measured, Trial};
+use super::case::{Case, Measured, Outcome, Trial};
 use crate::camera::Camera;
 use crate::experiment::run::ExperimentError;
 use crate::math::Ray;
@@ -14,8 +14,6 @@ use crate::scene::{Light, Material, SceneBuilder};
 use crate::trace::{SurfacePoint, Tracer};
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
-
-type Outcome = Result<Measured, ExperimentError>;
 
 pub(super) const CASES: &[Case] = &[
     Case::new("A1 scaled by 2^k, k -20 to 30", "pixels that differ in a bit, full and paper", 0.0, scaled),

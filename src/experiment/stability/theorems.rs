@@ -3,7 +3,7 @@
 use super::bench::{Room, SIZE, bad_values, ball, picture, random, reference, soup, tracer};
 use super::camera::fastest_ratio;
 use super::scale::self_hits;
-use super::{Case, Measured, Trial};
+use super::case::{Case, Measured, Outcome, Trial};
 use crate::experiment::run::ExperimentError;
 use crate::math::Ray;
 use crate::math::key::Key;
@@ -14,8 +14,6 @@ use crate::trace::{Bvh, TraceSettings};
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 use std::time::Instant;
-
-type Outcome = Result<Measured, ExperimentError>;
 
 pub(super) const CASES: &[Case] = &[
     Case::new(

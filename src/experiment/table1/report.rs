@@ -1,8 +1,8 @@
 //! The paper's figures beside ours.
 
-use super::super::run::report::{Block, Picture, Section, Table};
-use super::super::run::{Identity, Report, RunRecord, counted};
-use super::super::statistics::median;
+use crate::experiment::run::report::{Block, Picture, Section, Table};
+use crate::experiment::run::{Identity, Report, RunRecord, counted};
+use crate::experiment::statistics::median;
 use serde_json::{Map, Value, json};
 
 /// A column of the paper's Table 1: share in percent and seconds of each type, and the printed sum.
@@ -67,9 +67,9 @@ impl Column {
     }
 }
 
-pub(super) fn report(_: &Identity, records: &[RunRecord]) -> Report {
+pub(crate) fn report(_: &Identity, records: &[RunRecord]) -> Report {
     let columns: Vec<Column> =
-        super::CELLS.iter().filter_map(|(mode, n)| Column::of(mode.name(), *n, records)).collect();
+        super::plan::CELLS.iter().filter_map(|(mode, n)| Column::of(mode.name(), *n, records)).collect();
     let full = columns.iter().find(|c| c.mode == "full");
     let mut report = Report { summary: summary(&columns), ..Report::default() };
     if let Some(full) = full {

@@ -1,9 +1,7 @@
 //! Where Table 1 is seen from.
 
-use super::super::trial::camera_on_walk;
-use super::{ExperimentContext, ExperimentError, camera};
-use crate::camera::Camera;
-use crate::camera::CameraKey;
+use crate::camera::{Camera, CameraKey};
+use crate::experiment::run::{ExperimentContext, ExperimentError};
 use serde::Deserialize;
 
 /// The view and the references it is made from, best first.
@@ -32,10 +30,10 @@ pub(super) fn views(context: &ExperimentContext<'_>) -> Result<Views, Experiment
     let file: ViewFile = toml::from_str(CHOSEN)
         .map_err(|e| ExperimentError::Unsuitable(format!("the views of table1: {e}")))?;
     if file.scene == context.tracer.scene().name {
-        let at = |key: &CameraKey| camera(key, file.fov_y_deg);
+        let at = |key: &CameraKey| Camera::look_at(key.eye, key.at, file.fov_y_deg);
         return Ok(Views { target: at(&file.target), references: file.references.each_ref().map(at) });
     }
-    let on_walk = |share: f64| camera_on_walk(context, 0.5 + share);
+    let on_walk = |share: f64| context.camera_on_walk(0.5 + share);
     let [before, behind] = WALK_SHARES.map(on_walk);
     Ok(Views { target: on_walk(0.0)?, references: [before?, behind?] })
 }

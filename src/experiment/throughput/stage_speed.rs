@@ -2,8 +2,9 @@
 
 use crate::camera::{Camera, View};
 use crate::experiment::statistics::median;
-use crate::experiment::throughput::warp_speed::moved;
-use crate::experiment::throughput::{ROUNDS, ThroughputSettings, median_secs};
+use super::plan::moved;
+use super::plan::ThroughputSettings;
+use super::timing::{ROUNDS, median_secs};
 use crate::lookup::{LookupSet, open_percent};
 use crate::reference::{ReferenceCache, ReferenceFrame};
 use crate::render::{FrameStats, Mode, RenderSettings, Renderer};

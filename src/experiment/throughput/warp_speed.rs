@@ -1,7 +1,8 @@
 //! The speed of the warp against what memory allows.
 
-use crate::camera::{Camera, View};
-use crate::experiment::throughput::{ThroughputSettings, median_secs, median_secs_after};
+use crate::camera::View;
+use super::plan::{ThroughputSettings, moved};
+use super::timing::{median_secs, median_secs_after};
 use crate::reference::ReferenceFrame;
 use crate::trace::parallel::NEVER;
 use crate::trace::{TraceSettings, Tracer};
@@ -61,13 +62,6 @@ pub(crate) fn warp_speed(tracer: &Tracer, settings: &ThroughputSettings) -> Warp
         memory_gb_per_sec: bytes / streamed / 1e9,
         memory_gb_per_sec_one_core: bytes / streamed_alone / 1e9,
     }
-}
-
-/// The pose after a hundredth of the scene's diagonal forwards and a turn of 3 degrees.
-pub(crate) fn moved(tracer: &Tracer, camera: &Camera) -> Camera {
-    let [low, high] = tracer.scene().bounds_m;
-    let step = camera.forward() * ((high - low).length() * 0.01);
-    Camera { eye: camera.eye + step, yaw: camera.yaw + 3f64.to_radians(), ..*camera }
 }
 
 /// What no warp can do without, and nothing else: reads disparities in order and writes keys in order.

@@ -9,7 +9,7 @@ use super::{interrupt, output, paths};
 use crate::picture::memory;
 use crate::picture::sequence::film_command;
 use afterimage::camera::CameraPath;
-use afterimage::experiment::record::csv;
+use afterimage::experiment::run::csv;
 use afterimage::experiment::{MeasureSettings, TourEvent, TourRecord, TourSettings, run_tour};
 use afterimage::raster::load::read_bounded;
 use afterimage::raster::save::{save_png, write_atomically};

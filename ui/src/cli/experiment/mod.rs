@@ -13,9 +13,10 @@ use crate::cli::tour::read_path;
 use crate::cli::{interrupt, output, paths, report as report_files, throughput};
 use crate::picture::memory;
 use afterimage::camera::CameraPath;
+use afterimage::experiment::registry::{EXPERIMENTS, find};
 use afterimage::experiment::run::{
-    Effort, Experiment, ExperimentContext, ExperimentError, ExperimentSettings, LabEvent, Report, RunFolder,
-    Session, Shard, caveats, find, merge, run_cells,
+    CellEvent, Effort, Experiment, ExperimentContext, ExperimentError, ExperimentSettings, Report, RunFolder,
+    Session, Shard, caveats, merge, run_cells,
 };
 use afterimage::experiment::throughput::{ThroughputSettings, gather_rays};
 use afterimage::raster::save::write_atomically;
@@ -83,7 +84,7 @@ const THROUGHPUT: &str = "throughput";
 const MERGE: &str = "merge";
 
 fn name(text: &str) -> Result<String, String> {
-    let names = || afterimage::experiment::run::EXPERIMENTS.iter().map(|e| e.name).chain([MERGE]);
+    let names = || EXPERIMENTS.iter().map(|e| e.name).chain([MERGE]);
     if names().any(|n| n == text) {
         return Ok(text.to_owned());
     }
@@ -121,7 +122,7 @@ fn run_one(experiment: &Experiment, args: &ExperimentArgs, flags: &Flags) -> Res
         stop: &interrupt::is_cancelled,
     };
     let cells = (experiment.cells)(&context).len();
-    let identity = context.identity(experiment, &loaded.name);
+    let identity = context.identity(experiment.name, &loaded.name);
     let mut folder = RunFolder::open(&out, identity, shard, cells, session())?;
     let done = run_with_progress(experiment, &context, &mut folder);
     // What was done is worth its tables, whatever happened to the rest.
@@ -201,9 +202,9 @@ fn run_with_progress(
     let shard = folder.manifest().shard;
     let total = (0..folder.manifest().cells).filter(|&cell| shard.has(cell)).count();
     let mut progress = Progress::new(experiment.name, total as u64);
-    let observe = |event: LabEvent<'_>| match event {
-        LabEvent::Begins(cell, done) => progress.at(done as u64, &cell.0.label()),
-        LabEvent::Done(cell, done) => progress.at(done as u64, &cell.0.label()),
+    let observe = |event: CellEvent<'_>| match event {
+        CellEvent::Begins(cell, done) => progress.at(done as u64, &cell.0.label()),
+        CellEvent::Done(cell, done) => progress.at(done as u64, &cell.0.label()),
     };
     Ok(run_cells(experiment, context, folder, observe)?)
 }

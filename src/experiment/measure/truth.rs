@@ -115,11 +115,6 @@ fn read(path: &Path, key: &[u8; 32], size: [u32; 2]) -> Option<Vec<Vec3>> {
     Some(content[HEADER..].chunks_exact(12).map(pixel).collect())
 }
 
-/// SHA-256 of a text, as lower-case hex.
-pub(super) fn digest(text: &str) -> String {
-    hex(&Sha256::digest(text))
-}
-
 fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -31,7 +31,7 @@ pub struct Errors {
 
 impl Errors {
     /// Of a frame against the linear radiance of its truth. relMSE is of radiance, the rest of display
-    /// values at an exposure in stops ([`super::run::ExperimentContext::exposure_ev`]).
+    /// values at an exposure in stops ([`crate::experiment::run::ExperimentContext::exposure_ev`]).
     ///
     /// # Errors
     /// [`CompareError`] for a frame without pixels.

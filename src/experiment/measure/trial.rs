@@ -1,52 +1,16 @@
 //! One view in one mode from given references: rendered again and again for its time, once for its error.
 
 use super::errors::Errors;
-use super::measure::{TRUTH_SEED, see_through_percent};
-use super::run::{CellOutcome, ExperimentContext, ExperimentError, RunRecord};
+use super::measurement::{TRUTH_SEED, see_through_percent};
+use super::references::References;
+use crate::experiment::run::{CellOutcome, ExperimentContext, RunRecord};
 use super::truth::{TruthRequest, truth};
 use crate::camera::Camera;
 use crate::lookup::LookupSet;
-use crate::reference::{ReferenceCache, ReferenceFrame};
+use crate::reference::ReferenceFrame;
 use crate::render::{Frame, Mode, RenderSettings, Renderer};
 use crate::trace::TraceSettings;
 use glam::Vec3;
-use std::sync::Arc;
-
-/// References at hand, for the warp and for the look-up.
-#[derive(Debug)]
-pub struct References {
-    /// One by one.
-    pub frames: Vec<Arc<ReferenceFrame>>,
-    cache: ReferenceCache,
-}
-
-impl References {
-    /// Traces every pixel of references at poses, each with a seed of its own. `None` after a stop.
-    pub fn trace(context: &ExperimentContext<'_>, poses: &[Camera], trace: &TraceSettings) -> Option<Self> {
-        let reference = |(number, pose): (u64, &Camera)| {
-            let settings = TraceSettings { seed: trace.seed.wrapping_add(number << 32), ..*trace };
-            ReferenceFrame::trace(context.tracer, pose, context.settings.size, &settings, context.stop)
-                .map(Arc::new)
-        };
-        let frames = (1..).zip(poses).map(reference).collect::<Option<Vec<_>>>()?;
-        let mut cache = ReferenceCache::new(context.tracer.scene(), usize::MAX);
-        frames.iter().for_each(|f| {
-            cache.insert(Arc::clone(f));
-        });
-        Some(Self { frames, cache })
-    }
-
-    /// None at all.
-    pub fn none(context: &ExperimentContext<'_>) -> Self {
-        Self { frames: Vec::new(), cache: ReferenceCache::new(context.tracer.scene(), usize::MAX) }
-    }
-
-    /// Seconds that tracing them took, together.
-    pub fn secs(&self) -> f64 {
-        // Not `sum`, which makes -0 of nothing.
-        self.frames.iter().fold(0.0, |sum, f| sum + f.secs)
-    }
-}
 
 /// What is rendered.
 #[derive(Clone, Copy, Debug)]
@@ -71,7 +35,7 @@ impl Trial<'_> {
         let settings = RenderSettings { mode: self.mode, trace: self.trace };
         let size = context.settings.size;
         if self.mode.looks_up() {
-            let lookup = LookupSet::new(&self.references.cache, context.tracer.epoch());
+            let lookup = LookupSet::new(self.references.cache(), context.tracer.epoch());
             renderer.render_by_lookup(context.tracer, &self.camera, size, &settings, &lookup, context.stop);
         } else {
             let references: Vec<&ReferenceFrame> = self.references.frames.iter().map(|r| &**r).collect();
@@ -85,7 +49,7 @@ impl Trial<'_> {
     /// the same in each. The frame stays in `renderer`. `None` after a stop.
     ///
     /// # Errors
-    /// [`ExperimentError::Compare`] for a frame without pixels.
+    /// [`crate::experiment::run::ExperimentError::Compare`] for a frame without pixels.
     pub fn measure(
         &self,
         context: &ExperimentContext<'_>,
@@ -142,16 +106,4 @@ pub fn truth_of(context: &ExperimentContext<'_>, camera: &Camera) -> Option<Vec<
     let request = TruthRequest { tracer: context.tracer, camera, size: context.settings.size, settings };
     // Where it cannot be kept it is only slower the next time.
     truth(&request, context.truth_folder, context.stop).map(|(radiance, _)| radiance)
-}
-
-/// The camera at a share of the walk, 0 its start, 1 its end; beyond them those.
-///
-/// # Errors
-/// [`ExperimentError::Unsuitable`] for a walk without key frames.
-pub fn camera_on_walk(context: &ExperimentContext<'_>, share: f64) -> Result<Camera, ExperimentError> {
-    /// The walk is divided into so many frames, fine enough for any share.
-    const FRAMES: u32 = 10_001;
-    let frame = (f64::from(FRAMES - 1) * share.clamp(0.0, 1.0)).round() as u32;
-    let none = || ExperimentError::Unsuitable("the walk has no key frames; it needs at least one".to_owned());
-    context.walk.camera(frame, FRAMES).ok_or_else(none)
 }

@@ -1,8 +1,8 @@
 //! The measured walk: the window's walk, one frame after the other, every reference traced between two frames.
 
-use super::measure::{MeasureError, MeasureSettings, Measurer};
 use super::record::{FrameRecord, Pose, ReferenceRecord, TourRecord};
 use crate::camera::Camera;
+use crate::experiment::measure::{MeasureError, MeasureSettings, Measurer};
 use crate::camera::CameraPath;
 use crate::raster::save::SaveError;
 use crate::render::{Mode, RenderSettings, Walkthrough, WalkthroughSettings};

@@ -1,59 +1,6 @@
-//! What is to be done, cell by cell, and which cells are this process's share.
+//! Which cells of a run belong to one process.
 
-use super::RunRecord;
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
-
-/// The smallest part of an experiment that is done or not done: what sets it apart from the other cells.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Cell(pub RunRecord);
-
-/// What every cell of a run has in common, and what two runs must share to be joined.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Identity {
-    /// Of [`super::EXPERIMENTS`].
-    pub experiment: String,
-    /// Of the program: another one may give other figures.
-    pub version: String,
-    /// As it was named.
-    pub scene: String,
-    /// SHA-256 of what decides a picture.
-    pub scene_sha256: String,
-    /// Everything that was asked for, as resolved.
-    pub settings: RunRecord,
-}
-
-impl Identity {
-    /// A stable name of a cell: SHA-256 of the run's identity and the cell's own settings.
-    pub fn key(&self, cell: &Cell) -> String {
-        let text = serde_json::to_string(&(self, &cell.0)).unwrap_or_default();
-        Sha256::digest(text).iter().map(|byte| format!("{byte:02x}")).collect()
-    }
-
-    /// In which way another run is not of the same kind, if it is not.
-    pub fn difference(&self, other: &Identity) -> Option<String> {
-        let fields = |i: &Identity| {
-            [
-                ("experiment", i.experiment.clone()),
-                ("version", i.version.clone()),
-                ("scene", i.scene.clone()),
-                ("scene SHA-256", i.scene_sha256.clone()),
-            ]
-        };
-        let told = fields(self).into_iter().zip(fields(other)).find(|(a, b)| a != b);
-        if let Some(((name, ours), (_, theirs))) = told {
-            return Some(format!("{name} {theirs} there, {ours} here"));
-        }
-        let names = self.settings.0.keys().chain(other.settings.0.keys());
-        let value = |i: &Identity, name: &String| {
-            i.settings.0.get(name).map_or("none".to_owned(), ToString::to_string)
-        };
-        names
-            .map(|name| (name, value(self, name), value(other, name)))
-            .find(|(_, ours, theirs)| ours != theirs)
-            .map(|(name, ours, theirs)| format!("{name} {theirs} there, {ours} here"))
-    }
-}
 
 /// Every `count`-th cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

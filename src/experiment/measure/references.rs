@@ -1,0 +1,48 @@
+//! References traced for a trial.
+
+use crate::camera::Camera;
+use crate::experiment::run::ExperimentContext;
+use crate::reference::{ReferenceCache, ReferenceFrame};
+use crate::trace::TraceSettings;
+use std::sync::Arc;
+
+/// References at hand, for the warp and for the look-up.
+#[derive(Debug)]
+pub struct References {
+    /// One by one.
+    pub frames: Vec<Arc<ReferenceFrame>>,
+    cache: ReferenceCache,
+}
+
+impl References {
+    /// Traces every pixel of references at poses, each with a seed of its own. `None` after a stop.
+    pub fn trace(context: &ExperimentContext<'_>, poses: &[Camera], trace: &TraceSettings) -> Option<Self> {
+        let reference = |(number, pose): (u64, &Camera)| {
+            let settings = TraceSettings { seed: trace.seed.wrapping_add(number << 32), ..*trace };
+            ReferenceFrame::trace(context.tracer, pose, context.settings.size, &settings, context.stop)
+                .map(Arc::new)
+        };
+        let frames = (1..).zip(poses).map(reference).collect::<Option<Vec<_>>>()?;
+        let mut cache = ReferenceCache::new(context.tracer.scene(), usize::MAX);
+        for frame in &frames {
+            cache.insert(Arc::clone(frame));
+        }
+        Some(Self { frames, cache })
+    }
+
+    /// None at all.
+    pub fn none(context: &ExperimentContext<'_>) -> Self {
+        Self { frames: Vec::new(), cache: ReferenceCache::new(context.tracer.scene(), usize::MAX) }
+    }
+
+    /// Cache that holds them all, for the look-up.
+    pub(super) fn cache(&self) -> &ReferenceCache {
+        &self.cache
+    }
+
+    /// Seconds that tracing them took, together.
+    pub fn secs(&self) -> f64 {
+        // Not `sum`, which makes -0 of nothing.
+        self.frames.iter().fold(0.0, |sum, f| sum + f.secs)
+    }
+}

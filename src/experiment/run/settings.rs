@@ -1,0 +1,74 @@
+//! Settings that every experiment takes.
+
+use crate::trace::TraceSettings;
+use serde::{Deserialize, Serialize};
+
+/// How long a run may take.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Effort {
+    /// Small pictures and few steps: seconds to a few minutes on two cores.
+    Quick,
+    /// The effort behind the figures of `docs/EXPERIMENTS.md`: some minutes on two cores.
+    #[default]
+    Usual,
+}
+
+/// Settings of a run. An experiment ignores those that it does not use.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ExperimentSettings {
+    /// Number of configurations and steps to measure.
+    pub effort: Effort,
+    /// Width and height of the pictures in pixels.
+    pub size: [u32; 2],
+    /// Shadow rays per light and pixel, unless the experiment varies them.
+    pub samples: u32,
+    /// Number of diffuse bounces.
+    pub bounces: u32,
+    /// Seed of all random numbers.
+    pub seed: u64,
+    /// Timed repetitions of a frame, after one warm-up that does not count.
+    pub repetitions: u32,
+    /// Number of views along the walk.
+    pub views: u32,
+    /// Number of frames of a walk.
+    pub frames: u32,
+    /// Shadow rays per light and pixel of the converged pictures that errors are measured against.
+    pub truth_samples: u32,
+    /// Memory limit of the reference cache in megabytes.
+    pub cache_mb: u64,
+    /// Exposure in stops at which pictures are shown and compared. `None` chooses it by
+    /// [`super::ExperimentContext::exposure_ev`].
+    #[serde(skip_serializing_if = "Option::is_none")] // TOML has no null.
+    pub exposure_ev: Option<f32>,
+}
+
+impl Default for ExperimentSettings {
+    fn default() -> Self {
+        Self {
+            effort: Effort::Usual,
+            size: [320, 180],
+            samples: 16,
+            bounces: 0,
+            seed: 0,
+            repetitions: 3,
+            views: 5,
+            frames: 300,
+            truth_samples: 1024,
+            cache_mb: 1024,
+            exposure_ev: None,
+        }
+    }
+}
+
+impl ExperimentSettings {
+    /// Samples, bounces and seed as settings of the tracer.
+    pub fn trace(&self) -> TraceSettings {
+        TraceSettings { samples: self.samples, bounces: self.bounces, seed: self.seed }
+    }
+
+    /// Memory limit of the reference cache in bytes.
+    pub fn cache_bytes(&self) -> usize {
+        usize::try_from(self.cache_mb << 20).unwrap_or(usize::MAX)
+    }
+}

@@ -1,0 +1,100 @@
+//! Measures one value of one axis in every mode.
+
+use super::plan::MODES;
+use crate::camera::Camera;
+use crate::experiment::measure::{References, Trial};
+use crate::experiment::run::{
+    CellOutcome, ExperimentContext, ExperimentError, ExperimentSettings, RunRecord,
+};
+use crate::render::Renderer;
+use crate::scene::builtin::statue_hall;
+use crate::trace::{TraceSettings, Tracer};
+use std::sync::Arc;
+
+/// References where they are not what grows.
+const REFERENCES: u32 = 2;
+
+/// Triangles and lamps of the hall where they are not what grows.
+const HALL: [u32; 2] = [100_000, 4];
+
+/// One value of what grows, in every mode: the modes share references and scene.
+pub(crate) fn run_cell(context: &ExperimentContext<'_>, cell: &RunRecord) -> CellOutcome {
+    let unknown = || ExperimentError::UnknownCell(cell.label());
+    let axis = cell.text("axis").ok_or_else(unknown)?;
+    let value = cell.number("value").ok_or_else(unknown)? as u32;
+    match axis {
+        "triangles" => in_hall(context, value, HALL[1]),
+        "lights" => in_hall(context, HALL[0], value),
+        "threads" => {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(value as usize).build();
+            let pool =
+                pool.map_err(|e| ExperimentError::Unsuitable(format!("no pool of {value} threads: {e}")))?;
+            pool.install(|| in_scene(context, REFERENCES, context.settings.trace()))
+        }
+        "references" => in_scene(context, value, context.settings.trace()),
+        "samples" => {
+            in_scene(context, REFERENCES, TraceSettings { samples: value, ..context.settings.trace() })
+        }
+        _ => {
+            // 16:9, the shape of all sizes listed.
+            let height = (f64::from(value) * 9.0 / 16.0).sqrt().round() as u32;
+            let settings =
+                ExperimentSettings { size: [value / height.max(1), height], ..context.settings.clone() };
+            in_scene(
+                &ExperimentContext { settings: &settings, ..*context },
+                REFERENCES,
+                context.settings.trace(),
+            )
+        }
+    }
+}
+
+/// In the scene given, from the middle of its walk.
+fn in_scene(context: &ExperimentContext<'_>, references: u32, trace: TraceSettings) -> CellOutcome {
+    time(context, &context.camera_on_walk(0.5)?, references, &trace)
+}
+
+fn in_hall(context: &ExperimentContext<'_>, triangles: u32, lamps: u32) -> CellOutcome {
+    let tracer = Arc::new(Tracer::new(Arc::new(statue_hall(triangles as usize, lamps)?)));
+    let camera = *tracer.scene().start();
+    time(&ExperimentContext { tracer: &tracer, ..*context }, &camera, REFERENCES, &context.settings.trace())
+}
+
+/// All modes on one view, the modes in turn within a repetition, so that what else the machine does touches all alike.
+fn time(context: &ExperimentContext<'_>, target: &Camera, count: u32, trace: &TraceSettings) -> CellOutcome {
+    let poses: Vec<Camera> = (0..count).map(|i| beside(context.tracer, target, i)).collect();
+    let Some(references) = References::trace(context, &poses, trace) else { return Ok(None) };
+    let mut records = Vec::new();
+    let mut renderers = MODES.map(|_| Renderer::default());
+    for repetition in 0..=context.settings.repetitions {
+        for (mode, renderer) in MODES.into_iter().zip(&mut renderers) {
+            let trial = Trial { mode, trace: *trace, camera: *target, references: &references };
+            let Some(frame) = trial.render(context, renderer) else { return Ok(None) };
+            let mean = frame.radiance.iter().map(|r| f64::from(r.element_sum())).sum::<f64>()
+                / frame.radiance.len().max(1) as f64;
+            records.push(
+                RunRecord::default()
+                    .with("mode", mode.name())
+                    .with("repetition", repetition)
+                    .with("is_warm_up", repetition == 0)
+                    .with("frame_secs", frame.stats.secs.frame)
+                    .with("reference_secs", references.secs())
+                    .with("triangles", context.tracer.scene().triangles.len())
+                    .with("build_secs", context.tracer.build_secs())
+                    .with("mean_radiance", mean)
+                    .with_fields(&frame.stats.types.percentages()),
+            );
+        }
+    }
+    Ok(Some(records))
+}
+
+/// The pose of a reference: a step to the right, a step to the left, two to the right, and so on, before what stands there.
+fn beside(tracer: &Tracer, target: &Camera, number: u32) -> Camera {
+    const STEP_M: f64 = 0.2;
+    let side = if number.is_multiple_of(2) { 1.0 } else { -1.0 };
+    let way = target.world_from_camera().x_axis * side;
+    let reach = STEP_M * f64::from(number / 2 + 1);
+    let free = tracer.probe(target.eye, way, reach / 0.6).map_or(reach, |p| reach.min(0.6 * p.distance_m));
+    Camera { eye: target.eye + way * free, ..*target }
+}

@@ -1,0 +1,87 @@
+//! Walks for one part of the run.
+
+use super::plan::parts;
+use crate::experiment::run::{CellOutcome, ExperimentContext, RunRecord};
+use crate::experiment::statistics::percentile;
+use crate::reference::PlacementPolicy;
+use crate::reference::placement::THRESHOLD;
+use crate::render::{Mode, RenderSettings, Walkthrough, WalkthroughSettings};
+use serde_json::Value;
+use std::sync::Arc;
+use std::time::Instant;
+
+pub(crate) fn run_cell(context: &ExperimentContext<'_>, _: &RunRecord) -> CellOutcome {
+    let length = parts(context.settings.effort).1;
+    let start = Instant::now();
+    // Every part does the same work, so that their times can be compared.
+    let mut walk = Walkthrough::new(Arc::clone(context.tracer), settings(context, 0));
+    let mut secs = Vec::new();
+    let mut bad = 0usize;
+    for frame in (0..).take_while(|_| start.elapsed() < length) {
+        if (context.stop)() {
+            return Ok(None);
+        }
+        trouble(context, &mut walk, frame);
+        let Some(camera) = context.walk.camera(frame % context.settings.frames, context.settings.frames)
+        else {
+            break;
+        };
+        let shown = walk.render(&camera, size(context, frame), context.stop);
+        bad += shown.radiance.iter().filter(|r| !(r.is_finite() && r.min_element() >= 0.0)).count();
+        secs.push(shown.stats.secs.frame);
+        if let Some(wanted) = walk.wanted_reference() {
+            let made = walk.reference_job(wanted, size(context, frame)).trace(context.stop);
+            made.map(|reference| walk.insert(reference));
+        }
+    }
+    let record = RunRecord::default()
+        .with("bad_values", bad)
+        .with("frames_per_sec", secs.len() as f64 / start.elapsed().as_secs_f64())
+        .with("frame_secs_p99", percentile(secs.iter().copied(), 99.0))
+        .with("memory_mb_used", memory_mb())
+        .with("handles_used", handles());
+    Ok(Some(vec![record]))
+}
+
+/// What a restless user does: every so many frames another mode, nothing held, or the scene edited.
+fn trouble(context: &ExperimentContext<'_>, walk: &mut Walkthrough, frame: u32) {
+    match frame % 100 {
+        25 | 75 => walk.set_settings(settings(context, frame / 25)),
+        50 => walk.cache_mut().clear(),
+        99 => {
+            let scene = walk.tracer().scene();
+            let edited = scene.with_edit(&scene.to_edit());
+            let tracer = walk.tracer().with_same_geometry(Arc::new(edited));
+            walk.set_tracer(Arc::new(tracer));
+        }
+        _ => {}
+    }
+}
+
+fn settings(context: &ExperimentContext<'_>, turn: u32) -> WalkthroughSettings {
+    let mode = [Mode::Exact, Mode::Paper, Mode::Fast][turn as usize % 3];
+    WalkthroughSettings {
+        render: RenderSettings { mode, trace: context.settings.trace() },
+        placement: PlacementPolicy::new(&THRESHOLD, 10.0),
+        cache_bytes: 64 << 20,
+        ..WalkthroughSettings::default()
+    }
+}
+
+/// The window is resized every ten frames.
+fn size(context: &ExperimentContext<'_>, frame: u32) -> [u32; 2] {
+    let shrunk = frame / 10 % 4;
+    context.settings.size.map(|side| (side - side * shrunk / 8).max(1))
+}
+
+/// A number of `/proc/self/status`, where there is one.
+fn memory_mb() -> Value {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));
+    let kilobytes = line.and_then(|line| line.trim().split(' ').next()?.parse::<f64>().ok());
+    kilobytes.map_or(Value::Null, |kb| (kb / 1024.0).into())
+}
+
+fn handles() -> Value {
+    std::fs::read_dir("/proc/self/fd").map_or(Value::Null, |open| open.count().into())
+}

@@ -1,0 +1,96 @@
+//! The rays that are timed, gathered beforehand.
+
+use super::plan::ThroughputSettings;
+use crate::camera::View;
+use crate::math::Ray;
+use crate::math::key::Key;
+use crate::math::sampling::{cosine_hemisphere, frame_around};
+use crate::trace::parallel::tile_order;
+use crate::trace::{RayBundle, SurfacePoint, TraceSettings, Tracer};
+use rayon::prelude::*;
+
+/// Rays of a kind at most; more would time the same at the price of memory.
+const MAX_RAYS: usize = 8_000_000;
+
+/// The rays that were timed, in scene space.
+#[derive(Clone, Debug, Default)]
+pub struct RayDump {
+    /// Nearest hit asked: primary, then diffuse.
+    pub closest: Vec<Ray>,
+    /// Any hit asked: shadow.
+    pub any: Vec<Ray>,
+}
+
+/// The rays that [`measure_throughput`] times, without timing them.
+pub fn gather_rays(tracer: &Tracer, settings: &ThroughputSettings) -> RayDump {
+    let (primary, points) = first_hits(tracer, settings);
+    let diffuse = diffuse_rays(&points, settings.trace.seed);
+    let bundles = shadow_bundles(tracer, &points, &settings.trace);
+    RayDump { closest: primary.into_iter().chain(diffuse).collect(), any: rays_of(&bundles) }
+}
+
+/// Primary rays in the order of tiles, and the surface points they meet.
+pub(super) fn first_hits(tracer: &Tracer, settings: &ThroughputSettings) -> (Vec<Ray>, Vec<(u32, SurfacePoint)>) {
+    let view = View::new(&settings.camera, &tracer.scene().frame, settings.size);
+    let order = tile_order(settings.size);
+    let primary: Vec<Ray> = order.iter().map(|&p| Tracer::primary_ray(&view, p)).collect();
+    let points = first_points(tracer, &order, &primary);
+    (primary, points)
+}
+
+impl RayDump {
+    /// The triangles and the rays in a form other programs read, little-endian: `RAYS0001`, the number of triangles
+    /// as u64, their corners as f32; then twice (nearest hit, any hit) the number of rays as u64 and eight f32 each:
+    /// origin, smallest t, direction, largest t.
+    pub fn to_bytes(&self, tracer: &Tracer) -> Vec<u8> {
+        let scene = tracer.scene();
+        let count = scene.triangles.len();
+        let mut bytes = b"RAYS0001".to_vec();
+        bytes.reserve(24 + count * 36 + (self.closest.len() + self.any.len()) * 32);
+        bytes.extend_from_slice(&(count as u64).to_le_bytes());
+        let corners = (0..count as u32).flat_map(|t| scene.corners(t)).flat_map(|c| c.to_array());
+        corners.for_each(|c| bytes.extend_from_slice(&c.to_le_bytes()));
+        for rays in [&self.closest, &self.any] {
+            bytes.extend_from_slice(&(rays.len() as u64).to_le_bytes());
+            for ray in rays {
+                let (o, d) = (ray.origin, ray.direction);
+                let numbers = [o.x, o.y, o.z, 0.0, d.x, d.y, d.z, ray.t_max];
+                numbers.iter().for_each(|n| bytes.extend_from_slice(&n.to_le_bytes()));
+            }
+        }
+        bytes
+    }
+}
+
+/// The surface points that primary rays meet, with their pixels.
+fn first_points(tracer: &Tracer, order: &[u32], primary: &[Ray]) -> Vec<(u32, SurfacePoint)> {
+    let point =
+        |(&pixel, ray): (&u32, &Ray)| tracer.closest(ray).map(|hit| (pixel, tracer.surface(ray, &hit)));
+    order.par_iter().zip(primary).filter_map(point).collect()
+}
+
+pub(super) fn diffuse_rays(points: &[(u32, SurfacePoint)], seed: u64) -> Vec<Ray> {
+    let ray = |(pixel, point): &(u32, SurfacePoint)| {
+        let direction = cosine_hemisphere(Key::of_pixel(seed, *pixel).with(u32::MAX).pair());
+        Ray::new(point.origin_in_front(), frame_around(point.geometric_normal) * direction)
+    };
+    points.iter().map(ray).collect()
+}
+
+/// The shadow rays that shading the points traces, of evenly spread points where there are too many.
+pub(super) fn shadow_bundles(tracer: &Tracer, points: &[(u32, SurfacePoint)], trace: &TraceSettings) -> Vec<RayBundle> {
+    let of_point = |bundles: &mut Vec<RayBundle>, (pixel, point): &(u32, SurfacePoint)| {
+        tracer.shadow_bundles(point, trace.samples, Key::of_pixel(trace.seed, *pixel), bundles);
+    };
+    let mut probe = Vec::new();
+    points.iter().step_by(997).for_each(|p| of_point(&mut probe, p));
+    let rays: usize = probe.iter().map(RayBundle::len).sum();
+    let step = (rays * 997).div_ceil(MAX_RAYS).max(1);
+    let mut bundles = Vec::new();
+    points.iter().step_by(step).for_each(|p| of_point(&mut bundles, p));
+    bundles
+}
+
+pub(super) fn rays_of(bundles: &[RayBundle]) -> Vec<Ray> {
+    bundles.iter().flat_map(RayBundle::rays).collect()
+}

@@ -1,0 +1,7 @@
+//! The measured walk: one frame after another, with a record of each.
+
+mod record;
+mod walk;
+
+pub use record::{FrameRecord, MeasuredSummary, Pose, ReferenceRecord, Summary, TourRecord};
+pub use walk::{TourError, TourEvent, TourSettings, fly, run_tour};
