@@ -5,7 +5,7 @@ use afterimage::Tracer;
 use afterimage::camera::{CameraKey, CameraPath};
 use afterimage::experiment::registry::find;
 use afterimage::experiment::run::{
-    Effort, Experiment, ExperimentContext, ExperimentSettings, Identity, Journal, CellEvent, RunFolder,
+    CellEvent, Effort, Experiment, ExperimentContext, ExperimentSettings, Identity, Journal, RunFolder,
     RunRecord, Session, Shard, merge, run_cells,
 };
 use std::path::{Path, PathBuf};

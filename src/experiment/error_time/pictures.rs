@@ -1,8 +1,8 @@
 //! The middle view in every mode, and the part of it where they differ most, with error maps.
 
-use crate::experiment::run::{CellOutcome, ExperimentContext, ExperimentError, RunRecord};
-use crate::experiment::measure::{References, Trial, truth_of};
 use super::plan::{DEFAULT_REFERENCES, REUSING, poses, view_share};
+use crate::experiment::measure::{References, Trial, truth_of};
+use crate::experiment::run::{CellOutcome, ExperimentContext, ExperimentError, RunRecord};
 use crate::raster::color::{ToneMap, srgb8};
 use crate::raster::load::exposed;
 use crate::raster::metrics::{error_picture, flip_map};

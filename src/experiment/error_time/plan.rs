@@ -1,7 +1,9 @@
 //! The cells, and where views and references stand along the walk.
 
 use crate::camera::Camera;
-use crate::experiment::run::{Cell, Effort, ExperimentContext, ExperimentError, ExperimentSettings, RunRecord};
+use crate::experiment::run::{
+    Cell, Effort, ExperimentContext, ExperimentError, ExperimentSettings, RunRecord,
+};
 use crate::render::Mode;
 
 /// Those that reuse.

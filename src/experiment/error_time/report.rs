@@ -1,12 +1,12 @@
 //! Charts, tables and pictures of error against run time.
 
+use super::compare::pareto;
+use super::measured::{METRICS, Setup};
+use super::plan::{DEFAULT_REFERENCES, REUSING};
+use super::words::{factors, headline, summary, time, times};
 use crate::experiment::run::report::{Axis, Block, Chart, Drawn, Picture, Point, Section, Series, Table};
 use crate::experiment::run::{Identity, Report, RunRecord, counted};
 use crate::experiment::statistics::median;
-use super::compare::pareto;
-use super::measured::{METRICS, Setup};
-use super::words::{factors, headline, summary, time, times};
-use super::plan::{DEFAULT_REFERENCES, REUSING};
 use serde_json::{Map, Value, json};
 
 /// The same in every chart.

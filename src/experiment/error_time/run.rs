@@ -17,7 +17,10 @@ pub(crate) fn run_cell(context: &ExperimentContext<'_>, cell: &RunRecord) -> Cel
         (Some("still"), Some(samples), Some(count)) => still(context, count as usize, trace(samples)),
         (Some("flown"), Some(samples), _) => {
             let mode = REUSING.into_iter().find(|m| cell.text("mode") == Some(m.name()));
-            mode.map_or_else(|| Err(ExperimentError::UnknownCell(cell.label())), |mode| flown(context, mode, trace(samples)))
+            mode.map_or_else(
+                || Err(ExperimentError::UnknownCell(cell.label())),
+                |mode| flown(context, mode, trace(samples)),
+            )
         }
         _ => Err(ExperimentError::UnknownCell(cell.label())),
     }

@@ -3,9 +3,9 @@
 use super::errors::Errors;
 use super::measurement::{TRUTH_SEED, see_through_percent};
 use super::references::References;
-use crate::experiment::run::{CellOutcome, ExperimentContext, RunRecord};
 use super::truth::{TruthRequest, truth};
 use crate::camera::Camera;
+use crate::experiment::run::{CellOutcome, ExperimentContext, RunRecord};
 use crate::lookup::LookupSet;
 use crate::reference::ReferenceFrame;
 use crate::render::{Frame, Mode, RenderSettings, Renderer};

@@ -1,9 +1,9 @@
 //! Which rule leaves least to wait for, at equal tracing.
 
-use crate::experiment::run::report::{Axis, Block, Chart, Drawn, Picture, Point, Section, Series, Table};
-use crate::experiment::run::{Identity, Report, RunRecord};
 use super::plan::{MODES, POLICIES};
 use super::{floor_plan, walks};
+use crate::experiment::run::report::{Axis, Block, Chart, Drawn, Picture, Point, Section, Series, Table};
+use crate::experiment::run::{Identity, Report, RunRecord};
 use serde_json::{Map, Value, json};
 
 /// The policy the others are compared with.

@@ -74,9 +74,8 @@ fn summary(tour: &TourRecord, watch: &Watch) -> RunRecord {
     let unseen = || frames.iter().map(|f| f.types.unseen_percent);
     let in_references: u64 = tour.references.iter().map(|r| r.rays.total()).sum();
     let in_frames: u64 = frames.iter().map(|f| f.rays.total()).sum();
-    let measured = |of: fn(&Measurement) -> f64| {
-        median(frames.iter().filter_map(|f| f.measurement.as_ref()).map(of))
-    };
+    let measured =
+        |of: fn(&Measurement) -> f64| median(frames.iter().filter_map(|f| f.measurement.as_ref()).map(of));
     RunRecord::default()
         .with("kind", "summary")
         .with("references", tour.references_added)

@@ -1,8 +1,8 @@
 //! Six ways to move, made from a scene's own walk so that every scene has them.
 
-use crate::experiment::run::ExperimentContext;
 use crate::camera::Camera;
 use crate::camera::CameraPath;
+use crate::experiment::run::ExperimentContext;
 use crate::trace::Tracer;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};

@@ -1,7 +1,7 @@
 //! What became of each reference of a walk.
 
-use crate::experiment::run::RunRecord;
 use crate::camera::Camera;
+use crate::experiment::run::RunRecord;
 use crate::reference::ReferenceId;
 use crate::render::Walkthrough;
 

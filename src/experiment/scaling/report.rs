@@ -1,9 +1,9 @@
 //! Growth as exponents, beside the goals.
 
+use super::plan::{AXES, MODES};
 use crate::experiment::run::report::{Axis, Block, Chart, Drawn, Point, Section, Series, Table};
 use crate::experiment::run::{Identity, Report, RunRecord, counted};
 use crate::experiment::statistics::{PowerLaw, median, power_law};
-use super::plan::{AXES, MODES};
 use serde_json::{Map, Value, json};
 
 /// The names of all axes.

@@ -4,8 +4,8 @@ use super::bench::{
     Room, SIZE, TRACE, bad_values, cuboid, differing, dvec, full, off_percent, paper, picture, quad,
     reference, seen_in_white, tracer,
 };
-use super::geometry::imported;
 use super::case::{Case, Measured, Outcome, Trial};
+use super::geometry::imported;
 use crate::camera::{Camera, View};
 use crate::experiment::run::ExperimentError;
 use crate::math::Ray;

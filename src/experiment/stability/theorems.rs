@@ -2,8 +2,8 @@
 
 use super::bench::{Room, SIZE, bad_values, ball, picture, random, reference, soup, tracer};
 use super::camera::fastest_ratio;
-use super::scale::self_hits;
 use super::case::{Case, Measured, Outcome, Trial};
+use super::scale::self_hits;
 use crate::experiment::run::ExperimentError;
 use crate::math::Ray;
 use crate::math::key::Key;

@@ -1,6 +1,8 @@
 //! The cells of Table 1.
 
-use crate::experiment::run::{Cell, Effort, ExperimentContext, ExperimentError, ExperimentSettings, RunRecord};
+use crate::experiment::run::{
+    Cell, Effort, ExperimentContext, ExperimentError, ExperimentSettings, RunRecord,
+};
 use crate::render::Mode;
 
 /// The paper's: no reference, or one, or two.
@@ -36,4 +38,3 @@ pub(super) fn mode_and_references(cell: &RunRecord) -> Result<(Mode, usize), Exp
     };
     CELLS.into_iter().find(find).ok_or_else(|| ExperimentError::UnknownCell(cell.label()))
 }
-

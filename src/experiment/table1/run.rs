@@ -70,4 +70,3 @@ fn save_references(
     }
     Ok(())
 }
-

@@ -1,8 +1,8 @@
 //! What the features that a scene does not need would cost: the same frames with every feature forced on.
 
-use crate::experiment::statistics::median;
 use super::plan::ThroughputSettings;
 use super::plan::moved;
+use crate::experiment::statistics::median;
 use crate::lookup::LookupSet;
 use crate::reference::{ReferenceCache, ReferenceFrame};
 use crate::render::{Mode, RenderSettings, Renderer};

@@ -30,7 +30,10 @@ pub fn gather_rays(tracer: &Tracer, settings: &ThroughputSettings) -> RayDump {
 }
 
 /// Primary rays in the order of tiles, and the surface points they meet.
-pub(super) fn first_hits(tracer: &Tracer, settings: &ThroughputSettings) -> (Vec<Ray>, Vec<(u32, SurfacePoint)>) {
+pub(super) fn first_hits(
+    tracer: &Tracer,
+    settings: &ThroughputSettings,
+) -> (Vec<Ray>, Vec<(u32, SurfacePoint)>) {
     let view = View::new(&settings.camera, &tracer.scene().frame, settings.size);
     let order = tile_order(settings.size);
     let primary: Vec<Ray> = order.iter().map(|&p| Tracer::primary_ray(&view, p)).collect();
@@ -78,7 +81,11 @@ pub(super) fn diffuse_rays(points: &[(u32, SurfacePoint)], seed: u64) -> Vec<Ray
 }
 
 /// The shadow rays that shading the points traces, of evenly spread points where there are too many.
-pub(super) fn shadow_bundles(tracer: &Tracer, points: &[(u32, SurfacePoint)], trace: &TraceSettings) -> Vec<RayBundle> {
+pub(super) fn shadow_bundles(
+    tracer: &Tracer,
+    points: &[(u32, SurfacePoint)],
+    trace: &TraceSettings,
+) -> Vec<RayBundle> {
     let of_point = |bundles: &mut Vec<RayBundle>, (pixel, point): &(u32, SurfacePoint)| {
         tracer.shadow_bundles(point, trace.samples, Key::of_pixel(trace.seed, *pixel), bundles);
     };

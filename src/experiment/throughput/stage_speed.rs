@@ -1,10 +1,10 @@
 //! The stages of a looked-up frame, each against what it cannot do without.
 
+use super::plan::ThroughputSettings;
+use super::plan::moved;
+use super::timing::{ROUNDS, median_secs};
 use crate::camera::{Camera, View};
 use crate::experiment::statistics::median;
-use super::plan::moved;
-use super::plan::ThroughputSettings;
-use super::timing::{ROUNDS, median_secs};
 use crate::lookup::{LookupSet, open_percent};
 use crate::reference::{ReferenceCache, ReferenceFrame};
 use crate::render::{FrameStats, Mode, RenderSettings, Renderer};

@@ -1,8 +1,8 @@
 //! The speed of the warp against what memory allows.
 
-use crate::camera::View;
 use super::plan::{ThroughputSettings, moved};
 use super::timing::{median_secs, median_secs_after};
+use crate::camera::View;
 use crate::reference::ReferenceFrame;
 use crate::trace::parallel::NEVER;
 use crate::trace::{TraceSettings, Tracer};

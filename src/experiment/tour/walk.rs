@@ -2,8 +2,8 @@
 
 use super::record::{FrameRecord, Pose, ReferenceRecord, TourRecord};
 use crate::camera::Camera;
-use crate::experiment::measure::{MeasureError, MeasureSettings, Measurer};
 use crate::camera::CameraPath;
+use crate::experiment::measure::{MeasureError, MeasureSettings, Measurer};
 use crate::raster::save::SaveError;
 use crate::render::{Mode, RenderSettings, Walkthrough, WalkthroughSettings};
 use crate::trace::Tracer;
