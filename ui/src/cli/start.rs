@@ -5,7 +5,7 @@ use super::flags::Flags;
 use super::{Common, interrupt, output, paths, pose, scene, tour};
 use crate::picture::restore::{PictureView, beside, is_picture, read_view};
 use crate::settings::suggestion;
-use crate::window::state::{Look, WINDOW_SAMPLES};
+use crate::window::state::{Appearance, WINDOW_SAMPLES};
 use crate::window::{self, SceneSource, WindowRequest};
 use clap::{CommandFactory, Parser};
 use std::path::Path;
@@ -58,7 +58,7 @@ fn open_window(scene: Option<&str>, flags: &Flags, common: &Common) -> Result<()
         tone_map: flags.tone_map,
         threads: flags.threads,
         pictures: common.settings.pictures.clone(),
-        look: Look::of(&common.settings),
+        appearance: Appearance::of(&common.settings),
         settings_file: common.user_file.clone(),
         state_folder: paths::state_folder(),
         warnings: common.warnings.clone(),

@@ -21,8 +21,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 pub use app::App;
-pub use app::scene_loading::SceneSource;
-use state::{Look, PictureSettings};
+pub use rendering::scene_loading::SceneSource;
+use state::{Appearance, PictureSettings};
 
 /// What the window is opened with.
 #[derive(Clone, Debug)]
@@ -50,7 +50,7 @@ pub struct WindowRequest {
     /// How pictures are saved at first.
     pub picture: PictureSettings,
     /// The looks of the window.
-    pub look: Look,
+    pub appearance: Appearance,
     /// Where changed looks are kept; nowhere where nothing is said.
     pub settings_file: Option<PathBuf>,
     /// Where recent files and sessions for the case of a crash are kept; nowhere where nothing is said.
@@ -80,7 +80,7 @@ impl Default for WindowRequest {
             threads: None,
             pictures: None,
             picture: PictureSettings::default(),
-            look: Look::default(),
+            appearance: Appearance::default(),
             settings_file: None,
             state_folder: None,
             warnings: Vec::new(),

@@ -11,7 +11,7 @@ use egui::{Key, Modifiers, vec2};
 #[test]
 fn w_flies_forward_and_generations_never_go_back() {
     let mut harness = app();
-    let before = *harness.state().state().fly.camera();
+    let before = *harness.state().state().navigation.fly.camera();
     let mut newest = generation(&harness);
     harness.key_down(Key::W);
     for _ in 0..30 {
@@ -22,7 +22,7 @@ fn w_flies_forward_and_generations_never_go_back() {
     assert_eq!(harness.state().state().work, Work::Moving);
     harness.key_up(Key::W);
     settle(&mut harness);
-    let after = *harness.state().state().fly.camera();
+    let after = *harness.state().state().navigation.fly.camera();
     let way = after.eye - before.eye;
     assert!((0.9..1.6).contains(&way.dot(before.forward())), "{way} in half a second at 2.5 m/s");
     let shown = harness.state().state().frame.as_ref().expect("a frame").camera;
@@ -32,7 +32,7 @@ fn w_flies_forward_and_generations_never_go_back() {
 #[test]
 fn a_drag_turns_and_the_wheel_dollies_or_changes_the_speed() {
     let mut harness = app();
-    let before = *harness.state().state().fly.camera();
+    let before = *harness.state().state().navigation.fly.camera();
     let centre = viewport_centre(&harness);
     for event in [centre, centre + vec2(60.0, 30.0)] {
         harness.hover_at(event);
@@ -44,7 +44,7 @@ fn a_drag_turns_and_the_wheel_dollies_or_changes_the_speed() {
     }
     harness.drop_at(centre + vec2(60.0, 30.0));
     harness.step();
-    let after = *harness.state().state().fly.camera();
+    let after = *harness.state().state().navigation.fly.camera();
     assert!(after.yaw < before.yaw && after.pitch < before.pitch, "right and down: {before:?} {after:?}");
     assert_eq!(after.eye, before.eye);
     let wheel = egui::Event::MouseWheel {
@@ -59,8 +59,8 @@ fn a_drag_turns_and_the_wheel_dollies_or_changes_the_speed() {
     harness.step();
     harness.event(wheel.clone());
     harness.step();
-    assert!(harness.state().state().fly.camera().eye != after.eye, "the wheel flies");
-    let speed = harness.state().state().fly.speed_m_per_s();
+    assert!(harness.state().state().navigation.fly.camera().eye != after.eye, "the wheel flies");
+    let speed = harness.state().state().navigation.fly.speed_m_per_s();
     let button = |pressed| egui::Event::PointerButton {
         pos: centre,
         button: egui::PointerButton::Secondary,
@@ -73,7 +73,7 @@ fn a_drag_turns_and_the_wheel_dollies_or_changes_the_speed() {
     harness.step();
     harness.event(button(false));
     harness.step();
-    assert!(harness.state().state().fly.speed_m_per_s() > speed);
+    assert!(harness.state().state().navigation.fly.speed_m_per_s() > speed);
 }
 
 #[test]
@@ -115,7 +115,7 @@ fn at_rest_everything_is_reused_or_mirrored() {
     let frame = harness.state().state().frame.as_ref().expect("a frame");
     let p = frame.stats.types.percentages();
     assert!(p.type1_percent > 50.0 && p.type2_percent > 0.0 && p.type3_percent < 5.0, "{p:?}");
-    let start = harness.state().state().fly.camera();
+    let start = harness.state().state().navigation.fly.camera();
     assert!(frame.references.iter().all(|r| r.camera == *start), "one stands where nobody ever was");
 }
 
@@ -140,7 +140,7 @@ fn p_pauses_and_resumes() {
 #[test]
 fn typing_does_not_fly() {
     let mut harness = app();
-    let before = *harness.state().state().fly.camera();
+    let before = *harness.state().state().navigation.fly.camera();
     let field = || -> Role { Role::TextInput };
     harness.get_by_role_and_label(field(), "Model file").focus();
     harness.step();
@@ -150,8 +150,8 @@ fn typing_does_not_fly() {
     }
     harness.run_steps(4);
     let state = harness.state().state();
-    assert_eq!(state.path_text, "wasd");
-    assert_eq!(*state.fly.camera(), before);
+    assert_eq!(state.files.path_text, "wasd");
+    assert_eq!(*state.navigation.fly.camera(), before);
     assert_eq!(state.options.heatmap, Heatmap::Off);
 }
 
@@ -199,7 +199,7 @@ fn saved_views_are_reached_by_number_and_in_turn() {
     for (key, view) in [(Key::Num2, 1), (Key::L, 2), (Key::Num1, 0)] {
         harness.key_press(key);
         harness.run_steps(60);
-        assert_eq!(*harness.state().state().fly.camera(), views[view].camera);
+        assert_eq!(*harness.state().state().navigation.fly.camera(), views[view].camera);
     }
 }
 
@@ -266,8 +266,8 @@ fn what_was_asked_for_at_the_start_is_kept() {
     let mut harness = open(asked, false);
     harness.run_steps(3);
     let state = harness.state().state();
-    assert!((state.fly.camera().fov_y.to_degrees() - 8.5).abs() < 1e-9);
-    assert_eq!(state.fly.camera().eye, state.scene.as_ref().expect("a scene").views[1].camera.eye);
+    assert!((state.navigation.fly.camera().fov_y.to_degrees() - 8.5).abs() < 1e-9);
+    assert_eq!(state.navigation.fly.camera().eye, state.scene.as_ref().expect("a scene").views[1].camera.eye);
     assert_eq!((state.quality.exposure_ev, state.quality.tone_map), (9.25, ToneMap::Linear));
     assert_eq!(state.quality, state.default_quality);
     assert!(state.notices.is_empty());

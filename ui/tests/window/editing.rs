@@ -27,7 +27,7 @@ pub(super) fn click(harness: &mut Harness<'static, App>, right: f32, down: f32) 
 }
 
 fn kind_of_chosen(app: &App) -> MaterialKind {
-    let id = app.state().sight.material.expect("a chosen material");
+    let id = app.state().selection.material.expect("a chosen material");
     edits(app).now().materials[id.0 as usize].kind
 }
 

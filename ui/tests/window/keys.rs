@@ -3,7 +3,7 @@
 use super::*;
 use afterimage_ui::window::input::fly_camera::MoveMode;
 use afterimage_ui::window::input::keymap::{Action, Attention, BINDINGS, Chord, Keyboard, Pressed};
-use afterimage_ui::window::state::{Compare, Options, PictureSettings, PictureSize, State};
+use afterimage_ui::window::state::{Compare, Options, PictureSettings, PictureSize, AppState};
 use egui::{Key, Modifiers, ViewportCommand, vec2};
 use glam::DVec3;
 
@@ -16,18 +16,18 @@ fn press(window: &mut Window, chord: Chord) {
     window.run_steps(2);
 }
 
-fn state(window: &Window) -> &State {
+fn state(window: &Window) -> &AppState {
     window.state().state()
 }
 
 fn camera(window: &Window) -> afterimage::Camera {
-    *state(window).fly.camera()
+    *state(window).navigation.fly.camera()
 }
 
 fn arrive(window: &mut Window) {
     window.step();
     for _ in 0..120 {
-        if !state(window).fly.is_easing() {
+        if !state(window).navigation.fly.is_easing() {
             return;
         }
         window.step();
@@ -71,9 +71,9 @@ fn moves(window: &mut Window, action: Action, chord: Chord, index: usize) {
         Action::Down => assert!(way(window, chord.key).y < -0.1),
         Action::ToggleWalk => {
             press(window, chord);
-            assert_eq!(state(window).fly.move_mode(), MoveMode::Walk);
+            assert_eq!(state(window).navigation.fly.move_mode(), MoveMode::Walk);
             press(window, chord);
-            assert_eq!(state(window).fly.move_mode(), MoveMode::Fly);
+            assert_eq!(state(window).navigation.fly.move_mode(), MoveMode::Fly);
         }
         Action::Focus => {
             let before = camera(window);
@@ -96,11 +96,11 @@ fn changes_view(window: &mut Window, action: Action, chord: Chord, index: usize)
     match action {
         Action::NextView | Action::PreviousView => {
             let (count, before) =
-                (state(window).scene.as_ref().map_or(0, |s| s.views.len()), state(window).view_index);
+                (state(window).scene.as_ref().map_or(0, |s| s.views.len()), state(window).navigation.view_index);
             press(window, chord);
             arrive(window);
             let step = if action == Action::NextView { 1 } else { count - 1 };
-            assert_eq!(state(window).view_index, (before + step) % count);
+            assert_eq!(state(window).navigation.view_index, (before + step) % count);
         }
         Action::GoToView => {
             let view = state(window).scene.as_ref().and_then(|s| s.views.get(index).map(|v| v.camera));
@@ -205,10 +205,10 @@ fn works(window: &mut Window, action: Action, chord: Chord) {
         }
         Action::ClearCache => {
             press(window, chord);
-            assert!(state(window).asks_to_clear);
+            assert!(state(window).dialogs.asks_to_clear);
             window.key_press(Key::Escape);
             window.run_steps(2);
-            assert!(!state(window).asks_to_clear);
+            assert!(!state(window).dialogs.asks_to_clear);
         }
         Action::ShowFull => {
             settle(window);
@@ -265,13 +265,13 @@ fn asks(window: &mut Window, action: Action, chord: Chord) {
         }
         Action::AddPathKey => {
             press(window, chord);
-            assert!(state(window).playback.is_own);
+            assert!(state(window).navigation.playback.is_own);
         }
         Action::PlayPath => {
             press(window, chord);
-            assert!(state(window).playback.is_playing);
+            assert!(state(window).navigation.playback.is_playing);
             press(window, chord);
-            assert!(!state(window).playback.is_playing);
+            assert!(!state(window).navigation.playback.is_playing);
         }
         // Only that the key asks for it: a dialog of the desktop would stay open, the others have tests of their own.
         Action::Open

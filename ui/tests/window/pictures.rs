@@ -35,7 +35,7 @@ fn f12_saves_the_full_tracers_picture_of_the_asked_size_bit_for_bit() {
     let tracer = Tracer::new(small_room());
     let mut settings = state.quality.walk.render;
     settings.mode = Mode::Full;
-    let expected = render_antialiased(&tracer, state.fly.camera(), [40, 30], &settings, 2, NEVER);
+    let expected = render_antialiased(&tracer, state.navigation.fly.camera(), [40, 30], &settings, 2, NEVER);
     assert_eq!(picture.values, expected.radiance);
     let notes = read_notes(&path).expect("notes");
     let note = |name: &str| notes.iter().find(|(n, _)| n == name).map(|(_, t)| t.clone()).unwrap_or_default();
@@ -129,19 +129,19 @@ fn a_folder_that_takes_no_file_is_told_with_the_remedy() {
 fn a_dropped_picture_leads_back_to_its_view() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut harness = saving(folder.path(), small());
-    let there = *harness.state().state().fly.camera();
+    let there = *harness.state().state().navigation.fly.camera();
     harness.key_press(Key::F12);
     assert_eq!(notice(&mut harness).0, Severity::Info);
     harness.key_press(Key::Num2);
     harness.run_steps(60);
-    assert_ne!(*harness.state().state().fly.camera(), there);
+    assert_ne!(*harness.state().state().navigation.fly.camera(), there);
     let path = folder.path().join("afterimage-room-0001.png");
     harness.input_mut().dropped_files.push(Arc::new(driving::Dropped(path)));
     step_until(&mut harness, "the picture's view", |app| {
         app.state().notices.iter().any(|n| n.text.contains("picture was taken"))
     });
     harness.run_steps(60);
-    let back = *harness.state().state().fly.camera();
+    let back = *harness.state().state().navigation.fly.camera();
     assert!(
         (back.eye - there.eye).length() < 1e-9 && (back.yaw - there.yaw).abs() < 1e-9,
         "{back:?} {there:?}"
@@ -172,7 +172,7 @@ fn the_path_becomes_numbered_pictures_and_goes_on_where_it_was_cut() {
     let (severity, text) = notice(&mut harness);
     assert_eq!(severity, Severity::Info, "{text}");
     let sequence = folder.path().join("afterimage-room-sequence-0001");
-    let frames = harness.state().state().playback.path.frames as usize;
+    let frames = harness.state().state().navigation.playback.path.frames as usize;
     let count = || std::fs::read_dir(&sequence).expect("the folder").count() - 1;
     assert_eq!(count(), frames, "and its description");
     let command = harness.state().state().picture.film_command.clone().expect("a command");

@@ -36,7 +36,7 @@ impl Storm {
         look.materials[0].diffuse = Vec3::new(0.2, 0.5, 0.3);
         let edited = Arc::new(first.with_same_geometry(Arc::new(first.scene().with_edit(&look))));
         let other = Arc::new(Tracer::new(small_room()));
-        thread.order(RenderCommand::SetTracer(first.clone()));
+        thread.send(RenderCommand::SetTracer(first.clone()));
         let tracers = vec![first, edited, other];
         Self { thread, bell, shown: None, tracers, newest: 0, random: 0x9e37_79b9_7f4a_7c15 }
     }
@@ -49,7 +49,7 @@ impl Storm {
         (self.random >> 11) % bound
     }
 
-    fn wish(&mut self) -> RenderRequest {
+    fn request(&mut self) -> RenderRequest {
         let modes = [Mode::Full, Mode::Paper, Mode::Fast, Mode::Exact];
         let placements = [PlacementPolicy::new(&NONE, 0.0), PlacementPolicy::new(&THRESHOLD, 5.0)];
         let placement = placements[self.below(2) as usize];
@@ -76,17 +76,17 @@ impl Storm {
             0 => {
                 let which = self.below(3) as usize;
                 let tracer = self.tracers[which].clone();
-                self.thread.order(RenderCommand::SetTracer(tracer))
+                self.thread.send(RenderCommand::SetTracer(tracer))
             }
             1 => {
-                let camera = self.wish().camera;
-                self.thread.order(RenderCommand::AddReference(camera))
+                let camera = self.request().camera;
+                self.thread.send(RenderCommand::AddReference(camera))
             }
-            2 => self.thread.order(RenderCommand::Clear),
-            3 => self.thread.order(RenderCommand::Picture),
+            2 => self.thread.send(RenderCommand::Clear),
+            3 => self.thread.send(RenderCommand::Picture),
             _ => {
-                let wish = self.wish();
-                self.thread.wish(wish)
+                let request = self.request();
+                self.thread.request(request)
             }
         };
         assert!(generation >= self.newest, "generation {generation} after {}", self.newest);
@@ -106,10 +106,10 @@ impl Storm {
 
     /// A good wish in a good scene, shown in full.
     fn recovers(&mut self) {
-        self.thread.order(RenderCommand::SetTracer(self.tracers[0].clone()));
-        let wish =
-            RenderRequest { size: [32, 24], is_paused: false, budget: Some(Duration::ZERO), ..self.wish() };
-        let generation = self.thread.wish(wish);
+        self.thread.send(RenderCommand::SetTracer(self.tracers[0].clone()));
+        let request =
+            RenderRequest { size: [32, 24], is_paused: false, budget: Some(Duration::ZERO), ..self.request() };
+        let generation = self.thread.request(request);
         while !self.shown.as_ref().is_some_and(|f| f.generation >= generation && f.stats.is_complete) {
             if !self.thread.take_frame(&mut self.shown) {
                 self.bell.recv_timeout(DEADLINE).expect("the thread goes on");
@@ -118,13 +118,13 @@ impl Storm {
     }
 
     /// The text of the one message of failure that a wish in a scene ends in.
-    fn failure(&mut self, scene: Scene, wish: RenderRequest) -> String {
-        self.thread.order(RenderCommand::SetTracer(Arc::new(Tracer::new(Arc::new(scene)))));
-        self.thread.wish(wish);
+    fn failure(&mut self, scene: Scene, request: RenderRequest) -> String {
+        self.thread.send(RenderCommand::SetTracer(Arc::new(Tracer::new(Arc::new(scene)))));
+        self.thread.request(request);
         let failed = loop {
             let failures = self.thread.messages().filter_map(|message| match message {
                 Message::Failed(text) => Some(text),
-                Message::Picture(_) | Message::Lent(_) => None,
+                Message::Picture(_) | Message::Reference(_) => None,
             });
             let failures: Vec<String> = failures.collect();
             if !failures.is_empty() {
@@ -136,12 +136,12 @@ impl Storm {
         failed.into_iter().next().unwrap_or_default()
     }
 
-    fn plain_wish(&mut self) -> RenderRequest {
-        let mut wish =
-            RenderRequest { size: [64, 48], is_paused: false, budget: Some(Duration::ZERO), ..self.wish() };
-        wish.settings.render.mode = Mode::Full;
-        wish.settings.placement = PlacementPolicy::new(&NONE, 0.0);
-        wish
+    fn plain_request(&mut self) -> RenderRequest {
+        let mut request =
+            RenderRequest { size: [64, 48], is_paused: false, budget: Some(Duration::ZERO), ..self.request() };
+        request.settings.render.mode = Mode::Full;
+        request.settings.placement = PlacementPolicy::new(&NONE, 0.0);
+        request
     }
 }
 
@@ -165,8 +165,8 @@ fn a_panic_in_a_tile_is_one_message_and_the_next_scene_is_shown() {
     let mut broken = Scene::clone(&small_room());
     // No builder makes such a scene: a bug of ours, met by every ray that meets this triangle.
     broken.triangle_materials.iter_mut().for_each(|m| *m = MaterialId(u32::MAX));
-    let wish = storm.plain_wish();
-    let text = storm.failure(broken, wish);
+    let request = storm.plain_request();
+    let text = storm.failure(broken, request);
     assert!(text.contains("rendering failed"), "{text}");
     storm.recovers();
 }
@@ -174,8 +174,8 @@ fn a_panic_in_a_tile_is_one_message_and_the_next_scene_is_shown() {
 #[test]
 fn a_picture_beyond_memory_is_refused_in_words() {
     let mut storm = Storm::new();
-    let wish = RenderRequest { size: [60_000, 60_000], ..storm.plain_wish() };
-    let text = storm.failure(Scene::clone(&small_room()), wish);
+    let request = RenderRequest { size: [60_000, 60_000], ..storm.plain_request() };
+    let text = storm.failure(Scene::clone(&small_room()), request);
     assert!(text.contains("60000 x 60000") && text.contains("GB"), "{text}");
     storm.recovers();
 }
@@ -187,10 +187,10 @@ fn light_that_is_no_number_stays_in_its_pixels() {
     broken.materials[0].emission = Vec3::NAN;
     let tracer = Arc::new(Tracer::new(Arc::new(broken)));
     for mode in [Mode::Full, Mode::Paper, Mode::Exact] {
-        storm.thread.order(RenderCommand::SetTracer(tracer.clone()));
-        let mut wish = storm.plain_wish();
-        wish.settings.render.mode = mode;
-        let generation = storm.thread.wish(wish);
+        storm.thread.send(RenderCommand::SetTracer(tracer.clone()));
+        let mut request = storm.plain_request();
+        request.settings.render.mode = mode;
+        let generation = storm.thread.request(request);
         while !storm.shown.as_ref().is_some_and(|f| f.generation >= generation && f.stats.is_complete) {
             if !storm.thread.take_frame(&mut storm.shown) {
                 storm.bell.recv_timeout(DEADLINE).expect("a frame");

@@ -32,11 +32,11 @@ impl Bench {
         });
         let thread = RenderThread::start(2, wake).expect("the threads start");
         let tracer = Arc::new(Tracer::new(small_room()));
-        thread.order(RenderCommand::SetTracer(tracer.clone()));
+        thread.send(RenderCommand::SetTracer(tracer.clone()));
         Self { thread, bell, shown: None, tracer }
     }
 
-    fn wish(&self, x: f64) -> RenderRequest {
+    fn request(&self, x: f64) -> RenderRequest {
         let camera = Camera { eye: DVec3::new(x, 1.6, 2.0), ..*self.tracer.scene().start() };
         let mut settings =
             WalkthroughSettings { placement: PlacementPolicy::new(&NONE, 0.0), ..Default::default() };
@@ -53,12 +53,12 @@ impl Bench {
 
     /// Orders the picture that is there and waits for it.
     fn picture(&self) -> Picture {
-        self.thread.order(RenderCommand::Picture);
+        self.thread.send(RenderCommand::Picture);
         loop {
             match self.thread.messages().next() {
                 Some(Message::Picture(picture)) => return picture,
                 Some(Message::Failed(text)) => panic!("{text}"),
-                Some(Message::Lent(lending)) => panic!("nobody asked for {:?}", lending.id),
+                Some(Message::Reference(reference)) => panic!("nobody asked for {:?}", reference.id),
                 None => self.bell.recv_timeout(DEADLINE).expect("the picture"),
             }
         }
@@ -84,18 +84,18 @@ fn the_newest_pose_wins() {
     let mut bench = Bench::new();
     let mut last = 0;
     for i in 0..200 {
-        last = bench.thread.wish(bench.wish(f64::from(i) * 0.01));
+        last = bench.thread.request(bench.request(f64::from(i) * 0.01));
     }
     bench.wait_for(last);
     let shown = bench.shown.as_ref().expect("a frame");
-    assert_eq!(shown.camera, bench.wish(1.99).camera);
+    assert_eq!(shown.camera, bench.request(1.99).camera);
     assert!(bench.thread.frames_rendered() < 200, "poses that nobody waits for are left out");
 }
 
 #[test]
 fn rest_renders_nothing() {
     let mut bench = Bench::new();
-    let generation = bench.thread.wish(bench.wish(0.0));
+    let generation = bench.thread.request(bench.request(0.0));
     bench.wait_for(generation);
     let rendered = bench.thread.frames_rendered();
     // A picture needs the thread but no new frame: when it is there, the thread has been round its loop once more.
@@ -106,16 +106,16 @@ fn rest_renders_nothing() {
 #[test]
 fn a_reference_asked_for_is_added_and_removed() {
     let mut bench = Bench::new();
-    let generation = bench.thread.wish(bench.wish(0.0));
+    let generation = bench.thread.request(bench.request(0.0));
     bench.wait_for(generation);
-    bench.thread.order(RenderCommand::AddReference(bench.wish(0.0).camera));
+    bench.thread.send(RenderCommand::AddReference(bench.request(0.0).camera));
     // The reference raises the generation by one.
     bench.wait_for(generation + 1);
     let frame = bench.shown.as_ref().expect("a frame");
     assert_eq!((frame.references.len(), frame.stats.references_used), (1, 1));
     assert_eq!(frame.stats.types.type3(), 0, "its own pose has no hole");
     let id = frame.references[0].id;
-    let generation = bench.thread.order(RenderCommand::Remove(id));
+    let generation = bench.thread.send(RenderCommand::Remove(id));
     bench.wait_for(generation);
     assert!(bench.shown.as_ref().is_some_and(|f| f.references.is_empty()));
 }
@@ -123,29 +123,29 @@ fn a_reference_asked_for_is_added_and_removed() {
 #[test]
 fn nothing_is_rendered_without_pixels_or_while_paused() {
     let mut bench = Bench::new();
-    let generation = bench.thread.wish(bench.wish(0.0));
+    let generation = bench.thread.request(bench.request(0.0));
     bench.wait_for(generation);
     let rendered = bench.thread.frames_rendered();
     for idle in [
-        RenderRequest { size: [0, 64], ..bench.wish(0.5) },
-        RenderRequest { is_paused: true, ..bench.wish(0.5) },
+        RenderRequest { size: [0, 64], ..bench.request(0.5) },
+        RenderRequest { is_paused: true, ..bench.request(0.5) },
     ] {
-        bench.thread.wish(idle);
+        bench.thread.request(idle);
         // The picture there was comes back once the wish has been taken in.
-        assert_eq!(bench.picture().camera, bench.wish(0.0).camera);
+        assert_eq!(bench.picture().camera, bench.request(0.0).camera);
         assert_eq!(bench.thread.frames_rendered(), rendered, "{idle:?}");
     }
-    let generation = bench.thread.wish(bench.wish(1.0));
+    let generation = bench.thread.request(bench.request(1.0));
     bench.wait_for(generation);
-    assert_eq!(bench.shown.as_ref().map(|f| f.camera), Some(bench.wish(1.0).camera));
+    assert_eq!(bench.shown.as_ref().map(|f| f.camera), Some(bench.request(1.0).camera));
 }
 
 #[test]
 fn a_picture_at_rest_converges_and_then_costs_nothing() {
     let mut bench = Bench::new();
-    let mut wish = bench.wish(0.0);
-    wish.settings.render.mode = Mode::Exact;
-    let generation = bench.thread.wish(wish);
+    let mut request = bench.request(0.0);
+    request.settings.render.mode = Mode::Exact;
+    let generation = bench.thread.request(request);
     bench.wait_for(generation);
     while !bench.shown.as_ref().is_some_and(|f| f.stats.refined.is_complete) {
         if !bench.thread.take_frame(&mut bench.shown) {
@@ -154,8 +154,8 @@ fn a_picture_at_rest_converges_and_then_costs_nothing() {
         assert_eq!(bench.shown.as_ref().map(|f| f.generation), Some(generation));
     }
     let passes = bench.shown.as_ref().map_or(0, |f| f.stats.refined.of);
-    let (camera, render) = (&wish.camera, &wish.settings.render);
-    let expected = render_antialiased(&bench.tracer, camera, wish.size, render, passes, NEVER);
+    let (camera, render) = (&request.camera, &request.settings.render);
+    let expected = render_antialiased(&bench.tracer, camera, request.size, render, passes, NEVER);
     let picture = bench.picture();
     assert!(picture.radiance == expected.radiance && picture.refined.is_complete);
     // The thread has been round its loop for the picture, and had nothing more to show.
@@ -166,17 +166,17 @@ fn a_picture_at_rest_converges_and_then_costs_nothing() {
 #[test]
 fn a_change_ends_the_refining() {
     let mut bench = Bench::new();
-    let mut slow = bench.wish(0.0);
+    let mut slow = bench.request(0.0);
     slow.settings.render.mode = Mode::Exact;
     (slow.size, slow.settings.render.trace.samples) = ([256, 256], 16);
-    bench.thread.wish(slow);
+    bench.thread.request(slow);
     let refined = |bench: &Bench| bench.shown.as_ref().map_or_else(Default::default, |f| f.stats.refined);
     while refined(&bench).of == 0 {
         bench.bell.recv_timeout(DEADLINE).expect("the thread says something");
         bench.thread.take_frame(&mut bench.shown);
     }
     let quick = RenderRequest { size: [16, 16], ..slow };
-    let generation = bench.thread.wish(quick);
+    let generation = bench.thread.request(quick);
     while bench.shown.as_ref().is_some_and(|f| f.generation < generation) {
         assert!(!refined(&bench).is_complete, "the old picture was brought to its end");
         bench.bell.recv_timeout(DEADLINE).expect("the thread says something");
@@ -188,10 +188,10 @@ fn a_change_ends_the_refining() {
 #[test]
 fn it_ends_while_it_works() {
     let bench = Bench::new();
-    let mut wish = bench.wish(0.0);
-    wish.size = [2048, 2048];
-    wish.settings.render.trace.samples = 64;
-    bench.thread.order(RenderCommand::AddReference(wish.camera));
-    bench.thread.wish(wish);
+    let mut request = bench.request(0.0);
+    request.size = [2048, 2048];
+    request.settings.render.trace.samples = 64;
+    bench.thread.send(RenderCommand::AddReference(request.camera));
+    bench.thread.request(request);
     drop(bench);
 }

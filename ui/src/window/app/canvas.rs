@@ -33,7 +33,7 @@ impl App {
         if self.state.options.shows_statistics && inner.is_positive() {
             ui.scope_builder(egui::UiBuilder::new().max_rect(inner), |ui| panels::hud::show(ui, &self.state));
         }
-        if self.state.shows_hint && self.state.loading.is_none() && inner.is_positive() {
+        if self.state.navigation.shows_hint && self.state.loading.is_none() && inner.is_positive() {
             panels::hud::hint(ui, rect);
         }
         (response, canvas)
@@ -53,7 +53,7 @@ impl App {
 
     /// The way from the newest frame to the camera; `None` at rest, and for frames of a scene that was left.
     fn reprojection(&self) -> Option<Reprojection> {
-        let (frame, camera) = (self.state.frame.as_ref()?, self.state.fly.camera());
+        let (frame, camera) = (self.state.frame.as_ref()?, self.state.navigation.fly.camera());
         let is_elsewhere = frame.camera != *camera && frame.generation >= self.scene_since;
         let nearest = frame.depth_ranges.nearest();
         is_elsewhere

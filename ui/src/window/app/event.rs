@@ -8,7 +8,7 @@ use crate::window::rendering::comparison::Measured;
 use crate::window::rendering::exchange::locked;
 use crate::window::rendering::plan::Plan;
 use crate::window::rendering::render_thread::Message;
-use crate::window::state::{Pair, Severity};
+use crate::window::state::{Pair};
 use std::path::PathBuf;
 
 /// What background work of the app itself brings back.
@@ -38,6 +38,18 @@ pub(crate) enum AppEvent {
 }
 
 impl App {
+    /// Sets the exposure by the first complete picture of a model that was just opened.
+    fn meter(&mut self) {
+        // Beyond these a picture is meant to be dark or bright.
+        const RANGE_EV: std::ops::RangeInclusive<f32> = -4.0..=6.0;
+        let Some(frame) = &self.state.frame else { return };
+        let is_awaited = self.meters_from.is_some_and(|from| frame.generation >= from);
+        if let Some(ev) = frame.metered_ev.filter(|_| is_awaited) {
+            self.state.quality.exposure_ev = ev.clamp(*RANGE_EV.start(), *RANGE_EV.end());
+            self.meters_from = None;
+        }
+    }
+
     /// Takes in all that has happened since the last frame of the window.
     pub(crate) fn poll(&mut self, ctx: &egui::Context) {
         self.poll_loader();
@@ -45,9 +57,9 @@ impl App {
         let messages: Vec<Message> = self.threads.messages().collect();
         for message in messages {
             match message {
-                Message::Lent(lending) => self.show_lent(ctx, &lending),
+                Message::Reference(reference) => self.show_reference(ctx, &reference),
                 Message::Picture(picture) => self.save_from_references(picture),
-                Message::Failed(text) => self.state.notify(Severity::Error, text),
+                Message::Failed(text) => self.state.error(text),
             }
         }
         let news: Vec<AppEvent> = self.news.1.try_iter().collect();
@@ -61,34 +73,34 @@ impl App {
                     let graphics = self.graphics.clone();
                     self.take_measured(pair, size, measured, graphics.as_ref());
                 }
-                AppEvent::Failed(text) => self.state.notify(Severity::Error, text),
+                AppEvent::Failed(text) => self.state.error(text),
                 AppEvent::Saved(Ok(path)) => {
-                    self.state.notify(Severity::Info, format!("saved {}", path.display()));
+                    self.state.info(format!("saved {}", path.display()));
                 }
                 AppEvent::Edited(edited) => self.take_edited(*edited),
                 AppEvent::SavedLook(saved) => self.take_saved_look(ctx, *saved),
                 AppEvent::Plan(scene, plan) => self.take_plan(scene, plan),
                 AppEvent::Session(saved) => self.session_saved(saved),
                 AppEvent::Kept(Ok(())) => {}
-                AppEvent::Kept(Err(message)) => self.state.notify(Severity::Error, message),
+                AppEvent::Kept(Err(message)) => self.state.error(message),
                 AppEvent::Changed(path) => self.reload_changed(&path),
                 AppEvent::View(Ok(view)) => self.go_to_picture(view),
-                AppEvent::View(Err(message)) => self.state.notify(Severity::Error, message),
-                AppEvent::Saved(Err(error)) => self.state.notify(Severity::Error, format!("{error:#}")),
+                AppEvent::View(Err(message)) => self.state.error(message),
+                AppEvent::Saved(Err(error)) => self.state.error(format!("{error:#}")),
             }
         }
         let trouble = std::mem::take(&mut *locked(&self.trouble));
-        trouble.into_iter().for_each(|text| self.state.notify(Severity::Error, text));
+        trouble.into_iter().for_each(|text| self.state.error(text));
         if self.threads.take_frame(&mut self.state.frame) {
             if self.state.frame.as_ref().is_some_and(|f| !f.is_refinement) {
                 self.state.record();
             }
-            self.state.meter();
+            self.meter();
             if let (Some(graphics), Some(frame)) = (&self.graphics, &self.state.frame) {
                 viewport::upload(graphics, frame);
             }
         }
-        self.state.expire_notices();
+        self.state.notices.retain(|n| !n.is_expired());
         self.follow_plan();
         self.want_thumbnails(ctx);
     }

@@ -5,8 +5,8 @@ use crate::window::app::event::AppEvent;
 use crate::window::gpu::projection::Projection;
 use crate::window::rendering::exchange::{PublishedFrame, rgb9e5_decoded, supplier_byte};
 use crate::window::rendering::plan::Plan;
-use crate::window::rendering::render_thread::{Lending, RenderCommand};
-use crate::window::state::{Inspection, Lent, PixelFacts, Seeing, Severity, Snap, Work};
+use crate::window::rendering::render_thread::{ReferenceRadiance, RenderCommand};
+use crate::window::state::{Inspection, ReferenceView, PixelFacts, InspectCommand, Snap, Work};
 use afterimage::raster::color;
 use afterimage::raster::pixel_types::PixelType;
 use afterimage::reference::ReferenceId;
@@ -20,34 +20,34 @@ const SAME_FLOOR_M: f64 = 0.7;
 
 impl App {
     /// Does what was asked for.
-    pub(crate) fn look_closer(&mut self, seeing: Seeing) {
-        let sight = &mut self.state.sight;
+    pub(crate) fn look_closer(&mut self, seeing: InspectCommand) {
+        let selection = &mut self.state.selection;
         match seeing {
-            Seeing::CloseInspector => sight.inspection = None,
-            Seeing::SelectMaterial(id) => sight.material = Some(id),
-            Seeing::ToggleMeasure => {
-                sight.measure.is_on = !sight.measure.is_on;
-                sight.measure.hover = None;
+            InspectCommand::CloseInspector => selection.inspection = None,
+            InspectCommand::SelectMaterial(id) => selection.material = Some(id),
+            InspectCommand::ToggleMeasure => {
+                selection.measure.is_on = !selection.measure.is_on;
+                selection.measure.hover = None;
             }
-            Seeing::ClearMeasure => sight.measure = Default::default(),
-            Seeing::SelectReference(id) => sight.reference = id,
-            Seeing::EnableReference(id, is_enabled) => {
-                self.threads.order(RenderCommand::Enable(id, is_enabled));
+            InspectCommand::ClearMeasure => selection.measure = Default::default(),
+            InspectCommand::SelectReference(id) => selection.reference = id,
+            InspectCommand::EnableReference(id, is_enabled) => {
+                self.threads.send(RenderCommand::Enable(id, is_enabled));
             }
-            Seeing::ShowReference(id) => {
-                self.threads.order(RenderCommand::Lend(id));
+            InspectCommand::ShowReference(id) => {
+                self.threads.send(RenderCommand::ShowReference(id));
             }
-            Seeing::CloseReference => sight.lent = None,
-            Seeing::SetPlanView(view) => self.state.plan_view = view,
-            Seeing::FilterReport(text) => sight.report_filter = text,
+            InspectCommand::CloseReference => selection.reference_view = None,
+            InspectCommand::SetPlanView(view) => self.state.plan.view = view,
+            InspectCommand::FilterReport(text) => selection.report_filter = text,
         }
     }
 
     /// A click over the viewport inspects or measures; what would be measured is shown before.
     pub(crate) fn click(&mut self, viewport: &Response) {
-        let measures = self.state.sight.measure.is_on;
+        let measures = self.state.selection.measure.is_on;
         if measures {
-            self.state.sight.measure.hover = self.cursor.and_then(|at| self.snap_at(at, viewport));
+            self.state.selection.measure.hover = self.cursor.and_then(|at| self.snap_at(at, viewport));
         }
         if !viewport.clicked_by(PointerButton::Primary) {
             return;
@@ -59,18 +59,18 @@ impl App {
         };
         if measures {
             let snap = self.snap_at(at, viewport);
-            snap.into_iter().for_each(|snap| self.state.sight.measure.set(snap));
+            snap.into_iter().for_each(|snap| self.state.selection.measure.set(snap));
         } else {
-            self.state.sight.inspection = self.inspect(at);
-            if let Some(found) = &self.state.sight.inspection {
-                self.state.sight.material = Some(found.material);
+            self.state.selection.inspection = self.inspect(at);
+            if let Some(found) = &self.state.selection.inspection {
+                self.state.selection.material = Some(found.material);
             }
         }
     }
 
     fn snap_at(&self, at: [f64; 2], viewport: &Response) -> Option<Snap> {
         let probe = self.probe_at(at)?;
-        let projection = Projection::new(self.state.fly.camera(), viewport.rect);
+        let projection = Projection::new(self.state.navigation.fly.camera(), viewport.rect);
         Some(projection.snapped(probe.position_m, &self.corners_m(&probe)?))
     }
 
@@ -81,7 +81,7 @@ impl App {
 
     fn inspect(&self, at: [f64; 2]) -> Option<Inspection> {
         let probe = self.probe_at(at)?;
-        let camera = self.state.fly.camera();
+        let camera = self.state.navigation.fly.camera();
         let frame = self.state.frame.as_ref().filter(|f| f.camera == *camera);
         Some(Inspection {
             position_m: probe.position_m,
@@ -98,9 +98,9 @@ impl App {
     /// Has the building cut at eye height, anew where one is on another floor.
     pub(crate) fn follow_plan(&mut self) {
         let Some(obstacles) = self.obstacles.as_ref().filter(|_| !self.is_planning) else { return };
-        let eye_m = self.state.fly.camera().eye.y;
+        let eye_m = self.state.navigation.fly.camera().eye.y;
         let serves = |plan: &Plan| (plan.height_m - eye_m).abs() <= SAME_FLOOR_M;
-        if self.state.plan.as_deref().is_some_and(serves) || self.state.work == Work::Moving {
+        if self.state.plan.cut.as_deref().is_some_and(serves) || self.state.work == Work::Moving {
             return;
         }
         let (scene, number) = (obstacles.tracer().scene().clone(), self.scenes_opened);
@@ -111,7 +111,7 @@ impl App {
     /// Takes in a plan, unless another scene has been opened meanwhile.
     pub(crate) fn take_plan(&mut self, scene: u64, plan: Plan) {
         if scene == self.scenes_opened {
-            (self.state.plan, self.is_planning) = (Some(Arc::new(plan)), false);
+            (self.state.plan.cut, self.is_planning) = (Some(Arc::new(plan)), false);
         }
     }
 
@@ -128,23 +128,23 @@ impl App {
     }
 
     /// Makes a picture of what a reference holds, developed as the viewport is.
-    pub(crate) fn show_lent(&mut self, ctx: &Context, lending: &Lending) {
-        let Some(radiance) = &lending.radiance else {
-            let text = format!("reference {} is no longer held", lending.id.0);
-            return self.state.notify(Severity::Info, text);
+    pub(crate) fn show_reference(&mut self, ctx: &Context, reference: &ReferenceRadiance) {
+        let Some(radiance) = &reference.radiance else {
+            let text = format!("reference {} is no longer held", reference.id.0);
+            return self.state.info(text);
         };
         let q = &self.state.quality;
         // What a reference does not hold is grey and hatched.
-        let [width, _] = lending.size.map(|s| s as usize);
+        let [width, _] = reference.size.map(|s| s as usize);
         let pixels = radiance.iter().enumerate().map(|(i, light)| match light {
             Some(light) => color::srgb8(*light, q.exposure_ev, q.tone_map),
             None => [if (i % width + i / width) % 8 < 2 { 52 } else { 38 }; 3],
         });
         let rgb: Vec<u8> = pixels.flatten().collect();
-        let image = egui::ColorImage::from_rgb(lending.size.map(|s| s as usize), &rgb);
+        let image = egui::ColorImage::from_rgb(reference.size.map(|s| s as usize), &rgb);
         let texture = ctx.load_texture("reference", image, egui::TextureOptions::LINEAR);
         let lit = radiance.iter().flatten().count() as f32 / radiance.len().max(1) as f32;
-        self.state.sight.lent = Some(Lent { id: lending.id, camera: lending.camera, lit, texture });
+        self.state.selection.reference_view = Some(ReferenceView { id: reference.id, camera: reference.camera, lit, texture });
     }
 }
 

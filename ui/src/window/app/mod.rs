@@ -6,7 +6,6 @@ pub mod inspect;
 pub mod open_file;
 pub mod persistence;
 pub mod scene_edits;
-pub mod scene_loading;
 pub mod session;
 pub mod unsaved_changes;
 pub mod update;
@@ -14,7 +13,7 @@ pub mod update;
 use crate::window::WindowRequest;
 use crate::window::app::event::AppEvent;
 use crate::window::app::persistence::Keeping;
-use crate::window::app::scene_loading::{Loader, SceneSource};
+use crate::window::rendering::scene_loading::{Loader, SceneSource};
 use crate::window::app::session::is_session;
 use crate::window::export::Export;
 use crate::window::gpu::adapter;
@@ -25,7 +24,7 @@ use crate::window::rendering::full_trace::FullTracing;
 use crate::window::rendering::render_thread::{RenderRequest, RenderThread, Wake};
 use crate::window::rendering::request::MOTION_TIME;
 use crate::window::rendering::thumbnails::Thumbnails;
-use crate::window::state::{Severity, State, Work};
+use crate::window::state::{Severity, AppState, Work};
 use afterimage::Camera;
 use afterimage::scene::SceneEdit;
 use crossbeam_channel::{Receiver, Sender, unbounded};
@@ -36,7 +35,7 @@ use std::time::{Duration, Instant};
 
 /// The window's app.
 pub struct App {
-    pub(crate) state: State,
+    pub(crate) state: AppState,
     pub(crate) threads: RenderThread,
     pub(crate) loader: Option<Loader>,
     pub(crate) keyboard: Keyboard,
@@ -56,6 +55,7 @@ pub struct App {
     pub(crate) is_measuring: bool,
     /// The first generation of the scene that is shown.
     pub(crate) scene_since: u64,
+    pub(crate) meters_from: Option<u64>,
     pub(crate) trouble: Arc<Mutex<Vec<String>>>,
     pub(crate) sent: Option<RenderRequest>,
     pub(crate) viewport_size: [u32; 2],
@@ -94,7 +94,7 @@ impl App {
         let all = std::thread::available_parallelism().map_or(1, usize::from);
         let threads = RenderThread::start(request.threads.unwrap_or(all), wake.clone())?;
         let trouble = Arc::new(Mutex::new(Vec::new()));
-        let mut state = State::new(request.settings, Camera::look_at(DVec3::ZERO, DVec3::NEG_Z, 60.0));
+        let mut state = AppState::new(request.settings, Camera::look_at(DVec3::ZERO, DVec3::NEG_Z, 60.0));
         state.quality.exposure_ev = request.exposure_ev.unwrap_or(state.quality.exposure_ev);
         state.quality.tone_map = request.tone_map;
         state.default_quality = state.quality;
@@ -116,6 +116,7 @@ impl App {
             tracing: None,
             is_measuring: false,
             scene_since: 0,
+            meters_from: None,
             trouble,
             sent: None,
             viewport_size: [0, 0],
@@ -133,10 +134,10 @@ impl App {
             request,
         };
         app.state.picture.settings = app.request.picture.clone();
-        app.show_look(&cc.egui_ctx, app.request.look);
-        app.state.settings_file.clone_from(&app.request.settings_file);
+        app.show_appearance(&cc.egui_ctx, app.request.appearance);
+        app.state.files.settings_file.clone_from(&app.request.settings_file);
         for warning in std::mem::take(&mut app.request.warnings) {
-            app.state.notify(Severity::Error, warning);
+            app.state.error(warning);
         }
         app.begin_keeping();
         let scene = app.request.scene.clone().unwrap_or_else(SceneSource::default_builtin);
@@ -151,7 +152,7 @@ impl App {
     }
 
     /// What the window knows and shows.
-    pub fn state(&self) -> &State {
+    pub fn state(&self) -> &AppState {
         &self.state
     }
 
@@ -189,7 +190,7 @@ impl eframe::App for App {
             panels::notices::drop_hint(ui, response.rect);
         }
         panels::notices::show(&ctx, response.rect, &self.state, &mut commands);
-        if self.state.shows_settings {
+        if self.state.dialogs.shows_settings {
             panels::files::settings(&ctx, &self.state, &mut commands);
         }
         if self.state.picture.is_open {
@@ -206,7 +207,7 @@ impl eframe::App for App {
         let graphics = self.graphics.clone();
         self.compare(graphics.as_ref());
         self.draw(canvas);
-        self.send_wish();
+        self.send_request();
         if let Some(rest) = self.keep_session() {
             ctx.request_repaint_after(rest);
         }

@@ -3,12 +3,12 @@
 use crate::picture::restore::{PictureView, beside, is_picture, read_view};
 use crate::window::app::App;
 use crate::window::app::event::AppEvent;
-use crate::window::app::scene_loading::{Loader, SceneSource};
+use crate::window::rendering::scene_loading::{Loader, SceneSource};
 use crate::window::app::session::is_session;
 use crate::window::input::playback::Playback;
 use crate::window::input::walking::Obstacles;
 use crate::window::rendering::render_thread::RenderCommand;
-use crate::window::state::{SceneInfo, Severity};
+use crate::window::state::{SceneInfo};
 use afterimage::{Camera, Tracer};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -20,7 +20,7 @@ impl App {
             Ok(loader) => self.loader = Some(loader),
             Err(error) => {
                 self.discards = false;
-                self.state.notify(Severity::Error, format!("loading cannot be started: {error}"));
+                self.state.error(format!("loading cannot be started: {error}"));
             }
         }
     }
@@ -40,7 +40,7 @@ impl App {
                     Err(message) => {
                         self.discards = false;
                         self.forget_awaited();
-                        self.state.notify(Severity::Error, message);
+                        self.state.error(message);
                     }
                 }
             }
@@ -54,28 +54,28 @@ impl App {
         self.compare_hash(&tracer.scene().hash);
         // A scene that was edited is looked at from where one was.
         if !is_reload {
-            self.state.fly.jump_to(start);
-            self.state.view_index = view_index;
+            self.state.navigation.fly.jump_to(start);
+            self.state.navigation.view_index = view_index;
         }
         if !scene.warnings.is_empty() {
             let count = scene.warnings.len();
             let text = format!("{}: {count} import warnings, listed in the Scene panel", scene.name);
-            self.state.notify(Severity::Info, text);
+            self.state.info(text);
         }
         let is_model = matches!(scene.source, SceneSource::File { .. });
         self.state.scene = Some(scene);
         self.state.history.clear();
         self.obstacles = Some(Obstacles::new(tracer.clone()));
         self.scenes_opened += 1;
-        (self.state.plan, self.is_planning) = (None, false);
+        (self.state.plan.cut, self.is_planning) = (None, false);
         self.state.thumbnails.iter_mut().for_each(|t| t.set_tracer(tracer.clone()));
         self.begin_edits(tracer.scene(), is_reload);
         if !is_reload {
-            self.state.plan_view = Default::default();
-            self.state.playback = Playback::of_scene(tracer.scene().walk.clone());
-            (self.state.recording, self.state.renaming) = (None, None);
+            self.state.plan.view = Default::default();
+            self.state.navigation.playback = Playback::of_scene(tracer.scene().walk.clone());
+            (self.state.navigation.recording, self.state.navigation.renaming) = (None, None);
         }
-        let generation = self.threads.order(RenderCommand::SetTracer(tracer));
+        let generation = self.threads.send(RenderCommand::SetTracer(tracer));
         self.scene_since = generation;
         if !is_reload {
             let given = self.request.settings.render.trace.bounces;
@@ -86,7 +86,7 @@ impl App {
             }
             self.state.quality.exposure_ev = self.state.default_quality.exposure_ev;
             let is_metered = is_model && self.request.exposure_ev.is_none();
-            self.state.meters_from = is_metered.then_some(generation);
+            self.meters_from = is_metered.then_some(generation);
         }
         let source = self.state.scene.as_ref().map(|s| s.source.clone());
         source.iter().for_each(|source| self.keep_scene(source, is_reload));
@@ -100,7 +100,7 @@ impl App {
         if let (Some(name), None) = (&name, index) {
             let known: Vec<&str> = scene.views.iter().map(|v| v.name.as_str()).collect();
             let text = format!("{} has no view '{name}'; it has: {}", scene.name, known.join(", "));
-            self.state.notify(Severity::Error, text);
+            self.state.error(text);
         }
         let index = index.unwrap_or(0);
         let mut camera = self.request.camera.take().unwrap_or(scene.views[index].camera);
@@ -128,9 +128,9 @@ impl App {
     pub(crate) fn go_to_picture(&mut self, view: PictureView) {
         let shown = self.obstacles.as_ref().map(|o| o.tracer().scene().hash.clone());
         if shown.as_ref() == Some(&view.scene_hash) {
-            self.state.fly.ease_to(view.camera);
+            self.state.navigation.fly.ease_to(view.camera);
             self.state.quality.exposure_ev = view.exposure_ev.unwrap_or(self.state.quality.exposure_ev);
-            return self.state.notify(Severity::Info, "here the picture was taken".to_owned());
+            return self.state.info("here the picture was taken");
         }
         let source = SceneSource::named(&view.scene, Default::default());
         if let SceneSource::File { path, .. } = &source
@@ -140,11 +140,11 @@ impl App {
                 "the picture shows {}, which is not there; open the model, then drop the picture again",
                 view.scene
             );
-            return self.state.notify(Severity::Error, text);
+            return self.state.error(text);
         }
         if self.state.scene.as_ref().is_some_and(|s| s.source.label() == source.label()) {
             // Loaded again, one stays where one is.
-            self.state.fly.jump_to(view.camera);
+            self.state.navigation.fly.jump_to(view.camera);
         }
         self.forget_awaited();
         self.request.camera = Some(view.camera);
@@ -179,7 +179,7 @@ impl App {
     pub(crate) fn compare_hash(&mut self, hash: &str) {
         if self.expected_hash.take().is_some_and(|expected| expected != hash) {
             let text = "the scene has changed since the picture was taken; this is the same place in it";
-            self.state.notify(Severity::Info, text.to_owned());
+            self.state.info(text);
         }
     }
 }

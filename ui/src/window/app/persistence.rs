@@ -4,11 +4,11 @@
 use crate::settings;
 use crate::window::app::App;
 use crate::window::app::event::AppEvent;
-use crate::window::app::scene_loading::SceneSource;
+use crate::window::rendering::scene_loading::SceneSource;
 use crate::window::app::session::{EXTENSION, Session};
 use crate::window::export::screenshot;
 use crate::window::rendering::render_thread::Wake;
-use crate::window::state::{FileCommand, Severity};
+use crate::window::state::{FileCommand};
 use afterimage::Camera;
 use afterimage::raster::save::{SaveError, write_atomically, write_new_atomically};
 use crossbeam_channel::{RecvTimeoutError, Sender, bounded};
@@ -61,18 +61,18 @@ impl App {
         match command {
             FileCommand::SaveSession => self.save_session(),
             FileCommand::Recover => {
-                if let Some(path) = self.state.recovery.take() {
+                if let Some(path) = self.state.files.recovery.take() {
                     self.open_session(path);
                 }
             }
             FileCommand::DiscardRecovery => {
-                if let Some(path) = self.state.recovery.take() {
+                if let Some(path) = self.state.files.recovery.take() {
                     // It is offered once more where it cannot be removed.
                     let _ = std::fs::remove_file(path);
                 }
             }
             FileCommand::ForgetRecent => {
-                self.state.recent.clear();
+                self.state.files.recent.clear();
                 self.write_recent();
             }
         }
@@ -81,13 +81,13 @@ impl App {
     /// Reads what the last start left behind.
     pub(crate) fn begin_keeping(&mut self) {
         let Some(folder) = self.request.state_folder.clone() else { return };
-        self.state.recent = read_recent(&folder.join("recent.toml"));
-        self.state.recovery = left_behind(&folder);
+        self.state.files.recent = read_recent(&folder.join("recent.toml"));
+        self.state.files.recovery = left_behind(&folder);
     }
 
     fn save_session(&mut self) {
         let Some(session) = Session::of(&self.state, &self.keeping.other) else {
-            return self.state.notify(Severity::Error, "there is no scene to save a session of".to_owned());
+            return self.state.error("there is no scene to save a session of");
         };
         let stem = screenshot::stem(self.state.scene.as_ref().map_or("session", |s| &s.name));
         let (file, folders) = (self.keeping.file.clone(), self.picture_folders());
@@ -101,10 +101,10 @@ impl App {
     pub(crate) fn session_saved(&mut self, saved: Result<PathBuf, String>) {
         match saved {
             Ok(path) => {
-                self.state.notify(Severity::Info, format!("saved {}", path.display()));
+                self.state.info(format!("saved {}", path.display()));
                 self.keeping.file = Some(path);
             }
-            Err(message) => self.state.notify(Severity::Error, message),
+            Err(message) => self.state.error(message),
         }
     }
 
@@ -122,7 +122,7 @@ impl App {
                 let aside = is_recovery.then(|| path.with_extension("toml.bad"));
                 let is_aside = aside.as_ref().is_some_and(|bad| std::fs::rename(&path, bad).is_ok());
                 let more = if is_aside { "; it was renamed to end in .bad" } else { "" };
-                self.state.notify(Severity::Error, format!("{message}{more}"));
+                self.state.error(format!("{message}{more}"));
             }
         }
     }
@@ -132,6 +132,7 @@ impl App {
     pub(crate) fn keep_scene(&mut self, source: &SceneSource, is_reload: bool) {
         if let Some((session, file)) = self.keeping.awaited.take() {
             self.keeping.other = session.restore(&mut self.state);
+            self.meters_from = None;
             self.keeping.file = (!is_recovery(&file)).then_some(file.clone());
             if is_recovery(&file) {
                 // From here on it is kept anew.
@@ -144,9 +145,9 @@ impl App {
         self.keeping.watch = None;
         let SceneSource::File { path, .. } = source else { return };
         let full = std::path::absolute(path).unwrap_or_else(|_| path.clone());
-        self.state.recent.retain(|p| *p != full);
-        self.state.recent.insert(0, full);
-        self.state.recent.truncate(MAX_RECENT);
+        self.state.files.recent.retain(|p| *p != full);
+        self.state.files.recent.insert(0, full);
+        self.state.files.recent.truncate(MAX_RECENT);
         self.write_recent();
         let (news, wake, path) = (self.news.0.clone(), self.wake.clone(), path.clone());
         self.keeping.watch = watch(path, move |path| news.send(AppEvent::Changed(path)).is_ok(), wake);
@@ -158,7 +159,7 @@ impl App {
         if let Some(source @ SceneSource::File { .. }) = source
             && matches!(&source, SceneSource::File { path: shown, .. } if shown == path)
         {
-            self.state.notify(Severity::Info, format!("{} has changed and is loaded again", path.display()));
+            self.state.info(format!("{} has changed and is loaded again", path.display()));
             self.open(source);
         }
     }
@@ -166,7 +167,7 @@ impl App {
     fn write_recent(&mut self) {
         let Some(folder) = self.request.state_folder.clone() else { return };
         let files: Vec<toml::Value> =
-            self.state.recent.iter().map(|p| toml::Value::String(p.display().to_string())).collect();
+            self.state.files.recent.iter().map(|p| toml::Value::String(p.display().to_string())).collect();
         let table = Table::from_iter([("files".to_owned(), toml::Value::Array(files))]);
         self.in_background("afterimage-recent", move || {
             let written = make_folder(&folder).and_then(|()| {
@@ -180,7 +181,7 @@ impl App {
     /// Keeps the session for the case of a crash; returns how long it may wait for the next time.
     pub(crate) fn keep_session(&mut self) -> Option<Duration> {
         let folder = self.request.state_folder.as_ref()?;
-        let camera = *self.state.fly.camera();
+        let camera = *self.state.navigation.fly.camera();
         let rest = KEEP_EVERY.saturating_sub(self.keeping.kept_at.elapsed());
         if !rest.is_zero() {
             return (self.keeping.kept_camera != Some(camera)).then_some(rest);

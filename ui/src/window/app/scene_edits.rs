@@ -3,10 +3,10 @@
 
 use crate::window::app::App;
 use crate::window::app::event::AppEvent;
-use crate::window::app::scene_loading::SceneSource;
+use crate::window::rendering::scene_loading::SceneSource;
 use crate::window::input::walking::Obstacles;
 use crate::window::rendering::render_thread::{RenderCommand, panic_text};
-use crate::window::state::{Answer, Editing, Edits, SavedView, Severity, Sight};
+use crate::window::state::{Answer, EditCommand, Edits, SavedView, Selection};
 use afterimage::Tracer;
 use afterimage::import;
 use afterimage::scene::{Scene, SceneEdit};
@@ -32,18 +32,18 @@ pub(crate) struct SavedLook {
 
 impl App {
     /// Does what was asked for.
-    pub(crate) fn edit(&mut self, editing: Editing) {
+    pub(crate) fn edit(&mut self, editing: EditCommand) {
         let state = &mut self.state;
         match editing {
-            Editing::Change(change) => {
+            EditCommand::Change(change) => {
                 if let (Some(edits), Some(scene)) = (&mut state.edits, &mut state.scene) {
                     edits.change(change, &mut scene.views);
                 }
             }
-            Editing::SetSun(sun) => state.sun = sun,
-            Editing::Undo => self.step_edits(true),
-            Editing::Redo => self.step_edits(false),
-            Editing::SaveBeside => self.save_beside(),
+            EditCommand::SetSun(sun) => state.sun = sun,
+            EditCommand::Undo => self.step_edits(true),
+            EditCommand::Redo => self.step_edits(false),
+            EditCommand::SaveBeside => self.save_beside(),
         }
         self.follow_look();
     }
@@ -55,13 +55,13 @@ impl App {
         let has_moved = if is_back { edits.undo(&mut scene.views) } else { edits.redo(&mut scene.views) };
         if edits.now().daylight != daylight {
             let now = edits.now().daylight;
-            (state.sun.is_by_place, state.view_index) = (false, 0);
+            (state.sun.is_by_place, state.navigation.view_index) = (false, 0);
             state.sun.show(&now);
         }
-        state.view_index = state.view_index.min(scene.views.len().saturating_sub(1));
+        state.navigation.view_index = state.navigation.view_index.min(scene.views.len().saturating_sub(1));
         if !has_moved {
             let text = if is_back { "there is nothing to undo" } else { "there is nothing to redo" };
-            self.state.notify(Severity::Info, text.to_owned());
+            self.state.info(text);
         }
     }
 
@@ -88,7 +88,7 @@ impl App {
             self.shown_look = Some(edited.look);
             match edited.made {
                 Ok(tracer) => self.show_edited(tracer),
-                Err(text) => self.state.notify(Severity::Error, format!("the change failed: {text}")),
+                Err(text) => self.state.error(format!("the change failed: {text}")),
             }
         }
         self.follow_look();
@@ -100,9 +100,9 @@ impl App {
         }
         self.obstacles = Some(Obstacles::new(tracer.clone()));
         self.state.thumbnails.iter_mut().for_each(|t| t.set_tracer(tracer.clone()));
-        self.threads.order(RenderCommand::SetTracer(tracer));
+        self.threads.send(RenderCommand::SetTracer(tracer));
         // Its references are of the scene before.
-        self.state.sight.lent = None;
+        self.state.selection.reference_view = None;
         // The change is seen at once, at the render scale.
         self.sent = None;
     }
@@ -119,7 +119,7 @@ impl App {
         self.state.sun.show(&edits.now().daylight);
         self.state.edits = Some(edits);
         if !is_reload {
-            self.state.sight = Sight::default();
+            self.state.selection = Selection::default();
         }
         self.follow_look();
     }
@@ -131,7 +131,7 @@ impl App {
                 "{} is part of the program and has no folder to save beside; open a model file to keep changes",
                 scene.source.label()
             );
-            return self.state.notify(Severity::Error, text);
+            return self.state.error(text);
         };
         let (path, before, look) = (path.clone(), edits.saved().clone(), edits.now().clone());
         self.in_background("afterimage-save", move || {
@@ -145,14 +145,14 @@ impl App {
         match saved.result {
             Ok(path) => {
                 self.state.edits.iter_mut().for_each(|e| e.set_saved(saved.look.clone()));
-                self.state.notify(Severity::Info, format!("saved {}", path.display()));
+                self.state.info(format!("saved {}", path.display()));
                 self.leave(ctx);
             }
             Err(text) => {
-                if self.state.leaving.is_some() {
+                if self.state.dialogs.leaving.is_some() {
                     self.answer(ctx, Answer::Stay);
                 }
-                self.state.notify(Severity::Error, text);
+                self.state.error(text);
             }
         }
     }

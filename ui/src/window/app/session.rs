@@ -3,7 +3,7 @@
 
 use crate::cli::flags;
 use crate::window::input::playback::Playback;
-use crate::window::state::{SavedView, State};
+use crate::window::state::{SavedView, AppState};
 use afterimage::camera::CameraPath;
 use afterimage::{Camera, Mode};
 use serde::{Deserialize, Serialize};
@@ -54,7 +54,7 @@ pub fn is_session(path: &Path) -> bool {
 
 impl Session {
     /// Of what is shown; `None` without a scene. `other` is what a loaded session had beside.
-    pub fn of(state: &State, other: &Table) -> Option<Self> {
+    pub fn of(state: &AppState, other: &Table) -> Option<Self> {
         let (scene, quality) = (state.scene.as_ref()?, &state.quality);
         let view = |v: &SavedView| View { name: v.name.clone(), key: v.key, camera: v.camera };
         let render = &quality.walk.render;
@@ -66,9 +66,9 @@ impl Session {
             bounces: render.trace.bounces,
             exposure_ev: quality.exposure_ev,
             tone_map: quality.tone_map.name().to_owned(),
-            camera: *state.fly.camera(),
+            camera: *state.navigation.fly.camera(),
             views: scene.views.iter().map(view).collect(),
-            path: state.playback.is_own.then(|| state.playback.path.clone()),
+            path: state.navigation.playback.is_own.then(|| state.navigation.playback.path.clone()),
             other: other.clone(),
         })
     }
@@ -110,22 +110,21 @@ impl Session {
     }
 
     /// Brings back all but the scene, which must be the one that is shown.
-    pub fn restore(&self, state: &mut State) -> Table {
+    pub fn restore(&self, state: &mut AppState) -> Table {
         let quality = &mut state.quality;
         quality.walk.render.mode = self.mode;
         quality.walk.render.trace.samples = self.samples.max(1);
         quality.walk.render.trace.bounces = self.bounces;
         quality.exposure_ev = self.exposure_ev;
         quality.tone_map = flags::named(&self.tone_map).unwrap_or(quality.tone_map);
-        state.meters_from = None;
-        state.fly.jump_to(self.camera);
+        state.navigation.fly.jump_to(self.camera);
         if let Some(scene) = &mut state.scene {
             let view = |v: &View| SavedView { name: v.name.clone(), key: v.key, camera: v.camera };
             scene.views = self.views.iter().map(view).collect();
-            state.view_index = 0;
+            state.navigation.view_index = 0;
         }
         if let Some(path) = &self.path {
-            state.playback = Playback { is_own: true, ..Playback::of_scene(path.clone()) };
+            state.navigation.playback = Playback { is_own: true, ..Playback::of_scene(path.clone()) };
         }
         self.other.clone()
     }

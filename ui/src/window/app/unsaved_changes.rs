@@ -2,7 +2,7 @@
 //! opened.
 
 use crate::window::app::App;
-use crate::window::app::scene_loading::SceneSource;
+use crate::window::rendering::scene_loading::SceneSource;
 use crate::window::state::{Answer, Edits, Leaving};
 use afterimage::Tracer;
 use egui::{Context, ViewportCommand};
@@ -16,7 +16,7 @@ impl App {
         if is_reload || !self.has_unsaved_changes() {
             return self.load(source);
         }
-        self.state.leaving = Some(Leaving::Open(source));
+        self.state.dialogs.leaving = Some(Leaving::Open(source));
     }
 
     /// Shows a scene that was loaded, or asks first what becomes of changes made while it was.
@@ -26,7 +26,7 @@ impl App {
             self.discards = false;
             return self.show_scene(source, tracer);
         }
-        self.state.leaving = Some(Leaving::Show(source, tracer));
+        self.state.dialogs.leaving = Some(Leaving::Show(source, tracer));
     }
 
     /// Holds the window open where closing it would lose changes.
@@ -35,7 +35,7 @@ impl App {
         if is_asked && !self.may_close && self.has_unsaved_changes() {
             ctx.send_viewport_cmd(ViewportCommand::CancelClose);
             self.forget_awaited();
-            self.state.leaving = Some(Leaving::Close);
+            self.state.dialogs.leaving = Some(Leaving::Close);
         }
     }
 
@@ -49,11 +49,11 @@ impl App {
             // Goes on once they are saved.
             Answer::Save => self.save_beside(),
             Answer::Discard => {
-                self.discards = matches!(self.state.leaving, Some(Leaving::Open(_)));
+                self.discards = matches!(self.state.dialogs.leaving, Some(Leaving::Open(_)));
                 self.leave(ctx);
             }
             Answer::Stay => {
-                self.state.leaving = None;
+                self.state.dialogs.leaving = None;
                 self.forget_awaited();
             }
         }
@@ -61,7 +61,7 @@ impl App {
 
     /// Does what waited for the answer, if anything did.
     pub(crate) fn leave(&mut self, ctx: &Context) {
-        match self.state.leaving.take() {
+        match self.state.dialogs.leaving.take() {
             Some(Leaving::Close) => {
                 self.may_close = true;
                 ctx.send_viewport_cmd(ViewportCommand::Close);

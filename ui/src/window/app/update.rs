@@ -3,11 +3,11 @@
 use crate::settings::{self, Theme};
 use crate::window::app::App;
 use crate::window::app::event::AppEvent;
-use crate::window::app::scene_loading::SceneSource;
+use crate::window::rendering::scene_loading::SceneSource;
 use crate::window::input::fly_camera::ViewChange;
 use crate::window::input::pose_text::pose_flags;
 use crate::window::rendering::render_thread::RenderCommand;
-use crate::window::state::{Command, Compare, Look, Severity};
+use crate::window::state::{Command, Compare, Appearance};
 use egui::{Context, ViewportCommand};
 
 impl App {
@@ -20,38 +20,38 @@ impl App {
             Command::Browse => self.browse(),
             Command::CancelLoading => self.cancel_loading(),
             Command::Reload => self.reload(),
-            Command::SetPathText(text) => state.path_text = text,
+            Command::SetPathText(text) => state.files.path_text = text,
             Command::SetQuality(quality) => state.quality = quality,
             Command::SetOptions(options) => {
                 state.options = options;
-                state.fly.set_view_change(options.view_change);
+                state.navigation.fly.set_view_change(options.view_change);
             }
-            Command::SetSpeed(speed) => state.fly.set_speed(speed),
-            Command::SetFovDegrees(degrees) => state.fly.set_fov_degrees(degrees),
-            Command::EaseTo(camera) => state.fly.ease_to(camera),
-            Command::Moving(moving) => self.move_on(moving),
-            Command::Editing(editing) => self.edit(editing),
-            Command::Seeing(seeing) => self.look_closer(seeing),
-            Command::Say(severity, text) => state.notify(severity, text),
-            Command::Level => state.fly.level(),
-            Command::ChangeFov(steps) => state.fly.change_fov(steps),
-            Command::AskToClear => state.asks_to_clear = true,
-            Command::KeepReferences => state.asks_to_clear = false,
+            Command::SetSpeed(speed) => state.navigation.fly.set_speed(speed),
+            Command::SetFovDegrees(degrees) => state.navigation.fly.set_fov_degrees(degrees),
+            Command::EaseTo(camera) => state.navigation.fly.ease_to(camera),
+            Command::Navigate(moving) => self.move_on(moving),
+            Command::Edit(editing) => self.edit(editing),
+            Command::Inspect(seeing) => self.look_closer(seeing),
+            Command::Say(text) => state.info(text),
+            Command::Level => state.navigation.fly.level(),
+            Command::ChangeFov(steps) => state.navigation.fly.change_fov(steps),
+            Command::AskToClear => state.dialogs.asks_to_clear = true,
+            Command::KeepReferences => state.dialogs.asks_to_clear = false,
             Command::Clear => {
-                state.asks_to_clear = false;
-                self.threads.order(RenderCommand::Clear);
+                state.dialogs.asks_to_clear = false;
+                self.threads.send(RenderCommand::Clear);
             }
-            Command::AddReference => self.order(RenderCommand::AddReference(*self.state.fly.camera())),
-            Command::Remove(id) => self.order(RenderCommand::Remove(id)),
+            Command::AddReference => drop(self.threads.send(RenderCommand::AddReference(*self.state.navigation.fly.camera()))),
+            Command::Remove(id) => drop(self.threads.send(RenderCommand::Remove(id))),
             Command::Answer(answer) => self.answer(ctx, answer),
             Command::Quit => ctx.send_viewport_cmd(ViewportCommand::Close),
             Command::Picture(command) => self.picture(command),
             Command::Files(command) => self.keep(command),
-            Command::SetLook(look) => self.set_look(ctx, look),
-            Command::ShowSettings(is_shown) => state.shows_settings = is_shown,
+            Command::SetAppearance(appearance) => self.set_appearance(ctx, appearance),
+            Command::ShowSettings(is_shown) => state.dialogs.shows_settings = is_shown,
             Command::CopyPose => {
-                let flags = pose_flags(state.fly.camera());
-                state.notify(Severity::Info, format!("copied {flags}"));
+                let flags = pose_flags(state.navigation.fly.camera());
+                state.info(format!("copied {flags}"));
                 ctx.copy_text(flags);
             }
             Command::Compare(shows, split) => {
@@ -70,9 +70,9 @@ impl App {
     }
 
     /// Changes the looks of the window, and keeps them for the next start.
-    fn set_look(&mut self, ctx: &Context, look: Look) {
-        let changes = look.changes(&self.state.look);
-        self.show_look(ctx, look);
+    fn set_appearance(&mut self, ctx: &Context, appearance: Appearance) {
+        let changes = appearance.changes(&self.state.appearance);
+        self.show_appearance(ctx, appearance);
         let Some(path) = self.request.settings_file.clone() else { return };
         self.in_background("afterimage-settings", move || {
             let write = |(name, value)| settings::write(&path, name, value).map_err(|e| e.to_string());
@@ -80,24 +80,20 @@ impl App {
         });
     }
 
-    /// Makes the window look so.
-    pub(crate) fn show_look(&mut self, ctx: &Context, look: Look) {
-        ctx.set_theme(match look.theme {
+    /// Makes the window appearance so.
+    pub(crate) fn show_appearance(&mut self, ctx: &Context, appearance: Appearance) {
+        ctx.set_theme(match appearance.theme {
             Theme::System => egui::ThemePreference::System,
             Theme::Dark => egui::ThemePreference::Dark,
             Theme::Light => egui::ThemePreference::Light,
         });
-        ctx.set_zoom_factor(look.ui_scale);
-        if look.has_reduced_motion != self.state.look.has_reduced_motion {
-            let change = if look.has_reduced_motion { ViewChange::AtOnce } else { ViewChange::Eased };
+        ctx.set_zoom_factor(appearance.ui_scale);
+        if appearance.has_reduced_motion != self.state.appearance.has_reduced_motion {
+            let change = if appearance.has_reduced_motion { ViewChange::AtOnce } else { ViewChange::Eased };
             self.state.options.view_change = change;
-            self.state.fly.set_view_change(change);
+            self.state.navigation.fly.set_view_change(change);
         }
-        self.state.look = look;
-    }
-
-    pub(crate) fn order(&mut self, order: RenderCommand) {
-        self.threads.order(order);
+        self.state.appearance = appearance;
     }
 
     /// Does something slow on a thread of its own.
@@ -109,27 +105,27 @@ impl App {
             wake();
         };
         if let Err(error) = std::thread::Builder::new().name(name.to_owned()).spawn(work) {
-            self.state.notify(Severity::Error, format!("a thread cannot be started: {error}"));
+            self.state.error(format!("a thread cannot be started: {error}"));
         }
     }
 
     /// Leaves what is open, the last opened first; never quits.
     fn escape(&mut self, ctx: &Context) {
         let state = &mut self.state;
-        if state.asks_to_clear {
-            state.asks_to_clear = false;
+        if state.dialogs.asks_to_clear {
+            state.dialogs.asks_to_clear = false;
         } else if state.options.shows_help {
             state.options.shows_help = false;
         } else if state.comparison.shows != Compare::Off {
             state.comparison.shows = Compare::Off;
-        } else if state.shows_settings {
-            state.shows_settings = false;
+        } else if state.dialogs.shows_settings {
+            state.dialogs.shows_settings = false;
         } else if state.picture.is_open {
             state.picture.is_open = false;
-        } else if state.sight.lent.take().is_some() {
-        } else if state.sight.measure.is_on {
-            state.sight.measure.is_on = false;
-        } else if state.sight.inspection.take().is_some() {
+        } else if state.selection.reference_view.take().is_some() {
+        } else if state.selection.measure.is_on {
+            state.selection.measure.is_on = false;
+        } else if state.selection.inspection.take().is_some() {
         } else if state.notices.pop().is_none() && ctx.input(|i| i.viewport().fullscreen.unwrap_or(false)) {
             ctx.send_viewport_cmd(ViewportCommand::Fullscreen(false));
         }
@@ -151,7 +147,7 @@ impl App {
         };
         if let Err(error) = std::thread::Builder::new().name("afterimage-dialog".to_owned()).spawn(work) {
             self.is_browsing = false;
-            self.state.notify(Severity::Error, format!("the file dialog cannot be started: {error}"));
+            self.state.error(format!("the file dialog cannot be started: {error}"));
         }
     }
 }
@@ -159,6 +155,6 @@ impl App {
 impl App {
     /// What is being loaded, if anything.
     pub fn loading(&self) -> Option<&SceneSource> {
-        self.loader.as_ref().map(crate::window::app::scene_loading::Loader::source)
+        self.loader.as_ref().map(crate::window::rendering::scene_loading::Loader::source)
     }
 }

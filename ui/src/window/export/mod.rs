@@ -6,7 +6,7 @@ use crate::picture::{LONGEST_SIDE, Output, PictureJob, Shows, sequence};
 use crate::window::app::App;
 use crate::window::rendering::exchange::locked;
 use crate::window::rendering::render_thread::{Picture, RenderCommand, Wake, give_way, panic_text};
-use crate::window::state::{Exporting, PictureCommand, PictureFormat, PictureSize, Severity};
+use crate::window::state::{Exporting, PictureCommand, PictureFormat, PictureSize};
 use afterimage::raster::stream::Target;
 use afterimage::reference::ReferenceFrame;
 use afterimage::render::aov::Aov;
@@ -123,7 +123,7 @@ impl App {
             }
             PictureCommand::Cancel => {
                 if self.export.take().is_some() {
-                    state.notify(Severity::Info, "saving was cancelled".to_owned());
+                    state.info("saving was cancelled");
                 }
             }
         }
@@ -167,10 +167,10 @@ impl App {
     }
 
     fn save_picture(&mut self, background: Background) {
-        match self.picture_job(*self.state.fly.camera(), background) {
-            Err(message) => self.state.notify(Severity::Error, message),
+        match self.picture_job(*self.state.navigation.fly.camera(), background) {
+            Err(message) => self.state.error(message),
             // The references are with the thread that renders.
-            Ok(job) if job.settings.mode != Mode::Full => self.order(RenderCommand::Picture),
+            Ok(job) if job.settings.mode != Mode::Full => drop(self.threads.send(RenderCommand::Picture)),
             Ok(job) => self.export_picture(job, Vec::new()),
         }
     }
@@ -178,14 +178,14 @@ impl App {
     /// Goes on with a picture that reuses references, which are here now.
     pub(crate) fn save_from_references(&mut self, picture: Picture) {
         match self.picture_job(picture.camera, Background::Shown) {
-            Err(message) => self.state.notify(Severity::Error, message),
+            Err(message) => self.state.error(message),
             Ok(job) => self.export_picture(job, picture.references),
         }
     }
 
     fn export_picture(&mut self, job: PictureJob, references: Vec<Arc<ReferenceFrame>>) {
         if let Err(message) = job.check(&references) {
-            self.state.notify(Severity::Error, message);
+            self.state.error(message);
             return;
         }
         let (folders, stem) = (self.picture_folders(), self.picture_stem());
@@ -210,15 +210,15 @@ impl App {
     }
 
     fn save_sequence(&mut self) {
-        let walk = self.state.playback.path.clone();
+        let walk = self.state.navigation.playback.path.clone();
         if walk.keyframes.len() < 2 {
             let text = "a sequence needs a camera path of two keys or more; K sets one where you stand";
-            self.state.notify(Severity::Error, text.to_owned());
+            self.state.error(text);
             return;
         }
-        let job = match self.picture_job(*self.state.fly.camera(), self.state.picture.settings.background) {
+        let job = match self.picture_job(*self.state.navigation.fly.camera(), self.state.picture.settings.background) {
             Ok(job) => job,
-            Err(message) => return self.state.notify(Severity::Error, message),
+            Err(message) => return self.state.error(message),
         };
         // A sequence is a film: every picture of it is the full tracer's.
         let mode = RenderSettings { mode: Mode::Full, ..job.settings };
@@ -244,14 +244,14 @@ impl App {
     ) {
         if self.export.is_some() {
             let text = "a picture is being saved; wait for it, or cancel it".to_owned();
-            return self.state.notify(Severity::Error, text);
+            return self.state.error(text);
         }
         let Some(tracer) = self.obstacles.as_ref().map(|o| o.tracer().clone()) else { return };
         let all = std::thread::available_parallelism().map_or(1, usize::from);
         let threads = self.request.threads.unwrap_or(all);
         match Export::start(what, threads, self.wake.clone(), move |report| work(&tracer, report)) {
             Ok(export) => self.export = Some(export),
-            Err(error) => self.state.notify(Severity::Error, format!("saving cannot be started: {error}")),
+            Err(error) => self.state.error(format!("saving cannot be started: {error}")),
         }
     }
 
@@ -263,10 +263,10 @@ impl App {
         match result {
             Ok(exported) => {
                 self.state.picture.film_command = exported.film_command;
-                self.state.notify(Severity::Info, exported.text);
+                self.state.info(exported.text);
             }
             Err(text) if text == CANCELLED => {}
-            Err(text) => self.state.notify(Severity::Error, text),
+            Err(text) => self.state.error(text),
         }
     }
 }

@@ -1,7 +1,6 @@
 //! What runs on the graphics card: the newest frame, developed, re-projected to the newest pose and drawn.
 
 pub mod adapter;
-pub mod depth_ranges;
 pub mod develop;
 pub mod full_screen_pass;
 pub mod presentation;

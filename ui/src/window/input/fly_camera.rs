@@ -113,7 +113,7 @@ impl FlyCamera {
     }
 
     /// Changes how it moves. A walker falls to the floor.
-    pub fn set_gait(&mut self, move_mode: MoveMode) {
+    pub fn set_move_mode(&mut self, move_mode: MoveMode) {
         (self.move_mode, self.walker) = (move_mode, Walker::default());
     }
 
@@ -362,7 +362,7 @@ mod tests {
     #[test]
     fn a_walker_who_looks_down_still_goes_ahead() {
         let mut fly = at_origin();
-        fly.set_gait(MoveMode::Walk);
+        fly.set_move_mode(MoveMode::Walk);
         fly.look([0.0, 0.2]);
         fly.advance(&Motion { forward: 1.0, up: 1.0, factor: 1.0, ..Motion::default() }, 0.1, None);
         let eye = fly.camera().eye;

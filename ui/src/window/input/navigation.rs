@@ -6,16 +6,16 @@ use crate::window::export::screenshot;
 use crate::window::input::fly_camera::MoveMode;
 use crate::window::input::playback::Recording;
 use crate::window::input::pose_text::pose_of_flags;
-use crate::window::state::{Moving, SavedView, Severity};
+use crate::window::state::{NavigationCommand, SavedView};
 use afterimage::camera::CameraPath;
 use afterimage::raster::save::write_new_atomically;
 use std::path::PathBuf;
 
 impl App {
     /// Does what was asked for.
-    pub(crate) fn move_on(&mut self, moving: Moving) {
+    pub(crate) fn move_on(&mut self, moving: NavigationCommand) {
         let views_before = match moving {
-            Moving::SaveView(_) | Moving::AddView | Moving::RemoveView(_) | Moving::FinishRenaming => {
+            NavigationCommand::SaveView(_) | NavigationCommand::AddView | NavigationCommand::RemoveView(_) | NavigationCommand::FinishRenaming => {
                 self.state.scene.as_ref().map(|s| s.views.clone())
             }
             _ => None,
@@ -24,50 +24,50 @@ impl App {
         views_before.into_iter().for_each(|before| self.note_views(before));
     }
 
-    fn carry_out(&mut self, moving: Moving) {
+    fn carry_out(&mut self, moving: NavigationCommand) {
         let state = &mut self.state;
         match moving {
-            Moving::GoToView(index) => self.go_to_view(index),
-            Moving::StepView(step) => self.step_view(step),
-            Moving::GoToKey(key) => self.go_to_key(key),
-            Moving::SaveView(key) => self.save_view(Some(key)),
-            Moving::AddView => self.save_view(None),
-            Moving::RemoveView(index) => {
+            NavigationCommand::GoToView(index) => self.go_to_view(index),
+            NavigationCommand::StepView(step) => self.step_view(step),
+            NavigationCommand::GoToKey(key) => self.go_to_key(key),
+            NavigationCommand::SaveView(key) => self.save_view(Some(key)),
+            NavigationCommand::AddView => self.save_view(None),
+            NavigationCommand::RemoveView(index) => {
                 state.scene.iter_mut().for_each(|s| drop(s.views.remove(index)));
-                state.renaming = None;
+                state.navigation.renaming = None;
             }
-            Moving::Rename(renaming) => state.renaming = renaming,
-            Moving::FinishRenaming => self.finish_renaming(),
-            Moving::PastePose(text) => match pose_of_flags(&text, state.fly.camera()) {
-                Ok(camera) => state.fly.ease_to(camera),
-                Err(cause) => state.notify(Severity::Error, format!("the clipboard holds no pose: {cause}")),
+            NavigationCommand::Rename(renaming) => state.navigation.renaming = renaming,
+            NavigationCommand::FinishRenaming => self.finish_renaming(),
+            NavigationCommand::PastePose(text) => match pose_of_flags(&text, state.navigation.fly.camera()) {
+                Ok(camera) => state.navigation.fly.ease_to(camera),
+                Err(cause) => state.error(format!("the clipboard holds no pose: {cause}")),
             },
-            Moving::SetGait(move_mode) => {
-                state.fly.set_gait(move_mode);
+            NavigationCommand::SetMoveMode(move_mode) => {
+                state.navigation.fly.set_move_mode(move_mode);
                 let text = if move_mode == MoveMode::Walk { "walking" } else { "flying" };
-                state.notify(Severity::Info, text.to_owned());
+                state.info(text);
             }
-            Moving::AddPathKey => {
-                state.playback.add_key(state.fly.camera());
-                let count = state.playback.path.keyframes.len();
-                state.notify(Severity::Info, format!("key {count} of the camera path was set here"));
+            NavigationCommand::AddPathKey => {
+                state.navigation.playback.add_key(state.navigation.fly.camera());
+                let count = state.navigation.playback.path.keyframes.len();
+                state.info(format!("key {count} of the camera path was set here"));
             }
-            Moving::RemovePathKey(index) => state.playback.remove_key(index),
-            Moving::SetPlayback(playback) => {
-                state.playback = playback;
-                let camera = state.playback.camera();
-                camera.into_iter().for_each(|camera| state.fly.jump_to(camera));
+            NavigationCommand::RemovePathKey(index) => state.navigation.playback.remove_key(index),
+            NavigationCommand::SetPlayback(playback) => {
+                state.navigation.playback = playback;
+                let camera = state.navigation.playback.camera();
+                camera.into_iter().for_each(|camera| state.navigation.fly.jump_to(camera));
             }
-            Moving::PlayPath => state.playback.toggle(),
-            Moving::ToggleRecording => self.toggle_recording(),
+            NavigationCommand::PlayPath => state.navigation.playback.toggle(),
+            NavigationCommand::ToggleRecording => self.toggle_recording(),
         }
     }
 
     fn go_to_view(&mut self, index: usize) {
         let view = self.state.scene.as_ref().and_then(|s| s.views.get(index));
         if let Some(camera) = view.map(|v| v.camera) {
-            self.state.view_index = index;
-            self.state.fly.ease_to(camera);
+            self.state.navigation.view_index = index;
+            self.state.navigation.fly.ease_to(camera);
         }
     }
 
@@ -76,14 +76,14 @@ impl App {
         match views.enumerate().find(|(_, v)| v.key == Some(key)).map(|(index, _)| index) {
             Some(index) => self.go_to_view(index),
             None => {
-                self.state.notify(Severity::Info, format!("no view is saved as {key}; Ctrl+{key} saves one"))
+                self.state.info(format!("no view is saved as {key}; Ctrl+{key} saves one"))
             }
         }
     }
 
     /// Saves the pose under a key, or as one more view without any.
     fn save_view(&mut self, key: Option<u8>) {
-        let camera = *self.state.fly.camera();
+        let camera = *self.state.navigation.fly.camera();
         let Some(scene) = &mut self.state.scene else { return };
         let taken = scene.views.iter_mut().position(|v| key.is_some() && v.key == key);
         let (index, verb) = match taken {
@@ -97,15 +97,15 @@ impl App {
                 (scene.views.len() - 1, "saved")
             }
         };
-        self.state.view_index = index;
+        self.state.navigation.view_index = index;
         let name = scene.views[index].name.clone();
         let text = key
             .map_or(format!("{name} was {verb}"), |key| format!("{name} was {verb}; key {key} goes there"));
-        self.state.notify(Severity::Info, text);
+        self.state.info(text);
     }
 
     fn finish_renaming(&mut self) {
-        let Some((index, name)) = self.state.renaming.take() else { return };
+        let Some((index, name)) = self.state.navigation.renaming.take() else { return };
         let view = self.state.scene.as_mut().and_then(|s| s.views.get_mut(index));
         if let Some(view) = view.filter(|_| !name.trim().is_empty()) {
             name.trim().clone_into(&mut view.name);
@@ -114,12 +114,12 @@ impl App {
 
     /// Begins to record a walk, or ends it and saves it beside the pictures.
     fn toggle_recording(&mut self) {
-        let Some(recording) = self.state.recording.take() else {
-            self.state.recording = Some(Recording::default());
+        let Some(recording) = self.state.navigation.recording.take() else {
+            self.state.navigation.recording = Some(Recording::default());
             return;
         };
         match recording.finish() {
-            None => self.state.notify(Severity::Info, "nobody moved; there is no walk to save".to_owned()),
+            None => self.state.info("nobody moved; there is no walk to save"),
             Some(walk) => self.save_walk(walk),
         }
     }
@@ -134,7 +134,7 @@ impl App {
     fn step_view(&mut self, step: isize) {
         let count = self.state.scene.as_ref().map_or(0, |s| s.views.len());
         if count > 0 {
-            let next = (self.state.view_index as isize + step).rem_euclid(count as isize);
+            let next = (self.state.navigation.view_index as isize + step).rem_euclid(count as isize);
             self.go_to_view(next as usize);
         }
     }

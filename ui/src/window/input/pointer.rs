@@ -7,7 +7,7 @@ use crate::window::input::fly_camera::{Motion, MoveMode, SPEED_FACTOR};
 use crate::window::input::keymap::{Action, Attention, Pressed};
 use crate::window::panels::legend;
 use crate::window::state::{
-    Command, Compare, Editing, FileCommand, Moving, Options, PictureCommand, Seeing, Severity,
+    Command, Compare, EditCommand, FileCommand, NavigationCommand, Options, PictureCommand, InspectCommand,
 };
 use afterimage::trace::Probe;
 use egui::{
@@ -46,24 +46,24 @@ impl App {
     fn command_of(&self, Pressed { action, chord }: Pressed) -> Option<Command> {
         let (o, mut q) = (self.state.options, self.state.quality);
         Some(match action {
-            Action::ToggleWalk => Command::Moving(Moving::SetGait(match self.state.fly.move_mode() {
+            Action::ToggleWalk => Command::Navigate(NavigationCommand::SetMoveMode(match self.state.navigation.fly.move_mode() {
                 MoveMode::Fly => MoveMode::Walk,
                 MoveMode::Walk => MoveMode::Fly,
             })),
             Action::Focus => self.look_at_cursor(),
             Action::FrameAll => {
                 let bounds = self.obstacles.as_ref()?.tracer().scene().bounds_m;
-                Command::EaseTo(aim::framing(bounds, self.state.fly.camera(), self.aspect()))
+                Command::EaseTo(aim::framing(bounds, self.state.navigation.fly.camera(), self.aspect()))
             }
-            Action::Undo => Command::Editing(Editing::Undo),
-            Action::Redo => Command::Editing(Editing::Redo),
-            Action::Measure => Command::Seeing(Seeing::ToggleMeasure),
-            Action::AddPathKey => Command::Moving(Moving::AddPathKey),
-            Action::PlayPath => Command::Moving(Moving::PlayPath),
-            Action::SaveView => Command::Moving(Moving::SaveView(chord as u8 + 1)),
-            Action::NextView => Command::Moving(Moving::StepView(1)),
-            Action::PreviousView => Command::Moving(Moving::StepView(-1)),
-            Action::GoToView => Command::Moving(Moving::GoToKey(chord as u8 + 1)),
+            Action::Undo => Command::Edit(EditCommand::Undo),
+            Action::Redo => Command::Edit(EditCommand::Redo),
+            Action::Measure => Command::Inspect(InspectCommand::ToggleMeasure),
+            Action::AddPathKey => Command::Navigate(NavigationCommand::AddPathKey),
+            Action::PlayPath => Command::Navigate(NavigationCommand::PlayPath),
+            Action::SaveView => Command::Navigate(NavigationCommand::SaveView(chord as u8 + 1)),
+            Action::NextView => Command::Navigate(NavigationCommand::StepView(1)),
+            Action::PreviousView => Command::Navigate(NavigationCommand::StepView(-1)),
+            Action::GoToView => Command::Navigate(NavigationCommand::GoToKey(chord as u8 + 1)),
             Action::Level => Command::Level,
             Action::NarrowFov => Command::ChangeFov(-1.0),
             Action::WidenFov => Command::ChangeFov(1.0),
@@ -111,7 +111,7 @@ impl App {
         self.grab(ctx, viewport);
         let height = f64::from(viewport.rect.height().max(1.0));
         let drag = look_drag(ctx, viewport);
-        self.state.fly.look([f64::from(drag.x) / height, f64::from(drag.y) / height]);
+        self.state.navigation.fly.look([f64::from(drag.x) / height, f64::from(drag.y) / height]);
         self.cursor =
             viewport.hover_pos().filter(|_| viewport.contains_pointer()).map(|at| unit(viewport, at));
         if viewport.contains_pointer() {
@@ -124,8 +124,8 @@ impl App {
             self.go_there(unit(viewport, at));
         }
         self.fly(ctx, secs, factor);
-        if let Some(recording) = &mut self.state.recording {
-            recording.note(self.state.fly.camera(), secs);
+        if let Some(recording) = &mut self.state.navigation.recording {
+            recording.note(self.state.navigation.fly.camera(), secs);
         }
     }
 
@@ -139,18 +139,18 @@ impl App {
         };
         let is_flying = [motion.right, motion.up, motion.forward] != [0.0; 3];
         if is_flying {
-            self.state.playback.is_playing = false;
+            self.state.navigation.playback.is_playing = false;
         }
-        self.state.fly.advance(&motion, secs, self.obstacles.as_ref());
-        if is_flying || self.state.fly.is_easing() || self.state.playback.is_playing {
+        self.state.navigation.fly.advance(&motion, secs, self.obstacles.as_ref());
+        if is_flying || self.state.navigation.fly.is_easing() || self.state.navigation.playback.is_playing {
             ctx.request_repaint();
         }
     }
 
     /// Lets the camera path play.
     fn play(&mut self, secs: f64) {
-        if let Some(camera) = self.state.playback.advance(secs) {
-            self.state.fly.jump_to(camera);
+        if let Some(camera) = self.state.navigation.playback.advance(secs) {
+            self.state.navigation.fly.jump_to(camera);
         }
     }
 
@@ -167,20 +167,20 @@ impl App {
 
     /// What is seen at a point of the viewport, right and up from its centre in -1..1.
     pub(crate) fn probe_at(&self, [x, y]: [f64; 2]) -> Option<Probe> {
-        let direction = self.state.fly.direction_through(x, y, self.aspect());
-        self.obstacles.as_ref()?.tracer().probe(self.state.fly.camera().eye, direction, f64::INFINITY)
+        let direction = self.state.navigation.fly.direction_through(x, y, self.aspect());
+        self.obstacles.as_ref()?.tracer().probe(self.state.navigation.fly.camera().eye, direction, f64::INFINITY)
     }
 
     fn go_there(&mut self, at: [f64; 2]) {
         if let Some(probe) = self.probe_at(at) {
-            self.state.fly.ease_to(aim::gone_to(&probe, self.state.fly.camera()));
+            self.state.navigation.fly.ease_to(aim::gone_to(&probe, self.state.navigation.fly.camera()));
         }
     }
 
     fn look_at_cursor(&self) -> Command {
         match self.probe_at(self.cursor.unwrap_or([0.0, 0.0])) {
-            Some(probe) => Command::EaseTo(aim::focused_on(&probe, self.state.fly.camera())),
-            None => Command::Say(Severity::Info, "there is nothing under the cursor to look at".to_owned()),
+            Some(probe) => Command::EaseTo(aim::focused_on(&probe, self.state.navigation.fly.camera())),
+            None => Command::Say("there is nothing under the cursor to look at".to_owned()),
         }
     }
 
@@ -197,11 +197,11 @@ impl App {
             return;
         }
         if is_right_down {
-            self.state.fly.change_speed(notches);
+            self.state.navigation.fly.change_speed(notches);
             return;
         }
         let at = at.unwrap_or(viewport.rect.center());
-        let ([x, y], fly) = (unit(viewport, at), &mut self.state.fly);
+        let ([x, y], fly) = (unit(viewport, at), &mut self.state.navigation.fly);
         let direction = fly.direction_through(x, y, f64::from(viewport.rect.aspect_ratio()));
         fly.dolly(direction, notches, factor, self.obstacles.as_ref());
     }
@@ -248,7 +248,7 @@ fn is_x11() -> bool {
 fn clipboard_command(event: &Event) -> Option<Command> {
     match event {
         Event::Copy => Some(Command::CopyPose),
-        Event::Paste(text) => Some(Command::Moving(Moving::PastePose(text.clone()))),
+        Event::Paste(text) => Some(Command::Navigate(NavigationCommand::PastePose(text.clone()))),
         _ => None,
     }
 }

@@ -1,11 +1,11 @@
 //! The comparison with the full tracer.
 
-use super::super::state::{Command, Compare, State};
+use super::super::state::{Command, Compare, AppState};
 use crate::window::input::keymap::{Action, keys_of};
 use egui::{Sense, Ui};
 
 /// Shows the switches and the figures.
-pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     let (mut shows, mut split) = (state.comparison.shows, state.comparison.split);
     ui.horizontal(|ui| {
         ui.label("Compare")
@@ -35,7 +35,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 }
 
 /// Names and values for people; none where nothing is compared.
-pub fn figures(state: &State) -> Vec<(&'static str, String)> {
+pub fn figures(state: &AppState) -> Vec<(&'static str, String)> {
     let Some(progress) = state.comparison.progress_text() else { return Vec::new() };
     let mut figures = vec![("full tracer", progress)];
     if let Some((_, error)) = state.comparison.error {
@@ -46,7 +46,7 @@ pub fn figures(state: &State) -> Vec<(&'static str, String)> {
 }
 
 /// The line between the two pictures, to be dragged.
-pub fn split_line(ui: &Ui, viewport: egui::Rect, state: &State, commands: &mut Vec<Command>) {
+pub fn split_line(ui: &Ui, viewport: egui::Rect, state: &AppState, commands: &mut Vec<Command>) {
     const REACH: f32 = 8.0;
     if state.comparison.shows != Compare::Split || state.comparison.full.is_none() || state.comparison.is_held
     {

@@ -1,6 +1,6 @@
 //! Sun and sky: by azimuth and height, or by place and time.
 
-use super::super::state::{Change, Command, Editing, PlaceAndTime, State, SunControls};
+use super::super::state::{Change, Command, EditCommand, PlaceAndTime, AppState, SunControls};
 use afterimage::scene::Daylight;
 use afterimage::scene::solar::SunPosition;
 use egui::{DragValue, Slider, Ui};
@@ -18,7 +18,7 @@ const PLACES: [(&str, f64, f64, f64); 8] = [
 ];
 
 /// Shows the controls.
-pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     let Some(edits) = &state.edits else {
         ui.weak("No scene yet.");
         return;
@@ -47,11 +47,11 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     let place = format!("Sun at {azimuth_deg:.1}° from north over east, {height_deg:.1}° high");
     ui.weak(if height_deg > 0.0 { place } else { format!("{place}: below the horizon") });
     if sun != state.sun {
-        commands.push(Command::Editing(Editing::SetSun(sun)));
+        commands.push(Command::Edit(EditCommand::SetSun(sun)));
     }
     let wanted = daylight(&now, &state.sun, &sun, [has_sun, has_sky]);
     if wanted != now {
-        commands.push(Command::Editing(Editing::Change(Change::Daylight(wanted))));
+        commands.push(Command::Edit(EditCommand::Change(Change::Daylight(wanted))));
     }
 }
 

@@ -1,11 +1,11 @@
 //! All keys, from the table that the window obeys.
 
-use super::super::state::{Command, Options, State};
+use super::super::state::{Command, Options, AppState};
 use crate::window::input::keymap::{MOUSE, bindings};
 use egui::{RichText, Ui};
 
 /// Shows the keys over everything else.
-pub fn show(ctx: &egui::Context, state: &State, commands: &mut Vec<Command>) {
+pub fn show(ctx: &egui::Context, state: &AppState, commands: &mut Vec<Command>) {
     let room = ctx.content_rect().size() - egui::vec2(60.0, 118.0);
     let modal = egui::Modal::new(egui::Id::unique("help")).show(ctx, |ui| {
         ui.set_width(room.x.clamp(200.0, WIDTH));

@@ -1,6 +1,6 @@
 //! The figures over the viewport.
 
-use super::super::state::{State, Work};
+use super::super::state::{AppState, Work};
 use super::{comparison, swatch};
 use crate::window::input::fly_camera::MoveMode;
 use afterimage::render::AuditEstimate;
@@ -17,7 +17,7 @@ pub fn ground() -> egui::Frame {
 }
 
 /// Shows the figures in the corner of `ui`.
-pub fn show(ui: &mut Ui, state: &State) {
+pub fn show(ui: &mut Ui, state: &AppState) {
     ground().show(ui, |ui| {
         ui.style_mut().interaction.selectable_labels = false;
         ui.spacing_mut().item_spacing = egui::vec2(10.0, 3.0);
@@ -26,8 +26,8 @@ pub fn show(ui: &mut Ui, state: &State) {
             frame_rows(ui, state);
             comparison::figures(state).into_iter().for_each(|(name, value)| line(ui, name, value));
             line(ui, "window", format!("{:.0} ms", state.window_ms));
-            let move_mode = if state.fly.move_mode() == MoveMode::Walk { "walking" } else { "flying" };
-            line(ui, move_mode, format!("{} m/s", three_digits(state.fly.speed_m_per_s())));
+            let move_mode = if state.navigation.fly.move_mode() == MoveMode::Walk { "walking" } else { "flying" };
+            line(ui, move_mode, format!("{} m/s", three_digits(state.navigation.fly.speed_m_per_s())));
         });
         type_rows(ui, state);
     });
@@ -43,7 +43,7 @@ pub fn hint(ui: &Ui, viewport: egui::Rect) {
     ui.painter().galley(rect.min + egui::vec2(12.0, 7.0), galley, TEXT);
 }
 
-fn state_line(ui: &mut Ui, state: &State) {
+fn state_line(ui: &mut Ui, state: &AppState) {
     ui.horizontal(|ui| {
         let color = match state.work {
             Work::Complete | Work::Converged => Color32::from_rgb(0x6C, 0xD0, 0x8A),
@@ -56,7 +56,7 @@ fn state_line(ui: &mut Ui, state: &State) {
     });
 }
 
-fn frame_rows(ui: &mut Ui, state: &State) {
+fn frame_rows(ui: &mut Ui, state: &AppState) {
     let Some(frame) = &state.frame else { return };
     let (secs, ms) = (&frame.stats.secs, |s: f64| format!("{:.1}", s * 1000.0));
     line(ui, "frame", format!("{} ms", ms(secs.frame)));
@@ -85,7 +85,7 @@ fn audit_text(audit: &AuditEstimate) -> String {
     }
 }
 
-fn type_rows(ui: &mut Ui, state: &State) {
+fn type_rows(ui: &mut Ui, state: &AppState) {
     let Some(frame) = &state.frame else { return };
     let p = frame.stats.types.percentages();
     ui.add_space(3.0);

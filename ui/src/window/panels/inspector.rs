@@ -1,24 +1,24 @@
 //! What a click found, and what was measured.
 
-use super::super::state::{Command, Inspection, Measure, PixelFacts, Seeing, State};
+use super::super::state::{Command, Inspection, Measure, PixelFacts, InspectCommand, AppState};
 use crate::window::input::keymap::{Action, keys_of};
 use afterimage::raster::pixel_types::PixelType;
 use egui::{RichText, Ui};
 use glam::DVec3;
 
 /// Shows both.
-pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    match &state.sight.inspection {
+pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
+    match &state.selection.inspection {
         None => {
             ui.weak("Click a surface to see what it is.");
         }
         Some(found) => pixel(ui, state, found, commands),
     }
     ui.separator();
-    measure(ui, &state.sight.measure, commands);
+    measure(ui, &state.selection.measure, commands);
 }
 
-fn pixel(ui: &mut Ui, state: &State, found: &Inspection, commands: &mut Vec<Command>) {
+fn pixel(ui: &mut Ui, state: &AppState, found: &Inspection, commands: &mut Vec<Command>) {
     let lines = lines(state, found);
     egui::Grid::new("inspector").num_columns(2).min_col_width(72.0).show(ui, |ui| {
         for (name, value) in &lines {
@@ -33,12 +33,12 @@ fn pixel(ui: &mut Ui, state: &State, found: &Inspection, commands: &mut Vec<Comm
             commands.push(Command::CopyText(text.join("\n")));
         }
         if ui.button("Close").accessible_name("Close the inspector").clicked() {
-            commands.push(Command::Seeing(Seeing::CloseInspector));
+            commands.push(Command::Inspect(InspectCommand::CloseInspector));
         }
     });
 }
 
-fn lines(state: &State, found: &Inspection) -> Vec<(&'static str, String)> {
+fn lines(state: &AppState, found: &Inspection) -> Vec<(&'static str, String)> {
     let material = state.edits.as_ref().and_then(|e| e.now().materials.get(found.material.0 as usize));
     let material = material.map_or_else(String::new, |m| format!("{} ({})", m.name, m.kind_name()));
     let mut lines = vec![
@@ -86,10 +86,10 @@ fn measure(ui: &mut Ui, measure: &Measure, commands: &mut Vec<Command>) {
         let text = if measure.is_on { "Stop measuring" } else { "Measure" };
         let help = format!("Two clicks; corners and edges attract (key {})", keys_of(Action::Measure));
         if ui.selectable_label(measure.is_on, text).on_hover_text(help).clicked() {
-            commands.push(Command::Seeing(Seeing::ToggleMeasure));
+            commands.push(Command::Inspect(InspectCommand::ToggleMeasure));
         }
         if !measure.points.is_empty() && ui.button("Clear").accessible_name("Clear the measure").clicked() {
-            commands.push(Command::Seeing(Seeing::ClearMeasure));
+            commands.push(Command::Inspect(InspectCommand::ClearMeasure));
         }
     });
     let Some([a, b]) = measure.ends() else {

@@ -1,6 +1,6 @@
 //! What the colours of the heatmap mean, and its switches.
 
-use super::super::state::{Command, Options, State};
+use super::super::state::{Command, Options, AppState};
 use super::{TYPE_NAMES, swatch};
 use crate::window::gpu::presentation::{Coloring, Heatmap};
 use crate::window::input::keymap::{Action, keys_of};
@@ -9,7 +9,7 @@ use afterimage::raster::pixel_types::TypeCounts;
 use egui::{RichText, Ui};
 
 /// Shows switches and legend.
-pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     let mut options = state.options;
     ui.horizontal(|ui| {
         ui.label("Heatmap").on_hover_text(format!("Key {}", keys_of(Action::CycleHeatmap)));

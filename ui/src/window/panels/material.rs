@@ -1,18 +1,18 @@
 //! The material of what was clicked: matte, mirror or glass.
 
-use super::super::state::{Change, Command, Editing, Edits, Seeing, State};
-use crate::window::app::scene_loading::SceneSource;
+use super::super::state::{Change, Command, EditCommand, Edits, InspectCommand, AppState};
+use crate::window::rendering::scene_loading::SceneSource;
 use afterimage::scene::{Material, MaterialId, MaterialKind};
 use egui::{Slider, SliderClamping, Ui};
 use glam::Vec3;
 
 /// Shows the chosen material, its controls, and the way back.
-pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     let Some(edits) = &state.edits else {
         ui.weak("No scene yet.");
         return;
     };
-    let chosen = state.sight.material.filter(|id| (id.0 as usize) < edits.now().materials.len());
+    let chosen = state.selection.material.filter(|id| (id.0 as usize) < edits.now().materials.len());
     choice(ui, edits, chosen, commands);
     match chosen {
         None => {
@@ -23,7 +23,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             let before = &edits.saved().materials[id.0 as usize];
             let edited = controls(ui, material, before);
             if edited != *material {
-                commands.push(Command::Editing(Editing::Change(Change::Material(id, edited))));
+                commands.push(Command::Edit(EditCommand::Change(Change::Material(id, edited))));
             }
         }
     }
@@ -41,7 +41,7 @@ fn choice(ui: &mut Ui, edits: &Edits, chosen: Option<MaterialId>, commands: &mut
             for i in rows {
                 let id = MaterialId(i as u32);
                 if ui.selectable_label(chosen == Some(id), &materials[i].name).clicked() {
-                    commands.push(Command::Seeing(Seeing::SelectMaterial(id)));
+                    commands.push(Command::Inspect(InspectCommand::SelectMaterial(id)));
                 }
             }
         });
@@ -132,18 +132,18 @@ fn glass(material: &Material) -> Material {
     Material { kind, diffuse: Vec3::ZERO, ..material.clone() }
 }
 
-fn history(ui: &mut Ui, state: &State, edits: &Edits, commands: &mut Vec<Command>) {
+fn history(ui: &mut Ui, state: &AppState, edits: &Edits, commands: &mut Vec<Command>) {
     use crate::window::input::keymap::{Action, keys_of};
     ui.horizontal_wrapped(|ui| {
-        let mut button = |ui: &mut Ui, text: &str, is_enabled: bool, help: String, editing: Editing| {
+        let mut button = |ui: &mut Ui, text: &str, is_enabled: bool, help: String, editing: EditCommand| {
             let button = ui.add_enabled(is_enabled, egui::Button::new(text));
             if button.on_hover_text(&help).on_disabled_hover_text(help).clicked() {
-                commands.push(Command::Editing(editing));
+                commands.push(Command::Edit(editing));
             }
         };
         let key = |action| format!("Key {}", keys_of(action));
-        button(ui, "Undo", edits.can_undo(), key(Action::Undo), Editing::Undo);
-        button(ui, "Redo", edits.can_redo(), key(Action::Redo), Editing::Redo);
+        button(ui, "Undo", edits.can_undo(), key(Action::Undo), EditCommand::Undo);
+        button(ui, "Redo", edits.can_redo(), key(Action::Redo), EditCommand::Redo);
         let is_file = state.scene.as_ref().is_some_and(|s| matches!(s.source, SceneSource::File { .. }));
         let help = if is_file {
             "Writes materials, sun and sky into the .afterimage.toml beside the model; the model stays as it is"
@@ -151,6 +151,6 @@ fn history(ui: &mut Ui, state: &State, edits: &Edits, commands: &mut Vec<Command
             "This scene is part of the program; open a model file to keep changes"
         };
         let can_save = edits.is_unsaved() && is_file;
-        button(ui, "Save beside the scene", can_save, help.to_owned(), Editing::SaveBeside);
+        button(ui, "Save beside the scene", can_save, help.to_owned(), EditCommand::SaveBeside);
     });
 }

@@ -1,22 +1,22 @@
 //! The bar at the top.
 
 use super::super::state::{
-    Command, Editing, Edits, FileCommand, Moving, Options, PictureCommand, Seeing, State,
+    Command, EditCommand, Edits, FileCommand, NavigationCommand, Options, PictureCommand, InspectCommand, AppState,
 };
-use crate::window::app::scene_loading::SceneSource;
+use crate::window::rendering::scene_loading::SceneSource;
 use crate::window::input::fly_camera::MoveMode;
 use crate::window::input::keymap::{Action, keys_of};
 use afterimage::scene::builtin;
 use egui::{Button, Ui};
 
 /// Shows the menus.
-pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     egui::MenuBar::new().ui(ui, |ui| {
         ui.menu_button("Scene", |ui| scene_menu(ui, state, commands));
         ui.menu_button("Edit", |ui| edit_menu(ui, state, commands));
         ui.menu_button("View", |ui| view_menu(ui, state, commands));
         if item(ui, "Settings", None) {
-            commands.push(Command::ShowSettings(!state.shows_settings));
+            commands.push(Command::ShowSettings(!state.dialogs.shows_settings));
         }
         let mut options = state.options;
         if item(ui, "Help", None) {
@@ -45,7 +45,7 @@ fn item(ui: &mut Ui, text: &str, action: Option<Action>) -> bool {
     .clicked()
 }
 
-fn scene_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+fn scene_menu(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     if item(ui, "Open...", Some(Action::Open)) {
         commands.push(Command::Browse);
     }
@@ -79,7 +79,7 @@ fn scene_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     }
 }
 
-fn edit_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+fn edit_menu(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     let can = |test: fn(&Edits) -> bool| state.edits.as_ref().is_some_and(test);
     let mut entry = |text: &str, action: Option<Action>, is_enabled: bool, command: Command| {
         let keys = action.map(keys_of).unwrap_or_default();
@@ -87,30 +87,30 @@ fn edit_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
             commands.push(command);
         }
     };
-    entry("Undo change", Some(Action::Undo), can(Edits::can_undo), Command::Editing(Editing::Undo));
-    entry("Redo change", Some(Action::Redo), can(Edits::can_redo), Command::Editing(Editing::Redo));
-    let save = Command::Editing(Editing::SaveBeside);
+    entry("Undo change", Some(Action::Undo), can(Edits::can_undo), Command::Edit(EditCommand::Undo));
+    entry("Redo change", Some(Action::Redo), can(Edits::can_redo), Command::Edit(EditCommand::Redo));
+    let save = Command::Edit(EditCommand::SaveBeside);
     entry("Save changes beside the scene", None, can(Edits::is_unsaved), save);
-    let text = if state.sight.measure.is_on { "Stop measuring distances" } else { "Measure distances" };
-    entry(text, Some(Action::Measure), true, Command::Seeing(Seeing::ToggleMeasure));
+    let text = if state.selection.measure.is_on { "Stop measuring distances" } else { "Measure distances" };
+    entry(text, Some(Action::Measure), true, Command::Inspect(InspectCommand::ToggleMeasure));
 }
 
-fn view_menu(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+fn view_menu(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     for (i, view) in state.scene.iter().flat_map(|s| s.views.iter().enumerate()) {
         let key = view.key.map_or(String::new(), |key| format!("{key}  "));
         let button = ui.add(Button::new(format!("{key}{}", view.name)));
         // The list of views has a button of the same text.
         if button.accessible_name(format!("Go to {}", view.name)).clicked() {
-            commands.push(Command::Moving(Moving::GoToView(i)));
+            commands.push(Command::Navigate(NavigationCommand::GoToView(i)));
         }
     }
     ui.separator();
-    let (move_mode, other) = match state.fly.move_mode() {
+    let (move_mode, other) = match state.navigation.fly.move_mode() {
         MoveMode::Fly => ("Walk", MoveMode::Walk),
         MoveMode::Walk => ("Fly", MoveMode::Fly),
     };
     if item(ui, move_mode, Some(Action::ToggleWalk)) {
-        commands.push(Command::Moving(Moving::SetGait(other)));
+        commands.push(Command::Navigate(NavigationCommand::SetMoveMode(other)));
     }
     if item(ui, "Level", Some(Action::Level)) {
         commands.push(Command::Level);

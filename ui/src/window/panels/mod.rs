@@ -21,7 +21,7 @@ pub mod references;
 pub mod report;
 pub mod views;
 
-use super::state::{Command, State};
+use super::state::{Command, AppState};
 use egui::{Color32, RichText, Ui};
 
 /// Type 1, 2 and 3, told apart by colour-blind people; Type 3 is also hatched.
@@ -53,7 +53,7 @@ pub fn install_style(ctx: &egui::Context) {
 
 /// The panel on the right. What is too wide in it is cut: were the panel to grow, the picture would be rendered anew at
 /// another size, and its references with it.
-pub fn side(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub fn side(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     let room = ui.available_rect_before_wrap();
     ui.allocate_rect(room, egui::Sense::hover());
     let ui = &mut ui.new_child(egui::UiBuilder::new().max_rect(room));
@@ -92,7 +92,7 @@ fn collapsing(ui: &mut Ui, header: egui::CollapsingHeader, contents: impl FnOnce
 }
 
 /// A small picture of a pose, grey until it is there.
-pub fn thumbnail(ui: &mut Ui, state: &State, camera: &afterimage::Camera) {
+pub fn thumbnail(ui: &mut Ui, state: &AppState, camera: &afterimage::Camera) {
     let (rect, _) = ui.allocate_exact_size(egui::vec2(72.0, 45.0), egui::Sense::hover());
     ui.painter().rect_filled(rect, 3.0, Color32::from_gray(70));
     if let Some(texture) = state.thumbnails.as_ref().and_then(|t| t.of(camera)) {

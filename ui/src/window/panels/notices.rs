@@ -1,11 +1,11 @@
 //! Messages, loading and questions over the viewport.
 
-use super::super::state::{Command, Notice, Severity, State};
-use crate::window::app::scene_loading::{Progress, SceneSource};
+use super::super::state::{Command, Notice, Severity, AppState};
+use crate::window::rendering::scene_loading::{Progress, SceneSource};
 use egui::{Align2, Color32, ProgressBar, Rect, RichText, Ui};
 
 /// Shows what there is to say, at the bottom of the viewport: the figures have the top.
-pub fn show(ctx: &egui::Context, viewport: Rect, state: &State, commands: &mut Vec<Command>) {
+pub fn show(ctx: &egui::Context, viewport: Rect, state: &AppState, commands: &mut Vec<Command>) {
     if !state.notices.is_empty() {
         let above = if state.loading.is_some() { 90.0 } else { 56.0 };
         let at = viewport.center_bottom() - egui::vec2(0.0, above);

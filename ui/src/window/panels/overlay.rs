@@ -1,6 +1,6 @@
 //! What is drawn over the picture: the inspected triangle, what is measured, a reference that is looked through.
 
-use super::super::state::{Lent, Measure, SnapKind, State};
+use super::super::state::{ReferenceView, Measure, SnapKind, AppState};
 use crate::window::gpu::projection::Projection;
 use egui::{Align2, Color32, FontId, Pos2, Rect, Stroke, Ui};
 use glam::DVec3;
@@ -10,17 +10,17 @@ const LINE: Color32 = Color32::from_rgb(0xFF, 0xD2, 0x3F);
 const UNDER: Color32 = Color32::from_black_alpha(190);
 
 /// Draws over the viewport.
-pub fn show(ui: &Ui, viewport: Rect, state: &State) {
-    if let Some(lent) = &state.sight.lent {
+pub fn show(ui: &Ui, viewport: Rect, state: &AppState) {
+    if let Some(lent) = &state.selection.reference_view {
         return lent_picture(ui, viewport, lent);
     }
     let painter = ui.painter().with_clip_rect(viewport);
-    let projection = Projection::new(state.fly.camera(), viewport);
-    if let Some(found) = &state.sight.inspection {
+    let projection = Projection::new(state.navigation.fly.camera(), viewport);
+    if let Some(found) = &state.selection.inspection {
         let [a, b, c] = found.corners_m;
         [[a, b], [b, c], [c, a]].into_iter().for_each(|edge| line(&painter, &projection, edge, 1.5));
     }
-    measured(&painter, &projection, &state.sight.measure);
+    measured(&painter, &projection, &state.selection.measure);
 }
 
 fn line(painter: &egui::Painter, projection: &Projection, ends_m: [DVec3; 2], width: f32) {
@@ -71,7 +71,7 @@ fn label(painter: &egui::Painter, at: Pos2, text: &str) {
 }
 
 /// As large as fits, with what it is.
-fn lent_picture(ui: &Ui, viewport: Rect, lent: &Lent) {
+fn lent_picture(ui: &Ui, viewport: Rect, lent: &ReferenceView) {
     let painter = ui.painter().with_clip_rect(viewport);
     painter.rect_filled(viewport, 0.0, Color32::from_gray(24));
     let size = lent.texture.size_vec2();

@@ -1,13 +1,13 @@
 //! The camera path: its keys, a timeline, and the recording of a walk.
 
-use super::super::state::{Command, Moving, State};
+use super::super::state::{Command, NavigationCommand, AppState};
 use crate::window::input::keymap::{Action, keys_of};
 use crate::window::input::playback::Playback;
 use egui::{Slider, Ui};
 
 /// Shows timeline, keys and recording.
-pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let playback = &state.playback;
+pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
+    let playback = &state.navigation.playback;
     let count = playback.path.keyframes.len();
     let whose = if playback.is_own { "Your path" } else { "The scene's walk" };
     ui.weak(format!("{whose}: {count} keys, {:.1} s, {:.1} m", playback.secs(), playback.path.length_m()));
@@ -16,27 +16,27 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
         let hover = |action| format!("Key {}", keys_of(action));
         let button = ui.add_enabled(count > 0, egui::Button::new(play));
         if button.on_hover_text(hover(Action::PlayPath)).clicked() {
-            commands.push(Command::Moving(Moving::PlayPath));
+            commands.push(Command::Navigate(NavigationCommand::PlayPath));
         }
         if ui.button("Add key").on_hover_text(hover(Action::AddPathKey)).clicked() {
-            commands.push(Command::Moving(Moving::AddPathKey));
+            commands.push(Command::Navigate(NavigationCommand::AddPathKey));
         }
         let mut loops = playback.loops;
         if ui.checkbox(&mut loops, "Loop").changed() {
-            commands.push(Command::Moving(Moving::SetPlayback(Playback { loops, ..playback.clone() })));
+            commands.push(Command::Navigate(NavigationCommand::SetPlayback(Playback { loops, ..playback.clone() })));
         }
     });
     timeline(ui, playback, commands);
     if playback.is_own {
         keys(ui, playback, commands);
     }
-    let text = match &state.recording {
+    let text = match &state.navigation.recording {
         None => "Record walk".to_owned(),
         Some(recording) => format!("Stop and save walk ({:.0} s)", recording.secs()),
     };
     let help = "Records where you go, as a file for `afterimage tour --path` and the experiments";
     if ui.button(text).on_hover_text(help).clicked() {
-        commands.push(Command::Moving(Moving::ToggleRecording));
+        commands.push(Command::Navigate(NavigationCommand::ToggleRecording));
     }
 }
 
@@ -46,7 +46,7 @@ fn timeline(ui: &mut Ui, playback: &Playback, commands: &mut Vec<Command>) {
     ui.spacing_mut().slider_width = (ui.available_width() - 70.0).max(60.0);
     let slider = Slider::new(&mut at_secs, 0.0..=playback.secs()).fixed_decimals(1).suffix(" s");
     if ui.add_enabled(!playback.path.keyframes.is_empty(), slider).labelled_by(label.id).changed() {
-        commands.push(Command::Moving(Moving::SetPlayback(Playback {
+        commands.push(Command::Navigate(NavigationCommand::SetPlayback(Playback {
             at_secs,
             is_playing: false,
             ..playback.clone()
@@ -60,7 +60,7 @@ fn keys(ui: &mut Ui, playback: &Playback, commands: &mut Vec<Command>) {
             let button = ui.small_button(format!("{} x", i + 1));
             let button = button.accessible_name(format!("Delete path key {}", i + 1));
             if button.on_hover_text("Delete this key").clicked() {
-                commands.push(Command::Moving(Moving::RemovePathKey(i)));
+                commands.push(Command::Navigate(NavigationCommand::RemovePathKey(i)));
             }
         }
     });

@@ -1,7 +1,7 @@
 //! How pictures are saved, and the one that is being saved.
 
 use super::super::state::{
-    Command, Exporting, PictureCommand, PictureFormat, PictureSettings, PictureSize, State,
+    Command, Exporting, PictureCommand, PictureFormat, PictureSettings, PictureSize, AppState,
 };
 use crate::picture::LONGEST_SIDE;
 use crate::window::input::keymap::{Action, keys_of};
@@ -19,7 +19,7 @@ const SIZES: [(&str, [u32; 2]); 5] = [
 ];
 
 /// Shows the dialog over the viewport; the scene stays in sight and can be walked through meanwhile.
-pub fn show(ctx: &egui::Context, state: &State, commands: &mut Vec<Command>) {
+pub fn show(ctx: &egui::Context, state: &AppState, commands: &mut Vec<Command>) {
     let mut is_open = true;
     egui::Window::new("Picture settings").open(&mut is_open).resizable(false).default_pos([40.0, 60.0]).show(
         ctx,
@@ -75,7 +75,7 @@ fn size_rows(ui: &mut Ui, settings: &mut PictureSettings) {
     ui.end_row();
 }
 
-fn making_rows(ui: &mut Ui, state: &State, settings: &mut PictureSettings) {
+fn making_rows(ui: &mut Ui, state: &AppState, settings: &mut PictureSettings) {
     let label = ui.label("Mode");
     let modes = [
         (Mode::Full, "full: the ordinary ray tracer, anti-aliased"),
@@ -108,7 +108,7 @@ fn making_rows(ui: &mut Ui, state: &State, settings: &mut PictureSettings) {
     ui.end_row();
 }
 
-fn file_rows(ui: &mut Ui, state: &State, settings: &mut PictureSettings, commands: &mut Vec<Command>) {
+fn file_rows(ui: &mut Ui, state: &AppState, settings: &mut PictureSettings, commands: &mut Vec<Command>) {
     ui.label("File");
     ui.vertical(|ui| {
         let help = "As a screen shows it";
@@ -131,7 +131,7 @@ fn file_rows(ui: &mut Ui, state: &State, settings: &mut PictureSettings, command
     ui.end_row();
 }
 
-fn buttons(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+fn buttons(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     let is_free = state.picture.exporting.is_none();
     ui.horizontal(|ui| {
         let save = ui.add_enabled(is_free, egui::Button::new("Save now"));

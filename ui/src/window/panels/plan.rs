@@ -1,6 +1,6 @@
 //! The plan: walls at eye height, you, your way, and every reference's view by what it gives.
 
-use super::super::state::{Command, Seeing, State};
+use super::super::state::{Command, InspectCommand, AppState};
 use crate::window::rendering::exchange::ReferenceInfo;
 use crate::window::rendering::plan::{Plan, PlanView};
 use afterimage::Camera;
@@ -22,15 +22,15 @@ const YOU: Color32 = Color32::from_rgb(0x56, 0xB4, 0xE9);
 const WAY: Color32 = Color32::from_rgb(0xCC, 0x79, 0xA7);
 
 /// Shows the plan and what is chosen in it.
-pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
-    let Some(plan) = &state.plan else {
+pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
+    let Some(plan) = &state.plan.cut else {
         ui.weak(if state.scene.is_some() { "The plan is being cut." } else { "No scene yet." });
         return;
     };
     let size = egui::vec2(ui.available_width(), HEIGHT);
     let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Plan map"));
-    let sheet = Sheet::new(plan, &state.plan_view, state.fly.camera(), rect);
+    let sheet = Sheet::new(plan, &state.plan.view, state.navigation.fly.camera(), rect);
     draw(ui, state, &sheet);
     steer(ui, state, &sheet, &response, commands);
     buttons(ui, state, &sheet, commands);
@@ -71,19 +71,19 @@ impl<'a> Sheet<'a> {
     }
 }
 
-fn draw(ui: &Ui, state: &State, sheet: &Sheet) {
+fn draw(ui: &Ui, state: &AppState, sheet: &Sheet) {
     let painter = ui.painter().with_clip_rect(sheet.rect);
     let is_dark = ui.visuals().dark_mode;
     painter.rect_filled(sheet.rect, 4.0, if is_dark { Color32::from_gray(22) } else { Color32::WHITE });
     painter.add(walls(sheet, if is_dark { Color32::from_gray(190) } else { Color32::from_gray(60) }));
-    let keys = &state.playback.path.keyframes;
+    let keys = &state.navigation.playback.path.keyframes;
     let way: Vec<Pos2> = keys.iter().map(|k| sheet.point(sheet.plan.place(k.eye))).collect();
     painter.add(Shape::line(way, Stroke::new(1.5, WAY)));
     for reference in references(state) {
-        let is_chosen = state.sight.reference == Some(reference.id);
+        let is_chosen = state.selection.reference == Some(reference.id);
         wedge(&painter, sheet, &reference.camera, color_of(reference), is_chosen);
     }
-    let camera = state.fly.camera();
+    let camera = state.navigation.fly.camera();
     wedge(&painter, sheet, camera, YOU, false);
     painter.circle(sheet.eye(camera), 5.0, YOU, Stroke::new(1.5, Color32::BLACK));
 }
@@ -123,7 +123,7 @@ fn wedge(painter: &egui::Painter, sheet: &Sheet, camera: &Camera, color: Color32
     painter.add(Shape::convex_polygon(corners, color.gamma_multiply(0.45), stroke));
 }
 
-fn references(state: &State) -> &[ReferenceInfo] {
+fn references(state: &AppState) -> &[ReferenceInfo] {
     state.frame.as_ref().map_or(&[], |f| &f.references)
 }
 
@@ -135,7 +135,7 @@ fn color_of(reference: &ReferenceInfo) -> Color32 {
     if reference.is_enabled { color } else { color.gamma_multiply(0.25) }
 }
 
-fn steer(ui: &Ui, state: &State, sheet: &Sheet, response: &Response, commands: &mut Vec<Command>) {
+fn steer(ui: &Ui, state: &AppState, sheet: &Sheet, response: &Response, commands: &mut Vec<Command>) {
     let mut view = sheet.view;
     if response.dragged() {
         let drag = response.drag_delta();
@@ -150,18 +150,18 @@ fn steer(ui: &Ui, state: &State, sheet: &Sheet, response: &Response, commands: &
         }
     }
     if view != sheet.view {
-        commands.push(Command::Seeing(Seeing::SetPlanView(view)));
+        commands.push(Command::Inspect(InspectCommand::SetPlanView(view)));
     }
     if let Some(at) = response.interact_pointer_pos().filter(|_| response.clicked()) {
         let distance = |r: &&ReferenceInfo| sheet.eye(&r.camera).distance(at);
         let nearest = references(state).iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
         let hit = nearest.filter(|r| distance(r) <= CLICK_POINTS).map(|r| r.id);
-        commands.push(Command::Seeing(Seeing::SelectReference(hit)));
+        commands.push(Command::Inspect(InspectCommand::SelectReference(hit)));
     }
 }
 
-fn buttons(ui: &mut Ui, state: &State, sheet: &Sheet, commands: &mut Vec<Command>) {
-    let mut view = state.plan_view;
+fn buttons(ui: &mut Ui, state: &AppState, sheet: &Sheet, commands: &mut Vec<Command>) {
+    let mut view = state.plan.view;
     ui.horizontal(|ui| {
         if ui.button("+").accessible_name("Zoom in on the plan").clicked() {
             view = sheet.view.zoomed(1.5, sheet.view.centre_m);
@@ -174,13 +174,13 @@ fn buttons(ui: &mut Ui, state: &State, sheet: &Sheet, commands: &mut Vec<Command
         }
         ui.checkbox(&mut view.follows, "Follow me");
     });
-    if view != state.plan_view {
-        commands.push(Command::Seeing(Seeing::SetPlanView(view)));
+    if view != state.plan.view {
+        commands.push(Command::Inspect(InspectCommand::SetPlanView(view)));
     }
 }
 
-fn chosen(ui: &mut Ui, state: &State, plan: &Plan, commands: &mut Vec<Command>) {
-    match references(state).iter().find(|r| state.sight.reference == Some(r.id)) {
+fn chosen(ui: &mut Ui, state: &AppState, plan: &Plan, commands: &mut Vec<Command>) {
+    match references(state).iter().find(|r| state.selection.reference == Some(r.id)) {
         None => {
             let height = plan.height_m;
             ui.weak(format!(

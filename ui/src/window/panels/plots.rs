@@ -1,6 +1,6 @@
 //! The last minute: how pixels came to their colour, and what frames took.
 
-use super::super::state::{HISTORY, State};
+use super::super::state::{HISTORY, AppState};
 use super::TYPE_COLORS;
 use afterimage::reference::PlacementPolicy;
 use egui::{Color32, Ui};
@@ -10,7 +10,7 @@ use std::time::Instant;
 const HEIGHT: f32 = 92.0;
 
 /// Shows both plots.
-pub fn show(ui: &mut Ui, state: &State) {
+pub fn show(ui: &mut Ui, state: &AppState) {
     let now = Instant::now();
     let ages: Vec<f64> = state.history.iter().map(|s| -(now - s.at).as_secs_f64()).collect();
     ui.weak("Pixels by type, percent; dashed: a new reference is taken");

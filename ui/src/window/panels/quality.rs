@@ -1,6 +1,6 @@
 //! Everything that trades time for quality, with units and a way back.
 
-use super::super::state::{Command, Options, Quality, State};
+use super::super::state::{Command, Options, Quality, AppState};
 use crate::window::input::fly_camera::ViewChange;
 use afterimage::Mode;
 use afterimage::raster::color::ToneMap;
@@ -13,7 +13,7 @@ const MB: usize = 1 << 20;
 const KEEP: SliderClamping = SliderClamping::Edits;
 
 /// Shows the settings.
-pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     let (mut q, d) = (state.quality, &state.default_quality);
     ui.spacing_mut().slider_width = 88.0;
     egui::Grid::new("quality").num_columns(3).spacing([6.0, 5.0]).show(ui, |ui| {
@@ -175,18 +175,18 @@ fn picture_rows(ui: &mut Ui, q: &mut Quality, d: &Quality) {
     });
 }
 
-fn camera_rows(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+fn camera_rows(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     use crate::window::input::fly_camera::{DEFAULT_SPEED, SPEED_RANGE};
-    let mut speed = state.fly.speed_m_per_s();
+    let mut speed = state.navigation.fly.speed_m_per_s();
     let help = "How fast the keys fly; also right mouse button + wheel. Shift is five times, Alt a fifth.";
     row(ui, "Speed", help, &mut speed, DEFAULT_SPEED, |ui, v| {
         ui.add(Slider::new(v, SPEED_RANGE).logarithmic(true).max_decimals(2).suffix(" m/s"))
     });
-    if speed != state.fly.speed_m_per_s() {
+    if speed != state.navigation.fly.speed_m_per_s() {
         commands.push(Command::SetSpeed(speed));
     }
     // Kept in radians, 60 degrees come back as 59.99999999999999.
-    let shown = (state.fly.camera().fov_y.to_degrees() * 1e6).round() / 1e6;
+    let shown = (state.navigation.fly.camera().fov_y.to_degrees() * 1e6).round() / 1e6;
     let mut fov = shown;
     row(ui, "Field of view", "Vertical.", &mut fov, 60.0, |ui, v| {
         ui.add(Slider::new(v, 10.0..=130.0).clamping(KEEP).fixed_decimals(0).suffix("°"))

@@ -1,17 +1,17 @@
 //! Questions that must be answered before anything else. Each has the keyboard: Tab goes round the answers, Enter gives
 //! one, Escape is the one that changes nothing.
 
-use super::super::state::{Answer, Command, FileCommand, Leaving, State};
-use crate::window::app::scene_loading::SceneSource;
+use super::super::state::{Answer, Command, FileCommand, Leaving, AppState};
+use crate::window::rendering::scene_loading::SceneSource;
 use egui::{Context, Ui};
 
 /// Shows the question that is open, if any.
-pub fn show(ctx: &Context, state: &State, commands: &mut Vec<Command>) {
-    if let Some(leaving) = &state.leaving {
+pub fn show(ctx: &Context, state: &AppState, commands: &mut Vec<Command>) {
+    if let Some(leaving) = &state.dialogs.leaving {
         ask_to_leave(ctx, state, leaving, commands);
-    } else if state.asks_to_clear {
+    } else if state.dialogs.asks_to_clear {
         ask_to_clear(ctx, state, commands);
-    } else if state.recovery.is_some() {
+    } else if state.files.recovery.is_some() {
         ask_to_recover(ctx, commands);
     }
 }
@@ -57,7 +57,7 @@ fn buttons(ui: &mut Ui, answers: &[(&str, Command)], commands: &mut Vec<Command>
 }
 
 /// Asks before changes are lost.
-fn ask_to_leave(ctx: &Context, state: &State, leaving: &Leaving, commands: &mut Vec<Command>) {
+fn ask_to_leave(ctx: &Context, state: &AppState, leaving: &Leaving, commands: &mut Vec<Command>) {
     let Some(scene) = &state.scene else { return };
     let heading = match leaving {
         Leaving::Close => "Save changes before closing?",
@@ -81,7 +81,7 @@ fn ask_to_leave(ctx: &Context, state: &State, leaving: &Leaving, commands: &mut 
 }
 
 /// Asks before all references go.
-fn ask_to_clear(ctx: &Context, state: &State, commands: &mut Vec<Command>) {
+fn ask_to_clear(ctx: &Context, state: &AppState, commands: &mut Vec<Command>) {
     let [_, held] = state.references_used_and_held();
     let text = format!("{held} are held. They are traced again where they are needed.");
     let answers = [("Clear all", Command::Clear), ("Keep", Command::KeepReferences)];

@@ -1,13 +1,13 @@
 //! The references held: what they are worth, where they stand.
 
-use super::super::state::{Command, Options, Seeing, State, Work};
+use super::super::state::{Command, Options, InspectCommand, AppState, Work};
 use crate::window::input::keymap::{Action, keys_of};
 use crate::window::rendering::exchange::{ReferenceInfo, supplier_byte};
 use afterimage::reference::ReferenceId;
 use egui::{Color32, ProgressBar, RichText, Ui};
 
 /// Shows buttons and list.
-pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     buttons(ui, state, commands);
     let Some(frame) = &state.frame else {
         ui.weak("None yet.");
@@ -38,7 +38,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 /// Two references and a bit: that there are more is seen, and the plots stay within reach.
 const LIST_HEIGHT: f32 = 250.0;
 
-fn buttons(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+fn buttons(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         let button = |ui: &mut Ui, text: &str, action, help: &str| {
             ui.button(text).on_hover_text(format!("{help} (key {})", keys_of(action))).clicked()
@@ -61,7 +61,7 @@ fn buttons(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 /// places apart.
 pub fn entry(
     ui: &mut Ui,
-    state: &State,
+    state: &AppState,
     reference: &ReferenceInfo,
     whose: &str,
     commands: &mut Vec<Command>,
@@ -73,13 +73,13 @@ pub fn entry(
             ui.horizontal(|ui| {
                 swatch(ui, reference.id);
                 let name = RichText::new(format!("#{number}"));
-                let is_chosen = state.sight.reference == Some(reference.id);
+                let is_chosen = state.selection.reference == Some(reference.id);
                 let name = if reference.is_used { name.strong() } else { name };
                 let help = if reference.is_used { "used by this frame" } else { "not used by this frame" };
                 let label = ui.selectable_label(is_chosen, name).on_hover_text(help);
                 if label.accessible_name(format!("Choose {whose} {number}")).clicked() {
                     let chosen = (!is_chosen).then_some(reference.id);
-                    commands.push(Command::Seeing(Seeing::SelectReference(chosen)));
+                    commands.push(Command::Inspect(InspectCommand::SelectReference(chosen)));
                 }
                 ui.weak(age(reference.added.elapsed().as_secs()));
                 if !reference.is_enabled {
@@ -125,14 +125,14 @@ fn deeds(ui: &mut Ui, reference: &ReferenceInfo, whose: &str, commands: &mut Vec
         }
     };
     deed(ui, "Go", "Go to", "Stand where it was taken", Command::EaseTo(reference.camera));
-    let show = Command::Seeing(Seeing::ShowReference(id));
+    let show = Command::Inspect(InspectCommand::ShowReference(id));
     deed(ui, "Show", "Show", "Look through it: what it holds, over the viewport", show);
     let (text, help) = match reference.is_enabled {
         true => ("Off", "Do without it; it keeps its memory"),
         false => ("On", "Use it again"),
     };
     let name = if reference.is_enabled { "Disable" } else { "Enable" };
-    let enable = Command::Seeing(Seeing::EnableReference(id, !reference.is_enabled));
+    let enable = Command::Inspect(InspectCommand::EnableReference(id, !reference.is_enabled));
     deed(ui, text, name, help, enable);
     deed(ui, "Delete", "Delete", "Drop it", Command::Remove(id));
 }

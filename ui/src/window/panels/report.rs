@@ -1,10 +1,10 @@
 //! The scene that is shown, the way to another one, and what was doubtful in its files.
 
-use super::super::state::{Command, SceneInfo, Seeing, State};
+use super::super::state::{Command, SceneInfo, InspectCommand, AppState};
 use egui::{Color32, RichText, Ui};
 
 /// Shows scene, path field and warnings.
-pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     if let Some(scene) = &state.scene {
         ui.label(RichText::new(&scene.name).strong());
         ui.weak(format!("{} triangles, {} lights", grouped(scene.triangles), scene.lights));
@@ -17,7 +17,7 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     warnings(ui, state, commands);
 }
 
-fn conditioning(ui: &mut Ui, state: &State) {
+fn conditioning(ui: &mut Ui, state: &AppState) {
     let Some(scene) = &state.scene else { return };
     egui::CollapsingHeader::new("Numerical stiffness").id_salt("stiffness").show(ui, |ui| {
         for said in &scene.conditioning {
@@ -48,10 +48,10 @@ fn facts(ui: &mut Ui, scene: &SceneInfo) {
     });
 }
 
-fn path_field(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+fn path_field(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     let label = ui.label("Model file");
     ui.horizontal(|ui| {
-        let mut text = state.path_text.clone();
+        let mut text = state.files.path_text.clone();
         let field = egui::TextEdit::singleline(&mut text).hint_text("path to a model").desired_width(165.0);
         let field = ui.add(field).labelled_by(label.id);
         if field.changed() {
@@ -68,18 +68,18 @@ fn path_field(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
     });
 }
 
-fn warnings(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+fn warnings(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     let Some(scene) = state.scene.as_ref().filter(|s| !s.warnings.is_empty()) else { return };
     let amber =
         if ui.visuals().dark_mode { Color32::from_rgb(240, 180, 60) } else { Color32::from_rgb(150, 90, 0) };
     let title = RichText::new(format!("{} import warnings", scene.warnings.len())).color(amber);
     egui::CollapsingHeader::new(title).id_salt("warnings").show(ui, |ui| {
-        let mut filter = state.sight.report_filter.clone();
+        let mut filter = state.selection.report_filter.clone();
         let field = egui::TextEdit::singleline(&mut filter)
             .hint_text("only those with...")
             .desired_width(f32::INFINITY);
         if ui.add(field).accessible_name("Filter the warnings").changed() {
-            commands.push(Command::Seeing(Seeing::FilterReport(filter.clone())));
+            commands.push(Command::Inspect(InspectCommand::FilterReport(filter.clone())));
         }
         let filter = filter.to_lowercase();
         let lines: Vec<String> =

@@ -1,18 +1,18 @@
 //! Saved views: a list to go to, name and delete.
 
-use super::super::state::{Command, Moving, SavedView, State};
+use super::super::state::{Command, NavigationCommand, SavedView, AppState};
 use crate::window::input::keymap::{Action, keys_of};
 use egui::{Key, RichText, Ui};
 
 /// Shows the list.
-pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
+pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     let Some(scene) = &state.scene else {
         ui.weak("No scene yet.");
         return;
     };
     let help = format!("Also {}, under a number", keys_of(Action::SaveView));
     if ui.button("Save this view").on_hover_text(help).clicked() {
-        commands.push(Command::Moving(Moving::AddView));
+        commands.push(Command::Navigate(NavigationCommand::AddView));
     }
     let area = egui::ScrollArea::vertical().id_salt("views").max_height(LIST_HEIGHT);
     // As wide as the panel, or its bar would lie over the buttons; as high even where the panel itself is scrolled.
@@ -26,32 +26,32 @@ pub fn show(ui: &mut Ui, state: &State, commands: &mut Vec<Command>) {
 /// Four views: the sections below stay within reach.
 const LIST_HEIGHT: f32 = 196.0;
 
-fn entry(ui: &mut Ui, state: &State, i: usize, view: &SavedView, commands: &mut Vec<Command>) {
+fn entry(ui: &mut Ui, state: &AppState, i: usize, view: &SavedView, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         super::thumbnail(ui, state, &view.camera);
         ui.vertical(|ui| {
-            match &state.renaming {
+            match &state.navigation.renaming {
                 Some((index, text)) if *index == i => name_field(ui, i, text, commands),
                 _ => {
                     let key = view.key.map(|key| format!("{key}  ")).unwrap_or_default();
-                    let is_last = state.view_index == i;
+                    let is_last = state.navigation.view_index == i;
                     let name = RichText::new(format!("{key}{}", view.name));
                     let name = if is_last { name.strong() } else { name };
                     if ui.button(name).on_hover_text("Go there").clicked() {
-                        commands.push(Command::Moving(Moving::GoToView(i)));
+                        commands.push(Command::Navigate(NavigationCommand::GoToView(i)));
                     }
                 }
             }
             ui.horizontal(|ui| {
                 let rename = ui.small_button("Rename").accessible_name(format!("Rename {}", view.name));
                 if rename.clicked() {
-                    commands.push(Command::Moving(Moving::Rename(Some((i, view.name.clone())))));
+                    commands.push(Command::Navigate(NavigationCommand::Rename(Some((i, view.name.clone())))));
                 }
                 // Something must be left to go back to.
                 let can_go = state.scene.as_ref().is_some_and(|s| s.views.len() > 1);
                 let delete = ui.add_enabled(can_go, egui::Button::new("Delete").small());
                 if delete.accessible_name(format!("Delete {}", view.name)).clicked() {
-                    commands.push(Command::Moving(Moving::RemoveView(i)));
+                    commands.push(Command::Navigate(NavigationCommand::RemoveView(i)));
                 }
             });
         });
@@ -63,14 +63,14 @@ fn name_field(ui: &mut Ui, i: usize, text: &str, commands: &mut Vec<Command>) {
     let field = ui.add(egui::TextEdit::singleline(&mut name).desired_width(130.0));
     let field = field.accessible_name("Name of the view");
     if field.changed() {
-        commands.push(Command::Moving(Moving::Rename(Some((i, name)))));
+        commands.push(Command::Navigate(NavigationCommand::Rename(Some((i, name)))));
     }
     if field.lost_focus() {
         let gives_up = ui.input(|input| input.key_pressed(Key::Escape));
         commands.push(if gives_up {
-            Command::Moving(Moving::Rename(None))
+            Command::Navigate(NavigationCommand::Rename(None))
         } else {
-            Command::Moving(Moving::FinishRenaming)
+            Command::Navigate(NavigationCommand::FinishRenaming)
         });
     } else if !field.has_focus() {
         field.request_focus();

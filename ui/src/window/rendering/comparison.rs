@@ -7,7 +7,7 @@ use crate::window::gpu::presentation::Overlay;
 use crate::window::gpu::viewport;
 use crate::window::rendering::full_trace::{FullTracing, Subject};
 use crate::window::rendering::render_thread::give_way;
-use crate::window::state::{Compare, Pair, PictureError, Severity, difference};
+use crate::window::state::{Compare, Pair, PictureError, difference};
 use egui_wgpu::RenderState;
 
 /// What measuring brings back.
@@ -36,7 +36,7 @@ impl App {
     /// What the full tracer would show now.
     fn subject(&self) -> Option<Subject> {
         let (tracer, frame) = (self.obstacles.as_ref()?.tracer().clone(), self.state.frame.as_ref()?);
-        let camera = *self.state.fly.camera();
+        let camera = *self.state.navigation.fly.camera();
         Some(Subject { tracer, camera, size: frame.size, render: self.state.quality.walk.render })
     }
 
@@ -44,7 +44,7 @@ impl App {
     fn is_at_rest(&self) -> bool {
         self.state.frame.as_ref().is_some_and(|frame| {
             let is_newest = frame.generation == self.threads.generation();
-            is_newest && frame.stats.is_complete && frame.camera == *self.state.fly.camera()
+            is_newest && frame.stats.is_complete && frame.camera == *self.state.navigation.fly.camera()
         })
     }
 
@@ -56,7 +56,7 @@ impl App {
             Ok(tracing) => self.tracing = Some(tracing),
             Err(error) => {
                 self.state.comparison.shows = Compare::Off;
-                self.state.notify(Severity::Error, format!("the full tracer cannot be started: {error}"));
+                self.state.error(format!("the full tracer cannot be started: {error}"));
             }
         }
     }
@@ -106,7 +106,7 @@ impl App {
             }
             Ok(_) => {}
             Err(text) => {
-                self.state.notify(Severity::Error, format!("the pictures cannot be compared: {text}"))
+                self.state.error(format!("the pictures cannot be compared: {text}"))
             }
         }
     }

@@ -1,6 +1,6 @@
 //! Finished frames on their way from the render thread to the window, without waiting and without allocating.
 
-use crate::window::gpu::depth_ranges::DepthRanges;
+use crate::window::rendering::depth_ranges::DepthRanges;
 use afterimage::Camera;
 use afterimage::camera::SceneFrame;
 use afterimage::raster::color::metered_exposure_ev;

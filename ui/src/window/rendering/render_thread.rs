@@ -48,7 +48,7 @@ pub enum RenderCommand {
     /// Switches a reference on or off.
     Enable(ReferenceId, bool),
     /// Hands out what a reference holds.
-    Lend(ReferenceId),
+    ShowReference(ReferenceId),
     /// Drops all references.
     Clear,
     /// Hands out the next complete frame, or the one that is there while paused.
@@ -78,7 +78,7 @@ pub struct Picture {
 
 /// What a reference holds.
 #[derive(Clone, Debug)]
-pub struct Lending {
+pub struct ReferenceRadiance {
     /// Whose.
     pub id: ReferenceId,
     /// Where it was taken.
@@ -95,17 +95,17 @@ pub enum Message {
     /// As ordered.
     Picture(Picture),
     /// As ordered.
-    Lent(Lending),
+    Reference(ReferenceRadiance),
     /// Something failed; the threads go on.
     Failed(String),
 }
 
 #[derive(Debug, Default)]
 pub(crate) struct Inbox {
-    pub(crate) wish: Option<RenderRequest>,
+    pub(crate) request: Option<RenderRequest>,
     /// Wishes from before another scene mean nothing in it: a reference from such a pose may stand inside a wall.
-    pub(crate) forgets_wish: bool,
-    pub(crate) orders: Vec<RenderCommand>,
+    pub(crate) drops_request: bool,
+    pub(crate) commands: Vec<RenderCommand>,
     pub(crate) outcomes: Vec<Outcome>,
 }
 
@@ -187,28 +187,28 @@ impl RenderThread {
     }
 
     /// Asks for the next frame; returns its generation.
-    pub fn wish(&self, wish: RenderRequest) -> u64 {
-        self.shared.change(|inbox| inbox.wish = Some(wish))
+    pub fn request(&self, request: RenderRequest) -> u64 {
+        self.shared.change(|inbox| inbox.request = Some(request))
     }
 
     /// Orders something; returns the generation of the first frame that shows it.
-    pub fn order(&self, order: RenderCommand) -> u64 {
+    pub fn send(&self, command: RenderCommand) -> u64 {
         let changes_frame = !matches!(
-            order,
-            RenderCommand::Picture | RenderCommand::AddReference(_) | RenderCommand::Lend(_)
+            command,
+            RenderCommand::Picture | RenderCommand::AddReference(_) | RenderCommand::ShowReference(_)
         );
-        if matches!(order, RenderCommand::SetTracer(_)) {
+        if matches!(command, RenderCommand::SetTracer(_)) {
             self.shared.abandon.store(true, Ordering::Release);
         }
         if changes_frame {
             return self.shared.change(|inbox| {
-                if matches!(order, RenderCommand::SetTracer(_)) {
-                    (inbox.wish, inbox.forgets_wish) = (None, true);
+                if matches!(command, RenderCommand::SetTracer(_)) {
+                    (inbox.request, inbox.drops_request) = (None, true);
                 }
-                inbox.orders.push(order);
+                inbox.commands.push(command);
             });
         }
-        locked(&self.shared.inbox).orders.push(order);
+        locked(&self.shared.inbox).commands.push(command);
         self.shared.bell.notify_all();
         self.generation()
     }

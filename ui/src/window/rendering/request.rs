@@ -13,33 +13,33 @@ const LARGEST_EDGE: f32 = 8192.0;
 
 impl App {
     /// Sends the pose and the settings where they have changed.
-    pub(crate) fn send_wish(&mut self) {
+    pub(crate) fn send_request(&mut self) {
         let (is_sharp, q) = (self.is_sharp(), &self.state.quality);
         let scale = if is_sharp { 1.0 } else { q.render_scale };
         let edge = |pixels: u32| (pixels as f32 * scale).round().clamp(1.0, LARGEST_EDGE) as u32;
         let size = if self.viewport_size.contains(&0) { [0, 0] } else { self.viewport_size.map(edge) };
-        let wish = RenderRequest {
-            camera: *self.state.fly.camera(),
+        let request = RenderRequest {
+            camera: *self.state.navigation.fly.camera(),
             size,
             settings: q.walk,
             budget: (!is_sharp).then(|| Duration::from_secs_f32(q.budget_ms / 1000.0)),
             is_paused: self.state.options.is_paused,
             is_compared: self.state.comparison.is_wanted(),
         };
-        if self.sent != Some(wish) {
-            if self.sent.is_some_and(|s| s.camera != wish.camera) {
+        if self.sent != Some(request) {
+            if self.sent.is_some_and(|s| s.camera != request.camera) {
                 self.moved = Instant::now();
-                self.state.shows_hint = false;
+                self.state.navigation.shows_hint = false;
             }
-            self.threads.wish(wish);
-            self.sent = Some(wish);
+            self.threads.request(request);
+            self.sent = Some(request);
         }
     }
 
     /// True where nothing has changed since a frame of the render scale was complete: the picture at rest has every pixel of
     /// the window. Only in modes that go on at rest.
     fn is_sharp(&self) -> bool {
-        let (q, camera) = (&self.state.quality, self.state.fly.camera());
+        let (q, camera) = (&self.state.quality, self.state.navigation.fly.camera());
         let may_be = q.walk.render.mode.refines() && q.render_scale < 1.0;
         let is_same = |s: &RenderRequest| s.camera == *camera && s.settings == q.walk && !s.is_paused;
         may_be
@@ -68,7 +68,7 @@ impl App {
             () if self.loader.is_some() => Work::Loading,
             () if self.state.scene.is_none() => Work::NoScene,
             () if self.state.options.is_paused => Work::Paused,
-            () if self.moved.elapsed() < MOTION_TIME && !self.state.shows_hint => Work::Moving,
+            () if self.moved.elapsed() < MOTION_TIME && !self.state.navigation.shows_hint => Work::Moving,
             () if self.is_editing => Work::Editing,
             () if !self.has_newest() => Work::Filling,
             () if self.threads.is_adding_reference() => Work::AddingReference,

@@ -1,9 +1,14 @@
-//! What controls ask for: panels and keys make commands, only the app carries them out.
+//! Commands: panels and keys return them, and the handlers in `app` apply them.
 
-use super::{
-    Answer, Change, Compare, FileCommand, Look, Options, PictureCommand, Quality, Severity, SunControls,
-};
-use crate::window::app::scene_loading::SceneSource;
+use super::appearance::Appearance;
+use super::comparison::Compare;
+use super::edits::Change;
+use super::options::Options;
+use super::picture::PictureCommand;
+use super::quality::Quality;
+use super::sun::SunControls;
+use super::unsaved_changes::Answer;
+use crate::window::rendering::scene_loading::SceneSource;
 use crate::window::input::fly_camera::MoveMode;
 use crate::window::input::playback::Playback;
 use crate::window::rendering::plan::PlanView;
@@ -12,9 +17,9 @@ use afterimage::reference::ReferenceId;
 use afterimage::scene::MaterialId;
 use std::path::PathBuf;
 
-/// What a control asks for.
+/// A command of a panel or a key.
 #[derive(Clone, Debug)]
-#[allow(missing_docs, reason = "the names say it")]
+#[allow(missing_docs, reason = "each name describes its command")]
 pub enum Command {
     Open(SceneSource),
     OpenPath(PathBuf),
@@ -27,10 +32,10 @@ pub enum Command {
     SetSpeed(f64),
     SetFovDegrees(f64),
     EaseTo(Camera),
-    Moving(Moving),
-    Editing(Editing),
-    Seeing(Seeing),
-    Say(Severity, String),
+    Navigate(NavigationCommand),
+    Edit(EditCommand),
+    Inspect(InspectCommand),
+    Say(String),
     Level,
     ChangeFov(f64),
     AddReference,
@@ -42,7 +47,7 @@ pub enum Command {
     Answer(Answer),
     Quit,
     Files(FileCommand),
-    SetLook(Look),
+    SetAppearance(Appearance),
     ShowSettings(bool),
     CopyPose,
     Compare(Compare, f32),
@@ -52,10 +57,10 @@ pub enum Command {
     Escape,
 }
 
-/// What a control asks for of views, paths and the way one moves.
+/// A command about views, camera paths and the way the camera moves.
 #[derive(Clone, Debug)]
-#[allow(missing_docs, reason = "the names say it")]
-pub enum Moving {
+#[allow(missing_docs, reason = "each name describes its command")]
+pub enum NavigationCommand {
     GoToView(usize),
     GoToKey(u8),
     StepView(isize),
@@ -65,7 +70,7 @@ pub enum Moving {
     Rename(Option<(usize, String)>),
     FinishRenaming,
     PastePose(String),
-    SetGait(MoveMode),
+    SetMoveMode(MoveMode),
     AddPathKey,
     RemovePathKey(usize),
     SetPlayback(Playback),
@@ -73,10 +78,10 @@ pub enum Moving {
     ToggleRecording,
 }
 
-/// What a control asks for of the scene's materials and light.
+/// A command about the scene's materials and daylight.
 #[derive(Clone, Debug)]
-#[allow(missing_docs, reason = "the names say it")]
-pub enum Editing {
+#[allow(missing_docs, reason = "each name describes its command")]
+pub enum EditCommand {
     Change(Change),
     SetSun(SunControls),
     Undo,
@@ -84,10 +89,10 @@ pub enum Editing {
     SaveBeside,
 }
 
-/// What a control asks for of what is looked at more closely.
+/// A command about the selected pixel, distance, material or reference.
 #[derive(Clone, Debug)]
-#[allow(missing_docs, reason = "the names say it")]
-pub enum Seeing {
+#[allow(missing_docs, reason = "each name describes its command")]
+pub enum InspectCommand {
     CloseInspector,
     SelectMaterial(MaterialId),
     ToggleMeasure,
@@ -98,4 +103,14 @@ pub enum Seeing {
     CloseReference,
     SetPlanView(PlanView),
     FilterReport(String),
+}
+
+/// A command about sessions and recent files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(missing_docs, reason = "each name describes its command")]
+pub enum FileCommand {
+    SaveSession,
+    Recover,
+    DiscardRecovery,
+    ForgetRecent,
 }

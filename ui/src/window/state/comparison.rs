@@ -1,6 +1,6 @@
 //! The picture against the full tracer's: what is shown of it, how far it is and how much they differ.
 
-use super::Quality;
+use super::quality::Quality;
 use crate::window::rendering::exchange::{PublishedFrame, rgb9e5_decoded};
 use afterimage::raster::color::srgb8;
 use afterimage::raster::metrics::{CompareError, error_picture, flip_map, psnr_db};

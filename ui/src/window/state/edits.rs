@@ -1,6 +1,6 @@
 //! What was changed in the scene since it was opened, and the way back.
 
-use super::SavedView;
+use super::scene::SavedView;
 use afterimage::scene::{Daylight, Material, MaterialId, SceneEdit};
 use std::time::{Duration, Instant};
 

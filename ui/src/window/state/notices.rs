@@ -1,49 +1,47 @@
 //! Messages over the viewport.
 
-use super::State;
 use std::time::{Duration, Instant};
 
-/// How serious a notice is.
+/// Severity of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Severity {
-    /// Something was done.
+    /// Something was done. The message disappears by itself.
     Info,
-    /// Something failed.
+    /// Something failed. The message stays until it is dismissed.
     Error,
 }
 
-/// A message over the viewport, there until it is dismissed.
+/// A message over the viewport.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Notice {
-    /// Its name.
+    /// Identifies the message among those that are shown.
     pub id: u64,
-    /// How serious.
+    /// Severity of the message.
     pub severity: Severity,
-    /// In full.
+    /// Text of the message.
     pub text: String,
-    /// When it came up.
+    /// Time at which the message appeared.
     pub since: Instant,
 }
 
-/// Good news goes away by itself after so long.
+/// An info disappears after this time: long enough to read two lines.
 const INFO_TIME: Duration = Duration::from_secs(8);
 
-/// So many notices are kept.
+/// Number of messages that are kept; the oldest are dropped.
 const MAX_NOTICES: usize = 4;
 
-impl State {
-    /// Puts a message over the viewport; one that is there already is not repeated.
-    pub fn notify(&mut self, severity: Severity, text: String) {
-        self.notices.retain(|n| n.text != text);
-        let id = self.next_notice;
-        self.next_notice += 1;
-        self.notices.push(Notice { id, severity, text, since: Instant::now() });
-        let surplus = self.notices.len().saturating_sub(MAX_NOTICES);
-        self.notices.drain(..surplus);
-    }
+/// Adds a message. A message with the same text is replaced.
+pub(super) fn push(notices: &mut Vec<Notice>, severity: Severity, text: String) {
+    let id = notices.last().map_or(0, |n| n.id + 1);
+    notices.retain(|n| n.text != text);
+    notices.push(Notice { id, severity, text, since: Instant::now() });
+    let surplus = notices.len().saturating_sub(MAX_NOTICES);
+    notices.drain(..surplus);
+}
 
-    /// Takes away good news that was there for long enough.
-    pub fn expire_notices(&mut self) {
-        self.notices.retain(|n| n.severity == Severity::Error || n.since.elapsed() < INFO_TIME);
+impl Notice {
+    /// True for an info that was shown for long enough.
+    pub fn is_expired(&self) -> bool {
+        self.severity == Severity::Info && self.since.elapsed() >= INFO_TIME
     }
 }

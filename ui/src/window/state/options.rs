@@ -1,25 +1,40 @@
-//! What is switched on.
+//! Switches of the window.
 
 use crate::window::gpu::presentation::{Coloring, Heatmap};
 use crate::window::input::fly_camera::ViewChange;
 
-/// What is switched on.
+/// Switches of the window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
-    /// Types over the picture.
+    /// Whether pixel types are shown over the picture.
     pub heatmap: Heatmap,
-    /// What their colours mean.
+    /// Meaning of the heatmap's colours.
     pub coloring: Coloring,
-    /// Type 3 is outlined.
+    /// Regions of Type 3 have an outline.
     pub has_outline: bool,
-    /// Menu and side panel.
+    /// The menu and the side panel are shown.
     pub shows_panels: bool,
-    /// Figures over the viewport.
+    /// Figures are shown over the viewport.
     pub shows_statistics: bool,
-    /// The keys.
+    /// The list of keys is shown.
     pub shows_help: bool,
-    /// Nothing is rendered.
+    /// The renderer is paused.
     pub is_paused: bool,
-    /// How views change.
+    /// Whether a change of view is eased.
     pub view_change: ViewChange,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            heatmap: Heatmap::Off,
+            coloring: Coloring::ByType,
+            has_outline: false,
+            shows_panels: true,
+            shows_statistics: true,
+            shows_help: false,
+            is_paused: false,
+            view_change: ViewChange::default(),
+        }
+    }
 }

@@ -1,6 +1,6 @@
 //! What waits for an answer, because it would lose changes that are not saved.
 
-use crate::window::app::scene_loading::SceneSource;
+use crate::window::rendering::scene_loading::SceneSource;
 use afterimage::Tracer;
 use std::sync::Arc;
 

@@ -1,10 +1,10 @@
 //! What the renderer is doing, in words.
 
-use super::State;
+use crate::window::rendering::exchange::PublishedFrame;
 
-/// What the renderer is doing, in a word.
+/// What the renderer is doing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(missing_docs, reason = "the words say it")]
+#[allow(missing_docs, reason = "word() describes each")]
 pub enum Work {
     Loading,
     NoScene,
@@ -19,7 +19,7 @@ pub enum Work {
 }
 
 impl Work {
-    /// The word on the screen.
+    /// The word that is shown for it.
     pub fn word(self) -> &'static str {
         match self {
             Self::Loading => "loading",
@@ -34,17 +34,15 @@ impl Work {
             Self::Converged => "converged",
         }
     }
-}
 
-impl State {
-    /// What the renderer is doing, and how far it is.
-    pub fn work_text(&self) -> String {
-        match (self.work, &self.frame) {
-            (Work::Refining, Some(frame)) => {
+    /// The word, with the number of passes while `frame` is being refined.
+    pub(super) fn text(self, frame: Option<&PublishedFrame>) -> String {
+        match (self, frame) {
+            (Self::Refining, Some(frame)) => {
                 let refined = frame.stats.refined;
-                format!("{} {}/{}", self.work.word(), refined.pass, refined.of)
+                format!("{} {}/{}", self.word(), refined.pass, refined.of)
             }
-            (work, _) => work.word().to_owned(),
+            _ => self.word().to_owned(),
         }
     }
 }

@@ -39,7 +39,7 @@ pub(crate) struct Worker {
     pub(crate) messages: Sender<Message>,
     pub(crate) wake: Wake,
     pub(crate) walk: Option<Walkthrough>,
-    pub(crate) wish: Option<RenderRequest>,
+    pub(crate) request: Option<RenderRequest>,
     /// Ends the reference in the making.
     pub(crate) job: Option<Running>,
     /// Poses and sizes at which tracing a reference failed: the policy would ask for them for ever.
@@ -70,7 +70,7 @@ impl Worker {
             messages,
             wake,
             walk: None,
-            wish: None,
+            request: None,
             job: None,
             refused: Vec::new(),
             asked: None,
@@ -91,7 +91,7 @@ impl Worker {
                 self.refine(generation);
             }
             self.request_reference();
-            self.hand_out_picture();
+            self.send_picture();
         }
         self.cancel_reference();
     }
@@ -105,30 +105,30 @@ impl Worker {
                 return None;
             }
             let generation = shared.generation.load(Ordering::Acquire);
-            if std::mem::take(&mut inbox.forgets_wish) {
-                self.wish = None;
+            if std::mem::take(&mut inbox.drops_request) {
+                self.request = None;
             }
-            let wish = inbox.wish.or(self.wish);
+            let request = inbox.request.or(self.request);
             let is_due = self.rendered != Some(generation)
                 && self.walk.is_some()
-                && wish.is_some_and(|w| !w.is_paused && !w.size.contains(&0));
-            let has_news = inbox.wish.is_some() || !inbox.orders.is_empty() || !inbox.outcomes.is_empty();
+                && request.is_some_and(|w| !w.is_paused && !w.size.contains(&0));
+            let has_events = inbox.request.is_some() || !inbox.commands.is_empty() || !inbox.outcomes.is_empty();
             // Settings of a new wish are taken in before anything is gone on with.
             let can_go_on = !is_due
-                && inbox.wish.is_none()
+                && inbox.request.is_none()
                 && (self.can_resume(generation) || self.can_refine(generation));
-            if is_due || has_news || can_go_on {
-                let is_new = inbox.wish.is_some();
-                self.wish = wish;
-                inbox.wish = None;
-                let (orders, outcomes) =
-                    (std::mem::take(&mut inbox.orders), std::mem::take(&mut inbox.outcomes));
+            if is_due || has_events || can_go_on {
+                let is_new = inbox.request.is_some();
+                self.request = request;
+                inbox.request = None;
+                let (commands, outcomes) =
+                    (std::mem::take(&mut inbox.commands), std::mem::take(&mut inbox.outcomes));
                 drop(inbox);
                 if is_new {
                     self.refuse_too_large();
                 }
                 outcomes.into_iter().for_each(|o| self.take_in(o));
-                orders.into_iter().for_each(|o| self.carry_out(o));
+                commands.into_iter().for_each(|o| self.carry_out(o));
                 return Some(generation);
             }
             inbox = shared.bell.wait(inbox).unwrap_or_else(PoisonError::into_inner);
@@ -137,16 +137,16 @@ impl Worker {
 
     /// A wish that memory cannot hold is dropped with a message: a failed allocation would end the program.
     fn refuse_too_large(&mut self) {
-        let Some([width, height]) = self.wish.map(|w| w.size) else { return };
+        let Some([width, height]) = self.request.map(|w| w.size) else { return };
         if let Err(why) = memory::check(u64::from(width) * u64::from(height), 1) {
-            self.wish = None;
+            self.request = None;
             self.say(Message::Failed(format!("a picture of {width} x {height}: {why}")));
             (self.wake)();
         }
     }
 
     fn can_render(&self) -> bool {
-        self.walk.is_some() && self.wish.is_some_and(|w| !w.is_paused && !w.size.contains(&0))
+        self.walk.is_some() && self.request.is_some_and(|w| !w.is_paused && !w.size.contains(&0))
     }
 
     /// True where the last frame is still wanted and was cut at the budget.
@@ -159,16 +159,16 @@ impl Worker {
     /// the next frames are the cheaper for it.
     fn can_refine(&self, generation: u64) -> bool {
         let is_shown = self.rendered == Some(generation) && self.converged != Some(generation);
-        let is_compared = self.wish.is_some_and(|w| w.is_compared);
+        let is_compared = self.request.is_some_and(|w| w.is_compared);
         is_shown && !is_compared && self.job.is_none() && self.asked.is_none() && self.can_render()
     }
 
-    fn carry_out(&mut self, order: RenderCommand) {
-        match order {
+    fn carry_out(&mut self, command: RenderCommand) {
+        match command {
             RenderCommand::SetTracer(tracer) => {
                 self.cancel_reference();
                 self.shared.abandon.store(false, Ordering::Release);
-                let settings = self.wish.map(|w| w.settings).unwrap_or_default();
+                let settings = self.request.map(|w| w.settings).unwrap_or_default();
                 // A new walk rather than the old one with another tracer: what is not traced yet in the first frame
                 // would show the old scene.
                 self.walk = Some(Walkthrough::new(tracer, settings).progressive());
@@ -186,7 +186,7 @@ impl Worker {
                     walk.cache_mut().set_enabled(id, is_enabled);
                 }
             }
-            RenderCommand::Lend(id) => self.lend(id),
+            RenderCommand::ShowReference(id) => self.send_reference(id),
             RenderCommand::Clear => {
                 self.cancel_reference();
                 if let Some(walk) = &mut self.walk {

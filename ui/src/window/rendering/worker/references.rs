@@ -46,16 +46,16 @@ impl Worker {
         }
         // What a frame that is gone on with lights is kept: no reference need light it again.
         let goes_on = self.can_resume(self.shared.generation.load(Ordering::Acquire));
-        let (Some(walk), Some(wish)) = (&mut self.walk, self.wish) else { return };
+        let (Some(walk), Some(request)) = (&mut self.walk, self.request) else { return };
         let wanted = || {
-            let camera = wanted(walk, wish.size).filter(|_| !goes_on)?;
-            (!self.refused.contains(&(camera, wish.size))).then_some(camera)
+            let camera = wanted(walk, request.size).filter(|_| !goes_on)?;
+            (!self.refused.contains(&(camera, request.size))).then_some(camera)
         };
         let Some(camera) = self.asked.take().or_else(wanted) else { return };
         let cancel = Arc::new(AtomicBool::new(false));
-        let job = Job { reference: walk.reference_job(camera, wish.size), cancel: cancel.clone() };
+        let job = Job { reference: walk.reference_job(camera, request.size), cancel: cancel.clone() };
         if self.jobs.send(job).is_ok() {
-            self.job = Some(Running { cancel, place: (camera, wish.size) });
+            self.job = Some(Running { cancel, place: (camera, request.size) });
             self.shared.is_adding.store(true, Ordering::Release);
             (self.wake)();
         }
@@ -104,7 +104,7 @@ mod tests {
         };
         settings.render.mode = Mode::Paper;
         let camera = Camera::look_at(DVec3::new(0.5, 0.5, 0.5), DVec3::new(0.5, 0.5, 0.0), 60.0);
-        let wish = RenderRequest {
+        let request = RenderRequest {
             camera,
             size: [16, 16],
             settings,
@@ -116,7 +116,7 @@ mod tests {
         let (messages, said) = unbounded();
         let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
         let mut worker = Worker::new(Arc::default(), pool, jobs, messages, Arc::new(|| {}));
-        (worker.walk, worker.wish) = (Some(Walkthrough::new(tracer, settings)), Some(wish));
+        (worker.walk, worker.request) = (Some(Walkthrough::new(tracer, settings)), Some(request));
         (worker, sent, said)
     }
 
@@ -132,8 +132,8 @@ mod tests {
         worker.render(0);
         worker.request_reference();
         assert_eq!(sent.try_iter().count(), 0);
-        if let Some(wish) = &mut worker.wish {
-            wish.settings.render.trace.samples += 1;
+        if let Some(request) = &mut worker.request {
+            request.settings.render.trace.samples += 1;
         }
         worker.render(0);
         worker.request_reference();

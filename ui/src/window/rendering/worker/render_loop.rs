@@ -22,29 +22,29 @@ struct Slice {
 
 impl Worker {
     pub(crate) fn render(&mut self, generation: u64) {
-        let (Some(walk), Some(wish)) = (&mut self.walk, self.wish) else { return };
+        let (Some(walk), Some(request)) = (&mut self.walk, self.request) else { return };
         let start = Instant::now();
         let shared = &*self.shared;
         let stop = || {
             let is_useless = shared.quit.load(Ordering::Relaxed) || shared.abandon.load(Ordering::Relaxed);
-            match wish.budget {
+            match request.budget {
                 Some(budget) => is_useless || start.elapsed() >= budget,
                 None => shared.is_useless(generation),
             }
         };
-        if *walk.settings() != wish.settings {
-            walk.set_settings(wish.settings);
+        if *walk.settings() != request.settings {
+            walk.set_settings(request.settings);
             self.refused.clear();
         }
-        if wish.is_compared {
+        if request.is_compared {
             walk.drop_refinement();
         }
         let mut published = shared.exchange.spare();
         let added = &self.added;
         let made = catch_unwind(AssertUnwindSafe(|| {
             self.pool.install(|| {
-                walk.render(&wish.camera, wish.size, &stop);
-                if wish.budget.is_none() && shared.is_useless(generation) {
+                walk.render(&request.camera, request.size, &stop);
+                if request.budget.is_none() && shared.is_useless(generation) {
                     return None;
                 }
                 published.fill(walk.frame(), &walk.tracer().scene().frame, walk.used(), generation);
@@ -118,8 +118,8 @@ impl Worker {
             Ok(_) => {}
             Err(panic) => {
                 // Its buffers may be half-written; the scene is not.
-                if let (Some(walk), Some(wish)) = (&mut self.walk, self.wish) {
-                    *walk = Walkthrough::new(walk.tracer().clone(), wish.settings).progressive();
+                if let (Some(walk), Some(request)) = (&mut self.walk, self.request) {
+                    *walk = Walkthrough::new(walk.tracer().clone(), request.settings).progressive();
                 }
                 let text = panic_text(&*panic);
                 self.say(Message::Failed(format!("rendering failed: {text}")));

@@ -1,16 +1,16 @@
 //! What others ask for of the walk: its picture, and what its references hold.
 
-use crate::window::rendering::render_thread::{Lending, Message, Picture};
+use crate::window::rendering::render_thread::{ReferenceRadiance, Message, Picture};
 use crate::window::rendering::worker::Worker;
 use afterimage::Walkthrough;
 use afterimage::reference::{ReferenceFrame, ReferenceId};
 use std::sync::Arc;
 
 impl Worker {
-    pub(crate) fn hand_out_picture(&mut self) {
+    pub(crate) fn send_picture(&mut self) {
         let Some(walk) = self.walk.as_ref().filter(|_| self.wants_picture) else { return };
         let frame = walk.frame();
-        let is_paused = self.wish.is_some_and(|w| w.is_paused);
+        let is_paused = self.request.is_some_and(|w| w.is_paused);
         if frame.radiance.is_empty() || !(frame.stats.is_complete || is_paused) {
             return;
         }
@@ -29,7 +29,7 @@ impl Worker {
     }
 
     /// Hands out what a reference holds: what does not depend on the viewer.
-    pub(crate) fn lend(&self, id: ReferenceId) {
+    pub(crate) fn send_reference(&self, id: ReferenceId) {
         let Some(walk) = &self.walk else { return };
         let entry = walk.cache().entries().iter().find(|e| e.id == id);
         let radiance = entry.map(|entry| {
@@ -39,7 +39,7 @@ impl Worker {
         });
         let (camera, size) =
             entry.map_or((walk.frame().camera, [0, 0]), |e| (e.frame.camera, e.frame.view.size));
-        self.say(Message::Lent(Lending { id, camera, size, radiance }));
+        self.say(Message::Reference(ReferenceRadiance { id, camera, size, radiance }));
         (self.wake)();
     }
 }

@@ -89,7 +89,7 @@ impl Measure {
 
 /// What is looked at more closely.
 #[derive(Clone, Debug, Default)]
-pub struct Sight {
+pub struct Selection {
     /// What the last click found.
     pub inspection: Option<Inspection>,
     /// The material whose properties are shown.
@@ -99,14 +99,14 @@ pub struct Sight {
     /// The reference chosen in the plan or the list.
     pub reference: Option<ReferenceId>,
     /// A reference's own picture over the viewport.
-    pub lent: Option<Lent>,
+    pub reference_view: Option<ReferenceView>,
     /// Only import warnings with this text are listed.
     pub report_filter: String,
 }
 
 /// What a reference holds, as a picture.
 #[derive(Clone)]
-pub struct Lent {
+pub struct ReferenceView {
     /// Whose.
     pub id: ReferenceId,
     /// Where it was taken.
@@ -117,8 +117,8 @@ pub struct Lent {
     pub texture: egui::TextureHandle,
 }
 
-impl std::fmt::Debug for Lent {
+impl std::fmt::Debug for ReferenceView {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Lent").field("id", &self.id).field("lit", &self.lit).finish_non_exhaustive()
+        f.debug_struct("ReferenceView").field("id", &self.id).field("lit", &self.lit).finish_non_exhaustive()
     }
 }

@@ -1,7 +1,7 @@
 //! Sessions, recent files, settings of the window, models that change on the disk.
 
 use super::*;
-use afterimage_ui::window::state::{Look, Severity};
+use afterimage_ui::window::state::{Appearance, Severity};
 use egui::{Key, Modifiers};
 
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
@@ -57,7 +57,7 @@ fn a_session_is_saved_and_brought_back() {
     assert_eq!(said(&mut harness, "afterimage-session.toml"), Severity::Info);
     let (camera, path) = {
         let state = harness.state().state();
-        (*state.fly.camera(), state.playback.path.clone())
+        (*state.navigation.fly.camera(), state.navigation.playback.path.clone())
     };
     drop(harness);
     let mut files =
@@ -70,7 +70,7 @@ fn a_session_is_saved_and_brought_back() {
     });
     settle(&mut harness);
     let state = harness.state().state();
-    assert_eq!((*state.fly.camera(), &state.playback.path, state.playback.is_own), (camera, &path, true));
+    assert_eq!((*state.navigation.fly.camera(), &state.navigation.playback.path, state.navigation.playback.is_own), (camera, &path, true));
     assert!(
         state.scene.as_ref().is_some_and(|s| s.views.iter().any(|v| v.key == Some(7) && v.camera == camera))
     );
@@ -158,7 +158,7 @@ fn files_are_remembered() {
     step_until(&mut harness, "the list of recent files", move |_| file.exists());
     drop(harness);
     let harness = home.open();
-    assert_eq!(harness.state().state().recent, [home.path("triangle.obj")]);
+    assert_eq!(harness.state().state().files.recent, [home.path("triangle.obj")]);
 }
 
 #[test]
@@ -168,12 +168,12 @@ fn a_changed_model_is_loaded_again_and_a_broken_one_is_not_shown() {
     harness.key_down(Key::W);
     harness.run_steps(5);
     harness.key_up(Key::W);
-    let camera = *harness.state().state().fly.camera();
+    let camera = *harness.state().state().navigation.fly.camera();
     std::fs::write(home.path("triangle.obj"), format!("{TRIANGLE}v 1 1 0\nf 2 3 4\n")).expect("a file");
     step_until(&mut harness, "the new model", |app| {
         app.state().scene.as_ref().is_some_and(|s| s.triangles == 2)
     });
-    assert_eq!(*harness.state().state().fly.camera(), camera, "one stays where one is");
+    assert_eq!(*harness.state().state().navigation.fly.camera(), camera, "one stays where one is");
     std::fs::write(home.path("triangle.obj"), "nothing\n").expect("a file");
     step_until(&mut harness, "the mistake", |app| {
         app.state().notices.iter().any(|n| n.severity == Severity::Error)
@@ -190,7 +190,7 @@ fn settings_of_the_window_are_kept_and_reset_one_by_one() {
     harness.run_steps(3);
     harness.get_by_label("views change at once").click();
     harness.run_steps(2);
-    assert!(harness.state().state().look.has_reduced_motion);
+    assert!(harness.state().state().appearance.has_reduced_motion);
     let file = home.path("settings.toml");
     let written = file.clone();
     step_until(&mut harness, "the settings' file", move |_| written.exists());
@@ -200,7 +200,7 @@ fn settings_of_the_window_are_kept_and_reset_one_by_one() {
     step_until(&mut harness, "the reset", move |_| {
         std::fs::read_to_string(&written).is_ok_and(|t| t.is_empty())
     });
-    assert_eq!(harness.state().state().look, Look::default());
+    assert_eq!(harness.state().state().appearance, Appearance::default());
 }
 
 #[test]

@@ -2,19 +2,19 @@
 
 use super::editing::click;
 use super::*;
-use afterimage_ui::window::state::{Measure, Sight, SnapKind};
+use afterimage_ui::window::state::{Measure, Selection, SnapKind};
 use egui::Key;
 
-fn sight(app: &App) -> &Sight {
-    &app.state().sight
+fn selection(app: &App) -> &Selection {
+    &app.state().selection
 }
 
 #[test]
 fn a_click_tells_what_is_there() {
     let mut harness = app();
     click(&mut harness, 0.0, 0.0);
-    let found = sight(harness.state()).inspection.clone().expect("a wall at least");
-    let camera = *harness.state().state().fly.camera();
+    let found = selection(harness.state()).inspection.clone().expect("a wall at least");
+    let camera = *harness.state().state().navigation.fly.camera();
     assert!((found.position_m.distance(camera.eye) - found.distance_m).abs() < 1e-3);
     assert!((found.depth_m - found.distance_m).abs() < 1e-6, "in the centre depth is distance");
     let facts = found.pixel.expect("the frame is of this pose");
@@ -35,7 +35,7 @@ fn a_click_tells_what_is_there() {
     assert!(text.contains("material: ") && text.contains("triangle: ") && text.contains("type: "), "{text}");
     harness.key_press(Key::Escape);
     harness.run_steps(2);
-    assert!(sight(harness.state()).inspection.is_none());
+    assert!(selection(harness.state()).inspection.is_none());
 }
 
 #[test]
@@ -43,10 +43,10 @@ fn m_measures_between_two_clicks_and_corners_attract() {
     let mut harness = app();
     harness.key_press(Key::M);
     harness.step();
-    assert!(sight(harness.state()).measure.is_on);
+    assert!(selection(harness.state()).measure.is_on);
     click(&mut harness, -150.0, 150.0);
     click(&mut harness, 160.0, 150.0);
-    let Measure { points, .. } = sight(harness.state()).measure.clone();
+    let Measure { points, .. } = selection(harness.state()).measure.clone();
     assert_eq!(points.len(), 2);
     assert!(points.iter().all(|p| p.position_m.y.abs() < 1e-3), "both on the floor: {points:?}");
     let length = points[0].position_m.distance(points[1].position_m);
@@ -54,17 +54,17 @@ fn m_measures_between_two_clicks_and_corners_attract() {
     // The near edge of the red box's top.
     let tracer_corner = glam::DVec3::new(0.35, 0.5, -0.35);
     let rect = harness.get_by_label("3D viewport").rect();
-    let camera = *harness.state().state().fly.camera();
+    let camera = *harness.state().state().navigation.fly.camera();
     let seen = afterimage_ui::window::gpu::projection::Projection::new(&camera, rect).point(tracer_corner);
     let offset = seen.expect("before the eye") - rect.center();
     click(&mut harness, offset.x + 2.0, offset.y + 2.0);
-    let first = sight(harness.state()).measure.points[0];
+    let first = selection(harness.state()).measure.points[0];
     assert_eq!(first.kind, SnapKind::Vertex);
     assert!(first.position_m.distance(tracer_corner) < 1e-3, "{first:?}");
     harness.key_press(Key::Escape);
     harness.run_steps(2);
-    assert!(!sight(harness.state()).measure.is_on);
-    assert!(sight(harness.state()).inspection.is_none(), "clicks measured and inspected nothing");
+    assert!(!selection(harness.state()).measure.is_on);
+    assert!(selection(harness.state()).inspection.is_none(), "clicks measured and inspected nothing");
 }
 
 #[test]
@@ -89,28 +89,28 @@ fn a_reference_is_switched_off_shown_and_chosen() {
     harness.get_by_label(&format!("Enable reference {number}")).click_accesskit();
     step_until(&mut harness, "a frame with it", |app| first(app).is_enabled);
     harness.get_by_label(&format!("Show reference {number}")).click_accesskit();
-    step_until(&mut harness, "its picture", |app| sight(app).lent.is_some());
-    let lent = sight(harness.state()).lent.clone().expect("its picture");
+    step_until(&mut harness, "its picture", |app| selection(app).reference_view.is_some());
+    let lent = selection(harness.state()).reference_view.clone().expect("its picture");
     assert!(lent.id.0 == number && lent.lit > 0.5, "{lent:?}");
     harness.key_press(Key::Escape);
     harness.run_steps(2);
-    assert!(sight(harness.state()).lent.is_none());
+    assert!(selection(harness.state()).reference_view.is_none());
     harness.get_by_label(&format!("Choose reference {number}")).click_accesskit();
     harness.run_steps(2);
-    assert_eq!(sight(harness.state()).reference.map(|id| id.0), Some(number));
+    assert_eq!(selection(harness.state()).reference.map(|id| id.0), Some(number));
     harness.get_by_label(&format!("Go to chosen reference {number}"));
 }
 
 #[test]
 fn the_plan_is_cut_zoomed_and_clicked() {
     let mut harness = app();
-    step_until(&mut harness, "a plan", |app| app.state().plan.is_some());
-    let plan = harness.state().state().plan.clone().expect("a plan");
+    step_until(&mut harness, "a plan", |app| app.state().plan.cut.is_some());
+    let plan = harness.state().state().plan.cut.clone().expect("a plan");
     assert!(plan.lines.len() >= 8, "four walls at least: {}", plan.lines.len());
     harness.run_steps(2);
     harness.get_by_label("Zoom in on the plan").click_accesskit();
     harness.run_steps(2);
-    assert!((harness.state().state().plan_view.zoom() - 1.5).abs() < 1e-9);
+    assert!((harness.state().state().plan.view.zoom() - 1.5).abs() < 1e-9);
     harness.get_by_label("Follow me").click_accesskit();
     harness.run_steps(2);
     settle(&mut harness);
@@ -133,10 +133,10 @@ fn the_plan_is_cut_zoomed_and_clicked() {
     let state = harness.state().state();
     let eyes: Vec<_> = state.frame.iter().flat_map(|f| &f.references).map(|r| r.camera.eye).collect();
     let now = harness.get_by_label("Plan map").rect();
-    assert!(state.sight.reference.is_some(), "clicked {at} in {now}, {:?}; {eyes:?}", state.plan_view);
+    assert!(state.selection.reference.is_some(), "clicked {at} in {now}, {:?}; {eyes:?}", state.plan.view);
     harness.get_by_label("Whole plan").click_accesskit();
     harness.run_steps(2);
-    assert_eq!(harness.state().state().plan_view, Default::default());
+    assert_eq!(harness.state().state().plan.view, Default::default());
 }
 
 #[test]
@@ -176,7 +176,7 @@ fn the_picture_keeps_its_size_whatever_the_panel_says() {
     harness.step();
     let room = |harness: &Harness<'static, App>| harness.get_by_label("3D viewport").rect();
     let first = room(&harness);
-    step_until(&mut harness, "a plan", |app| app.state().plan.is_some());
+    step_until(&mut harness, "a plan", |app| app.state().plan.cut.is_some());
     settle(&mut harness);
     for step in 0..60 {
         harness.step();

@@ -67,11 +67,11 @@ fn closing_asks_and_enter_saves() {
     let mut changed = Changed::new();
     assert!(close(&mut changed.window));
     assert!(changed.window.get_by_label("Save").is_focused(), "the first answer has the keyboard");
-    let before = *changed.window.state().state().fly.camera();
+    let before = *changed.window.state().state().navigation.fly.camera();
     changed.window.key_down(Key::W);
     changed.window.run_steps(3);
     changed.window.key_up(Key::W);
-    assert_eq!(*changed.window.state().state().fly.camera(), before, "a question has the keys");
+    assert_eq!(*changed.window.state().state().navigation.fly.camera(), before, "a question has the keys");
     changed.window.key_press(Key::Enter);
     wait_for_close(&mut changed.window);
     assert!(changed.saved().is_some_and(|text| text.contains("kind = \"mirror\"")));
@@ -105,7 +105,7 @@ fn what_cannot_be_saved_is_not_left() {
         app.state().notices.iter().any(|n| n.severity == Severity::Error)
     });
     assert!(!orders(&changed.window, &ViewportCommand::Close) && is_unsaved(changed.window.state()));
-    assert!(changed.window.state().state().leaving.is_none(), "the message can be read");
+    assert!(changed.window.state().state().dialogs.leaving.is_none(), "the message can be read");
 }
 
 #[test]
@@ -141,7 +141,7 @@ fn what_is_changed_while_another_scene_loads_is_asked_about() {
         let triangles = |app: &App| app.state().scene.as_ref().map(|s| s.triangles);
         changed.window.input_mut().dropped_files.push(Arc::new(driving::Dropped(other)));
         changed.window.get_by_label("Glass").click_accesskit();
-        step_until(&mut changed.window, "the question", |app| app.state().leaving.is_some());
+        step_until(&mut changed.window, "the question", |app| app.state().dialogs.leaving.is_some());
         assert_eq!(triangles(changed.window.state()), Some(2), "the changed scene is still there");
         assert!(is_unsaved(changed.window.state()));
         changed.window.run_steps(2);
@@ -170,5 +170,5 @@ fn a_scene_of_the_program_offers_no_saving() {
 fn without_changes_nothing_is_asked() {
     let mut window = app();
     assert!(!close(&mut window));
-    assert!(window.state().state().leaving.is_none());
+    assert!(window.state().state().dialogs.leaving.is_none());
 }

@@ -7,14 +7,14 @@ use afterimage_ui::window::input::fly_camera::{MoveMode, ViewChange};
 use egui::{Key, Modifiers, vec2};
 
 fn camera(harness: &Harness<'static, App>) -> Camera {
-    *harness.state().state().fly.camera()
+    *harness.state().state().navigation.fly.camera()
 }
 
 /// Steps until an eased change of view is over.
 fn arrive(harness: &mut Harness<'static, App>) {
     harness.step();
     for _ in 0..120 {
-        if !harness.state().state().fly.is_easing() {
+        if !harness.state().state().navigation.fly.is_easing() {
             return;
         }
         harness.step();
@@ -33,7 +33,7 @@ fn g_walks_on_the_floor_and_a_wall_stops() {
     harness.key_press(Key::E);
     harness.key_press(Key::G);
     arrive(&mut harness);
-    assert_eq!(harness.state().state().fly.move_mode(), MoveMode::Walk);
+    assert_eq!(harness.state().state().navigation.fly.move_mode(), MoveMode::Walk);
     assert!(harness.query_all_by_label("walking").count() >= 1, "the figures say so");
     assert!((camera(&harness).eye.y - 1.6).abs() < 1e-3, "{:?}", camera(&harness));
     harness.key_down(Key::S);
@@ -44,7 +44,7 @@ fn g_walks_on_the_floor_and_a_wall_stops() {
     assert!((2.5..3.0).contains(&eye.z) && (eye.y - 1.6).abs() < 1e-3, "the wall stands at 3 m: {eye}");
     harness.key_press(Key::G);
     harness.step();
-    assert_eq!(harness.state().state().fly.move_mode(), MoveMode::Fly);
+    assert_eq!(harness.state().state().navigation.fly.move_mode(), MoveMode::Fly);
 }
 
 #[test]
@@ -163,18 +163,18 @@ fn k_sets_keys_and_space_plays_them() {
     let end = camera(&harness);
     harness.key_press(Key::K);
     harness.step();
-    assert_eq!(harness.state().state().playback.path.keyframes.len(), 2);
+    assert_eq!(harness.state().state().navigation.playback.path.keyframes.len(), 2);
     harness.key_press(Key::Space);
     harness.run_steps(3);
-    assert!(harness.state().state().playback.is_playing);
+    assert!(harness.state().state().navigation.playback.is_playing);
     assert!(camera(&harness).eye.distance(start.eye) < 0.3, "from its first key");
     harness.key_press(Key::Space);
     harness.step();
-    assert!(!harness.state().state().playback.is_playing);
+    assert!(!harness.state().state().navigation.playback.is_playing);
     harness.key_press(Key::Space);
     for _ in 0..2000 {
         harness.step();
-        if !harness.state().state().playback.is_playing {
+        if !harness.state().state().navigation.playback.is_playing {
             break;
         }
     }

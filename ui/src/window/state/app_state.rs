@@ -1,0 +1,192 @@
+//! Everything that panels read.
+
+use super::appearance::Appearance;
+use super::comparison::Comparison;
+use super::edits::Edits;
+use super::history::{self, Sample};
+use super::navigation::Navigation;
+use super::notices::{self, Notice, Severity};
+use super::options::Options;
+use super::picture::PictureState;
+use super::quality::Quality;
+use super::scene::SceneInfo;
+use super::selection::Selection;
+use super::sun::SunControls;
+use super::unsaved_changes::Leaving;
+use super::work::Work;
+use crate::window::rendering::scene_loading::{Progress, SceneSource};
+use crate::window::gpu::presentation::{Overlay, Presentation};
+use crate::window::rendering::exchange::PublishedFrame;
+use crate::window::rendering::plan::{Plan, PlanView};
+use crate::window::rendering::thumbnails::Thumbnails;
+use afterimage::{Camera, WalkthroughSettings};
+use std::collections::VecDeque;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Everything that is shown or saved: what panels read.
+#[derive(Debug)]
+pub struct AppState {
+    /// Rendering settings, as the user set them.
+    pub quality: Quality,
+    /// Rendering settings at the start; a reset restores them.
+    pub default_quality: Quality,
+    /// Switches of the window.
+    pub options: Options,
+    /// The camera and its path.
+    pub navigation: Navigation,
+    /// The scene that is shown.
+    pub scene: Option<SceneInfo>,
+    /// The scene that is being loaded, and the progress of loading.
+    pub loading: Option<(SceneSource, Progress)>,
+    /// The newest finished frame.
+    pub frame: Option<PublishedFrame>,
+    /// What the renderer is doing.
+    pub work: Work,
+    /// The frames of the last minute, oldest first.
+    pub history: VecDeque<Sample>,
+    /// Messages over the viewport, oldest first.
+    pub notices: Vec<Notice>,
+    /// Open questions and dialogs.
+    pub dialogs: Dialogs,
+    /// Time between two updates of the window while it is busy, in milliseconds, smoothed.
+    pub window_ms: f32,
+    /// Name of the graphics adapter where it is a software rasteriser.
+    pub software_adapter: Option<String>,
+    /// The comparison with the full tracer.
+    pub comparison: Comparison,
+    /// Changes of materials and daylight; `None` before the first scene.
+    pub edits: Option<Edits>,
+    /// Position of the sun, as its controls show it.
+    pub sun: SunControls,
+    /// The pixel, distance, material and reference that are selected.
+    pub selection: Selection,
+    /// The plan of the floor.
+    pub plan: PlanState,
+    /// Small pictures of views and references; `None` before the threads are started.
+    pub thumbnails: Option<Thumbnails>,
+    /// Settings and progress of saved pictures.
+    pub picture: PictureState,
+    /// Theme and scale of the window.
+    pub appearance: Appearance,
+    /// Files that the window remembers.
+    pub files: FileState,
+}
+
+/// Open questions and dialogs.
+#[derive(Clone, Debug, Default)]
+pub struct Dialogs {
+    /// Asks whether to clear all references.
+    pub asks_to_clear: bool,
+    /// An action that would lose unsaved changes, held until the user has answered.
+    pub leaving: Option<Leaving>,
+    /// The settings dialog is open.
+    pub shows_settings: bool,
+}
+
+/// Files that the window remembers.
+#[derive(Clone, Debug, Default)]
+pub struct FileState {
+    /// Text of the path field.
+    pub path_text: String,
+    /// Models that were opened before, the newest first.
+    pub recent: Vec<PathBuf>,
+    /// A session left behind by a crash; the user is asked whether to restore it.
+    pub recovery: Option<PathBuf>,
+    /// File that keeps the settings; `None` where there is no folder for it.
+    pub settings_file: Option<PathBuf>,
+}
+
+/// The plan of the floor and the part of it that is shown.
+#[derive(Clone, Debug, Default)]
+pub struct PlanState {
+    /// Horizontal cut through the building at eye height.
+    pub cut: Option<Arc<Plan>>,
+    /// The part of the cut that is shown.
+    pub view: PlanView,
+}
+
+impl AppState {
+    /// The state before the first scene.
+    pub fn new(walk: WalkthroughSettings, camera: Camera) -> Self {
+        let quality = Quality::new(walk);
+        Self {
+            quality,
+            default_quality: quality,
+            options: Options::default(),
+            navigation: Navigation::new(camera),
+            scene: None,
+            loading: None,
+            frame: None,
+            work: Work::Loading,
+            history: VecDeque::new(),
+            notices: Vec::new(),
+            dialogs: Dialogs::default(),
+            window_ms: 0.0,
+            software_adapter: None,
+            comparison: Comparison::default(),
+            edits: None,
+            sun: SunControls::default(),
+            selection: Selection::default(),
+            plan: PlanState::default(),
+            thumbnails: None,
+            picture: PictureState::default(),
+            appearance: Appearance::default(),
+            files: FileState::default(),
+        }
+    }
+
+    /// Returns how the newest frame is drawn.
+    pub fn presentation(&self) -> Presentation {
+        Presentation {
+            heatmap: self.options.heatmap,
+            coloring: self.options.coloring,
+            has_outline: self.options.has_outline,
+            exposure_ev: self.quality.exposure_ev,
+            tone_map: self.quality.tone_map,
+            overlay: Overlay::None,
+        }
+    }
+
+    /// Returns what the renderer is doing, with its progress.
+    pub fn work_text(&self) -> String {
+        self.work.text(self.frame.as_ref())
+    }
+
+    /// Shows a message that something was done.
+    pub fn info(&mut self, text: impl Into<String>) {
+        notices::push(&mut self.notices, Severity::Info, text.into());
+    }
+
+    /// Shows a message that something failed.
+    pub fn error(&mut self, text: impl Into<String>) {
+        notices::push(&mut self.notices, Severity::Error, text.into());
+    }
+
+    /// Adds the newest frame to the plots.
+    pub fn record(&mut self) {
+        if let Some(frame) = &self.frame {
+            history::record(&mut self.history, &frame.stats);
+        }
+    }
+
+    /// Notes the time since the last update of the window; longer pauses do not count.
+    pub fn note_window_secs(&mut self, secs: f32) {
+        const FADE: f32 = 0.9;
+        const MAX_SECS: f32 = 0.5;
+        if secs < MAX_SECS {
+            let before = if self.window_ms > 0.0 { self.window_ms } else { secs * 1000.0 };
+            self.window_ms = before * FADE + secs * 1000.0 * (1.0 - FADE);
+        }
+    }
+
+    /// True while a question is open: it receives all keys.
+    pub fn is_asking(&self) -> bool {
+        self.dialogs.leaving.is_some() || self.dialogs.asks_to_clear || self.files.recovery.is_some()
+    }
+
+    /// Returns the number of references that the newest frame used, and the number that are held.
+    pub fn references_used_and_held(&self) -> [usize; 2] {
+        self.frame.as_ref().map_or([0, 0], |f| [f.stats.references_used, f.references.len()])
+    }
+}
