@@ -3,7 +3,7 @@
 use super::*;
 use afterimage_ui::window::input::fly_camera::MoveMode;
 use afterimage_ui::window::input::keymap::{Action, Attention, BINDINGS, Chord, Keyboard, Pressed};
-use afterimage_ui::window::state::{Compare, Options, PictureSettings, PictureSize, AppState};
+use afterimage_ui::window::state::{AppState, Compare, Options, PictureSettings, PictureSize};
 use egui::{Key, Modifiers, ViewportCommand, vec2};
 use glam::DVec3;
 
@@ -95,8 +95,10 @@ fn moves(window: &mut Window, action: Action, chord: Chord, index: usize) {
 fn changes_view(window: &mut Window, action: Action, chord: Chord, index: usize) {
     match action {
         Action::NextView | Action::PreviousView => {
-            let (count, before) =
-                (state(window).scene.as_ref().map_or(0, |s| s.views.len()), state(window).navigation.view_index);
+            let (count, before) = (
+                state(window).scene.as_ref().map_or(0, |s| s.views.len()),
+                state(window).navigation.view_index,
+            );
             press(window, chord);
             arrive(window);
             let step = if action == Action::NextView { 1 } else { count - 1 };

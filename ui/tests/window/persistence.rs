@@ -70,7 +70,10 @@ fn a_session_is_saved_and_brought_back() {
     });
     settle(&mut harness);
     let state = harness.state().state();
-    assert_eq!((*state.navigation.fly.camera(), &state.navigation.playback.path, state.navigation.playback.is_own), (camera, &path, true));
+    assert_eq!(
+        (*state.navigation.fly.camera(), &state.navigation.playback.path, state.navigation.playback.is_own),
+        (camera, &path, true)
+    );
     assert!(
         state.scene.as_ref().is_some_and(|s| s.views.iter().any(|v| v.key == Some(7) && v.camera == camera))
     );

@@ -107,8 +107,12 @@ impl Storm {
     /// A good wish in a good scene, shown in full.
     fn recovers(&mut self) {
         self.thread.send(RenderCommand::SetTracer(self.tracers[0].clone()));
-        let request =
-            RenderRequest { size: [32, 24], is_paused: false, budget: Some(Duration::ZERO), ..self.request() };
+        let request = RenderRequest {
+            size: [32, 24],
+            is_paused: false,
+            budget: Some(Duration::ZERO),
+            ..self.request()
+        };
         let generation = self.thread.request(request);
         while !self.shown.as_ref().is_some_and(|f| f.generation >= generation && f.stats.is_complete) {
             if !self.thread.take_frame(&mut self.shown) {
@@ -137,8 +141,12 @@ impl Storm {
     }
 
     fn plain_request(&mut self) -> RenderRequest {
-        let mut request =
-            RenderRequest { size: [64, 48], is_paused: false, budget: Some(Duration::ZERO), ..self.request() };
+        let mut request = RenderRequest {
+            size: [64, 48],
+            is_paused: false,
+            budget: Some(Duration::ZERO),
+            ..self.request()
+        };
         request.settings.render.mode = Mode::Full;
         request.settings.placement = PlacementPolicy::new(&NONE, 0.0);
         request

@@ -3,8 +3,8 @@
 use super::*;
 use afterimage::Camera;
 use afterimage::camera::{SceneFrame, View};
-use afterimage_ui::window::rendering::depth_ranges::DepthRanges;
 use afterimage_ui::window::gpu::timewarp::{Reprojection, Timewarp};
+use afterimage_ui::window::rendering::depth_ranges::DepthRanges;
 use egui::{Key, vec2};
 use glam::{DVec3, Vec2, Vec3};
 

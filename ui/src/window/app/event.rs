@@ -8,7 +8,7 @@ use crate::window::rendering::comparison::Measured;
 use crate::window::rendering::exchange::locked;
 use crate::window::rendering::plan::Plan;
 use crate::window::rendering::render_thread::Message;
-use crate::window::state::{Pair};
+use crate::window::state::Pair;
 use std::path::PathBuf;
 
 /// What background work of the app itself brings back.

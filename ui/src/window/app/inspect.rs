@@ -6,7 +6,7 @@ use crate::window::gpu::projection::Projection;
 use crate::window::rendering::exchange::{PublishedFrame, rgb9e5_decoded, supplier_byte};
 use crate::window::rendering::plan::Plan;
 use crate::window::rendering::render_thread::{ReferenceRadiance, RenderCommand};
-use crate::window::state::{Inspection, ReferenceView, PixelFacts, InspectCommand, Snap, Work};
+use crate::window::state::{InspectCommand, Inspection, PixelFacts, ReferenceView, Snap, Work};
 use afterimage::raster::color;
 use afterimage::raster::pixel_types::PixelType;
 use afterimage::reference::ReferenceId;
@@ -144,7 +144,8 @@ impl App {
         let image = egui::ColorImage::from_rgb(reference.size.map(|s| s as usize), &rgb);
         let texture = ctx.load_texture("reference", image, egui::TextureOptions::LINEAR);
         let lit = radiance.iter().flatten().count() as f32 / radiance.len().max(1) as f32;
-        self.state.selection.reference_view = Some(ReferenceView { id: reference.id, camera: reference.camera, lit, texture });
+        self.state.selection.reference_view =
+            Some(ReferenceView { id: reference.id, camera: reference.camera, lit, texture });
     }
 }
 

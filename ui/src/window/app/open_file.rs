@@ -3,12 +3,12 @@
 use crate::picture::restore::{PictureView, beside, is_picture, read_view};
 use crate::window::app::App;
 use crate::window::app::event::AppEvent;
-use crate::window::rendering::scene_loading::{Loader, SceneSource};
 use crate::window::app::session::is_session;
 use crate::window::input::playback::Playback;
 use crate::window::input::walking::Obstacles;
 use crate::window::rendering::render_thread::RenderCommand;
-use crate::window::state::{SceneInfo};
+use crate::window::rendering::scene_loading::{Loader, SceneSource};
+use crate::window::state::SceneInfo;
 use afterimage::{Camera, Tracer};
 use std::path::PathBuf;
 use std::sync::Arc;

@@ -4,11 +4,11 @@
 use crate::settings;
 use crate::window::app::App;
 use crate::window::app::event::AppEvent;
-use crate::window::rendering::scene_loading::SceneSource;
 use crate::window::app::session::{EXTENSION, Session};
 use crate::window::export::screenshot;
 use crate::window::rendering::render_thread::Wake;
-use crate::window::state::{FileCommand};
+use crate::window::rendering::scene_loading::SceneSource;
+use crate::window::state::FileCommand;
 use afterimage::Camera;
 use afterimage::raster::save::{SaveError, write_atomically, write_new_atomically};
 use crossbeam_channel::{RecvTimeoutError, Sender, bounded};

@@ -3,9 +3,9 @@
 
 use crate::window::app::App;
 use crate::window::app::event::AppEvent;
-use crate::window::rendering::scene_loading::SceneSource;
 use crate::window::input::walking::Obstacles;
 use crate::window::rendering::render_thread::{RenderCommand, panic_text};
+use crate::window::rendering::scene_loading::SceneSource;
 use crate::window::state::{Answer, EditCommand, Edits, SavedView, Selection};
 use afterimage::Tracer;
 use afterimage::import;

@@ -3,7 +3,7 @@
 
 use crate::cli::flags;
 use crate::window::input::playback::Playback;
-use crate::window::state::{SavedView, AppState};
+use crate::window::state::{AppState, SavedView};
 use afterimage::camera::CameraPath;
 use afterimage::{Camera, Mode};
 use serde::{Deserialize, Serialize};

@@ -3,11 +3,11 @@
 use crate::settings::{self, Theme};
 use crate::window::app::App;
 use crate::window::app::event::AppEvent;
-use crate::window::rendering::scene_loading::SceneSource;
 use crate::window::input::fly_camera::ViewChange;
 use crate::window::input::pose_text::pose_flags;
 use crate::window::rendering::render_thread::RenderCommand;
-use crate::window::state::{Command, Compare, Appearance};
+use crate::window::rendering::scene_loading::SceneSource;
+use crate::window::state::{Appearance, Command, Compare};
 use egui::{Context, ViewportCommand};
 
 impl App {
@@ -41,7 +41,9 @@ impl App {
                 state.dialogs.asks_to_clear = false;
                 self.threads.send(RenderCommand::Clear);
             }
-            Command::AddReference => drop(self.threads.send(RenderCommand::AddReference(*self.state.navigation.fly.camera()))),
+            Command::AddReference => {
+                drop(self.threads.send(RenderCommand::AddReference(*self.state.navigation.fly.camera())))
+            }
             Command::Remove(id) => drop(self.threads.send(RenderCommand::Remove(id))),
             Command::Answer(answer) => self.answer(ctx, answer),
             Command::Quit => ctx.send_viewport_cmd(ViewportCommand::Close),

@@ -216,7 +216,9 @@ impl App {
             self.state.error(text);
             return;
         }
-        let job = match self.picture_job(*self.state.navigation.fly.camera(), self.state.picture.settings.background) {
+        let job = match self
+            .picture_job(*self.state.navigation.fly.camera(), self.state.picture.settings.background)
+        {
             Ok(job) => job,
             Err(message) => return self.state.error(message),
         };

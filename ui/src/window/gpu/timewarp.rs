@@ -9,8 +9,8 @@
 //! beside the one that hid it stands in, and the pixel is marked as filled. Source of the idea: positional timewarp (van
 //! Waveren, VRST 2016).
 
-use crate::window::rendering::depth_ranges::{DepthRanges, LEVELS};
 use crate::window::gpu::full_screen_pass as pass;
+use crate::window::rendering::depth_ranges::{DepthRanges, LEVELS};
 use afterimage::Camera;
 use afterimage::camera::{SceneFrame, View};
 use egui_wgpu::wgpu;

@@ -15,9 +15,10 @@ impl App {
     /// Does what was asked for.
     pub(crate) fn move_on(&mut self, moving: NavigationCommand) {
         let views_before = match moving {
-            NavigationCommand::SaveView(_) | NavigationCommand::AddView | NavigationCommand::RemoveView(_) | NavigationCommand::FinishRenaming => {
-                self.state.scene.as_ref().map(|s| s.views.clone())
-            }
+            NavigationCommand::SaveView(_)
+            | NavigationCommand::AddView
+            | NavigationCommand::RemoveView(_)
+            | NavigationCommand::FinishRenaming => self.state.scene.as_ref().map(|s| s.views.clone()),
             _ => None,
         };
         self.carry_out(moving);
@@ -75,9 +76,7 @@ impl App {
         let views = self.state.scene.iter().flat_map(|s| s.views.iter());
         match views.enumerate().find(|(_, v)| v.key == Some(key)).map(|(index, _)| index) {
             Some(index) => self.go_to_view(index),
-            None => {
-                self.state.info(format!("no view is saved as {key}; Ctrl+{key} saves one"))
-            }
+            None => self.state.info(format!("no view is saved as {key}; Ctrl+{key} saves one")),
         }
     }
 

@@ -7,7 +7,7 @@ use crate::window::input::fly_camera::{Motion, MoveMode, SPEED_FACTOR};
 use crate::window::input::keymap::{Action, Attention, Pressed};
 use crate::window::panels::legend;
 use crate::window::state::{
-    Command, Compare, EditCommand, FileCommand, NavigationCommand, Options, PictureCommand, InspectCommand,
+    Command, Compare, EditCommand, FileCommand, InspectCommand, NavigationCommand, Options, PictureCommand,
 };
 use afterimage::trace::Probe;
 use egui::{
@@ -46,10 +46,12 @@ impl App {
     fn command_of(&self, Pressed { action, chord }: Pressed) -> Option<Command> {
         let (o, mut q) = (self.state.options, self.state.quality);
         Some(match action {
-            Action::ToggleWalk => Command::Navigate(NavigationCommand::SetMoveMode(match self.state.navigation.fly.move_mode() {
-                MoveMode::Fly => MoveMode::Walk,
-                MoveMode::Walk => MoveMode::Fly,
-            })),
+            Action::ToggleWalk => Command::Navigate(NavigationCommand::SetMoveMode(
+                match self.state.navigation.fly.move_mode() {
+                    MoveMode::Fly => MoveMode::Walk,
+                    MoveMode::Walk => MoveMode::Fly,
+                },
+            )),
             Action::Focus => self.look_at_cursor(),
             Action::FrameAll => {
                 let bounds = self.obstacles.as_ref()?.tracer().scene().bounds_m;
@@ -168,7 +170,11 @@ impl App {
     /// What is seen at a point of the viewport, right and up from its centre in -1..1.
     pub(crate) fn probe_at(&self, [x, y]: [f64; 2]) -> Option<Probe> {
         let direction = self.state.navigation.fly.direction_through(x, y, self.aspect());
-        self.obstacles.as_ref()?.tracer().probe(self.state.navigation.fly.camera().eye, direction, f64::INFINITY)
+        self.obstacles.as_ref()?.tracer().probe(
+            self.state.navigation.fly.camera().eye,
+            direction,
+            f64::INFINITY,
+        )
     }
 
     fn go_there(&mut self, at: [f64; 2]) {

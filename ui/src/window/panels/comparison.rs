@@ -1,6 +1,6 @@
 //! The comparison with the full tracer.
 
-use super::super::state::{Command, Compare, AppState};
+use super::super::state::{AppState, Command, Compare};
 use crate::window::input::keymap::{Action, keys_of};
 use egui::{Sense, Ui};
 

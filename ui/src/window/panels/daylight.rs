@@ -1,6 +1,6 @@
 //! Sun and sky: by azimuth and height, or by place and time.
 
-use super::super::state::{Change, Command, EditCommand, PlaceAndTime, AppState, SunControls};
+use super::super::state::{AppState, Change, Command, EditCommand, PlaceAndTime, SunControls};
 use afterimage::scene::Daylight;
 use afterimage::scene::solar::SunPosition;
 use egui::{DragValue, Slider, Ui};

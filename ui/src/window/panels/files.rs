@@ -1,6 +1,6 @@
 //! Recent files, and the looks of the window.
 
-use super::super::state::{Command, FileCommand, Appearance, AppState};
+use super::super::state::{AppState, Appearance, Command, FileCommand};
 use crate::settings::{Theme, UI_SCALES};
 use egui::{Slider, Ui};
 

@@ -1,6 +1,6 @@
 //! All keys, from the table that the window obeys.
 
-use super::super::state::{Command, Options, AppState};
+use super::super::state::{AppState, Command, Options};
 use crate::window::input::keymap::{MOUSE, bindings};
 use egui::{RichText, Ui};
 

@@ -26,7 +26,8 @@ pub fn show(ui: &mut Ui, state: &AppState) {
             frame_rows(ui, state);
             comparison::figures(state).into_iter().for_each(|(name, value)| line(ui, name, value));
             line(ui, "window", format!("{:.0} ms", state.window_ms));
-            let move_mode = if state.navigation.fly.move_mode() == MoveMode::Walk { "walking" } else { "flying" };
+            let move_mode =
+                if state.navigation.fly.move_mode() == MoveMode::Walk { "walking" } else { "flying" };
             line(ui, move_mode, format!("{} m/s", three_digits(state.navigation.fly.speed_m_per_s())));
         });
         type_rows(ui, state);

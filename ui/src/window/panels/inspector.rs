@@ -1,6 +1,6 @@
 //! What a click found, and what was measured.
 
-use super::super::state::{Command, Inspection, Measure, PixelFacts, InspectCommand, AppState};
+use super::super::state::{AppState, Command, InspectCommand, Inspection, Measure, PixelFacts};
 use crate::window::input::keymap::{Action, keys_of};
 use afterimage::raster::pixel_types::PixelType;
 use egui::{RichText, Ui};

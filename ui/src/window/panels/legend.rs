@@ -1,6 +1,6 @@
 //! What the colours of the heatmap mean, and its switches.
 
-use super::super::state::{Command, Options, AppState};
+use super::super::state::{AppState, Command, Options};
 use super::{TYPE_NAMES, swatch};
 use crate::window::gpu::presentation::{Coloring, Heatmap};
 use crate::window::input::keymap::{Action, keys_of};

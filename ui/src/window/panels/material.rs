@@ -1,6 +1,6 @@
 //! The material of what was clicked: matte, mirror or glass.
 
-use super::super::state::{Change, Command, EditCommand, Edits, InspectCommand, AppState};
+use super::super::state::{AppState, Change, Command, EditCommand, Edits, InspectCommand};
 use crate::window::rendering::scene_loading::SceneSource;
 use afterimage::scene::{Material, MaterialId, MaterialKind};
 use egui::{Slider, SliderClamping, Ui};

@@ -1,11 +1,12 @@
 //! The bar at the top.
 
 use super::super::state::{
-    Command, EditCommand, Edits, FileCommand, NavigationCommand, Options, PictureCommand, InspectCommand, AppState,
+    AppState, Command, EditCommand, Edits, FileCommand, InspectCommand, NavigationCommand, Options,
+    PictureCommand,
 };
-use crate::window::rendering::scene_loading::SceneSource;
 use crate::window::input::fly_camera::MoveMode;
 use crate::window::input::keymap::{Action, keys_of};
+use crate::window::rendering::scene_loading::SceneSource;
 use afterimage::scene::builtin;
 use egui::{Button, Ui};
 

@@ -21,7 +21,7 @@ pub mod references;
 pub mod report;
 pub mod views;
 
-use super::state::{Command, AppState};
+use super::state::{AppState, Command};
 use egui::{Color32, RichText, Ui};
 
 /// Type 1, 2 and 3, told apart by colour-blind people; Type 3 is also hatched.

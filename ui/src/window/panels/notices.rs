@@ -1,6 +1,6 @@
 //! Messages, loading and questions over the viewport.
 
-use super::super::state::{Command, Notice, Severity, AppState};
+use super::super::state::{AppState, Command, Notice, Severity};
 use crate::window::rendering::scene_loading::{Progress, SceneSource};
 use egui::{Align2, Color32, ProgressBar, Rect, RichText, Ui};
 

@@ -1,6 +1,6 @@
 //! What is drawn over the picture: the inspected triangle, what is measured, a reference that is looked through.
 
-use super::super::state::{ReferenceView, Measure, SnapKind, AppState};
+use super::super::state::{AppState, Measure, ReferenceView, SnapKind};
 use crate::window::gpu::projection::Projection;
 use egui::{Align2, Color32, FontId, Pos2, Rect, Stroke, Ui};
 use glam::DVec3;

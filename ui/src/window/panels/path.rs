@@ -1,6 +1,6 @@
 //! The camera path: its keys, a timeline, and the recording of a walk.
 
-use super::super::state::{Command, NavigationCommand, AppState};
+use super::super::state::{AppState, Command, NavigationCommand};
 use crate::window::input::keymap::{Action, keys_of};
 use crate::window::input::playback::Playback;
 use egui::{Slider, Ui};
@@ -23,7 +23,10 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
         }
         let mut loops = playback.loops;
         if ui.checkbox(&mut loops, "Loop").changed() {
-            commands.push(Command::Navigate(NavigationCommand::SetPlayback(Playback { loops, ..playback.clone() })));
+            commands.push(Command::Navigate(NavigationCommand::SetPlayback(Playback {
+                loops,
+                ..playback.clone()
+            })));
         }
     });
     timeline(ui, playback, commands);

@@ -1,7 +1,7 @@
 //! How pictures are saved, and the one that is being saved.
 
 use super::super::state::{
-    Command, Exporting, PictureCommand, PictureFormat, PictureSettings, PictureSize, AppState,
+    AppState, Command, Exporting, PictureCommand, PictureFormat, PictureSettings, PictureSize,
 };
 use crate::picture::LONGEST_SIDE;
 use crate::window::input::keymap::{Action, keys_of};

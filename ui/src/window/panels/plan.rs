@@ -1,6 +1,6 @@
 //! The plan: walls at eye height, you, your way, and every reference's view by what it gives.
 
-use super::super::state::{Command, InspectCommand, AppState};
+use super::super::state::{AppState, Command, InspectCommand};
 use crate::window::rendering::exchange::ReferenceInfo;
 use crate::window::rendering::plan::{Plan, PlanView};
 use afterimage::Camera;

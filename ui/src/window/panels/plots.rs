@@ -1,6 +1,6 @@
 //! The last minute: how pixels came to their colour, and what frames took.
 
-use super::super::state::{HISTORY, AppState};
+use super::super::state::{AppState, HISTORY};
 use super::TYPE_COLORS;
 use afterimage::reference::PlacementPolicy;
 use egui::{Color32, Ui};

@@ -1,6 +1,6 @@
 //! Everything that trades time for quality, with units and a way back.
 
-use super::super::state::{Command, Options, Quality, AppState};
+use super::super::state::{AppState, Command, Options, Quality};
 use crate::window::input::fly_camera::ViewChange;
 use afterimage::Mode;
 use afterimage::raster::color::ToneMap;

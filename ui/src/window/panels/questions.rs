@@ -1,7 +1,7 @@
 //! Questions that must be answered before anything else. Each has the keyboard: Tab goes round the answers, Enter gives
 //! one, Escape is the one that changes nothing.
 
-use super::super::state::{Answer, Command, FileCommand, Leaving, AppState};
+use super::super::state::{Answer, AppState, Command, FileCommand, Leaving};
 use crate::window::rendering::scene_loading::SceneSource;
 use egui::{Context, Ui};
 

@@ -1,6 +1,6 @@
 //! The references held: what they are worth, where they stand.
 
-use super::super::state::{Command, Options, InspectCommand, AppState, Work};
+use super::super::state::{AppState, Command, InspectCommand, Options, Work};
 use crate::window::input::keymap::{Action, keys_of};
 use crate::window::rendering::exchange::{ReferenceInfo, supplier_byte};
 use afterimage::reference::ReferenceId;

@@ -1,6 +1,6 @@
 //! The scene that is shown, the way to another one, and what was doubtful in its files.
 
-use super::super::state::{Command, SceneInfo, InspectCommand, AppState};
+use super::super::state::{AppState, Command, InspectCommand, SceneInfo};
 use egui::{Color32, RichText, Ui};
 
 /// Shows scene, path field and warnings.

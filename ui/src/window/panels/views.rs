@@ -1,6 +1,6 @@
 //! Saved views: a list to go to, name and delete.
 
-use super::super::state::{Command, NavigationCommand, SavedView, AppState};
+use super::super::state::{AppState, Command, NavigationCommand, SavedView};
 use crate::window::input::keymap::{Action, keys_of};
 use egui::{Key, RichText, Ui};
 

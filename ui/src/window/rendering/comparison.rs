@@ -105,9 +105,7 @@ impl App {
                 graphics.into_iter().for_each(|graphics| viewport::upload_errors(graphics, size, &map));
             }
             Ok(_) => {}
-            Err(text) => {
-                self.state.error(format!("the pictures cannot be compared: {text}"))
-            }
+            Err(text) => self.state.error(format!("the pictures cannot be compared: {text}")),
         }
     }
 

@@ -112,7 +112,8 @@ impl Worker {
             let is_due = self.rendered != Some(generation)
                 && self.walk.is_some()
                 && request.is_some_and(|w| !w.is_paused && !w.size.contains(&0));
-            let has_events = inbox.request.is_some() || !inbox.commands.is_empty() || !inbox.outcomes.is_empty();
+            let has_events =
+                inbox.request.is_some() || !inbox.commands.is_empty() || !inbox.outcomes.is_empty();
             // Settings of a new wish are taken in before anything is gone on with.
             let can_go_on = !is_due
                 && inbox.request.is_none()

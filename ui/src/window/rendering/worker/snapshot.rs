@@ -1,6 +1,6 @@
 //! What others ask for of the walk: its picture, and what its references hold.
 
-use crate::window::rendering::render_thread::{ReferenceRadiance, Message, Picture};
+use crate::window::rendering::render_thread::{Message, Picture, ReferenceRadiance};
 use crate::window::rendering::worker::Worker;
 use afterimage::Walkthrough;
 use afterimage::reference::{ReferenceFrame, ReferenceId};
