@@ -30,7 +30,9 @@
 //! ```
 
 pub mod camera;
+#[cfg(feature = "experiments")]
 pub mod experiment;
+#[cfg(feature = "import")]
 pub mod import;
 pub mod lookup;
 pub mod math;

@@ -3,11 +3,7 @@
 use crate::camera::Camera;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_2;
-
-/// A light year is 9.5e15 m: what lies farther is a mistake, and its distances soon overflow.
-const FARTHEST_M: f64 = 1e15;
 
 /// A pose on a walk.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -47,44 +43,6 @@ impl CameraPath {
         Self { fov_y_deg: camera.fov_y.to_degrees(), frames: 120, keyframes: (0..=4).map(key).collect() }
     }
 
-    /// Takes the bytes of a JSON file: a walk, or with `name` an object of walks by their names.
-    ///
-    /// # Errors
-    /// What is wrong, for people; where the text is no JSON, with its line.
-    pub fn from_json(json: &[u8], name: Option<&str>) -> Result<Self, String> {
-        /// What the parser quotes may be as long as the file.
-        const LONGEST: usize = 200;
-        let said = |e: serde_json::Error| e.to_string().chars().take(LONGEST).collect::<String>();
-        let walk: Self = match name {
-            None => serde_json::from_slice(json).map_err(said)?,
-            Some(name) => {
-                let mut walks: BTreeMap<String, serde_json::Value> =
-                    serde_json::from_slice(json).map_err(said)?;
-                let found = walks.remove(name).ok_or_else(|| {
-                    let names: Vec<&str> = walks.keys().map(String::as_str).collect();
-                    let names: String = names.join(", ").chars().take(LONGEST).collect();
-                    format!("it has no walk '{name}'; it has: {names}")
-                })?;
-                serde_json::from_value(found).map_err(said)?
-            }
-        };
-        walk.checked()
-    }
-
-    fn checked(self) -> Result<Self, String> {
-        let near = |p: DVec3| p.abs().max_element() <= FARTHEST_M;
-        if self.keyframes.is_empty() || !Camera::FOV_Y_DEGREES.contains(&self.fov_y_deg) {
-            return Err("a walk needs keyframes, and fov_y_deg from 1 to 170".to_owned());
-        }
-        if !(1..=Self::MAX_FRAMES).contains(&self.frames) {
-            return Err(format!("frames is {}; a walk has from 1 to {}", self.frames, Self::MAX_FRAMES));
-        }
-        match self.keyframes.iter().position(|k| !near(k.eye) || !near(k.at)) {
-            Some(at) => Err(format!("key frame {at} is more than 1e15 m away from the origin")),
-            None => Ok(self),
-        }
-    }
-
     /// A walk that stays where it is.
     pub fn still(camera: &Camera) -> Self {
         let key = CameraKey { eye: camera.eye, at: camera.eye + camera.forward() };
@@ -115,6 +73,49 @@ impl CameraPath {
         }
         let s = if costs[segment] > 0.0 { (left / costs[segment]).clamp(0.0, 1.0) } else { 1.0 };
         Some(between(&self.keyframes[segment], &self.keyframes[segment + 1], s, self.fov_y_deg))
+    }
+}
+
+#[cfg(feature = "import")]
+impl CameraPath {
+    /// Takes the bytes of a JSON file: a walk, or with `name` an object of walks by their names.
+    ///
+    /// # Errors
+    /// What is wrong, for people; where the text is no JSON, with its line.
+    pub fn from_json(json: &[u8], name: Option<&str>) -> Result<Self, String> {
+        /// What the parser quotes may be as long as the file.
+        const LONGEST: usize = 200;
+        let said = |e: serde_json::Error| e.to_string().chars().take(LONGEST).collect::<String>();
+        let walk: Self = match name {
+            None => serde_json::from_slice(json).map_err(said)?,
+            Some(name) => {
+                let mut walks: std::collections::BTreeMap<String, serde_json::Value> =
+                    serde_json::from_slice(json).map_err(said)?;
+                let found = walks.remove(name).ok_or_else(|| {
+                    let names: Vec<&str> = walks.keys().map(String::as_str).collect();
+                    let names: String = names.join(", ").chars().take(LONGEST).collect();
+                    format!("it has no walk '{name}'; it has: {names}")
+                })?;
+                serde_json::from_value(found).map_err(said)?
+            }
+        };
+        walk.checked()
+    }
+
+    fn checked(self) -> Result<Self, String> {
+        /// A light year is 9.5e15 m: what lies farther is a mistake, and its distances soon overflow.
+        const FARTHEST_M: f64 = 1e15;
+        let near = |p: DVec3| p.abs().max_element() <= FARTHEST_M;
+        if self.keyframes.is_empty() || !Camera::FOV_Y_DEGREES.contains(&self.fov_y_deg) {
+            return Err("a walk needs keyframes, and fov_y_deg from 1 to 170".to_owned());
+        }
+        if !(1..=Self::MAX_FRAMES).contains(&self.frames) {
+            return Err(format!("frames is {}; a walk has from 1 to {}", self.frames, Self::MAX_FRAMES));
+        }
+        match self.keyframes.iter().position(|k| !near(k.eye) || !near(k.at)) {
+            Some(at) => Err(format!("key frame {at} is more than 1e15 m away from the origin")),
+            None => Ok(self),
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 //! other keys, their order and comments.
 
 use crate::import::{files, sidecar, text};
-use crate::raster::save::write_atomically;
+use crate::raster::atomic_file::write_atomically;
 use crate::scene::{Daylight, Material, MaterialKind, SceneEdit, SceneError, Sun};
 use glam::Vec3;
 use std::path::{Path, PathBuf};

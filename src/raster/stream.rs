@@ -3,7 +3,8 @@
 //! A thread encodes what it is given, so that whoever makes the picture goes on meanwhile. The file has a temporary name
 //! until it is finished, in the folder it belongs to; dropping an unfinished one leaves nothing behind.
 
-use super::save::{ChannelValues, Notes, SaveError, persist_new, sync_folder, temporary_in};
+use super::atomic_file::{SaveError, persist_new, sync_folder, temporary_in};
+use super::save::{ChannelValues, Notes};
 use exr::block::{UncompressedBlock, enumerate_ordered_header_block_indices};
 use exr::meta::BlockDescription;
 use exr::meta::attribute::{AttributeValue, ChannelDescription, SampleType, Text};

@@ -1,5 +1,6 @@
 //! The stages in order, timed: from a pose and the references at hand to a finished frame.
 
+#[cfg(feature = "pictures")]
 pub mod aov;
 pub mod audit;
 pub mod bands;

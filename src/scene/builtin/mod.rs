@@ -2,10 +2,16 @@
 
 mod cornell;
 mod furnace;
+#[cfg(feature = "pictures")]
 mod gallery;
 mod mirrors;
+#[cfg_attr(
+    not(feature = "pictures"),
+    allow(dead_code, unused_imports, reason = "the gallery uses most of them")
+)]
 mod shapes;
 
+#[cfg(feature = "pictures")]
 pub use gallery::statue_hall;
 
 use super::{NamedView, Scene, SceneBuilder, SceneError};
@@ -13,8 +19,16 @@ use crate::camera::Camera;
 use crate::camera::{CameraKey, CameraPath};
 use glam::DVec3;
 
-/// Names of the embedded scenes; the first is the default.
-pub const NAMES: &[&str] = &["gallery", "cornell", "cornell-glass", "mirrors", "furnace"];
+/// Names of the embedded scenes; the first is the default. The gallery's textures are PNG files, so it is there only
+/// with the feature `pictures`.
+pub const NAMES: &[&str] = &[
+    #[cfg(feature = "pictures")]
+    "gallery",
+    "cornell",
+    "cornell-glass",
+    "mirrors",
+    "furnace",
+];
 
 /// Builds an embedded scene.
 ///
@@ -23,6 +37,7 @@ pub const NAMES: &[&str] = &["gallery", "cornell", "cornell-glass", "mirrors", "
 pub fn build(name: &str) -> Result<Scene, SceneError> {
     let mut b = SceneBuilder::new(&format!("builtin:{name}"));
     match name {
+        #[cfg(feature = "pictures")]
         "gallery" => gallery::add_to(&mut b)?,
         "cornell" => cornell::add_to(&mut b, cornell::Contents::Boxes),
         "cornell-glass" => cornell::add_to(&mut b, cornell::Contents::Spheres),

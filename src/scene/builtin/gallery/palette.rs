@@ -114,17 +114,20 @@ fn textured(b: &mut SceneBuilder, name: &str, texture: TextureId, scale: [f32; 2
 }
 
 fn texture(b: &mut SceneBuilder, name: &str, png: &[u8]) -> Result<TextureId, SceneError> {
-    let decoded =
-        image::load_from_memory_with_format(png, image::ImageFormat::Png).map_err(|e| SceneError::Read {
-            file: PathBuf::from(format!("assets/textures/{name}.png")),
-            cause: e.to_string(),
-            remedy: "this file is part of the program; build it again from a fresh checkout".to_owned(),
-        })?;
-    let rgba = decoded.into_rgba8();
-    Ok(b.add_texture(Texture {
-        width: rgba.width(),
-        height: rgba.height(),
-        texels: rgba.pixels().map(|p| p.0).collect(),
-        encoding: Encoding::Srgb,
-    }))
+    let texture = decode(png).map_err(|e| SceneError::Read {
+        file: PathBuf::from(format!("assets/textures/{name}.png")),
+        cause: e.to_string(),
+        remedy: "this file is part of the program; build it again from a fresh checkout".to_owned(),
+    })?;
+    Ok(b.add_texture(texture))
+}
+
+fn decode(png: &[u8]) -> Result<Texture, png::DecodingError> {
+    let mut decoder = png::Decoder::new(std::io::Cursor::new(png));
+    decoder.set_transformations(png::Transformations::EXPAND | png::Transformations::ALPHA);
+    let mut reader = decoder.read_info()?;
+    let [width, height] = [reader.info().width, reader.info().height];
+    let mut texels = vec![[0; 4]; (width * height) as usize];
+    reader.next_frame(bytemuck::cast_slice_mut(&mut texels))?;
+    Ok(Texture { width, height, texels, encoding: Encoding::Srgb })
 }
