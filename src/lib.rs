@@ -1,33 +1,76 @@
-//! Afterimage: ray tracing that reuses reference images.
+//! Afterimage: interactive ray tracing that reuses reference images.
 //!
-//! The diffuse part of radiance does not depend on the viewer, so a picture already traced lends it to new views:
+//! Diffuse radiance does not depend on the viewer: light that was computed for a surface point once is right from
+//! every other viewpoint as well. A *reference* is a picture whose light is kept for reuse. The default mode,
+//! [`Mode::Exact`], makes a frame like this:
 //!
 //! ```text
-//! Camera -> ReferenceCache::select -> references          which pictures know most of this view
-//!        -> WarpBuffer::warp       -> nearest sample per pixel
-//!        -> classify               -> Type 1: copied, no ray
-//!                                     Type 2: mirror or glass, secondary rays from the known point
-//!                                     Type 3: nothing known, traced by the ordinary Tracer
-//!        -> Frame                  -> PlacementPolicy::decide -> where the next reference should stand
+//! Camera -> a primary ray per pixel        -> the surface point that the pixel shows
+//!        -> look-up in the references      -> its diffuse light, averaged over the references that saw it
+//!        -> unseen points                  -> lit by the Tracer; the frame can become a reference itself
+//!        -> mirror and glass               -> secondary rays; the points that they hit are looked up too
+//!        -> uncertain points               -> where the references disagree: checked with rays of this frame
+//!        -> Frame                          -> PlacementPolicy: where the next reference should be
 //! ```
 //!
-//! [`Walkthrough`] is that loop, [`Renderer`] one turn of it, [`Tracer`] the ordinary ray tracer that everything is
-//! measured against, and [`scene::import::load`] or [`scene::builtin::build`] where scenes come from. `docs/` in the
-//! repository holds the architecture, the algorithm against the paper, and every measured figure with its command.
+//! [`Mode::Fast`] takes the light of the single best reference and checks nothing. [`Mode::Full`] is the ordinary ray
+//! tracer, the truth that the others are measured against. [`Mode::Paper`] is the published algorithm, kept unchanged
+//! for comparison. It has no primary rays but warps references into the new view:
+//!
+//! ```text
+//! Camera -> ReferenceCache::select         -> the references that know most of this view
+//!        -> WarpBuffer::warp               -> the nearest sample per pixel
+//!        -> classify                       -> Type 1: diffuse, copied without a ray
+//!                                             Type 2: mirror or glass, secondary rays from the known point
+//!                                             Type 3: no sample, traced by the Tracer
+//! ```
+//!
+//! # The bare engine
+//! Without default features the crate is the engine alone: scenes built in code, the tracer, references, all modes.
+//! A [`Walkthrough`] owns the cache of references and renders frame after frame:
 //!
 //! ```
+//! use afterimage::scene::{Material, SceneBuilder};
 //! use afterimage::trace::parallel::NEVER;
-//! use afterimage::{Tracer, Walkthrough, WalkthroughSettings, scene::builtin};
+//! use afterimage::{Camera, Tracer, Walkthrough, WalkthroughSettings};
+//! use glam::{DVec3, Vec2, Vec3};
 //! use std::sync::Arc;
 //!
-//! let scene = builtin::build("cornell")?;
-//! let camera = *scene.start();
-//! let mut walk = Walkthrough::new(Arc::new(Tracer::new(Arc::new(scene))), WalkthroughSettings::default());
-//! let frame = walk.render(&camera, [32, 32], NEVER);
-//! let types = frame.stats.types;
-//! assert_eq!(types.unseen + types.reused, 32 * 32); // no reference yet: shaded, but lamp and sky
+//! // A floor of 4 x 4 m and a lamp 3 m above it. World space: metres, +Y up.
+//! let mut builder = SceneBuilder::new("lamp");
+//! let floor = builder.add_material(Material::diffuse("floor", Vec3::splat(0.7)));
+//! let lamp = builder.add_material(Material::emissive("lamp", Vec3::splat(10.0)));
+//! let square = |y: f64, half: f64| {
+//!     [[-half, half], [half, half], [half, -half], [-half, -half]].map(|[x, z]| DVec3::new(x, y, z))
+//! };
+//! builder.add_quad(square(0.0, 2.0), Vec2::ONE, floor);
+//! builder.add_quad(square(3.0, 0.5), Vec2::ONE, lamp);
+//! let tracer = Arc::new(Tracer::new(Arc::new(builder.finish()?)));
+//!
+//! // Trace: without references every floor pixel is lit by shadow rays.
+//! let mut walk = Walkthrough::new(tracer, WalkthroughSettings::default());
+//! let camera = |x: f64| Camera::look_at(DVec3::new(x, 1.6, 3.0), DVec3::ZERO, 60.0);
+//! let first = walk.render(&camera(0.0), [64, 36], NEVER).stats;
+//! assert!(first.types.unseen > 0 && walk.has_kept_frame());
+//!
+//! // Reuse: that frame became a reference. From 5 cm to the side little is unseen.
+//! let second = walk.render(&camera(0.05), [64, 36], NEVER).stats;
+//! assert!(second.types.unseen < first.types.unseen / 4);
 //! # Ok::<(), afterimage::scene::SceneError>(())
 //! ```
+//!
+//! The lower level is as public: [`Renderer`] makes one frame from references of your own, [`Tracer`] traces single
+//! pixels. Embedded scenes come from [`scene::builtin::build`].
+//!
+//! # Features
+//! All three are on by default.
+//!
+//! - `import`: the module `import` (OBJ, glTF, textures, settings files) and walks from JSON
+//! - `pictures`: PNG and OpenEXR files, pictures of a frame's data (`render::aov`), the metrics PSNR, SSIM and FLIP,
+//!   and the embedded scene `gallery`, whose textures are PNG. The other embedded scenes are always there.
+//! - `experiments`: the module `experiment`, which measures all this; brings `import` and `pictures`
+//!
+//! `docs/` in the repository holds the architecture, the algorithm, the measured results, and runnable examples.
 
 pub mod camera;
 #[cfg(feature = "experiments")]
