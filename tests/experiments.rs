@@ -163,14 +163,14 @@ fn a_folder_of_something_else_is_left_alone() {
     refused(&bench, "run", Shard::ALL, "samples 2 there, 5 here");
     std::fs::create_dir(bench.path("notes")).unwrap();
     std::fs::write(bench.path("notes/diary.txt"), "mine").unwrap();
-    refused(&bench, "notes", Shard::ALL, "no run folder");
+    refused(&bench, "notes", Shard::ALL, "not a run folder");
     let manifest = bench.path("run/manifest.json");
     let text = std::fs::read_to_string(&manifest).unwrap();
     std::fs::write(&manifest, text.replace("\"version\": \"", "\"version\": \"9")).unwrap();
     bench.settings.samples = 2;
     refused(&bench, "run", Shard::ALL, "version 9");
     std::fs::write(&manifest, text.replace("\"format\": 1", "\"format\": 7")).unwrap();
-    refused(&bench, "run", Shard::ALL, "of form 7");
+    refused(&bench, "run", Shard::ALL, "format 7");
     assert_eq!(std::fs::read(bench.path("run").join(Journal::NAME)).unwrap(), before);
     assert_eq!(std::fs::read_dir(bench.path("notes")).unwrap().count(), 1);
 }

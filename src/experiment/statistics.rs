@@ -1,6 +1,6 @@
-//! Medians and percentiles of a handful of measurements.
+//! Medians, percentiles and power laws of a few measurements.
 
-/// The middle value; the mean of the two middle ones of an even number. `None` without values.
+/// Returns the median; for an even number of values, the mean of the two middle ones. `None` without values.
 pub fn median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     let sorted = sorted(values);
     let half = sorted.len() / 2;
@@ -11,11 +11,17 @@ pub fn median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     }
 }
 
-/// The smallest value that at least `percent` of all values do not exceed (nearest rank). `None` without values.
+/// Returns the smallest value that at least `percent` % of all values do not exceed (nearest rank).
+/// `None` without values.
 pub fn percentile(values: impl IntoIterator<Item = f64>, percent: f64) -> Option<f64> {
     let sorted = sorted(values);
     let rank = (percent / 100.0 * sorted.len() as f64).ceil() as usize;
     sorted.get(rank.clamp(1, sorted.len().max(1)) - 1).copied()
+}
+
+/// Returns the 25th and the 75th percentile. `None` without values.
+pub fn quartiles(values: impl Iterator<Item = f64> + Clone) -> Option<[f64; 2]> {
+    Some([percentile(values.clone(), 25.0)?, percentile(values, 75.0)?])
 }
 
 fn sorted(values: impl IntoIterator<Item = f64>) -> Vec<f64> {
@@ -24,17 +30,18 @@ fn sorted(values: impl IntoIterator<Item = f64>) -> Vec<f64> {
     sorted
 }
 
-/// `y = c x^exponent`.
+/// A fitted power law `y = c x^exponent`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PowerLaw {
-    /// Of x.
+    /// Exponent of x.
     pub exponent: f64,
-    /// Of the exponent, from how far the points lie off the line; not from how much each of them varies.
+    /// Standard error of the exponent, from the distances of the points to the line, not from the spread of
+    /// each point.
     pub standard_error: f64,
 }
 
-/// The power law nearest to points with positive coordinates, by least squares of the logarithms. `None` for fewer than
-/// three points or one x.
+/// Fits a power law to points with positive coordinates, by least squares of the logarithms. `None` for
+/// fewer than three points or a single x.
 pub fn power_law(points: &[[f64; 2]]) -> Option<PowerLaw> {
     let logs: Vec<[f64; 2]> = points.iter().map(|p| p.map(f64::ln)).collect();
     let count = logs.len() as f64;

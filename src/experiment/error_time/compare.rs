@@ -1,30 +1,30 @@
-//! Which setting gives less error in less time.
+//! Compares setups by error and time.
 
-use super::measured::{Metric, Setup};
+use super::setups::{Metric, Setup};
 
-/// Seconds and error; less of both is better.
+/// Seconds and error; lower is better for both.
 pub(super) type SecsAndError = [f64; 2];
 
-/// How many times as long full tracing takes for the same error.
+/// Time of full tracing for the same error, as a multiple.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Factor {
     pub(super) times: f64,
     pub(super) bound: Bound,
 }
 
-/// What is known of a factor.
+/// How well a factor is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Bound {
-    /// Between two numbers of samples of full tracing.
+    /// Interpolated between two sample counts of full tracing.
     Between,
-    /// Full tracing has a larger error even with the most samples that were tried.
+    /// Full tracing has a larger error even with the most samples that were measured.
     AtLeast,
-    /// Full tracing has a smaller error even with the fewest.
+    /// Full tracing has a smaller error even with the fewest samples that were measured.
     AtMost,
 }
 
-/// How many times the seconds full tracing needs for the error of `found`; `full` in the order of its samples. Between
-/// two of its points error falls by a power of time. `None` without points.
+/// Returns the time of full tracing for an error, as a multiple of `secs`. `full` is ordered by samples. Between
+/// two of its points, error is taken to be a power of time. `None` without points.
 pub(super) fn equal_error(full: &[SecsAndError], [secs, error]: SecsAndError) -> Option<Factor> {
     let (first, last) = (full.first()?, full.last()?);
     let factor = |full_secs: f64, bound| Some(Factor { times: full_secs / secs, bound });
@@ -34,7 +34,7 @@ pub(super) fn equal_error(full: &[SecsAndError], [secs, error]: SecsAndError) ->
     let crossing = full.windows(2).find(|w| w[0][1] > error && w[1][1] <= error);
     match crossing {
         Some(&[[t0, e0], [t1, e1]]) => {
-            // The logarithm of zero error is no number; half way is as good as any then.
+            // The logarithm of a zero error is not finite; take the middle then.
             let share = ((error / e0).ln() / (e1 / e0).ln()).clamp(0.0, 1.0);
             let share = if share.is_nan() { 0.5 } else { share };
             factor(t0 * (t1 / t0).powf(share), Bound::Between)
@@ -43,17 +43,18 @@ pub(super) fn equal_error(full: &[SecsAndError], [secs, error]: SecsAndError) ->
     }
 }
 
-/// The error of full tracing in so many seconds; `None` where it takes longer even with the fewest samples.
+/// Returns the error of full tracing in a given time; `None` if it takes longer even with the fewest samples.
 pub(super) fn full_error_at(full: &[SecsAndError], secs: f64) -> Option<f64> {
     let last = full.iter().rposition(|[t, _]| *t <= secs)?;
     let [t0, e0] = full[last];
     let Some(&[t1, e1]) = full.get(last + 1) else { return Some(e0) };
-    // No power leads from or to an error of zero, as all have where a picture is black: then what is sure to be reached.
+    // A power law cannot reach an error of zero, which every setup has in a black picture. Take the error that is
+    // certainly reached.
     let share = (secs / t0).ln() / (t1 / t0).ln();
     Some(if e0 > 0.0 && e1 > 0.0 { e0 * (e1 / e0).powf(share) } else { e0 })
 }
 
-/// The places, in order of time, of those that nothing else beats in both.
+/// Returns the indices of the Pareto front in order of time.
 pub(super) fn pareto(points: &[SecsAndError]) -> Vec<usize> {
     let mut order: Vec<usize> =
         (0..points.len()).filter(|p| points[*p].iter().all(|v| v.is_finite())).collect();
@@ -69,18 +70,18 @@ pub(super) fn pareto(points: &[SecsAndError]) -> Vec<usize> {
     order
 }
 
-/// Full tracing at one place of the walk, by samples.
-pub(super) fn full_at(setups: &[Setup], place: usize, metric: Metric, index: usize) -> Vec<SecsAndError> {
+/// Returns full tracing at one view of the walk, ordered by samples.
+pub(super) fn full_at(setups: &[Setup], view: usize, metric: Metric) -> Vec<SecsAndError> {
     let point = |s: &Setup| {
-        let place = s.places.get(&place)?;
-        Some([place.secs(false), metric.error(place.values[index])])
+        let view = s.views.get(&view)?;
+        Some([view.secs(false), metric.error(view.value(metric))])
     };
     full(setups).into_iter().filter_map(point).collect()
 }
 
-/// Full tracing over the whole walk, by samples.
-pub(super) fn full_medians(setups: &[Setup], metric: Metric, index: usize) -> Vec<SecsAndError> {
-    full(setups).into_iter().map(|s| [s.secs(false), metric.error(s.value(index))]).collect()
+/// Returns full tracing over the whole walk, ordered by samples.
+pub(super) fn full_medians(setups: &[Setup], metric: Metric) -> Vec<SecsAndError> {
+    full(setups).into_iter().map(|s| s.secs_and_error(metric, false)).collect()
 }
 
 fn full(setups: &[Setup]) -> Vec<&Setup> {
@@ -89,7 +90,7 @@ fn full(setups: &[Setup]) -> Vec<&Setup> {
     full
 }
 
-/// The middle one by its number; of an even number the smaller.
+/// Returns the median factor; for an even number, the smaller of the two middle ones.
 pub(super) fn middle(mut factors: Vec<Factor>) -> Option<Factor> {
     factors.sort_by(|a, b| a.times.total_cmp(&b.times));
     let middle = factors.len().checked_sub(1)? / 2;
@@ -100,7 +101,7 @@ pub(super) fn middle(mut factors: Vec<Factor>) -> Option<Factor> {
 mod tests {
     use super::*;
 
-    /// Error halves when time is four times as long, as by Monte Carlo.
+    /// Error halves when time is four times as long, as in Monte Carlo integration.
     const FULL: [SecsAndError; 3] = [[1.0, 0.8], [4.0, 0.4], [16.0, 0.2]];
 
     #[test]

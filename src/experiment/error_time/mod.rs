@@ -5,12 +5,13 @@
 //! the cache and its placement policy. Only the first allows any number of references; only the second is
 //! what a user sees.
 
+mod charts;
 mod compare;
-mod measured;
 mod pictures;
 mod plan;
 mod report;
 mod run;
+mod setups;
 mod words;
 
 pub(super) use plan::{cells, settings};

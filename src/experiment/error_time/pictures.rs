@@ -1,29 +1,18 @@
-//! The middle view in every mode, and the part of it where they differ most, with error maps.
+//! The middle view in every mode, and the part of it in which the modes differ most, with error maps.
 
 use super::plan::{DEFAULT_REFERENCES, REUSING, poses, view_share};
-use crate::experiment::measure::{References, Trial, truth_of};
+use crate::experiment::measure::{FramePictures, References, Trial, truth_of};
 use crate::experiment::run::{CellOutcome, ExperimentContext, ExperimentError, RunRecord};
 use crate::raster::color::{ToneMap, srgb8};
-use crate::raster::load::exposed;
-use crate::raster::metrics::{error_picture, flip_map};
-use crate::render::aov::{display_picture, types_picture};
-use crate::render::{Frame, Mode, Renderer};
-use glam::Vec3;
+use crate::render::{Mode, Renderer};
 
 /// A part of a picture: left, top, width, height in pixels.
 type Part = [u32; 4];
 
-/// Of the picture's sides.
+/// Sides of the part: the sides of the picture divided by this number.
 const PART_SHARE: u32 = 4;
 
-struct Shown {
-    mode: Mode,
-    picture: Vec<[u8; 3]>,
-    types: Vec<[u8; 3]>,
-    flip: Vec<f32>,
-}
-
-/// Saves the pictures; a record for every mode.
+/// Saves the pictures and returns a record for every mode.
 pub(super) fn run(context: &ExperimentContext<'_>) -> CellOutcome {
     let (trace, size) = (context.settings.trace(), context.settings.size);
     let (camera, poses) =
@@ -37,36 +26,30 @@ pub(super) fn run(context: &ExperimentContext<'_>) -> CellOutcome {
         let mut renderer = Renderer::default();
         let trial = Trial { mode, trace, camera, references };
         let Some(frame) = trial.render(context, &mut renderer) else { return Ok(None) };
-        all.push(shown(mode, frame, &truth, exposure_ev)?);
+        all.push(FramePictures::of(mode.name(), frame, &truth, exposure_ev)?);
     }
     let part = worst_part(size, &all);
-    let truth_picture: Vec<[u8; 3]> = truth.iter().map(|v| srgb8(*v, exposure_ev, ToneMap::Aces)).collect();
-    save(context, "truth", &truth_picture, part)?;
-    for shown in &all {
-        let name = shown.mode.name();
-        save(context, name, &shown.picture, part)?;
-        save(context, &format!("{name}-error"), &error_picture(&shown.flip), part)?;
-        context.save_picture(&format!("{name}-types.png"), size, &shown.types)?;
+    let truth: Vec<[u8; 3]> = truth.iter().map(|v| srgb8(*v, exposure_ev, ToneMap::Aces)).collect();
+    context.save_picture("truth.png", size, &truth)?;
+    save_part(context, "truth", &truth, part)?;
+    for pictures in &all {
+        pictures.save(context)?;
+        save_part(context, &pictures.name, &pictures.shown, part)?;
+        save_part(context, &format!("{}-error", pictures.name), &pictures.error(), part)?;
     }
-    let record = |s: &Shown| {
-        let mean = s.flip.iter().map(|v| f64::from(*v)).sum::<f64>() / s.flip.len() as f64;
-        RunRecord::default().with("mode", s.mode.name()).with("flip_mean", mean).with("part", part.to_vec())
+    let record = |p: &FramePictures| {
+        let mean = p.flip.iter().map(|v| f64::from(*v)).sum::<f64>() / p.flip.len() as f64;
+        RunRecord::default()
+            .with("mode", p.name.as_str())
+            .with("flip_mean", mean)
+            .with("part", part.to_vec())
     };
     Ok(Some(all.iter().map(record).collect()))
 }
 
-fn shown(mode: Mode, frame: &Frame, truth: &[Vec3], exposure_ev: f32) -> Result<Shown, ExperimentError> {
-    let [found, right] = [&frame.radiance[..], truth].map(|r| exposed(r, exposure_ev));
-    Ok(Shown {
-        mode,
-        picture: display_picture(frame, exposure_ev, ToneMap::Aces),
-        types: types_picture(frame),
-        flip: flip_map(&found, &right, frame.view.size)?,
-    })
-}
-
-/// Where the modes' errors lie furthest apart: a part in which all err alike says nothing.
-fn worst_part([width, height]: [u32; 2], all: &[Shown]) -> Part {
+/// Returns the part in which the errors of the modes differ most. A part in which all have the same error
+/// would show nothing.
+fn worst_part([width, height]: [u32; 2], all: &[FramePictures]) -> Part {
     let size = [width, height].map(|side| (side / PART_SHARE).max(side.min(16)));
     let spread = |pixel: usize| {
         let of = all.iter().map(|s| s.flip[pixel]);
@@ -83,15 +66,14 @@ fn worst_part([width, height]: [u32; 2], all: &[Shown]) -> Part {
     [best[0], best[1], size[0], size[1]]
 }
 
-/// The whole and the part.
-fn save(
+/// Saves a part of a picture as `NAME-part.png`.
+fn save_part(
     context: &ExperimentContext<'_>,
     name: &str,
     picture: &[[u8; 3]],
     [left, top, w, h]: Part,
 ) -> Result<(), ExperimentError> {
     let [width, _] = context.settings.size;
-    context.save_picture(&format!("{name}.png"), context.settings.size, picture)?;
     let row = |y: u32| {
         let start = (y * width + left) as usize;
         picture[start..start + w as usize].iter().copied()

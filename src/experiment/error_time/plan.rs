@@ -6,16 +6,16 @@ use crate::experiment::run::{
 };
 use crate::render::Mode;
 
-/// Those that reuse.
+/// Modes that reuse references.
 pub(super) const REUSING: [Mode; 3] = [Mode::Paper, Mode::Fast, Mode::Exact];
 
-/// Between two references of a still view, as a share of the walk.
+/// Distance between two references of a still view, as a share of the walk.
 pub(super) const SPACING: f64 = 0.02;
 
-/// References the modes are compared with in words; about what a walk has at hand of one place.
+/// Number of references in the headline: about as many as a walk holds near one place.
 pub(super) const DEFAULT_REFERENCES: usize = 4;
 
-/// What is varied.
+/// Values that are varied.
 struct Steps {
     full_samples: &'static [u32],
     references: &'static [usize],
@@ -64,12 +64,12 @@ pub(crate) fn cells(context: &ExperimentContext<'_>) -> Vec<Cell> {
     cells.into_iter().map(Cell).collect()
 }
 
-/// The middles of equal parts of the walk.
+/// Position of a view as a share of the walk: the middle of one of equal parts.
 pub(super) fn view_share(context: &ExperimentContext<'_>, view: u32) -> f64 {
     (f64::from(view) + 0.5) / f64::from(context.settings.views)
 }
 
-/// The view, and the poses of the nearest references around it: behind, ahead, further behind, further ahead.
+/// Returns the camera of a view and of the references nearest to it: behind, ahead, further behind, and so on.
 pub(super) fn poses(
     context: &ExperimentContext<'_>,
     share: f64,

@@ -1,41 +1,37 @@
-//! The findings in sentences: what each mode saves against full tracing, and where it saves nothing.
+//! The findings in sentences: how much time each mode saves against full tracing, and when it saves none.
 
 use super::compare::{Bound, Factor, equal_error, full_at, full_error_at, full_medians, middle, pareto};
-use super::measured::{METRICS, Setup};
 use super::plan::{DEFAULT_REFERENCES, REUSING};
+use super::setups::{LEAD, METRICS, Metric, Setup, ViewResult};
 use serde_json::{Value, json};
 
-/// The metric that sentences lead with.
-const LEAD: usize = 0;
-
-/// What is compared in words: still with the usual number of references, and flown.
-pub(super) fn usual(setups: &[Setup], samples: usize) -> Vec<&Setup> {
+/// Returns the setups of the headline: still with the default number of references, and flown.
+fn usual(setups: &[Setup], samples: usize) -> Vec<&Setup> {
     let is_usual = |s: &&Setup| s.samples == samples && s.references.is_none_or(|n| n == DEFAULT_REFERENCES);
     REUSING.iter().flat_map(|mode| setups.iter().filter(|s| s.mode == mode.name()).filter(is_usual)).collect()
 }
 
-/// Equal error in one metric, over the places of the walk: the middle, the least, the most.
+/// Returns the factor of equal error in one metric, over the views of the walk: median, minimum, maximum.
 pub(super) fn factors(
     setups: &[Setup],
     setup: &Setup,
-    metric: usize,
+    metric: Metric,
     references_count: bool,
 ) -> Option<[Factor; 3]> {
-    let measure = METRICS[metric];
-    let at = |(place, found): (&usize, &super::measured::SurfaceKey)| {
-        // A flown frame has no view of full tracing of its own: it is held against the walk's medians.
+    let at = |(view, found): (&usize, &ViewResult)| {
+        // Full tracing has no view at a flown frame: the frame is compared with the medians of the walk.
         let full = match setup.references {
-            Some(_) => full_at(setups, *place, measure, metric),
-            None => full_medians(setups, measure, metric),
+            Some(_) => full_at(setups, *view, metric),
+            None => full_medians(setups, metric),
         };
-        equal_error(&full, [found.secs(references_count), measure.error(found.values[metric])])
+        equal_error(&full, [found.secs(references_count), metric.error(found.value(metric))])
     };
     let all: Vec<Factor> = setup.measured().filter_map(at).collect();
     let by_times = |a: &&Factor, b: &&Factor| a.times.total_cmp(&b.times);
     Some([middle(all.clone())?, *all.iter().min_by(by_times)?, *all.iter().max_by(by_times)?])
 }
 
-/// The headline: all modes in one sentence, the front, then each mode.
+/// Returns the headline: all modes in one sentence, the Pareto front, then each mode.
 pub(super) fn headline(setups: &[Setup], samples: usize) -> Vec<String> {
     let usual = usual(setups, samples);
     let mut lines = Vec::from_iter(overview(setups, &usual, samples));
@@ -44,7 +40,7 @@ pub(super) fn headline(setups: &[Setup], samples: usize) -> Vec<String> {
     lines
 }
 
-/// What every mode saves at equal error, still and flown.
+/// The factor of every mode at equal error, still and flown.
 fn overview(setups: &[Setup], usual: &[&Setup], samples: usize) -> Option<String> {
     let saved = |counts: bool| {
         let of = usual.iter().filter(|s| s.references.is_none() == counts);
@@ -55,53 +51,53 @@ fn overview(setups: &[Setup], usual: &[&Setup], samples: usize) -> Option<String
     let (still, flown) = (saved(false), saved(true));
     (!still.is_empty() && !flown.is_empty()).then(|| {
         format!(
-            "Against full ray tracing at equal FLIP error, {samples} samples: {still}, references not counted; {flown} \
-             on a flown walk with its references counted. Above 1x a mode dominates full ray tracing."
+            "Against full ray tracing at equal FLIP error, {samples} samples: {still}, without the time of references; \
+             {flown} on a flown walk with the time of references. Above 1x a mode is better than full ray tracing."
         )
     })
 }
 
 fn pays(factor: Factor) -> String {
     if factor.bound == Bound::AtMost && factor.times < 1.0 {
-        return "does not pay".to_owned();
+        return "does not pay off".to_owned();
     }
     times(factor)
 }
 
 fn sentence(setups: &[Setup], setup: &Setup) -> Option<String> {
-    // Flown, a frame is worth what it costs together with its references.
+    // A flown frame is judged with the time of its references.
     let counts = setup.references.is_none();
     let [typical, least, most] = factors(setups, setup, LEAD, counts)?;
     let (secs, flip) = (setup.secs(counts), setup.value(LEAD));
-    let with = if counts { ", references counted" } else { "" };
-    let mut text = format!("{} ({}): {} a frame{with}; ", setup.mode, setup.label(), time(secs));
+    let with = if counts { ", references included" } else { "" };
+    let mut text = format!("{} ({}): {} per frame{with}; ", setup.mode, setup.label(), time(secs));
     text += &verdict(typical, secs);
     text += &format!(" (over the walk {} to {}).", times(least), times(most));
     if !counts && let Some([spread, ..]) = factors(setups, setup, LEAD, true) {
-        text += &format!(" With the references' cost spread over the walk {}.", times(spread));
+        text += &format!(" With the time of references spread over the walk: {}.", times(spread));
     }
-    let full = full_medians(setups, METRICS[LEAD], LEAD);
-    text += &match full_error_at(&full, secs) {
-        Some(error) => format!(" In equal time full ray tracing has a FLIP of {error:.4}, this {flip:.4}."),
-        None => format!(" Full ray tracing is never as fast; the FLIP here is {flip:.4}."),
+    text += &match full_error_at(&full_medians(setups, LEAD), secs) {
+        Some(error) => format!(" In equal time full ray tracing has a FLIP of {error:.4}, this mode {flip:.4}."),
+        None => format!(" Full ray tracing is never as fast; the FLIP of this mode is {flip:.4}."),
     };
     Some(text)
 }
 
 fn verdict(factor: Factor, secs: f64) -> String {
     let full = time(factor.times * secs);
+    let times = times(factor);
     match factor.bound {
-        Bound::Between => format!("full ray tracing takes {full} for the same FLIP error: {}", times(factor)),
+        Bound::Between => format!("full ray tracing takes {full} for the same FLIP error: {times}"),
         Bound::AtLeast => {
-            format!("full ray tracing errs more even in {full}, its most samples: {}", times(factor))
+            format!("full ray tracing has a larger error even in {full}, with the most samples: {times}")
         }
         Bound::AtMost => {
-            format!("full ray tracing errs less even in {full}, its fewest samples: {}", times(factor))
+            format!("full ray tracing has a smaller error even in {full}, with the fewest samples: {times}")
         }
     }
 }
 
-/// `9.4x`, `at least 12x`.
+/// Formats a factor, such as `9.40x` or `at least 12.00x`.
 pub(super) fn times(factor: Factor) -> String {
     let prefix = match factor.bound {
         Bound::Between => "",
@@ -111,7 +107,7 @@ pub(super) fn times(factor: Factor) -> String {
     format!("{prefix}{:.2}x", factor.times)
 }
 
-/// Of less than a second in milliseconds.
+/// Formats seconds, below one second in milliseconds.
 pub(super) fn time(secs: f64) -> String {
     match secs {
         s if s < 0.01 => format!("{:.2} ms", s * 1e3),
@@ -120,15 +116,13 @@ pub(super) fn time(secs: f64) -> String {
     }
 }
 
-/// Which mode is best in which time, and what only full tracing reaches; references not counted.
+/// Which mode is best in which time, and which errors only full tracing reaches; without references.
 fn front(setups: &[Setup]) -> Vec<String> {
     let still: Vec<&Setup> = setups.iter().filter(|s| s.references.is_some()).collect();
-    let metric = METRICS[LEAD];
-    let points: Vec<_> = still.iter().map(|s| [s.secs(false), metric.error(s.value(LEAD))]).collect();
-    let best = pareto(&points);
+    let points: Vec<_> = still.iter().map(|s| s.secs_and_error(LEAD, false)).collect();
     let mut spans: Vec<(&str, f64, f64)> = Vec::new();
-    for &place in &best {
-        let (mode, secs) = (still[place].mode.as_str(), points[place][0]);
+    for index in pareto(&points) {
+        let (mode, secs) = (still[index].mode.as_str(), points[index][0]);
         match spans.last_mut() {
             Some((last, _, end)) if *last == mode => *end = secs,
             _ => spans.push((mode, secs, secs)),
@@ -139,56 +133,50 @@ fn front(setups: &[Setup]) -> Vec<String> {
         false => format!("{mode} from {} to {}", time(*from), time(*to)),
     };
     let text = spans.iter().map(span).collect::<Vec<_>>().join(", ");
-    let mut lines = Vec::new();
-    if !text.is_empty() {
-        lines.push(format!("Best in its time (the Pareto front of FLIP, references not counted): {text}."));
-    }
-    lines.extend(beyond_reuse(&still));
-    lines
+    let best =
+        format!("Best in its time (the Pareto front of FLIP, without the time of references): {text}.");
+    (!text.is_empty()).then_some(best).into_iter().chain(beyond_reuse(&still)).collect()
 }
 
-/// What error no reusing mode reaches, and who does.
+/// The least error of the reusing modes, and which samples of full tracing have less.
 fn beyond_reuse(still: &[&Setup]) -> Option<String> {
+    let flip = |s: &Setup| s.value(LEAD);
     let least = still
         .iter()
         .filter(|s| s.mode != "full")
-        .min_by(|a, b| a.value(LEAD).total_cmp(&b.value(LEAD)))
-        .filter(|s| s.value(LEAD).is_finite())?;
-    let mut better: Vec<_> =
-        still.iter().filter(|s| s.mode == "full" && s.value(LEAD) < least.value(LEAD)).collect();
-    better.sort_by_key(|s| s.samples);
+        .min_by(|a, b| flip(a).total_cmp(&flip(b)))
+        .filter(|s| flip(s).is_finite())?;
+    let better = still.iter().filter(|s| s.mode == "full" && flip(s) < flip(least)).min_by_key(|s| s.samples);
     let what = format!(
-        "The least FLIP of a mode that reuses is {:.4} ({}, {})",
-        least.value(LEAD),
+        "The lowest FLIP of a mode that reuses references is {:.4} ({}, {})",
+        flip(least),
         least.mode,
         least.label()
     );
-    Some(match better.first() {
+    Some(match better {
         Some(full) => format!(
-            "{what}; below it there is only full ray tracing, from {} on ({}).",
+            "{what}; only full ray tracing goes below it, from {} on ({}).",
             full.label(),
             time(full.secs(false))
         ),
-        None => format!("{what}; full ray tracing does not reach it with the samples that were tried."),
+        None => format!("{what}; full ray tracing does not reach it with the measured sample counts."),
     })
 }
 
 /// The sentences in numbers.
 pub(super) fn summary(setups: &[Setup], samples: usize) -> Value {
-    let factor = |f: Option<[Factor; 3]>| match f {
-        Some([middle, least, most]) => json!({
+    let factor = |[middle, least, most]: [Factor; 3]| {
+        json!({
             "median": middle.times, "min": least.times, "max": most.times,
             "is": match middle.bound {
                 Bound::Between => "between", Bound::AtLeast => "at_least", Bound::AtMost => "at_most",
             },
-        }),
-        None => Value::Null,
+        })
     };
     let entry = |setup: &Setup| {
-        let by_metric = |counts: bool| {
-            let pairs = (0..METRICS.len())
-                .map(|m| (METRICS[m].field.to_owned(), factor(factors(setups, setup, m, counts))));
-            Value::Object(pairs.collect())
+        let by_metric = |counts: bool| -> Value {
+            let of = |m: Metric| factors(setups, setup, m, counts).map(factor);
+            Value::Object(METRICS.iter().map(|m| (m.field.to_owned(), of(*m).into())).collect())
         };
         json!({
             "mode": setup.mode, "references": setup.references, "samples": setup.samples,

@@ -1,4 +1,4 @@
-//! How good a frame is: against the same view traced in full, and against a converged picture of it.
+//! The error of a frame of a walk against its view traced in full and against its converged picture.
 
 use super::truth::{TruthRequest, truth};
 use crate::raster::load::display_of;
@@ -11,64 +11,58 @@ use crate::trace::{TraceSettings, Tracer};
 use serde::Serialize;
 use std::path::PathBuf;
 
-/// What frames are measured with.
+/// How frames are measured.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MeasureSettings {
-    /// Every so many frames, the first among them.
+    /// Every n-th frame is measured, beginning with the first.
     pub every: u32,
-    /// Shadow samples of the truth.
+    /// Shadow rays per light and pixel of the converged picture.
     pub truth_samples: u32,
-    /// Where truths are kept; `None` keeps none.
+    /// Folder that keeps converged pictures between runs; `None` keeps none.
     pub truth_folder: Option<PathBuf>,
 }
 
 /// The errors of one frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Measurement {
-    /// Tracing the same view in full, at the same samples.
+    /// Time of tracing the same view in full with the same samples, in seconds.
     pub full_frame_secs: f64,
-    /// Of the frame against the truth.
+    /// PSNR of the frame against the converged picture in dB.
     pub psnr_db: f64,
-    /// Of the fully traced view against the truth.
+    /// PSNR of the fully traced view against the converged picture in dB.
     pub full_psnr_db: f64,
-    /// Of the frame against the truth.
+    /// Mean FLIP of the frame against the converged picture.
     pub flip_mean: f64,
-    /// Of the fully traced view against the truth.
+    /// Mean FLIP of the fully traced view against the converged picture.
     pub full_flip_mean: f64,
-    /// Of the Type 1 and Type 2 pixels, those whose depth is off by more than [`DEPTH_TOLERANCE`].
+    /// Share of the Type 1 and Type 2 pixels, in percent, whose depth is off by more than
+    /// [`DEPTH_TOLERANCE`].
     pub see_through_percent: f64,
 }
 
-/// A reused pixel whose depth differs by a larger share shows another surface than it should.
+/// Relative difference in depth beyond which a reused pixel is taken to show another surface than it should.
 pub const DEPTH_TOLERANCE: f32 = 0.01;
 
-/// The truth's random numbers must not be those of the pictures measured against it.
+/// Combined with the seed of a run, so that a converged picture and the frames compared with it use
+/// different random numbers.
 pub(super) const TRUTH_SEED: u64 = 0x7275_7468_0000_0001;
 
-/// Why a frame was not measured.
-#[derive(Debug, thiserror::Error)]
-pub enum MeasureError {
-    /// The pictures cannot be compared.
-    #[error(transparent)]
-    Compare(#[from] CompareError),
-}
-
-/// Measures frames; keeps its buffers from one to the next.
+/// Measures frames and reuses its buffers.
 #[derive(Debug)]
 pub struct Measurer {
     settings: MeasureSettings,
     renderer: Renderer,
-    /// The first trouble with keeping truths.
+    /// First error in storing a converged picture.
     pub keep_error: Option<SaveError>,
 }
 
 impl Measurer {
-    /// Measures nothing yet.
+    /// A measurer with empty buffers.
     pub fn new(settings: MeasureSettings) -> Self {
         Self { settings, renderer: Renderer::default(), keep_error: None }
     }
 
-    /// True where the frame of this number is to be measured.
+    /// Returns true if the frame of this number is to be measured.
     pub fn is_due(&self, frame: u32) -> bool {
         frame.is_multiple_of(self.settings.every.max(1))
     }
@@ -76,14 +70,14 @@ impl Measurer {
     /// Measures a frame. `None` after a stop.
     ///
     /// # Errors
-    /// [`MeasureError`] where the frame has no pixels or a pixel is not a number.
+    /// [`CompareError`] if the frame has no pixels.
     pub fn measure(
         &mut self,
         tracer: &Tracer,
         frame: &Frame,
         trace: &TraceSettings,
         stop: Stop<'_>,
-    ) -> Result<Option<Measurement>, MeasureError> {
+    ) -> Result<Option<Measurement>, CompareError> {
         let size = frame.view.size;
         let settings = RenderSettings { mode: Mode::Full, trace: *trace };
         let full = self.renderer.render(tracer, &frame.camera, size, &settings, &[], stop);
@@ -108,7 +102,8 @@ impl Measurer {
     }
 }
 
-/// The share of a frame's reused pixels whose depth is not that of the same view traced in full.
+/// Returns the share of a frame's reused pixels, in percent, whose depth differs from that of the same view
+/// traced in full by more than [`DEPTH_TOLERANCE`].
 pub fn see_through_percent(frame: &Frame, full: &Frame) -> f64 {
     let (mut reused, mut wrong) = (0usize, 0usize);
     for ((t, shown), right) in frame.types.iter().zip(&frame.disparity).zip(&full.disparity) {
@@ -116,7 +111,7 @@ pub fn see_through_percent(frame: &Frame, full: &Frame) -> f64 {
             continue;
         }
         reused += 1;
-        // The ratio of disparities is that of depths; of a sky and a surface it is 0, infinite or no number.
+        // The ratio of disparities is the inverse ratio of depths. It is 0, infinite or NaN if one is sky.
         let both_sky = *shown == 0.0 && *right == 0.0;
         let is_near = (right / shown - 1.0).abs() <= DEPTH_TOLERANCE;
         wrong += usize::from(!both_sky && !is_near);

@@ -1,12 +1,15 @@
 //! How far a frame is from the converged picture of its view, and how long it takes.
 
-pub mod errors;
-pub mod measurement;
+mod errors;
+mod measurement;
+mod pictures;
 mod references;
-pub mod trial;
-pub mod truth;
+mod trial;
+mod truth;
 
 pub use errors::Errors;
-pub use measurement::{MeasureError, MeasureSettings, Measurement, Measurer};
+pub use measurement::{DEPTH_TOLERANCE, MeasureSettings, Measurement, Measurer, see_through_percent};
+pub use pictures::FramePictures;
 pub use references::References;
 pub use trial::{Trial, truth_of};
+pub use truth::{TruthRequest, truth};

@@ -6,16 +6,16 @@ use crate::reference::{ReferenceCache, ReferenceFrame};
 use crate::trace::TraceSettings;
 use std::sync::Arc;
 
-/// References at hand, for the warp and for the look-up.
+/// References at given poses, for the warp and for the look-up.
 #[derive(Debug)]
 pub struct References {
-    /// One by one.
+    /// References in the order of their poses.
     pub frames: Vec<Arc<ReferenceFrame>>,
     cache: ReferenceCache,
 }
 
 impl References {
-    /// Traces every pixel of references at poses, each with a seed of its own. `None` after a stop.
+    /// Traces every pixel of a reference at each pose, each with a seed of its own. `None` after a stop.
     pub fn trace(context: &ExperimentContext<'_>, poses: &[Camera], trace: &TraceSettings) -> Option<Self> {
         let reference = |(number, pose): (u64, &Camera)| {
             let settings = TraceSettings { seed: trace.seed.wrapping_add(number << 32), ..*trace };
@@ -30,19 +30,19 @@ impl References {
         Some(Self { frames, cache })
     }
 
-    /// None at all.
+    /// No references.
     pub fn none(context: &ExperimentContext<'_>) -> Self {
         Self { frames: Vec::new(), cache: ReferenceCache::new(context.tracer.scene(), usize::MAX) }
     }
 
-    /// Cache that holds them all, for the look-up.
+    /// Cache that holds all references, for the look-up.
     pub(super) fn cache(&self) -> &ReferenceCache {
         &self.cache
     }
 
-    /// Seconds that tracing them took, together.
+    /// Wall time of tracing all references in seconds.
     pub fn secs(&self) -> f64 {
-        // Not `sum`, which makes -0 of nothing.
+        // Not `sum`, which returns -0 for an empty list.
         self.frames.iter().fold(0.0, |sum, f| sum + f.secs)
     }
 }

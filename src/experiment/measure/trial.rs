@@ -1,4 +1,5 @@
-//! One view in one mode from given references: rendered again and again for its time, once for its error.
+//! One view in one mode from given references: rendered several times for its time, compared once for its
+//! error.
 
 use super::errors::Errors;
 use super::measurement::{TRUTH_SEED, see_through_percent};
@@ -12,21 +13,21 @@ use crate::render::{Frame, Mode, RenderSettings, Renderer};
 use crate::trace::TraceSettings;
 use glam::Vec3;
 
-/// What is rendered.
+/// One view in one mode from given references.
 #[derive(Clone, Copy, Debug)]
 pub struct Trial<'a> {
-    /// How.
+    /// Rendering mode.
     pub mode: Mode,
-    /// With which samples and seed.
+    /// Samples, bounces and seed.
     pub trace: TraceSettings,
-    /// From where.
+    /// Camera of the view.
     pub camera: Camera,
-    /// And from what.
+    /// References that the frame may reuse.
     pub references: &'a References,
 }
 
 impl Trial<'_> {
-    /// One frame. `None` after a stop.
+    /// Renders one frame. `None` after a stop.
     pub fn render<'r>(
         &self,
         context: &ExperimentContext<'_>,
@@ -45,8 +46,9 @@ impl Trial<'_> {
         frame.stats.is_complete.then_some(frame)
     }
 
-    /// A record for every repetition, the first of them marked as a warm-up, all with the errors of the frame, which are
-    /// the same in each. The frame stays in `renderer`. `None` after a stop.
+    /// Renders the view `repetitions + 1` times and returns a record of each; the first is marked as a
+    /// warm-up. Every record has the errors of the frame, which are equal in all repetitions. The frame stays
+    /// in `renderer`. `None` after a stop.
     ///
     /// # Errors
     /// [`crate::experiment::run::ExperimentError::Compare`] for a frame without pixels.
@@ -58,7 +60,7 @@ impl Trial<'_> {
     ) -> CellOutcome {
         let mut records = Vec::new();
         for repetition in 0..=context.settings.repetitions {
-            // The same view a second time would find all that was traced for the first.
+            // Otherwise the second repetition would reuse all points that the first one traced.
             renderer.forget_points();
             let Some(frame) = self.render(context, renderer) else { return Ok(None) };
             let stats = &frame.stats;
@@ -83,8 +85,8 @@ impl Trial<'_> {
         Ok(Some(records.into_iter().map(with_errors).collect()))
     }
 
-    /// Reused pixels that show another surface than the primary ray's: none where that is where surfaces come from.
-    /// `None` after a stop.
+    /// Returns the share of reused pixels, in percent, that show another surface than the primary ray hits.
+    /// It is 0 in modes that trace primary rays. `None` after a stop.
     fn see_through_percent(&self, context: &ExperimentContext<'_>, frame: &Frame) -> Option<f64> {
         if self.mode != Mode::Paper {
             return Some(0.0);
@@ -96,7 +98,7 @@ impl Trial<'_> {
     }
 }
 
-/// The converged picture of a view. `None` after a stop.
+/// Returns the converged picture of a view. `None` after a stop.
 pub fn truth_of(context: &ExperimentContext<'_>, camera: &Camera) -> Option<Vec<Vec3>> {
     let settings = TraceSettings {
         samples: context.settings.truth_samples,
@@ -104,6 +106,6 @@ pub fn truth_of(context: &ExperimentContext<'_>, camera: &Camera) -> Option<Vec<
         bounces: context.settings.bounces,
     };
     let request = TruthRequest { tracer: context.tracer, camera, size: context.settings.size, settings };
-    // Where it cannot be kept it is only slower the next time.
+    // A picture that cannot be kept only costs time in the next run.
     truth(&request, context.truth_folder, context.stop).map(|(radiance, _)| radiance)
 }

@@ -1,4 +1,4 @@
-//! The converged picture of a view, kept on disk: it takes long, and the same one is asked for again and again.
+//! The converged picture of a view. It takes long to trace and is needed by many runs, so it is kept on disk.
 
 use crate::camera::{Camera, View};
 use crate::raster::save::{SaveError, write_atomically};
@@ -9,40 +9,41 @@ use glam::Vec3;
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 
-/// First bytes of a kept truth.
+/// First bytes of a stored picture.
 const MAGIC: &[u8; 8] = b"AITRUTH1";
 
-/// Magic, key, width, height; a digest follows the pixels.
+/// Length of the header in bytes: magic, key, width, height. A digest follows the pixels.
 const HEADER: usize = 8 + 32 + 8;
 
-/// Pixels traced anew to see that a kept truth is still what this program would trace. A change of the tracer or a
-/// machine that rounds otherwise is found out at once; the cost is a ten-thousandth of a picture.
+/// Tag of the byte sequence that [`TruthRequest::key`] hashes. A change of the sequence needs a new tag.
+const KEY_TAG: &[u8] = b"afterimage truth key 2\n";
+
+/// Number of pixels that are traced again to verify a stored picture. They reveal a change of the tracer and
+/// a machine that rounds differently, and cost a ten-thousandth of a picture.
 const PROBES: u32 = 64;
 
-/// What a truth is of.
+/// The view and settings of a converged picture.
 #[derive(Clone, Copy, Debug)]
 pub struct TruthRequest<'a> {
-    /// The scene.
+    /// Tracer of the scene.
     pub tracer: &'a Tracer,
-    /// The pose.
+    /// Camera of the view.
     pub camera: &'a Camera,
-    /// Of the picture.
+    /// Width and height in pixels.
     pub size: [u32; 2],
-    /// Of the truth itself: many samples, a seed of its own.
+    /// Settings of the converged picture: many samples, and a seed of its own.
     pub settings: TraceSettings,
 }
 
-/// The linear radiance of a converged picture, from `folder` where it is kept, else traced and kept there. A folder
-/// that cannot be written to costs time, not the result: the error comes beside the picture.
-///
-/// `None` after a stop.
+/// Returns the linear radiance of a converged picture: from `folder` if it is stored there, else traced and
+/// stored. A failure to store it is returned with the picture. `None` after a stop.
 pub fn truth(
     request: &TruthRequest<'_>,
     folder: Option<&Path>,
     stop: Stop<'_>,
 ) -> Option<(Vec<Vec3>, Option<SaveError>)> {
     let key = request.key();
-    let path = folder.map(|f| f.join(format!("{}.truth", hex(&key))));
+    let path = folder.map(|f| f.join(file_name(&key)));
     if let Some(kept) = path.as_deref().and_then(|p| read(p, &key, request.size))
         && request.agrees_with(&kept)
     {
@@ -59,15 +60,28 @@ pub fn truth(
     Some((radiance, error))
 }
 
+fn file_name(key: &[u8; 32]) -> String {
+    key.iter().map(|byte| format!("{byte:02x}")).collect::<String>() + ".truth"
+}
+
 impl TruthRequest<'_> {
-    /// SHA-256 of all that decides the picture.
+    /// SHA-256 of everything that decides the picture: a tag, the version and the scene as lines, then pose,
+    /// size and settings as little-endian numbers.
     fn key(&self) -> [u8; 32] {
         let c = self.camera;
-        let pose = [c.eye.x, c.eye.y, c.eye.z, c.yaw, c.pitch, c.fov_y].map(f64::to_bits);
-        let version = env!("CARGO_PKG_VERSION");
-        let (scene, size, settings) = (&self.tracer.scene().hash, self.size, self.settings);
-        let mut sha = Sha256::new();
-        sha.update(format!("{version} {scene} {pose:?} {size:?} {settings:?}"));
+        let TraceSettings { samples, bounces, seed } = self.settings;
+        let mut sha = Sha256::new_with_prefix(KEY_TAG);
+        for text in [env!("CARGO_PKG_VERSION"), self.tracer.scene().hash.as_str()] {
+            sha.update(text);
+            sha.update(b"\n");
+        }
+        for number in [c.eye.x, c.eye.y, c.eye.z, c.yaw, c.pitch, c.fov_y] {
+            sha.update(number.to_le_bytes());
+        }
+        for number in [self.size[0], self.size[1], samples, bounces] {
+            sha.update(number.to_le_bytes());
+        }
+        sha.update(seed.to_le_bytes());
         sha.finalize().into()
     }
 
@@ -87,34 +101,30 @@ fn write(path: PathBuf, key: &[u8; 32], size: [u32; 2], radiance: &[Vec3]) -> Re
         std::fs::create_dir_all(folder)
             .map_err(|cause| SaveError::Write { path: folder.to_owned(), cause })?;
     }
-    let mut bytes = Vec::with_capacity(HEADER + size_of_val(radiance) + 32);
-    bytes.extend_from_slice(MAGIC);
-    bytes.extend_from_slice(key);
-    size.iter().for_each(|s| bytes.extend_from_slice(&s.to_le_bytes()));
-    radiance.iter().flat_map(|v| v.to_array()).for_each(|c| bytes.extend_from_slice(&c.to_le_bytes()));
+    let mut bytes = header(key, size);
+    bytes.reserve(size_of_val(radiance) + 32);
+    bytes.extend(radiance.iter().flat_map(|v| v.to_array()).flat_map(f32::to_le_bytes));
     let digest = Sha256::digest(&bytes);
     bytes.extend_from_slice(&digest);
     write_atomically(&path, &bytes)
 }
 
-/// The pixels of a kept truth; `None` where there is none, or a damaged one, or one of something else.
+fn header(key: &[u8; 32], [width, height]: [u32; 2]) -> Vec<u8> {
+    [&MAGIC[..], key, &width.to_le_bytes(), &height.to_le_bytes()].concat()
+}
+
+/// Reads the pixels of a stored picture. `None` if there is none, if it is damaged, or if it is of something
+/// else.
 fn read(path: &Path, key: &[u8; 32], size: [u32; 2]) -> Option<Vec<Vec3>> {
     let bytes = std::fs::read(path).ok()?;
-    let count = size[0] as usize * size[1] as usize;
-    if bytes.len() != HEADER + count * 12 + 32 {
+    if bytes.len() != HEADER + size[0] as usize * size[1] as usize * 12 + 32 {
         return None;
     }
     let (content, digest) = bytes.split_at(bytes.len() - 32);
-    let sizes: Vec<u8> = size.iter().flat_map(|s| s.to_le_bytes()).collect();
-    let is_ours = content.starts_with(MAGIC) && content[8..40] == *key && content[40..HEADER] == sizes[..];
-    if !is_ours || Sha256::digest(content).as_slice() != digest {
+    if !content.starts_with(&header(key, size)) || Sha256::digest(content).as_slice() != digest {
         return None;
     }
     let number = |b: &[u8]| b.try_into().map_or(f32::NAN, f32::from_le_bytes);
     let pixel = |b: &[u8]| Vec3::new(number(&b[..4]), number(&b[4..8]), number(&b[8..]));
     Some(content[HEADER..].chunks_exact(12).map(pixel).collect())
-}
-
-fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }

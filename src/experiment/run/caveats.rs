@@ -1,30 +1,30 @@
-//! What a reader must know before trusting a run's times.
+//! What a reader must know before trusting the times of a run.
 
 use super::manifest::Manifest;
 use super::record::{RunRecord, counted};
-use crate::experiment::statistics::{median, percentile};
+use crate::experiment::statistics::{median, quartiles};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Repetitions whose quartiles lie further apart than this share of their median are called noisy. Measured on a run of
-/// `error-time` that shared two cores with compilers: the 22 calmest of 48 groups lay within 13 %, the others reached
-/// 16 to 199 % (`docs/EXPERIMENTS.md`).
+/// Repetitions are noisy if their quartiles lie further apart than this share of their median. Measured on
+/// a run of `error-time` that shared two cores with compilers: the 22 calmest of 48 groups stayed within
+/// 13 %, the others reached 16 to 199 % (`docs/EXPERIMENTS.md`).
 pub const NOISY_SHARE: f64 = 0.15;
 
-/// Fewer say nothing of a spread.
-const FEWEST: usize = 3;
+/// Minimum number of repetitions for a spread.
+const MIN_REPETITIONS: usize = 3;
 
-/// In sentences; none where there is nothing to say.
+/// Returns the caveats as sentences; empty if there are none.
 pub fn caveats(manifest: &Manifest, records: &[RunRecord]) -> Vec<String> {
     let mut found = Vec::new();
     let sessions = &manifest.sessions;
     if sessions.iter().any(|s| !s.is_release_build) {
-        found.push("Run with a build without all optimisations: its times say little.".to_owned());
+        found.push("A session ran a build without optimisations: its times are not representative.".to_owned());
     }
     let machines: BTreeSet<(&str, usize)> =
         sessions.iter().map(|s| (s.machine.processor.as_str(), s.threads)).collect();
     if machines.len() > 1 {
         found.push(format!(
-            "Run on {} machines or numbers of threads: times of different cells do not compare.",
+            "The run used {} different processors or thread counts: times of different cells are not comparable.",
             machines.len()
         ));
     }
@@ -33,8 +33,9 @@ pub fn caveats(manifest: &Manifest, records: &[RunRecord]) -> Vec<String> {
     if noisy > 0 {
         let worst = spreads.iter().copied().fold(0.0, f64::max);
         found.push(format!(
-            "Noisy: in {noisy} of {} groups of repetitions the quartiles of the frame time lie more than {:.0} % of \
-             the median apart (worst {:.0} %). Something else was running; errors are not touched by it.",
+            "The times are noisy: in {noisy} of {} groups of repetitions the quartiles of the frame time lie more than \
+             {:.0} % of the median apart (at worst {:.0} %). Other programs were probably running. Errors are not \
+             affected.",
             spreads.len(),
             NOISY_SHARE * 100.0,
             worst * 100.0
@@ -43,11 +44,12 @@ pub fn caveats(manifest: &Manifest, records: &[RunRecord]) -> Vec<String> {
     found
 }
 
-/// The distance of the quartiles of `frame_secs` as a share of the median, for every group of repetitions.
+/// Returns the distance of the quartiles of `frame_secs` as a share of the median, for every group of
+/// repetitions.
 pub fn spreads(records: &[RunRecord]) -> Vec<f64> {
     let mut groups: BTreeMap<String, Vec<f64>> = BTreeMap::new();
     for record in counted(records).filter(|r| r.number("repetition").is_some()) {
-        // What is the same in every repetition names the group.
+        // All fields that are equal in every repetition identify the group.
         let mut group = record.without_times();
         group.0.shift_remove("repetition");
         if let (Some(secs), Ok(key)) = (record.number("frame_secs"), serde_json::to_string(&group)) {
@@ -58,7 +60,7 @@ pub fn spreads(records: &[RunRecord]) -> Vec<f64> {
 }
 
 fn spread(secs: &[f64]) -> Option<f64> {
-    let quartile = |percent| percentile(secs.iter().copied(), percent);
-    let middle = median(secs.iter().copied()).filter(|m| *m > 0.0 && secs.len() >= FEWEST)?;
-    Some((quartile(75.0)? - quartile(25.0)?) / middle)
+    let [lower, upper] = quartiles(secs.iter().copied())?;
+    let middle = median(secs.iter().copied()).filter(|m| *m > 0.0 && secs.len() >= MIN_REPETITIONS)?;
+    Some((upper - lower) / middle)
 }

@@ -2,37 +2,33 @@
 
 use serde::Serialize;
 use serde_json::Value;
+use std::collections::BTreeMap;
 
-/// A table with a column per number, named by its place in the record (`types.type1_percent`), a line per record.
-/// A record lacks a column where its value is absent.
+/// Returns a table with one line per record and one column per number, named by its path in the record
+/// (`types.type1_percent`). The cell of an absent value is empty.
 pub fn csv<T: Serialize>(records: &[T]) -> String {
-    let rows: Vec<Vec<(String, String)>> = records
-        .iter()
-        .map(|record| {
-            let mut cells = Vec::new();
-            flatten(String::new(), &serde_json::to_value(record).unwrap_or(Value::Null), &mut cells);
-            cells
-        })
-        .collect();
-    let mut columns: Vec<&str> = Vec::new();
-    for (name, _) in rows.iter().flatten() {
-        if !columns.contains(&name.as_str()) {
-            columns.push(name);
+    let mut columns: Vec<String> = Vec::new();
+    let mut rows: Vec<BTreeMap<String, String>> = Vec::new();
+    for record in records {
+        let mut cells = Vec::new();
+        flatten(String::new(), &serde_json::to_value(record).unwrap_or(Value::Null), &mut cells);
+        for (name, _) in &cells {
+            if !columns.contains(name) {
+                columns.push(name.clone());
+            }
         }
+        rows.push(cells.into_iter().collect());
     }
-    // Absent in a record, a group would otherwise leave a column of its own name.
-    columns.retain(|c| !columns_start_with(&rows, c));
-    let cell = |row: &[(String, String)], column: &str| {
-        row.iter().find(|(name, _)| name == column).map_or(String::new(), |(_, value)| value.clone())
-    };
-    let line =
-        |row: &Vec<(String, String)>| columns.iter().map(|c| cell(row, c)).collect::<Vec<_>>().join(",");
+    // A group that is absent in one record and present in another would leave a column of its own name.
+    let all = columns.clone();
+    columns.retain(|group| !all.iter().any(|name| is_member(name, group)));
+    let cell = |row: &BTreeMap<String, String>, column: &String| row.get(column).cloned().unwrap_or_default();
+    let line = |row| columns.iter().map(|c| cell(row, c)).collect::<Vec<_>>().join(",");
     std::iter::once(columns.join(",")).chain(rows.iter().map(line)).map(|l| l + "\n").collect()
 }
 
-fn columns_start_with(rows: &[Vec<(String, String)>], group: &str) -> bool {
-    let is_member = |name: &str| name.strip_prefix(group).is_some_and(|rest| rest.starts_with('.'));
-    rows.iter().flatten().any(|(name, _)| is_member(name))
+fn is_member(name: &str, group: &str) -> bool {
+    name.strip_prefix(group).is_some_and(|rest| rest.starts_with('.'))
 }
 
 fn flatten(name: String, value: &Value, cells: &mut Vec<(String, String)>) {
@@ -45,7 +41,7 @@ fn flatten(name: String, value: &Value, cells: &mut Vec<(String, String)>) {
             }
         }
         Value::Null => cells.push((name, String::new())),
-        // Text may hold a comma or a quote.
+        // Text may contain a comma or a quote.
         Value::String(text) => cells.push((name, format!("\"{}\"", text.replace('"', "\"\"")))),
         other => cells.push((name, other.to_string())),
     }

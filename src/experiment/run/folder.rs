@@ -1,4 +1,4 @@
-//! The folder of a run: never overwritten, resumed where it is of the same run, written by one process at a time.
+//! The folder of a run: never overwritten, resumed by the same run, and written by one process at a time.
 
 use super::csv::csv;
 use super::error::ExperimentError;
@@ -15,24 +15,25 @@ use std::path::{Path, PathBuf};
 
 const MANIFEST: &str = "manifest.json";
 const LOCK: &str = ".lock";
-/// A thousand sessions have less.
-const MANIFEST_BYTES: u64 = 16 << 20;
+/// Maximum size of a manifest in bytes. A manifest of a thousand sessions is smaller.
+const MAX_MANIFEST_BYTES: u64 = 16 << 20;
 
-/// A run folder that this process may write to.
+/// A run folder that is locked for this process.
 #[derive(Debug)]
 pub struct RunFolder {
     path: PathBuf,
     manifest: Manifest,
     journal: Journal,
-    /// Held as long as this lives; the system lets go of it when the process ends, however it ends.
+    /// Locked as long as this value lives. The operating system releases it when the process ends.
     _lock: File,
 }
 
 impl RunFolder {
-    /// Opens the folder of a run: a new one, or one in which the very same run was begun.
+    /// Opens a new folder, or the folder of a run with the same identity and shard.
     ///
     /// # Errors
-    /// [`ExperimentError`] where it holds anything else, where another process writes to it, or where it cannot be written.
+    /// [`ExperimentError`] if the folder holds anything else, if another process is writing to it, or if
+    /// it cannot be written.
     pub fn open(
         path: &Path,
         identity: Identity,
@@ -45,70 +46,60 @@ impl RunFolder {
         }
         std::fs::create_dir_all(path.join("images")).map_err(|e| ExperimentError::at(path, e))?;
         let lock = lock(path)?;
-        // Another process may have begun in between.
+        // Another process may have started the run before the lock was taken.
         let known = if path.join(MANIFEST).exists() { Some(read_manifest(path)?) } else { None };
         if let Some(manifest) = &known {
             check(path, manifest, &identity, shard)?;
         }
-        let seed = identity.settings.0.get("seed").and_then(serde_json::Value::as_u64).unwrap_or(0);
-        let mut manifest = known.unwrap_or(Manifest {
-            format: FORMAT,
-            identity,
-            seed,
-            shard,
-            cells,
-            cells_done: 0,
-            is_complete: false,
-            sessions: Vec::new(),
-        });
+        let mut manifest = known.unwrap_or_else(|| Manifest::new(identity, shard, cells));
         manifest.sessions.push(session);
         let folder = Self { path: path.to_owned(), journal: Journal::open(path)?, manifest, _lock: lock };
         folder.write_manifest()?;
         let config = toml::to_string(&folder.manifest.identity.settings)
-            .map_err(|e| ExperimentError::Folder { path: path.to_owned(), cause: e.to_string() })?;
+            .map_err(|e| ExperimentError::folder(path, e.to_string()))?;
         write_atomically(&path.join("config.toml"), config.as_bytes())?;
         Ok(folder)
     }
 
-    /// Where it is.
+    /// Path of the folder.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// What it says of itself.
+    /// Manifest of the run.
     pub fn manifest(&self) -> &Manifest {
         &self.manifest
     }
 
-    /// Remembers where else its cells were done; on the disk with the next export.
-    pub(super) fn also_ran(&mut self, sessions: Vec<Session>) {
+    /// Adds the sessions of merged folders to the manifest; the next export writes them.
+    pub(super) fn add_sessions(&mut self, sessions: Vec<Session>) {
         self.manifest.sessions.splice(0..0, sessions);
     }
 
-    /// True where a cell is done.
+    /// Returns true if the cell of this key is finished.
     pub fn has(&self, key: &str) -> bool {
         self.journal.done().iter().any(|d| d.key == key)
     }
 
-    /// Keeps what a cell left.
+    /// Stores a finished cell.
     ///
     /// # Errors
-    /// [`ExperimentError`] where it cannot be written.
+    /// [`ExperimentError`] if the journal cannot be written.
     pub fn add(&mut self, done: Done) -> Result<(), ExperimentError> {
         self.journal.add(done)
     }
 
-    /// All records, in the order of the plan whatever the order they were made in.
+    /// All records, in the order of the cells, whatever the order in which the cells were finished.
     pub fn records(&self) -> Vec<RunRecord> {
         let mut done: Vec<&Done> = self.journal.done().iter().collect();
         done.sort_by_key(|d| d.place);
         done.into_iter().flat_map(|d| d.records.iter().cloned()).collect()
     }
 
-    /// Brings the tables up to what the journal holds: `records.csv`, `summary.json`, `manifest.json`.
+    /// Writes `records.csv`, `summary.json` and `manifest.json` from the journal and the report.
     ///
     /// # Errors
-    /// [`ExperimentError`] where one cannot be written.
+    /// [`ExperimentError`] if a file cannot be written.
     pub fn export(&mut self, report: &Report) -> Result<(), ExperimentError> {
         write_atomically(&self.path.join("records.csv"), csv(&self.records()).as_bytes())?;
         let summary = serde_json::to_string_pretty(&report.summary).unwrap_or_default();
@@ -126,10 +117,10 @@ impl RunFolder {
     }
 }
 
-/// True where nothing is there yet.
+/// Returns true if the folder does not exist or no run has started in it.
 fn is_new(path: &Path) -> Result<bool, ExperimentError> {
     match std::fs::read_dir(path) {
-        // A lock alone is left by a run that ended before it began.
+        // A run that ended before it wrote its manifest leaves a lock and an empty folder of pictures.
         Ok(mut entries) => {
             Ok(entries.all(|e| e.is_ok_and(|e| e.file_name() == LOCK || e.file_name() == "images")))
         }
@@ -138,37 +129,37 @@ fn is_new(path: &Path) -> Result<bool, ExperimentError> {
     }
 }
 
-/// What a run folder says of itself.
+/// Reads the manifest of a run folder.
 ///
 /// # Errors
-/// [`ExperimentError`] where it is none, or one of another form.
+/// [`ExperimentError`] if the folder is not a run folder or has another format.
 pub fn read_manifest(path: &Path) -> Result<Manifest, ExperimentError> {
-    let not_ours = |cause: String| ExperimentError::Folder { path: path.to_owned(), cause };
-    let bytes = read_bounded(&path.join(MANIFEST), MANIFEST_BYTES)
-        .map_err(|e| not_ours(format!("it is no run folder: its {MANIFEST} cannot be read ({})", e.cause)))?;
-    let value: serde_json::Value =
-        serde_json::from_slice(&bytes).map_err(|e| not_ours(format!("its {MANIFEST} is damaged: {e}")))?;
+    let damaged = |e| ExperimentError::folder(path, format!("its {MANIFEST} is damaged: {e}"));
+    let bytes = read_bounded(&path.join(MANIFEST), MAX_MANIFEST_BYTES).map_err(|e| {
+        ExperimentError::folder(path, format!("not a run folder: its {MANIFEST} cannot be read ({})", e.cause))
+    })?;
+    let value: serde_json::Value = serde_json::from_slice(&bytes).map_err(damaged)?;
     let format = value.get("format").and_then(serde_json::Value::as_u64);
     if format != Some(FORMAT.into()) {
         let found = format.map_or("none".to_owned(), |f| f.to_string());
-        return Err(not_ours(format!("it is of form {found}, this version reads form {FORMAT}")));
+        let cause = format!("it has format {found}, but this version reads format {FORMAT}");
+        return Err(ExperimentError::folder(path, cause));
     }
-    serde_json::from_value(value).map_err(|e| not_ours(format!("its {MANIFEST} is damaged: {e}")))
+    serde_json::from_value(value).map_err(damaged)
 }
 
 fn check(path: &Path, found: &Manifest, identity: &Identity, shard: Shard) -> Result<(), ExperimentError> {
-    let other = |difference: String| {
-        let cause = format!("it holds another run ({difference}); nothing was changed, choose another --out");
-        Err(ExperimentError::Folder { path: path.to_owned(), cause })
+    let shards = || {
+        let ([a, b], [c, d]) = ([found.shard.index, found.shard.count], [shard.index, shard.count]);
+        (found.shard != shard).then(|| format!("shard {a}/{b} there, {c}/{d} here"))
     };
-    if let Some(difference) = identity.difference(&found.identity) {
-        return other(difference);
+    match identity.difference(&found.identity).or_else(shards) {
+        None => Ok(()),
+        Some(difference) => Err(ExperimentError::folder(
+            path,
+            format!("it holds another run ({difference}); nothing was changed, choose another --out"),
+        )),
     }
-    if found.shard != shard {
-        let (a, b) = (found.shard, shard);
-        return other(format!("shard {}/{} there, {}/{} here", a.index, a.count, b.index, b.count));
-    }
-    Ok(())
 }
 
 fn lock(path: &Path) -> Result<File, ExperimentError> {
@@ -178,10 +169,10 @@ fn lock(path: &Path) -> Result<File, ExperimentError> {
     match file.try_lock() {
         Ok(()) => Ok(file),
         Err(TryLockError::WouldBlock) => {
-            let cause = "another process is writing to it; every shard needs a folder of its own".to_owned();
-            Err(ExperimentError::Folder { path: path.to_owned(), cause })
+            let cause = "another process is writing to it; give every shard a folder of its own";
+            Err(ExperimentError::folder(path, cause))
         }
-        // Some network file systems know no locks; two writers are then the user's to avoid.
+        // Some network file systems do not support locks. The user must then avoid two writers.
         Err(TryLockError::Error(_)) => Ok(file),
     }
 }

@@ -1,4 +1,5 @@
-//! What is done, a line a cell: appended, flushed and synced, so that a killed run loses at most the cell it was at.
+//! The journal of finished cells, one line per cell: appended, flushed and synced, so that a killed run loses
+//! at most the cell in progress.
 
 use super::error::ExperimentError;
 use super::record::RunRecord;
@@ -12,17 +13,17 @@ use std::path::Path;
 /// A finished cell.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Done {
-    /// Its place in the plan.
+    /// Position in the list of cells.
     pub place: usize,
-    /// [`super::Identity::key`].
+    /// Key of the cell; see [`super::Identity::key`].
     pub key: String,
-    /// What it left.
+    /// Records that the cell returned, with the cell's own settings.
     pub records: Vec<RunRecord>,
-    /// How long it took.
+    /// Wall time of the cell in seconds.
     pub cell_secs: f64,
 }
 
-/// The file.
+/// The open journal of a run folder.
 #[derive(Debug)]
 pub struct Journal {
     file: File,
@@ -30,14 +31,14 @@ pub struct Journal {
 }
 
 impl Journal {
-    /// The name of the file in a run folder.
+    /// Name of the file in a run folder.
     pub const NAME: &str = "journal.jsonl";
 
-    /// Opens the journal of a folder, made where there is none. A line that was not written to its end is dropped, from
-    /// the file too.
+    /// Opens the journal of a folder, or creates it. A line that was not written completely is removed,
+    /// also from the file.
     ///
     /// # Errors
-    /// [`ExperimentError`] where the file cannot be read or written.
+    /// [`ExperimentError`] if the file cannot be read or written.
     pub fn open(folder: &Path) -> Result<Self, ExperimentError> {
         let path = folder.join(Self::NAME);
         let (done, is_whole) = read(&path)?;
@@ -48,10 +49,10 @@ impl Journal {
         Ok(Self { file: file.map_err(|e| ExperimentError::at(&path, e))?, done })
     }
 
-    /// The finished cells of a folder, without a claim to write there.
+    /// Reads the finished cells of a folder without locking it.
     ///
     /// # Errors
-    /// [`ExperimentError`] where the file cannot be read.
+    /// [`ExperimentError`] if the file cannot be read.
     pub fn read(folder: &Path) -> Result<Vec<Done>, ExperimentError> {
         Ok(read(&folder.join(Self::NAME))?.0)
     }
@@ -61,16 +62,16 @@ impl Journal {
         &self.done
     }
 
-    /// Adds a finished cell; afterwards it is on the disk.
+    /// Appends a finished cell and waits until it is on the disk.
     ///
     /// # Errors
-    /// [`ExperimentError`] where it cannot be written.
+    /// [`ExperimentError`] if it cannot be written.
     pub fn add(&mut self, done: Done) -> Result<(), ExperimentError> {
         let line = lines(std::slice::from_ref(&done));
         let length = self.file.metadata().map(|m| m.len());
         let write = self.file.write_all(line.as_bytes()).and_then(|()| self.file.sync_data());
         if let Err(error) = write {
-            // What was begun is taken back, or the next line would be joined to it.
+            // Remove the incomplete line, or the next one would be joined to it.
             let _ = length.and_then(|length| self.file.set_len(length));
             return Err(ExperimentError::at(Path::new(Self::NAME), error));
         }
@@ -83,16 +84,15 @@ fn lines(done: &[Done]) -> String {
     done.iter().filter_map(|d| serde_json::to_string(d).ok()).map(|line| line + "\n").collect()
 }
 
-/// A million cells have less.
+/// Maximum size of a journal in bytes. A journal of a million cells is smaller.
 const MAX_BYTES: u64 = 4 << 30;
 
-/// The cells of a journal, and whether every byte of it was of use.
+/// Reads the cells of a journal, and whether every byte of it was valid.
 fn read(path: &Path) -> Result<(Vec<Done>, bool), ExperimentError> {
     if std::fs::symlink_metadata(path).is_err_and(|e| e.kind() == std::io::ErrorKind::NotFound) {
         return Ok((Vec::new(), true));
     }
-    let bytes = read_bounded(path, MAX_BYTES)
-        .map_err(|e| ExperimentError::Folder { path: path.to_owned(), cause: e.cause })?;
+    let bytes = read_bounded(path, MAX_BYTES).map_err(|e| ExperimentError::folder(path, e.cause))?;
     // A line without its end was being written when the run was killed, even if it happens to parse.
     let ended = bytes.iter().rposition(|b| *b == b'\n').map_or(0, |at| at + 1);
     let lines: Vec<&[u8]> = bytes[..ended].split(|b| *b == b'\n').filter(|l| !l.is_empty()).collect();

@@ -1,68 +1,77 @@
-//! What a run folder says of itself.
+//! The manifest of a run folder: what was run, how much of it is finished, and on which machines.
 
 use super::identity::Identity;
 use super::shard::Shard;
 use serde::{Deserialize, Serialize};
 
-/// `manifest.json`.
+/// Content of `manifest.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Manifest {
-    /// The form of the folder; another version of the program may write another.
+    /// Format of the folder's files.
     pub format: u32,
     /// What was run.
     #[serde(flatten)]
     pub identity: Identity,
-    /// Of all random numbers.
+    /// Seed of all random numbers.
     pub seed: u64,
-    /// Which part of the cells.
+    /// Shard of the cells that the folder holds.
     pub shard: Shard,
-    /// Cells of the whole experiment.
+    /// Number of cells of the whole experiment.
     pub cells: usize,
-    /// Those that are done.
+    /// Number of finished cells.
     pub cells_done: usize,
-    /// Whether every cell of the shard is done.
+    /// True if every cell of the shard is finished.
     pub is_complete: bool,
-    /// Every time somebody worked on the folder.
+    /// Processes that worked on the folder, in order.
     pub sessions: Vec<Session>,
 }
 
-/// Of the folder's files; a folder of another form is refused.
+/// Format of the files that this version writes. A folder of another format is refused.
 pub(super) const FORMAT: u32 = 1;
+
+impl Manifest {
+    /// The manifest of a run that begins.
+    pub(super) fn new(identity: Identity, shard: Shard, cells: usize) -> Self {
+        let seed = identity.settings.0.get("seed").and_then(serde_json::Value::as_u64).unwrap_or(0);
+        let (cells_done, is_complete, sessions) = (0, false, Vec::new());
+        Self { format: FORMAT, identity, seed, shard, cells, cells_done, is_complete, sessions }
+    }
+}
 
 /// One process that worked on the folder.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Session {
-    /// The command line.
+    /// Command line.
     pub argv: Vec<String>,
-    /// Of the source, where it was known when the program was built.
+    /// Commit of the source, if it was known when the program was built.
     pub commit: Option<String>,
-    /// Whether the program was built with all optimisations.
+    /// True if the program was built with optimisations.
     pub is_release_build: bool,
-    /// What it ran on.
+    /// Machine on which the process ran.
     pub machine: Machine,
-    /// Threads that trace.
+    /// Number of tracing threads.
     pub threads: usize,
-    /// Seconds since 1970, UTC.
+    /// Start time in seconds since 1970, UTC.
     pub started_unix_secs: u64,
 }
 
-/// What figures of time depend on.
+/// Properties of a machine that times depend on.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Machine {
-    /// As the system names it; empty where it does not.
+    /// Name of the processor; empty if the system does not report it.
     pub processor: String,
-    /// Threads it runs at once.
+    /// Number of logical cores.
     pub logical_cores: usize,
-    /// Memory, where the system tells.
+    /// Memory in gigabytes, if the system reports it.
     pub memory_gb: Option<f64>,
-    /// `linux`.
+    /// Operating system, such as `linux`.
     pub os: String,
-    /// `x86_64`.
+    /// Architecture, such as `x86_64`.
     pub arch: String,
 }
 
 impl Machine {
-    /// This one.
+    /// Describes this machine.
     pub fn here() -> Self {
         let read = |path: &str| std::fs::read_to_string(path).unwrap_or_default();
         let value = |text: &str, name: &str| {
@@ -82,7 +91,7 @@ impl Machine {
 }
 
 impl Session {
-    /// The one that begins now. `commit` is that of the source, where it is known.
+    /// The session that begins now. `commit` is the commit of the source, if it is known.
     pub fn now(argv: Vec<String>, commit: Option<&str>) -> Self {
         let since = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
         Self {

@@ -1,4 +1,4 @@
-//! Joining the folders of shards into the folder of the whole.
+//! Merges the folders of shards into the folder of the whole run.
 
 use super::error::ExperimentError;
 use super::folder::{RunFolder, read_manifest};
@@ -7,30 +7,30 @@ use super::manifest::{Manifest, Session};
 use super::shard::Shard;
 use crate::raster::load::read_bounded;
 use crate::raster::save::write_atomically;
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// Joins run folders into a new one. Cells that no folder has are left out; the same run without `--shard` into the new
-/// folder does them. A cell that two folders have is taken from the first.
+/// Merges run folders into a new one. Cells that are missing in all folders stay missing; running the
+/// experiment without `--shard` into the new folder completes it. A cell of two folders is taken from the
+/// first.
 ///
 /// # Errors
-/// [`ExperimentError`] where a folder is none, where two are not of one run, or where `into` holds something else.
+/// [`ExperimentError`] if a folder is not a run folder, if two folders belong to different runs, or if
+/// `into` holds something else.
 pub fn merge(folders: &[PathBuf], into: &Path, session: Session) -> Result<RunFolder, ExperimentError> {
     let manifests = folders.iter().map(|f| read_manifest(f)).collect::<Result<Vec<Manifest>, _>>()?;
     let first = manifests.first().ok_or(ExperimentError::NothingToMerge)?;
     for (manifest, path) in manifests.iter().zip(folders) {
         if let Some(difference) = first.identity.difference(&manifest.identity) {
-            let cause = format!("it is of another run than {} ({difference})", folders[0].display());
-            return Err(ExperimentError::Folder { path: path.clone(), cause });
+            let cause = format!("it belongs to another run than {} ({difference})", folders[0].display());
+            return Err(ExperimentError::folder(path, cause));
         }
     }
-    let ran: Vec<Session> = manifests.iter().flat_map(|m| m.sessions.iter().cloned()).collect();
+    let sessions: Vec<Session> = manifests.iter().flat_map(|m| m.sessions.iter().cloned()).collect();
     let mut merged = RunFolder::open(into, first.identity.clone(), Shard::ALL, first.cells, session)?;
-    merged.also_ran(ran);
-    let mut known: BTreeSet<String> = BTreeSet::new();
+    merged.add_sessions(sessions);
     for folder in folders {
         for done in Journal::read(folder)? {
-            if known.insert(done.key.clone()) && !merged.has(&done.key) {
+            if !merged.has(&done.key) {
                 merged.add(done)?;
             }
         }
@@ -39,8 +39,8 @@ pub fn merge(folders: &[PathBuf], into: &Path, session: Session) -> Result<RunFo
     Ok(merged)
 }
 
-/// Of one picture: a float picture of 8192 x 8192 has less.
-const PICTURE_BYTES: u64 = 2 << 30;
+/// Maximum size of a picture in bytes. A float picture of 8192 x 8192 pixels is smaller.
+const MAX_PICTURE_BYTES: u64 = 2 << 30;
 
 fn copy_images(from: &Path, to: &Path) -> Result<(), ExperimentError> {
     let entries = match std::fs::read_dir(from) {
@@ -52,8 +52,8 @@ fn copy_images(from: &Path, to: &Path) -> Result<(), ExperimentError> {
         let entry = entry.map_err(|e| ExperimentError::at(from, e))?;
         let to = to.join(entry.file_name());
         if entry.path().is_file() && !to.exists() {
-            let bytes = read_bounded(&entry.path(), PICTURE_BYTES)
-                .map_err(|e| ExperimentError::Folder { path: e.path, cause: e.cause })?;
+            let bytes = read_bounded(&entry.path(), MAX_PICTURE_BYTES)
+                .map_err(|e| ExperimentError::folder(&e.path, e.cause))?;
             write_atomically(&to, &bytes)?;
         }
     }

@@ -29,7 +29,7 @@ pub use identity::{Cell, Identity};
 pub use journal::{Done, Journal};
 pub use manifest::{Machine, Manifest, Session};
 pub use merge::merge;
-pub use record::{RunRecord, counted};
+pub use record::{RunRecord, counted, matching, median_of};
 pub use report::Report;
 pub use settings::{Effort, ExperimentSettings};
 pub use shard::{Shard, ShardError};

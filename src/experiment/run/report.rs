@@ -1,47 +1,47 @@
-//! What an experiment has to say, as data: the command line prints it, `report.html` and the plots are drawn from it.
+//! A report as data. The command line prints it; `report.html` and the plots are drawn from it.
 
 use serde_json::{Map, Value};
 
-/// All of it.
+/// What an experiment found.
 #[derive(Clone, Debug, Default)]
 pub struct Report {
-    /// What it found, in sentences; the first lines of every form of the report.
+    /// Findings in sentences, the first lines of every form of the report.
     pub headline: Vec<String>,
-    /// What a reader must know to trust it or not: noisy times, an unoptimised build. [`super::caveats`] adds to them.
+    /// What a reader must know before trusting the figures. [`super::caveats`] are added.
     pub notes: Vec<String>,
-    /// The same in numbers: `summary.json` and the answer of `--json`.
+    /// Findings in numbers: `summary.json` and the answer of `--json`.
     pub summary: Map<String, Value>,
-    /// The rest, in order.
+    /// Sections in order.
     pub sections: Vec<Section>,
-    /// What should have held and did not; the command then ends with code 1.
+    /// What should have held and did not; the command then ends with exit code 1.
     pub failure: Option<String>,
 }
 
-/// Under one heading.
+/// Blocks under one heading.
 #[derive(Clone, Debug, Default)]
 pub struct Section {
-    /// The heading.
+    /// Heading.
     pub title: String,
-    /// In order.
+    /// Blocks in order.
     pub blocks: Vec<Block>,
 }
 
-/// A piece of a section.
+/// One part of a section.
 #[derive(Clone, Debug)]
 pub enum Block {
     /// A paragraph.
     Text(String),
-    /// Numbers.
+    /// A table of values.
     Table(Table),
-    /// A plot, written to `plots/` too.
+    /// A plot, also written to `plots/`.
     Chart(Chart),
-    /// Two pictures of one size, one over the other, with a line to drag between them.
+    /// Two pictures of one size on top of each other, divided by a line that the reader drags.
     Slider {
-        /// Over it.
+        /// Title above the pictures.
         title: String,
-        /// Left of the line.
+        /// Picture left of the line.
         before: Picture,
-        /// Right of it.
+        /// Picture right of the line.
         after: Picture,
     },
     /// Pictures side by side.
@@ -51,39 +51,39 @@ pub enum Block {
 /// A picture of the run folder.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Picture {
-    /// Its name in `images/`.
+    /// File name in `images/`.
     pub file: String,
-    /// Below it.
+    /// Caption below the picture.
     pub caption: String,
 }
 
-/// Rows of values.
+/// A table of values.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Table {
-    /// Over it.
+    /// Title above the table.
     pub title: String,
-    /// With their units.
+    /// Names of the columns, with units.
     pub columns: Vec<String>,
-    /// As many values each as there are columns.
+    /// Rows with one value per column.
     pub rows: Vec<Vec<Value>>,
 }
 
-/// How an axis grows.
+/// Scale of an axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Scale {
-    /// By differences.
+    /// Equal distances are equal differences.
     #[default]
     Linear,
-    /// By ratios; values that are not positive are left out.
+    /// Equal distances are equal ratios; values that are not positive are left out.
     Logarithmic,
 }
 
-/// What an axis shows.
+/// An axis of a plot.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Axis {
-    /// With its unit.
+    /// Label with the unit.
     pub label: String,
-    /// How it grows.
+    /// Scale of the axis.
     pub scale: Scale,
 }
 
@@ -104,67 +104,123 @@ pub enum Drawn {
 /// A point of a series.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Point {
-    /// Along the axes.
+    /// Values on the two axes.
     pub at: [f64; 2],
-    /// The spread of x around it: lowest and highest.
+    /// Lowest and highest x of the error bar.
     pub x_range: Option<[f64; 2]>,
-    /// The same of y.
+    /// Lowest and highest y of the error bar.
     pub y_range: Option<[f64; 2]>,
-    /// Shown where the pointer rests.
+    /// Text shown under the pointer.
     pub label: String,
 }
 
-/// Points of one kind.
+/// Points with one name and one style.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Series {
-    /// In the legend; not in it where empty.
+    /// Name in the legend; a series without a name is not in the legend.
     pub name: String,
-    /// How they are drawn.
+    /// How the points are drawn.
     pub drawn: Drawn,
-    /// `#rrggbb`; one of the palette's by its place where empty.
+    /// Colour as `#rrggbb`; if empty, the palette provides one.
     pub color: String,
-    /// In order.
+    /// Points in order.
     pub points: Vec<Point>,
 }
 
 /// A plot of series.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Chart {
-    /// Names the files in `plots/`.
+    /// Base name of the files in `plots/`.
     pub name: String,
-    /// Over it.
+    /// Title above the plot.
     pub title: String,
-    /// Across.
+    /// Horizontal axis.
     pub x: Axis,
-    /// Up.
+    /// Vertical axis.
     pub y: Axis,
-    /// Drawn in order, the last on top.
+    /// Series in drawing order; the last is on top.
     pub series: Vec<Series>,
-    /// Both axes in one scale, as a plan needs it.
-    pub is_plan: bool,
+}
+
+impl Section {
+    /// Blocks under a heading.
+    pub fn new(title: impl Into<String>, blocks: Vec<Block>) -> Self {
+        Self { title: title.into(), blocks }
+    }
+}
+
+impl Block {
+    /// A paragraph.
+    pub fn text(text: impl Into<String>) -> Self {
+        Self::Text(text.into())
+    }
+
+    /// A table.
+    pub fn table(
+        title: impl Into<String>,
+        columns: impl IntoIterator<Item = impl Into<String>>,
+        rows: impl IntoIterator<Item = Vec<Value>>,
+    ) -> Self {
+        let columns = columns.into_iter().map(Into::into).collect();
+        Self::Table(Table { title: title.into(), columns, rows: rows.into_iter().collect() })
+    }
+
+    /// A plot of series over a horizontal and a vertical axis.
+    pub fn chart(
+        name: impl Into<String>,
+        title: impl Into<String>,
+        [x, y]: [Axis; 2],
+        series: impl IntoIterator<Item = Series>,
+    ) -> Self {
+        let series = series.into_iter().collect();
+        Self::Chart(Chart { name: name.into(), title: title.into(), x, y, series })
+    }
+}
+
+/// A row of a table: a first value, often a name, and further values.
+pub fn row<V: Into<Value>>(first: impl Into<Value>, rest: impl IntoIterator<Item = V>) -> Vec<Value> {
+    std::iter::once(first.into()).chain(rest.into_iter().map(Into::into)).collect()
+}
+
+/// The fields of a JSON object, for [`Report::summary`]; empty for any other value.
+pub fn fields(value: Value) -> Map<String, Value> {
+    if let Value::Object(fields) = value { fields } else { Map::new() }
 }
 
 impl Axis {
-    /// By differences.
-    pub fn linear(label: &str) -> Self {
-        Self { label: label.to_owned(), scale: Scale::Linear }
+    /// An axis of equal differences.
+    pub fn linear(label: impl Into<String>) -> Self {
+        Self { label: label.into(), scale: Scale::Linear }
     }
 
-    /// By ratios.
-    pub fn logarithmic(label: &str) -> Self {
-        Self { label: label.to_owned(), scale: Scale::Logarithmic }
+    /// An axis of equal ratios.
+    pub fn logarithmic(label: impl Into<String>) -> Self {
+        Self { label: label.into(), scale: Scale::Logarithmic }
+    }
+}
+
+impl Series {
+    /// Points under a name, in a colour of the palette.
+    pub fn new(name: impl Into<String>, drawn: Drawn, points: impl IntoIterator<Item = Point>) -> Self {
+        Self { name: name.into(), drawn, color: String::new(), points: points.into_iter().collect() }
+    }
+
+    /// The series in a given colour, `#rrggbb`.
+    #[must_use]
+    pub fn in_color(self, color: &str) -> Self {
+        Self { color: color.to_owned(), ..self }
     }
 }
 
 impl Point {
-    /// A point without spread.
+    /// A point without error bars.
     pub fn new(x: f64, y: f64, label: impl Into<String>) -> Self {
         Self { at: [x, y], label: label.into(), ..Self::default() }
     }
 }
 
 impl Picture {
-    /// A picture of `images/`.
+    /// A picture of `images/` with its caption.
     pub fn new(file: impl Into<String>, caption: impl Into<String>) -> Self {
         Self { file: file.into(), caption: caption.into() }
     }

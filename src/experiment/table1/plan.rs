@@ -5,7 +5,7 @@ use crate::experiment::run::{
 };
 use crate::render::Mode;
 
-/// The paper's: no reference, or one, or two.
+/// Mode and number of references of each cell. The paper has none, one and two.
 pub(super) const CELLS: [(Mode, usize); 7] = [
     (Mode::Full, 0),
     (Mode::Paper, 1),

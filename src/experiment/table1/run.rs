@@ -1,67 +1,44 @@
 //! Renders one cell of Table 1.
 
 use super::plan::mode_and_references;
-use super::views::{Views, views};
-use crate::experiment::measure::{References, Trial, truth_of};
+use super::views::views;
+use crate::camera::Camera;
+use crate::experiment::measure::{FramePictures, References, Trial, truth_of};
 use crate::experiment::run::{CellOutcome, ExperimentContext, ExperimentError, RunRecord};
 use crate::raster::color::ToneMap;
-use crate::raster::load::exposed;
-use crate::raster::metrics::{error_picture, flip_map};
-use crate::render::aov::{display_picture, types_picture};
-use crate::render::{Frame, Mode, Renderer};
-use glam::Vec3;
+use crate::render::aov::display_picture;
+use crate::render::{Mode, Renderer};
 
 pub(crate) fn run_cell(context: &ExperimentContext<'_>, cell: &RunRecord) -> CellOutcome {
     let (mode, count) = mode_and_references(cell)?;
-    let views = views(context)?;
-    let Some(references) = References::trace(context, &views.references[..count], &context.settings.trace())
-    else {
+    let (views, trace) = (views(context)?, context.settings.trace());
+    let Some(references) = References::trace(context, &views.references[..count], &trace) else {
         return Ok(None);
     };
     let Some(truth) = truth_of(context, &views.target) else { return Ok(None) };
-    let trial =
-        Trial { mode, trace: context.settings.trace(), camera: views.target, references: &references };
+    let trial = Trial { mode, trace, camera: views.target, references: &references };
     let mut renderer = Renderer::default();
     let records = trial.measure(context, &truth, &mut renderer)?;
     if records.is_some() {
-        save_pictures(context, &format!("{}-{count}", mode.name()), renderer.frame(), &truth)?;
+        let (name, exposure_ev) = (format!("{}-{count}", mode.name()), context.exposure_ev(&truth));
+        FramePictures::of(&name, renderer.frame(), &truth, exposure_ev)?.save(context)?;
         if mode == Mode::Full {
-            save_references(context, &views, context.exposure_ev(&truth))?;
+            save_references(context, &views.references, exposure_ev)?;
         }
     }
     Ok(records)
 }
 
-/// The picture, its types, and its error.
-fn save_pictures(
-    context: &ExperimentContext<'_>,
-    name: &str,
-    frame: &Frame,
-    truth: &[Vec3],
-) -> Result<(), ExperimentError> {
-    let size = frame.view.size;
-    let exposure_ev = context.exposure_ev(truth);
-    let [shown, right] = [&frame.radiance[..], truth].map(|r| exposed(r, exposure_ev));
-    let errors = error_picture(&flip_map(&shown, &right, size)?);
-    context.save_picture(
-        &format!("{name}.png"),
-        size,
-        &display_picture(frame, exposure_ev, ToneMap::Aces),
-    )?;
-    context.save_picture(&format!("{name}-types.png"), size, &types_picture(frame))?;
-    context.save_picture(&format!("{name}-error.png"), size, &errors)
-}
-
-/// Figure 2: what stands in the references, mirrors and glass included.
+/// Figure 2: the references as pictures, mirrors and glass included.
 fn save_references(
     context: &ExperimentContext<'_>,
-    views: &Views,
+    poses: &[Camera],
     exposure_ev: f32,
 ) -> Result<(), ExperimentError> {
-    for (number, pose) in (1..).zip(&views.references) {
-        let none = References::none(context);
+    let references = References::none(context);
+    for (number, &camera) in (1..).zip(poses) {
         let trial =
-            Trial { mode: Mode::Full, trace: context.settings.trace(), camera: *pose, references: &none };
+            Trial { mode: Mode::Full, trace: context.settings.trace(), camera, references: &references };
         let mut renderer = Renderer::default();
         if let Some(frame) = trial.render(context, &mut renderer) {
             let picture = display_picture(frame, exposure_ev, ToneMap::Aces);

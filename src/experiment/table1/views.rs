@@ -1,17 +1,17 @@
-//! Where Table 1 is seen from.
+//! The view of Table 1 and its references.
 
 use crate::camera::{Camera, CameraKey};
 use crate::experiment::run::{ExperimentContext, ExperimentError};
 use serde::Deserialize;
 
-/// The view and the references it is made from, best first.
+/// The view, and the references it reuses, best first.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Views {
     pub(super) target: Camera,
     pub(super) references: [Camera; 2],
 }
 
-/// Chosen once for the gallery; see the file.
+/// Views chosen for the gallery; the file states how.
 const CHOSEN: &str = include_str!("../../../assets/experiments/table1.toml");
 
 #[derive(Deserialize)]
@@ -22,18 +22,18 @@ struct ViewFile {
     references: [CameraKey; 2],
 }
 
-/// How far before and behind the middle of its walk another scene's references stand, as shares of the walk.
+/// Positions of another scene's references relative to the middle of its walk, as shares of the walk.
 const WALK_SHARES: [f64; 2] = [-0.02, 0.02];
 
-/// Those of the file for the scene it is for; for any other from the middle of its walk.
+/// Returns the views of the file for its scene, and for any other scene views around the middle of its walk.
 pub(super) fn views(context: &ExperimentContext<'_>) -> Result<Views, ExperimentError> {
     let file: ViewFile = toml::from_str(CHOSEN)
-        .map_err(|e| ExperimentError::Unsuitable(format!("the views of table1: {e}")))?;
+        .map_err(|e| ExperimentError::Unsuitable(format!("the views of table1 are invalid: {e}")))?;
     if file.scene == context.tracer.scene().name {
         let at = |key: &CameraKey| Camera::look_at(key.eye, key.at, file.fov_y_deg);
         return Ok(Views { target: at(&file.target), references: file.references.each_ref().map(at) });
     }
     let on_walk = |share: f64| context.camera_on_walk(0.5 + share);
-    let [before, behind] = WALK_SHARES.map(on_walk);
-    Ok(Views { target: on_walk(0.0)?, references: [before?, behind?] })
+    let [before, after] = WALK_SHARES.map(on_walk);
+    Ok(Views { target: on_walk(0.0)?, references: [before?, after?] })
 }

@@ -1,6 +1,6 @@
-//! What a walk leaves behind: one record a frame, one a reference, and the sum of it.
+//! Records of a tour: one per frame, one per reference, and a summary.
 //!
-//! Seconds, metres, degrees, percent. The names are those of the command line's contract.
+//! The names are part of the command line's interface; units are seconds, metres, degrees and percent.
 
 use crate::camera::Camera;
 use crate::experiment::measure::Measurement;
@@ -10,14 +10,14 @@ use crate::render::{AuditEstimate, TemporalStability};
 use crate::trace::RayCounts;
 use serde::Serialize;
 
-/// Where a frame or a reference was taken, in words that `--eye`, `--look-at` and `--fov-y` take.
+/// Camera of a frame or a reference, in the form of `--eye`, `--look-at` and `--fov-y`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Pose {
-    /// World metres.
+    /// Position of the eye, world metres.
     pub eye: [f64; 3],
-    /// A point one metre ahead, world metres.
+    /// Point one metre ahead of the eye, world metres.
     pub look_at: [f64; 3],
-    /// Vertical, degrees.
+    /// Vertical field of view in degrees.
     pub fov_y_deg: f64,
 }
 
@@ -31,90 +31,90 @@ impl From<&Camera> for Pose {
     }
 }
 
-/// One frame of a walk.
+/// Record of one frame. Times are in seconds.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FrameRecord {
-    /// From 0.
+    /// Number of the frame, from 0.
     pub frame: u32,
-    /// Where.
+    /// Camera of the frame.
     pub pose: Pose,
-    /// How its pixels came to their colours.
+    /// Shares of the pixel types.
     pub types: TypePercentages,
-    /// References warped.
+    /// Number of references that were used.
     pub references_used: usize,
-    /// References in the cache.
+    /// Number of references in the cache.
     pub references_held: usize,
-    /// Reference pixels warped.
+    /// Number of reference pixels that were warped.
     pub warped_pixels: usize,
-    /// All stages; references and measuring left out.
+    /// Time of all stages, without tracing references and measuring.
     pub frame_secs: f64,
-    /// Choosing references.
+    /// Time of selecting references.
     pub select_secs: f64,
-    /// Warping, classifying, copying.
+    /// Time of warping, classifying and copying; in look-up modes, of visibility and look-up.
     pub warp_secs: f64,
-    /// Type 2.
+    /// Time of the pixels of Type 2.
     pub secondary_secs: f64,
-    /// Type 3.
+    /// Time of the pixels of Type 3.
     pub trace_secs: f64,
-    /// Checking pixels.
+    /// Time of the audit.
     pub audit_secs: f64,
-    /// What checks say of this frame and those before it, where frames are checked.
+    /// Estimate of the audit over this frame and those before it, if frames are audited.
     pub audit: Option<AuditEstimate>,
-    /// What it has in common with the frame before it, where frames are measured.
+    /// Comparison with the previous frame, if frames are measured.
     #[serde(rename = "steadiness")]
     pub temporal_stability: Option<TemporalStability>,
-    /// False where it was cut at the budget.
+    /// False if the frame reached its time limit.
     pub is_complete: bool,
-    /// Rays by purpose; those of checks left out.
+    /// Rays by purpose, without those of the audit.
     pub rays: RayCounts,
-    /// A reference was traced after this frame.
+    /// True if a reference was traced after this frame.
     pub reference_added: bool,
-    /// What it took.
+    /// Time of tracing that reference.
     pub reference_secs: f64,
-    /// How good the picture is, where that was asked.
+    /// Errors of the frame, if it was measured.
     pub measurement: Option<Measurement>,
 }
 
-/// One reference of a walk.
+/// Record of one reference. Times are in seconds.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ReferenceRecord {
-    /// Running number.
+    /// Number of the reference, from 0.
     pub reference: u32,
-    /// The frame after which it was traced.
+    /// Number of the frame after which it was traced.
     pub after_frame: u32,
-    /// It was traced before frame 0 instead.
+    /// True if it was traced before frame 0.
     pub is_ahead: bool,
-    /// Where.
+    /// Camera of the reference.
     pub pose: Pose,
-    /// What it took.
+    /// Time of tracing it.
     pub secs: f64,
     /// Rays by purpose.
     pub rays: RayCounts,
-    /// Memory it holds.
+    /// Memory in bytes.
     pub bytes: usize,
 }
 
-/// A whole walk.
+/// A whole tour.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TourRecord {
-    /// Frame by frame.
+    /// Records of the frames.
     pub frames: Vec<FrameRecord>,
-    /// How many references were traced.
+    /// Number of references that were traced.
     pub references_added: usize,
-    /// Seconds they took together.
+    /// Total time of tracing references.
     pub reference_secs_total: f64,
-    /// Seconds of the frame rendered before the walk to warm the machine up; it counts nowhere.
+    /// Time of the warm-up frame before the walk, which is not counted anywhere.
     pub warm_up_secs: f64,
-    /// False where the walk was stopped early.
+    /// False if the walk was stopped early.
     pub is_complete: bool,
-    /// The sum of it.
+    /// Summary of the tour.
     pub summary: Summary,
-    /// One by one.
+    /// Records of the references.
     #[serde(skip)]
     pub references: Vec<ReferenceRecord>,
 }
 
-/// A walk in a few numbers. Without frames all are absent.
+/// A tour in a few numbers. Without frames all values are absent.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[allow(missing_docs, reason = "the names say it; units are in them")]
 pub struct Summary {
@@ -124,13 +124,13 @@ pub struct Summary {
     pub type3_percent_max: Option<f64>,
     pub warp_ns_per_reference_pixel: Option<f64>,
     pub rays_per_sec: Option<f64>,
-    /// Median share of surface points whose pixel came to its colour in another way than in the frame before.
+    /// Median share of surface points whose pixel type changed since the previous frame.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub flips_percent_median: Option<f64>,
-    /// Median of the PSNR between the same matte points in two frames.
+    /// Median PSNR between the same diffuse points in two successive frames.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub steadiness_psnr_db_median: Option<f64>,
-    /// Frames cut at the budget, in percent.
+    /// Share of the frames that reached their time limit, in percent.
     pub cut_percent: f64,
     #[serde(flatten)]
     pub measured: Option<MeasuredSummary>,
@@ -142,9 +142,9 @@ pub struct Summary {
 pub struct MeasuredSummary {
     pub measured_frames: usize,
     pub full_frame_secs_median: f64,
-    /// Of the medians; what references cost is left out.
+    /// Ratio of the median frame times; the time of references is left out.
     pub speedup: f64,
-    /// Of the whole walk, every second spent on references counted, against tracing every frame in full.
+    /// Time of tracing every frame in full over the time of the whole walk, references included.
     pub speedup_with_references: f64,
     pub psnr_db_median: f64,
     pub psnr_db_min: f64,
@@ -153,13 +153,15 @@ pub struct MeasuredSummary {
     pub full_flip_mean_median: f64,
     pub see_through_percent_median: f64,
     pub truth_samples: u32,
-    /// A picture without any noise would be measured at about this PSNR, because the truth has noise of its own.
+    /// Approximate PSNR that a noise-free picture would be measured at, because the converged picture has
+    /// noise of its own.
     pub truth_noise_psnr_db: f64,
     pub noise: String,
 }
 
 impl TourRecord {
-    /// Sums up what was recorded. `samples` and `truth_samples` are shadow samples of the frames and of the truth.
+    /// Summarises the records. `samples` and `truth_samples` are the shadow rays per light and pixel of the
+    /// frames and of the converged pictures.
     pub fn new(
         frames: Vec<FrameRecord>,
         references: Vec<ReferenceRecord>,
@@ -167,7 +169,7 @@ impl TourRecord {
         is_complete: bool,
         [samples, truth_samples]: [u32; 2],
     ) -> Self {
-        // Not `sum`, which makes -0 of nothing.
+        // Not `sum`, which returns -0 for an empty list.
         let reference_secs_total = references.iter().fold(0.0, |sum, r| sum + r.secs);
         let mut summary = Summary::of(&frames);
         summary.measured = MeasuredSummary::of(&frames, reference_secs_total, samples, truth_samples);
@@ -215,7 +217,7 @@ impl MeasuredSummary {
         let frame_secs_median = median(frames.iter().map(|f| f.frame_secs))?;
         let walk_secs = frames.iter().map(|f| f.frame_secs).sum::<f64>() + reference_secs;
         let full_psnr_db_median = median(of(|m| m.full_psnr_db))?;
-        // The variance of both falls with the samples: full's error is its own noise plus the truth's.
+        // Variance is inversely proportional to samples: full tracing's error is its own noise plus the truth's.
         let ratio = f64::from(samples + truth_samples) / f64::from(samples.max(1));
         let truth_noise_psnr_db = full_psnr_db_median + 10.0 * ratio.log10();
         Some(Self {
@@ -232,8 +234,8 @@ impl MeasuredSummary {
             truth_samples,
             truth_noise_psnr_db,
             noise: format!(
-                "the truth has {truth_samples} shadow samples per light and a seed of its own; a PSNR above \
-                 about {truth_noise_psnr_db:.0} dB cannot be told from its noise"
+                "the converged picture has {truth_samples} shadow samples per light and a seed of its own; a PSNR \
+                 above about {truth_noise_psnr_db:.0} dB cannot be distinguished from its noise"
             ),
         })
     }

@@ -1,9 +1,10 @@
-//! The measured walk: the window's walk, one frame after the other, every reference traced between two frames.
+//! The measured walk: the walkthrough of the window, frame by frame, with every reference traced between two
+//! frames.
 
 use super::record::{FrameRecord, Pose, ReferenceRecord, TourRecord};
-use crate::camera::Camera;
-use crate::camera::CameraPath;
-use crate::experiment::measure::{MeasureError, MeasureSettings, Measurer};
+use crate::camera::{Camera, CameraPath};
+use crate::experiment::measure::{MeasureSettings, Measurer};
+use crate::experiment::run::ExperimentError;
 use crate::raster::save::SaveError;
 use crate::render::{Mode, RenderSettings, Walkthrough, WalkthroughSettings};
 use crate::trace::Tracer;
@@ -12,75 +13,63 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// What a tour is made with.
+/// Settings of a tour.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TourSettings {
-    /// The walk's own settings.
+    /// Settings of the walkthrough.
     pub walkthrough: WalkthroughSettings,
-    /// Of the frames and of the references.
+    /// Width and height of frames and references in pixels.
     pub size: [u32; 2],
-    /// How many, from the start of the walk to its end.
+    /// Number of frames from the start of the walk to its end.
     pub frames: u32,
-    /// Frames are cut after so long and stay as they are; `None` finishes them all.
+    /// Time limit of a frame. A frame that reaches it stays incomplete; `None` finishes every frame.
     pub budget: Option<Duration>,
-    /// Whether and how frames are measured.
+    /// How frames are measured; `None` measures none.
     pub measure: Option<MeasureSettings>,
 }
 
-/// What happens on a tour, as it happens.
+/// Progress of a tour.
 #[derive(Debug)]
 pub enum TourEvent<'a> {
-    /// A frame is done.
+    /// A frame is finished.
     Frame(&'a FrameRecord, &'a Walkthrough),
-    /// A frame is about to be measured, which takes much longer than the frame.
+    /// A frame is about to be measured, which takes much longer than rendering it.
     Measuring(u32),
-    /// Truths cannot be kept; they are traced anew the next time.
+    /// A converged picture cannot be stored; the next run traces it again.
     TruthNotKept(&'a SaveError),
 }
 
-/// Why there is no tour.
-#[derive(Debug, thiserror::Error)]
-pub enum TourError {
-    /// A walk without key frames.
-    #[error("the walk has no key frames; it needs at least one")]
-    EmptyWalk,
-    /// A pose that is not finite, or a field of view out of range.
-    #[error("frame {0} of the walk has no valid pose; eyes and targets must be finite numbers")]
-    Pose(u32),
-    /// Measuring failed.
-    #[error(transparent)]
-    Measure(#[from] MeasureError),
-}
-
-/// Walks along `path` and records every frame. A reference that the policy wants after a frame is traced at once and
-/// serves from the next frame on; before frame 0 there are those that the policy wants ahead. After `cancel` what was done so far is returned.
+/// Renders the frames along `path` and records each. A reference that the policy requests after a frame is
+/// traced at once and used from the next frame on. References that the policy requests ahead are traced before
+/// frame 0. After `cancel` the finished frames are returned.
 ///
-/// Frame 0 is rendered once before the walk, unrecorded, so that no frame pays for touching memory first.
+/// Frame 0 is rendered once before the walk, unrecorded, so that no recorded frame pays for first touching
+/// memory.
 ///
 /// # Errors
-/// [`TourError`] where the walk cannot be walked.
+/// [`ExperimentError`] if the walk has no key frames or an invalid pose, or if a frame cannot be measured.
 pub fn run_tour(
     tracer: &Arc<Tracer>,
     path: &CameraPath,
     settings: &TourSettings,
     cancel: &AtomicBool,
     observe: impl FnMut(TourEvent<'_>),
-) -> Result<TourRecord, TourError> {
+) -> Result<TourRecord, ExperimentError> {
     let stop = || cancel.load(Ordering::Relaxed);
     fly(tracer, &cameras(path, settings.frames)?, settings, &stop, observe)
 }
 
-/// The same from pose to pose; the number of frames is theirs.
+/// Like [`run_tour`], with one frame at each camera.
 ///
 /// # Errors
-/// [`TourError::Measure`] where a frame cannot be measured.
+/// [`ExperimentError`] if a frame cannot be measured.
 pub fn fly(
     tracer: &Arc<Tracer>,
     cameras: &[Camera],
     settings: &TourSettings,
     stop: Stop<'_>,
     mut observe: impl FnMut(TourEvent<'_>),
-) -> Result<TourRecord, TourError> {
+) -> Result<TourRecord, ExperimentError> {
     let trace = settings.walkthrough.render.trace;
     let mut walk = Walkthrough::new(Arc::clone(tracer), settings.walkthrough);
     if settings.budget.is_some() {
@@ -105,7 +94,7 @@ pub fn fly(
                 observe(TourEvent::TruthNotKept(&error));
             }
         }
-        // The last frame's wish would serve nobody.
+        // No frame would use a reference requested by the last frame.
         if index + 1 < cameras.len() as u32
             && let Some(pose) = walk.wanted_reference()
             && let Some(added) =
@@ -123,16 +112,19 @@ pub fn fly(
     Ok(TourRecord::new(frames, references, warm_up_secs, is_complete, [trace.samples, truth_samples]))
 }
 
-fn cameras(path: &CameraPath, frames: u32) -> Result<Vec<Camera>, TourError> {
+/// End of the message about a pose that is not finite.
+const INVALID: &str = "has no valid pose; eyes and targets must be finite numbers";
+
+fn cameras(path: &CameraPath, frames: u32) -> Result<Vec<Camera>, ExperimentError> {
     (0..frames)
         .map(|i| {
-            let camera = path.camera(i, frames).ok_or(TourError::EmptyWalk)?;
-            if camera.is_valid() { Ok(camera) } else { Err(TourError::Pose(i)) }
+            let camera = path.camera(i, frames).ok_or(ExperimentError::EmptyWalk)?;
+            if camera.is_valid() { Ok(camera) } else { Err(ExperimentError::Unsuitable(format!("frame {i} of the walk {INVALID}"))) }
         })
         .collect()
 }
 
-/// Renders the first frame in full with the walk's own buffers.
+/// Renders the first frame in full with the buffers of the walkthrough. Returns its time in seconds.
 fn warm_up(walk: &mut Walkthrough, camera: &Camera, settings: &TourSettings, stop: Stop<'_>) -> f64 {
     let render = RenderSettings { mode: Mode::Full, ..settings.walkthrough.render };
     walk.set_settings(WalkthroughSettings { render, ..settings.walkthrough });
@@ -167,7 +159,7 @@ fn record_of(index: u32, walk: &Walkthrough) -> FrameRecord {
     }
 }
 
-/// Traces what the policy wants before the first frame.
+/// Traces the references that the policy requests before the first frame.
 fn references_ahead(
     walk: &mut Walkthrough,
     settings: &TourSettings,
@@ -183,7 +175,7 @@ fn references_ahead(
     references
 }
 
-/// Traces a reference of a number at a pose.
+/// Traces a reference at a pose and inserts it into the cache. `None` after a stop or if it is rejected.
 fn add_reference(
     walk: &mut Walkthrough,
     settings: &TourSettings,
@@ -191,7 +183,7 @@ fn add_reference(
     (number, camera): (u32, Camera),
     stop: Stop<'_>,
 ) -> Option<ReferenceRecord> {
-    // Entering it into the cache counts as well.
+    // The time includes the insertion into the cache.
     let start = Instant::now();
     let reference = walk.reference_job(camera, settings.size).trace(stop)?;
     let mut record = ReferenceRecord {

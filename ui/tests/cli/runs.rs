@@ -122,7 +122,7 @@ fn folders_of_other_runs_are_refused_and_left_as_they_are() {
     let text = std::fs::read_to_string(&manifest).unwrap().replace("\"format\": 1", "\"format\": 99");
     std::fs::write(&manifest, text).unwrap();
     let before = content(&bench.path("a"));
-    refused(&format!("{TABLE1} --out a --shard 0/2"), "of form 99, this version reads form 1");
-    refused("experiment merge a --out merged", "of form 99");
+    refused(&format!("{TABLE1} --out a --shard 0/2"), "format 99, but this version reads format 1");
+    refused("experiment merge a --out merged", "format 99");
     assert_eq!(content(&bench.path("a")), before);
 }

@@ -88,9 +88,9 @@ fn failures_end_with_one() {
         ("tour room.obj --out run --path empty.json", "keyframes"),
         ("tour room.obj --out run --path walks.json#long", "it has: short"),
         ("tour room.obj --out room.mtl", "room.mtl"),
-        ("experiment table1 room.obj --out .", "no run folder"),
+        ("experiment table1 room.obj --out .", "not a run folder"),
         ("experiment table1 room.obj --out run --path broken.json", "broken.json"),
-        ("experiment merge cache --out run", "no run folder"),
+        ("experiment merge cache --out run", "not a run folder"),
     ] {
         assert_fails(&bench, line, 1, words);
     }

@@ -42,12 +42,6 @@ impl Span {
         Self { low: self.back(low), high: self.back(high + margin), scale: self.scale }
     }
 
-    /// The same middle, `factor` times as long. For linear ones.
-    pub(super) fn scaled(self, factor: f64) -> Self {
-        let (middle, half) = ((self.low + self.high) / 2.0, self.length() / 2.0 * factor);
-        Self { low: middle - half, high: middle + half, ..self }
-    }
-
     pub(super) fn length(self) -> f64 {
         self.high - self.low
     }

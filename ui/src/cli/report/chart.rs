@@ -38,14 +38,7 @@ impl Plane {
         };
         let x = Span::of(all(0, |p| p.x_range), chart.x.scale)?;
         let y = Span::of(all(1, |p| p.y_range), chart.y.scale)?;
-        let mut plane = Self { x, y, top };
-        if chart.is_plan {
-            let wanted = plane.width() / plane.height();
-            let found = x.length() / y.length();
-            plane.x = if found < wanted { x.scaled(wanted / found) } else { x };
-            plane.y = if found > wanted { y.scaled(found / wanted) } else { y };
-        }
-        Some(plane)
+        Some(Self { x, y, top })
     }
 
     fn width(&self) -> f64 {
