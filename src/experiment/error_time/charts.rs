@@ -23,11 +23,8 @@ pub(super) fn against_time(setups: &[Setup]) -> impl Iterator<Item = Block> {
 pub(super) fn with_references(setups: &[Setup]) -> impl Iterator<Item = Block> {
     let (flown, still): (Vec<&Setup>, Vec<&Setup>) = setups.iter().partition(|s| s.references.is_none());
     METRICS.into_iter().take(2).map(move |metric| {
-        let joined = |s: Series| Series {
-            name: format!("{}, flown", s.name),
-            drawn: Drawn::MarksAndLine,
-            ..s
-        };
+        let joined =
+            |s: Series| Series { name: format!("{}, flown", s.name), drawn: Drawn::MarksAndLine, ..s };
         let series = front(&still, metric, true).into_iter().chain(modes(&still, metric, true));
         let series = series.chain(modes(&flown, metric, true).into_iter().map(joined));
         chart("counted", metric, "seconds per frame, references counted", series)

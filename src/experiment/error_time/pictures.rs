@@ -39,10 +39,7 @@ pub(super) fn run(context: &ExperimentContext<'_>) -> CellOutcome {
     }
     let record = |p: &FramePictures| {
         let mean = p.flip.iter().map(|v| f64::from(*v)).sum::<f64>() / p.flip.len() as f64;
-        RunRecord::default()
-            .with("mode", p.name.as_str())
-            .with("flip_mean", mean)
-            .with("part", part.to_vec())
+        RunRecord::default().with("mode", p.name.as_str()).with("flip_mean", mean).with("part", part.to_vec())
     };
     Ok(Some(all.iter().map(record).collect()))
 }

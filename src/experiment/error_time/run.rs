@@ -16,7 +16,8 @@ pub(crate) fn run_cell(context: &ExperimentContext<'_>, cell: &RunRecord) -> Cel
         (Some("pictures"), _, _) => pictures::run(context),
         (Some("still"), Some(samples), Some(count)) => still(context, count as usize, trace(samples)),
         (Some("flown"), Some(samples), _) => {
-            let mode = REUSING.into_iter().find(|m| cell.text("mode") == Some(m.name())).ok_or_else(unknown)?;
+            let mode =
+                REUSING.into_iter().find(|m| cell.text("mode") == Some(m.name())).ok_or_else(unknown)?;
             flown(context, mode, trace(samples))
         }
         _ => Err(unknown()),

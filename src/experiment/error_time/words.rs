@@ -77,7 +77,9 @@ fn sentence(setups: &[Setup], setup: &Setup) -> Option<String> {
         text += &format!(" With the time of references spread over the walk: {}.", times(spread));
     }
     text += &match full_error_at(&full_medians(setups, LEAD), secs) {
-        Some(error) => format!(" In equal time full ray tracing has a FLIP of {error:.4}, this mode {flip:.4}."),
+        Some(error) => {
+            format!(" In equal time full ray tracing has a FLIP of {error:.4}, this mode {flip:.4}.")
+        }
         None => format!(" Full ray tracing is never as fast; the FLIP of this mode is {flip:.4}."),
     };
     Some(text)

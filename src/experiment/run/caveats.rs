@@ -18,7 +18,9 @@ pub fn caveats(manifest: &Manifest, records: &[RunRecord]) -> Vec<String> {
     let mut found = Vec::new();
     let sessions = &manifest.sessions;
     if sessions.iter().any(|s| !s.is_release_build) {
-        found.push("A session ran a build without optimisations: its times are not representative.".to_owned());
+        found.push(
+            "A session ran a build without optimisations: its times are not representative.".to_owned(),
+        );
     }
     let machines: BTreeSet<(&str, usize)> =
         sessions.iter().map(|s| (s.machine.processor.as_str(), s.threads)).collect();

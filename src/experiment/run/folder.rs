@@ -136,7 +136,10 @@ fn is_new(path: &Path) -> Result<bool, ExperimentError> {
 pub fn read_manifest(path: &Path) -> Result<Manifest, ExperimentError> {
     let damaged = |e| ExperimentError::folder(path, format!("its {MANIFEST} is damaged: {e}"));
     let bytes = read_bounded(&path.join(MANIFEST), MAX_MANIFEST_BYTES).map_err(|e| {
-        ExperimentError::folder(path, format!("not a run folder: its {MANIFEST} cannot be read ({})", e.cause))
+        ExperimentError::folder(
+            path,
+            format!("not a run folder: its {MANIFEST} cannot be read ({})", e.cause),
+        )
     })?;
     let value: serde_json::Value = serde_json::from_slice(&bytes).map_err(damaged)?;
     let format = value.get("format").and_then(serde_json::Value::as_u64);

@@ -47,7 +47,9 @@ impl Shard {
 
     fn checked(index: u32, count: u32) -> Result<Self, ShardError> {
         if index > count {
-            return Err(ShardError(format!("shard {index}/{count} is out of range; I must be from 0 to {count}")));
+            return Err(ShardError(format!(
+                "shard {index}/{count} is out of range; I must be from 0 to {count}"
+            )));
         }
         Ok(Self { index: index % count, count })
     }

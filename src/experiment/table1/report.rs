@@ -115,12 +115,8 @@ pub(crate) fn report(_: &Identity, records: &[RunRecord]) -> Report {
         CELLS.iter().filter_map(|(mode, n)| Column::of(mode.name(), *n, records)).collect();
     let full = columns.iter().find(|c| c.mode == "full");
     let reusing = columns.iter().filter(|c| c.mode != "full");
-    let table = vec![
-        with_the_paper(&columns),
-        Block::text(inconsistency()),
-        Block::text(OURS),
-        all_modes(&columns),
-    ];
+    let table =
+        vec![with_the_paper(&columns), Block::text(inconsistency()), Block::text(OURS), all_modes(&columns)];
     Report {
         headline: full.map_or(Vec::new(), |full| reusing.map(|c| c.sentence(full)).collect()),
         summary: summary(&columns),

@@ -119,7 +119,11 @@ fn cameras(path: &CameraPath, frames: u32) -> Result<Vec<Camera>, ExperimentErro
     (0..frames)
         .map(|i| {
             let camera = path.camera(i, frames).ok_or(ExperimentError::EmptyWalk)?;
-            if camera.is_valid() { Ok(camera) } else { Err(ExperimentError::Unsuitable(format!("frame {i} of the walk {INVALID}"))) }
+            if camera.is_valid() {
+                Ok(camera)
+            } else {
+                Err(ExperimentError::Unsuitable(format!("frame {i} of the walk {INVALID}")))
+            }
         })
         .collect()
 }
