@@ -1,38 +1,19 @@
 //! Small scenes of known content.
 
 use afterimage::camera::{CameraKey, CameraPath};
-use afterimage::scene::{Encoding, Material, MaterialId, Scene, SceneBuilder, Texture, TextureRef};
+pub(crate) use afterimage::scene::shapes::quad;
+use afterimage::scene::{Encoding, Material, MaterialId, Scene, SceneBuilder, Texture, TextureRef, shapes};
 use afterimage::{Camera, Tracer};
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
 pub(crate) fn dvec(x: f64, y: f64, z: f64) -> DVec3 {
     DVec3::new(x, y, z)
 }
 
-/// A quad facing the side from which its corners run counter-clockwise: `corner`, `corner + u`, `.. + v`, `corner + v`.
-pub(crate) fn quad(builder: &mut SceneBuilder, corner: DVec3, u: DVec3, v: DVec3, material: MaterialId) {
-    builder.add_quad([corner, corner + u, corner + u + v, corner + v], Vec2::ONE, material);
-}
-
 /// A closed box; `inside_out` turns its faces inwards.
-pub(crate) fn cuboid(
-    builder: &mut SceneBuilder,
-    low: DVec3,
-    high: DVec3,
-    material: MaterialId,
-    inside_out: bool,
-) {
-    let d = high - low;
-    let (x, y, z) = (DVec3::X * d.x, DVec3::Y * d.y, DVec3::Z * d.z);
-    let faces = [(low, y, x), (low, z, y), (low, x, z), (high, -x, -y), (high, -y, -z), (high, -z, -x)];
-    for (corner, u, v) in faces {
-        if inside_out {
-            quad(builder, corner, v, u, material);
-        } else {
-            quad(builder, corner, u, v, material);
-        }
-    }
+pub(crate) fn cuboid(b: &mut SceneBuilder, low: DVec3, high: DVec3, material: MaterialId, inside_out: bool) {
+    shapes::cuboid(b, [low, high], material, inside_out);
 }
 
 pub(crate) struct RoomOptions {

@@ -1,6 +1,6 @@
 //! Reading values out of a TOML table with messages that name line, key and remedy.
 
-use crate::scene::builder::is_place;
+use crate::scene::is_valid_position;
 use glam::{DVec3, Vec3};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -121,7 +121,7 @@ impl<'t> Section<'t> {
             else {
                 return None;
             };
-            Some(DVec3::new(x, y, z)).filter(|p| is_place(*p))
+            Some(DVec3::new(x, y, z)).filter(|p| is_valid_position(*p))
         })
     }
 

@@ -1,40 +1,34 @@
-//! Triangles that lie exactly on an earlier one, which exporters write by the thousand: of two at one distance rounding
-//! would choose, pixel by pixel, so rays are told of the first alone.
+//! Triangles that coincide exactly with an earlier one. Some exporters write thousands of them. Rounding
+//! would choose between two surfaces at the same distance pixel by pixel, so rays only meet the first.
 
-use super::{Material, MaterialId};
-use glam::Vec3;
+use super::connectivity::corner_keys;
+use super::{Material, Scene};
 use rayon::prelude::*;
 
-/// Triangles that equal an earlier one.
+/// Triangles with the same corners as an earlier one.
 pub(super) struct Duplicates {
-    /// Those that the earlier one hides, ascending.
+    /// Triangles hidden by the earlier one, ascending.
     pub(super) hidden: Vec<u32>,
-    /// How many must be seen all the same, because one of the two is glass, cut out or a lamp.
+    /// Number of triangles that rays must still meet, because one of the two is glass, has an alpha
+    /// texture or emits differently.
     pub(super) seen: usize,
 }
 
 impl Duplicates {
-    pub(super) fn find(
-        positions: &[Vec3],
-        triangles: &[[u32; 3]],
-        materials_of: &[MaterialId],
-        materials: &[Material],
-    ) -> Self {
+    pub(super) fn find(scene: &Scene) -> Self {
         let corners = |t: u32| {
-            let mut corners =
-                triangles[t as usize].map(|v| (positions[v as usize] + 0.0).to_array().map(f32::to_bits));
+            let mut corners = corner_keys(scene, t);
             corners.sort_unstable();
             corners
         };
-        let material = |t: u32| &materials[materials_of[t as usize].0 as usize];
         let mut order: Vec<(u64, u32)> =
-            (0..triangles.len() as u32).into_par_iter().map(|t| (fingerprint(&corners(t)), t)).collect();
+            scene.triangle_indices().into_par_iter().map(|t| (fingerprint(&corners(t)), t)).collect();
         order.par_sort_unstable();
         let mut found = Self { hidden: Vec::new(), seen: 0 };
         for equal in order.chunk_by(|a, b| a.0 == b.0).filter(|group| group.len() > 1) {
             let first = equal[0].1;
             for &(_, later) in equal[1..].iter().filter(|(_, later)| corners(*later) == corners(first)) {
-                if hides(material(first), material(later)) {
+                if hides(scene.material_of(first), scene.material_of(later)) {
                     found.hidden.push(later);
                 } else {
                     found.seen += 1;
@@ -46,7 +40,7 @@ impl Duplicates {
     }
 }
 
-/// True where a surface of the first material leaves nothing to see of one of the second in the same place.
+/// True if a surface of the first material hides one of the second in the same place.
 fn hides(first: &Material, later: &Material) -> bool {
     first.is_opaque() && later.is_opaque() && first.emission == later.emission
 }

@@ -1,29 +1,30 @@
-//! What a scene asks of the renderer, and so what can be left out.
+//! Which features of the renderer a scene uses, and which ones can be skipped.
 
-use crate::scene::{Light, Material, Sky};
+use super::{Light, Material};
 use serde::Serialize;
 
-/// The features a scene uses. Decided once, when the scene is complete.
+/// The features of the renderer that a scene uses. They are determined once, when the scene is complete.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct SceneFeatures {
-    /// Some surface mirrors.
+    /// A material is a mirror.
     pub mirror: bool,
-    /// Some surface lets light through.
+    /// A material is glass.
     pub glass: bool,
-    /// Some surface has a colour texture.
+    /// A material has a colour texture.
     pub textures: bool,
-    /// Some surface is cut out by a texture.
+    /// A material has an alpha texture.
     pub alpha: bool,
-    /// Some light has an area.
+    /// A light has an area.
     pub area_lights: bool,
-    /// Rays may leave the scene into a sky.
+    /// Rays that leave the scene meet a sky.
     pub sky: bool,
-    /// Some triangle is a needle ([`crate::scene::Conditioning::needles`]), whose hits are checked.
+    /// A triangle is a needle ([`Conditioning::needles`](super::Conditioning::needles)), whose hits must
+    /// be checked.
     pub needles: bool,
 }
 
 impl SceneFeatures {
-    /// All that there is: what the choice is measured against.
+    /// All features. Measurements compare a scene's own features against them.
     pub const EVERYTHING: Self = Self {
         mirror: true,
         glass: true,
@@ -34,7 +35,7 @@ impl SceneFeatures {
         needles: true,
     };
 
-    pub(crate) fn of(materials: &[Material], lights: &[Light], sky: Option<&Sky>, needles: bool) -> Self {
+    pub(super) fn of(materials: &[Material], lights: &[Light], sky: bool, needles: bool) -> Self {
         let any = |test: fn(&Material) -> bool| materials.iter().any(test);
         Self {
             mirror: any(Material::is_mirror),
@@ -42,17 +43,17 @@ impl SceneFeatures {
             textures: any(|m| m.diffuse_texture.is_some()),
             alpha: any(|m| m.alpha_texture.is_some()),
             area_lights: lights.iter().any(|l| matches!(l, Light::Quad { .. } | Light::Triangles { .. })),
-            sky: sky.is_some(),
+            sky,
             needles,
         }
     }
 
-    /// True where not every hit of a triangle stands.
+    /// True if the hit of a ray on a triangle may have to be rejected.
     pub(crate) fn checks_hits(&self) -> bool {
         self.alpha || self.needles
     }
 
-    /// In words, what the renderer does not do because the scene does not need it.
+    /// Returns the names of what the renderer skips because the scene does not need it.
     pub fn left_out(&self) -> Vec<&'static str> {
         [
             (self.mirror || self.glass, "secondary rays"),
@@ -64,7 +65,7 @@ impl SceneFeatures {
             (self.needles, "check of hits on needles"),
         ]
         .into_iter()
-        .filter_map(|(needed, what)| (!needed).then_some(what))
+        .filter_map(|(needed, name)| (!needed).then_some(name))
         .collect()
     }
 }

@@ -1,48 +1,53 @@
-//! Surface materials: a diffuse part that references can lend, and a specular part that must be traced.
+//! Surface materials. The diffuse part does not depend on the viewer, so that references can provide it;
+//! the specular part must be traced.
 
-use super::TextureId;
-use glam::{Vec2, Vec3};
+use super::TextureRef;
+use glam::Vec3;
 
-/// What happens to light at a surface beside diffuse reflection.
+/// Index into [`Scene::materials`](super::Scene::materials).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct MaterialId(pub u32);
+
+/// The specular part of a material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MaterialKind {
-    /// Nothing: the radiance does not depend on the viewer.
+    /// There is no specular part: the radiance does not depend on the viewer.
     Diffuse,
-    /// Part of the light is mirrored.
+    /// Part of the light is reflected as by a mirror.
     Mirror {
-        /// Reflectance, straight on.
+        /// Reflectance at normal incidence, linear Rec. 709.
         reflectance: Vec3,
-        /// With Schlick's rise towards grazing angles.
+        /// True if the reflectance rises towards grazing angles by Schlick's approximation.
         fresnel: bool,
     },
-    /// Part of the light passes or is mirrored by Fresnel's equations.
+    /// The light is reflected or transmitted according to Fresnel's equations.
     Glass {
-        /// Index of refraction, 1..10.
+        /// Index of refraction, 1 to 10.
         eta: f32,
-        /// Share of light that a passage through one surface keeps.
+        /// Share of the light that remains after passing one surface, linear Rec. 709.
         transmittance: Vec3,
     },
 }
 
-/// One surface material. `diffuse` and the specular part never exceed one together.
+/// The material of a surface. The diffuse and the specular part never exceed one together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
-    /// As in the file.
+    /// Name in the model file.
     pub name: String,
     /// Diffuse reflectance (albedo), linear Rec. 709.
     pub diffuse: Vec3,
-    /// Multiplied with `diffuse`.
+    /// Texture multiplied with `diffuse`.
     pub diffuse_texture: Option<TextureRef>,
-    /// The alpha channel of this texture cuts the surface away where it is below one half.
+    /// Texture whose alpha channel removes the surface where it is below one half.
     pub alpha_texture: Option<TextureRef>,
-    /// Emitted radiance, both sides.
+    /// Radiance emitted from both sides, linear Rec. 709.
     pub emission: Vec3,
     /// The specular part.
     pub kind: MaterialKind,
 }
 
 impl Material {
-    /// A matte material.
+    /// Returns a diffuse material.
     pub fn diffuse(name: &str, diffuse: Vec3) -> Self {
         Self {
             name: name.to_owned(),
@@ -54,44 +59,49 @@ impl Material {
         }
     }
 
-    /// A black body that emits.
+    /// Returns a black material that emits light.
     pub fn emissive(name: &str, radiance: Vec3) -> Self {
         Self { emission: radiance, ..Self::diffuse(name, Vec3::ZERO) }
     }
 
-    /// A perfect mirror.
+    /// Returns a mirror with the same reflectance at all angles.
     pub fn mirror(name: &str, reflectance: Vec3) -> Self {
         let kind = MaterialKind::Mirror { reflectance, fresnel: false };
         Self { kind, ..Self::diffuse(name, Vec3::ZERO) }
     }
 
-    /// Clear glass.
+    /// Returns a clear glass with index of refraction `eta`.
     pub fn glass(name: &str, eta: f32, transmittance: Vec3) -> Self {
         Self { kind: MaterialKind::Glass { eta, transmittance }, ..Self::diffuse(name, Vec3::ZERO) }
     }
 
-    /// True where a viewer-dependent ray must be traced.
+    /// True if the material has a specular part, which must be traced for each view.
     pub fn is_specular(&self) -> bool {
         !matches!(self.kind, MaterialKind::Diffuse)
     }
 
-    /// True for mirrors, with or without Fresnel's rise.
+    /// True for mirrors, with or without Schlick's rise.
     pub fn is_mirror(&self) -> bool {
         matches!(self.kind, MaterialKind::Mirror { .. })
     }
 
-    /// True for dielectrics, which let light pass.
+    /// True for glass, which transmits light.
     pub fn is_glass(&self) -> bool {
         matches!(self.kind, MaterialKind::Glass { .. })
     }
 
-    /// True if no light passes anywhere: the material is not glass and no alpha texture cuts holes.
+    /// True if no light can pass: the material is not glass and has no alpha texture.
     pub fn is_opaque(&self) -> bool {
         self.alpha_texture.is_none() && !self.is_glass()
     }
 
-    /// Factor of the specular part: the mirror's reflectance facing the surface, the glass's transmittance, or
-    /// zero for diffuse materials.
+    /// True if the surface emits light.
+    pub fn is_emissive(&self) -> bool {
+        self.emission.max_element() > 0.0
+    }
+
+    /// Returns the colour of the specular part: the reflectance of a mirror at normal incidence, the
+    /// transmittance of glass, or zero.
     pub fn specular(&self) -> Vec3 {
         match self.kind {
             MaterialKind::Diffuse => Vec3::ZERO,
@@ -100,31 +110,32 @@ impl Material {
         }
     }
 
-    /// True where the surface gives light of its own.
-    pub fn is_emissive(&self) -> bool {
-        self.emission.max_element() > 0.0
+    /// Gives mutable access to the colour of the specular part, if there is one.
+    pub(super) fn specular_mut(&mut self) -> Option<&mut Vec3> {
+        match &mut self.kind {
+            MaterialKind::Diffuse => None,
+            MaterialKind::Mirror { reflectance, .. } => Some(reflectance),
+            MaterialKind::Glass { transmittance, .. } => Some(transmittance),
+        }
     }
 
-    /// Scales diffuse and specular part down to one in sum; true where that was needed by more than rounding.
+    /// Scales the diffuse and the specular part down so that their sum does not exceed one. Returns true
+    /// if they exceeded it by more than rounding.
     pub fn scale_to_conserve(&mut self) -> bool {
-        /// Files are written in decimals: 0.8 and 0.2 may sum to a hair above one.
-        const SLACK: f32 = 1e-4;
+        /// Files hold decimal numbers: 0.8 and 0.2 may add up to slightly more than one.
+        const TOLERANCE: f32 = 1e-4;
         let sum = (self.diffuse + self.specular()).max_element();
         if sum <= 1.0 {
             return false;
         }
         self.diffuse /= sum;
-        match &mut self.kind {
-            MaterialKind::Diffuse => {}
-            MaterialKind::Mirror { reflectance: part, .. }
-            | MaterialKind::Glass { transmittance: part, .. } => {
-                *part /= sum;
-            }
+        if let Some(specular) = self.specular_mut() {
+            *specular /= sum;
         }
-        sum > 1.0 + SLACK
+        sum > 1.0 + TOLERANCE
     }
 
-    /// The word that `inspect` uses.
+    /// Returns the name of the kind as `inspect` prints it.
     pub fn kind_name(&self) -> &'static str {
         match self.kind {
             _ if self.is_emissive() => "emissive",
@@ -132,23 +143,5 @@ impl Material {
             MaterialKind::Mirror { .. } => "mirror",
             MaterialKind::Glass { .. } => "glass",
         }
-    }
-}
-
-/// A texture as a material uses it: coordinates are `uv * scale + offset`, repeated.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TextureRef {
-    /// Which one.
-    pub texture: TextureId,
-    /// Applied first.
-    pub scale: Vec2,
-    /// Applied second.
-    pub offset: Vec2,
-}
-
-impl TextureRef {
-    /// The texture as it is.
-    pub fn plain(texture: TextureId) -> Self {
-        Self { texture, scale: Vec2::ONE, offset: Vec2::ZERO }
     }
 }

@@ -1,35 +1,43 @@
-//! Where the sun stands at a place and time, and what light it and the sky then give.
+//! The position of the sun at a place and time, and the light of a clear day for it.
 
-use super::edit::Daylight;
 use super::{Sky, Sun};
 use glam::{DVec3, Vec3};
 
-/// A moment, in universal time.
+/// The light from outside a scene.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Daylight {
+    /// The sun, if it shines.
+    pub sun: Option<Sun>,
+    /// The sky, if there is one.
+    pub sky: Option<Sky>,
+}
+
+/// A moment in universal time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UniversalTime {
-    /// Gregorian.
+    /// Year of the Gregorian calendar.
     pub year: i32,
-    /// From 1.
+    /// Month, 1 to 12.
     pub month: u32,
-    /// From 1.
+    /// Day of the month, from 1.
     pub day: u32,
-    /// Since midnight; may lie outside 0..24 and then belongs to another day.
+    /// Hours since midnight. Values outside 0 to 24 belong to another day.
     pub hours: f64,
 }
 
-/// Where the sun stands for an observer.
+/// The position of the sun in the sky for an observer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SunPosition {
-    /// From north over east, degrees 0..360.
+    /// Azimuth in degrees, 0 to 360, from north over east.
     pub azimuth_deg: f64,
-    /// Over the horizon, degrees; refraction left out.
+    /// Height above the horizon in degrees, without refraction.
     pub height_deg: f64,
 }
 
 impl UniversalTime {
-    /// Days since noon of 1 January 2000.
+    /// Returns the days since noon of 1 January 2000.
     fn days_since_2000(&self) -> f64 {
-        // Fliegel and Van Flandern 1968: the Julian day of a Gregorian date at noon.
+        // Julian day of a Gregorian date at noon, Fliegel and Van Flandern 1968.
         let (y, m, d) = (i64::from(self.year), i64::from(self.month), i64::from(self.day));
         let a = (m - 14) / 12;
         let noon = (1461 * (y + 4800 + a)) / 4 + (367 * (m - 2 - 12 * a)) / 12
@@ -40,10 +48,12 @@ impl UniversalTime {
     }
 }
 
-/// The sun's right ascension and declination, radians.
+/// Returns the right ascension and the declination of the sun in radians, given the days since noon of 1
+/// January 2000.
 ///
-/// Source: the Astronomical Almanac's low-precision formula (Michalsky 1988, "The Astronomical Almanac's algorithm for
-/// approximate solar position (1950-2050)"), right to 0.01 degrees in those years.
+/// Source: the low-precision formula of the Astronomical Almanac (Michalsky 1988, "The Astronomical
+/// Almanac's algorithm for approximate solar position (1950-2050)"), accurate to 0.01 degrees in those
+/// years.
 fn equatorial(days: f64) -> [f64; 2] {
     let mean_longitude = 280.460 + 0.985_647_4 * days;
     let anomaly = (357.528 + 0.985_600_3 * days).to_radians();
@@ -53,11 +63,12 @@ fn equatorial(days: f64) -> [f64; 2] {
     [ascension, (obliquity.sin() * longitude.sin()).asin()]
 }
 
-/// Where the sun stands. Latitude is positive in the north, longitude in the east, both in degrees.
+/// Returns the position of the sun. Latitude is positive in the north and longitude in the east, both in
+/// degrees.
 pub fn sun_position(time: &UniversalTime, latitude_deg: f64, longitude_deg: f64) -> SunPosition {
     let days = time.days_since_2000();
     let [ascension, declination] = equatorial(days);
-    // Greenwich sidereal time, of the same source, hours.
+    // Greenwich sidereal time in hours, from the same source.
     let sidereal = 18.697_374_558 + 24.065_709_824_419_08 * days;
     let hour_angle = (sidereal * 15.0 + longitude_deg).to_radians() - ascension;
     let latitude = latitude_deg.to_radians();
@@ -72,14 +83,15 @@ pub fn sun_position(time: &UniversalTime, latitude_deg: f64, longitude_deg: f64)
 }
 
 impl SunPosition {
-    /// The unit direction towards the sun where +Y is up and north is turned by `north_deg` from -Z towards +X.
+    /// Returns the unit direction towards the sun, where +Y is up and north is turned by `north_deg`
+    /// degrees from -Z towards +X.
     pub fn direction(&self, north_deg: f64) -> DVec3 {
         let (sin, cos) = (self.azimuth_deg + north_deg).to_radians().sin_cos();
         let (up, level) = self.height_deg.to_radians().sin_cos();
         DVec3::new(level * sin, up, -level * cos)
     }
 
-    /// The position that a direction shows, north being -Z.
+    /// Returns the position that belongs to a direction towards the sun, with north along -Z.
     pub fn of_direction(direction: Vec3) -> Self {
         let d = direction.as_dvec3().normalize_or(DVec3::Y);
         Self {
@@ -91,17 +103,19 @@ impl SunPosition {
 
 /// Optical depth of clean air towards the zenith at 610, 550 and 465 nm.
 ///
-/// Source: Leckner 1978, "The spectral distribution of solar radiation at the earth's surface": 0.008735 / w^4.08 with w
-/// in micrometres. Haze and ozone are left out.
+/// Source: Leckner 1978, "The spectral distribution of solar radiation at the earth's surface": 0.008735 /
+/// w^4.08 with w in micrometres. Haze and ozone are neglected.
 const AIR_DEPTH: Vec3 = Vec3::new(0.0656, 0.1001, 0.1985);
 
-/// Height for which the usual sun and sky are meant, degrees.
+/// Height of the sun in degrees for which [`Sun::clear_day`] and [`Sky::CLEAR_DAY`] are meant.
 const DEFAULT_HEIGHT_DEG: f64 = 55.0;
 
-/// The sun has gone from all of the sky, degrees: the end of civil twilight.
+/// Height of the sun in degrees at which the sky is dark: the end of civil twilight.
 const TWILIGHT_DEG: f64 = -6.0;
 
-/// The light of a clear day with the sun at a position: redder and weaker through more air, gone below the horizon.
+/// Returns the light of a clear day with the sun at a position. A low sun is weaker and redder because its
+/// light crosses more air; below the horizon there is none. `north_deg` is that of
+/// [`SunPosition::direction`].
 pub fn clear_daylight(position: &SunPosition, north_deg: f64) -> Daylight {
     let usual = Sun::clear_day();
     let passed = |height_deg: f64| (-AIR_DEPTH * air_mass(height_deg)).map(f32::exp);
@@ -114,7 +128,7 @@ pub fn clear_daylight(position: &SunPosition, north_deg: f64) -> Daylight {
     Daylight { sun, sky: (share > 0.0).then_some(sky) }
 }
 
-/// How much more air the light crosses than from the zenith.
+/// Returns how much more air the light crosses than from the zenith.
 ///
 /// Source: Kasten and Young 1989, "Revised optical air mass tables and approximation formula".
 fn air_mass(height_deg: f64) -> f32 {
@@ -122,10 +136,10 @@ fn air_mass(height_deg: f64) -> f32 {
     (1.0 / (h.to_radians().sin() + 0.50572 * (h + 6.07995).powf(-1.6364))) as f32
 }
 
-/// Illuminance by a clear sky without its sun on level ground, kilolux.
+/// Returns the illuminance in kilolux of level ground under a clear sky, without the sun itself.
 ///
-/// Source: IESNA RP-21, clear sky: 0.8 + 15.5 sin(h)^0.5. We differ: below the horizon its 0.8 fade to nothing at the
-/// end of civil twilight.
+/// Source: IESNA RP-21, clear sky: 0.8 + 15.5 sin(h)^0.5. We differ: below the horizon the 0.8 fade to
+/// zero at the end of civil twilight.
 fn sky_klux(height_deg: f64) -> f64 {
     const AT_HORIZON: f64 = 0.8;
     if height_deg < 0.0 {
@@ -152,8 +166,9 @@ mod tests {
 
     #[test]
     fn zenith_and_azimuth_of_the_example_of_the_solar_position_algorithm() {
-        // Reda and Andreas 2004 (NREL/TP-560-34302), table A5.1: 2003 October 17, 12:30:30 at UTC-7, 39.742476 N,
-        // 105.1786 W: zenith 50.11162, azimuth 194.34024 degrees; refraction lifts the sun by about 0.016 there.
+        // Reda and Andreas 2004 (NREL/TP-560-34302), table A5.1: 2003 October 17, 12:30:30 at UTC-7,
+        // 39.742476 N, 105.1786 W: zenith 50.11162, azimuth 194.34024 degrees. Refraction lifts the sun by
+        // about 0.016 degrees there.
         let time = at(2003, 10, 17, 19.0 + 30.5 / 60.0);
         let sun = sun_position(&time, 39.742_476, -105.178_6);
         assert!((sun.azimuth_deg - 194.340_24).abs() < 0.02, "{sun:?}");
@@ -161,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn the_year_and_the_day_run_as_they_should() {
+    fn heights_and_azimuths_follow_the_year_and_the_day() {
         let noon = |month, day| sun_position(&at(2024, month, day, 12.0), 0.0, 0.0).height_deg;
         assert!((noon(3, 20) - 90.0).abs() < 2.5, "nearly overhead at an equinox: {}", noon(3, 20));
         assert!((noon(6, 21) - (90.0 - 23.44)).abs() < 0.2, "{}", noon(6, 21));

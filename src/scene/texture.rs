@@ -1,29 +1,51 @@
-//! Textures: 8 bits a channel, decoded on sampling, bilinear, repeated.
+//! Textures with 8 bits per channel, decoded when they are sampled, with bilinear filtering and repetition.
 
 use crate::math::whole::floor;
 use crate::raster::color::linear_from_srgb;
 use glam::{Vec2, Vec3};
 use std::sync::LazyLock;
 
-/// How the stored numbers are to be read.
+/// Index into [`Scene::textures`](super::Scene::textures).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct TextureId(pub u32);
+
+/// A use of a texture by a material. The texture is sampled at `uv * scale + offset` and repeats.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TextureRef {
+    /// Index of the texture.
+    pub texture: TextureId,
+    /// Factor of the texture coordinates.
+    pub scale: Vec2,
+    /// Offset added to the scaled texture coordinates.
+    pub offset: Vec2,
+}
+
+impl TextureRef {
+    /// Returns a use without scale and offset.
+    pub fn plain(texture: TextureId) -> Self {
+        Self { texture, scale: Vec2::ONE, offset: Vec2::ZERO }
+    }
+}
+
+/// How the stored numbers of a texture are decoded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Encoding {
-    /// Colour.
+    /// Colours with the transfer function of sRGB.
     Srgb,
-    /// Anything that is not colour.
+    /// Linear numbers.
     Linear,
 }
 
-/// A picture on a surface. The top row is stored first; v = 1 is the top.
+/// An image on a surface. The first row is the top one, where v is 1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
-    /// Texels per row, at least 1.
+    /// Number of texels per row, at least 1.
     pub width: u32,
-    /// Rows, at least 1.
+    /// Number of rows, at least 1.
     pub height: u32,
-    /// RGBA, row-major, `width * height` of them. Alpha is coverage.
+    /// `width * height` texels of red, green, blue and alpha, row by row. Alpha is coverage.
     pub texels: Vec<[u8; 4]>,
-    /// Of the first three channels; alpha is always linear.
+    /// Encoding of red, green and blue. Alpha is always linear.
     pub encoding: Encoding,
 }
 
@@ -31,7 +53,7 @@ static LINEAR_FROM_SRGB8: LazyLock<[f32; 256]> =
     LazyLock::new(|| std::array::from_fn(|i| linear_from_srgb(i as f32 / 255.0)));
 
 impl Texture {
-    /// The linear colour at a texture coordinate.
+    /// Returns the linear colour at a texture coordinate.
     pub fn color(&self, uv: Vec2) -> Vec3 {
         match self.encoding {
             Encoding::Srgb => {
@@ -46,7 +68,7 @@ impl Texture {
         }
     }
 
-    /// The coverage at a texture coordinate, 0..1.
+    /// Returns the coverage at a texture coordinate, 0 to 1.
     pub fn alpha(&self, uv: Vec2) -> f32 {
         self.bilinear(uv, |t| Vec3::splat(f32::from(t[3]) / 255.0)).x
     }
@@ -61,14 +83,14 @@ impl Texture {
     }
 }
 
-/// The fraction of a coordinate, 0 for one that is not finite: a broken file must not reach an index.
+/// Returns the fractional part of a coordinate, or 0 if it is not finite, so that no index is out of range.
 fn wrap(t: f32) -> f32 {
-    // Beyond 2^23 a number has no fraction.
-    const WHOLE_FROM: f32 = 8_388_608.0;
-    if t.abs() < WHOLE_FROM { t - floor(t) as f32 } else { 0.0 }
+    /// From 2^23 on, every f32 is an integer.
+    const INTEGERS_FROM: f32 = 8_388_608.0;
+    if t.abs() < INTEGERS_FROM { t - floor(t) as f32 } else { 0.0 }
 }
 
-/// The two texels beside a coordinate and the weight of the second.
+/// Returns the two texels nearest to a coordinate, and the weight of the second one.
 fn neighbours(t: f32, count: u32) -> (u32, u32, f32) {
     let at = wrap(t) * count as f32 - 0.5;
     let low = floor(at);

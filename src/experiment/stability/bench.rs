@@ -7,10 +7,11 @@ use crate::raster::color::ToneMap;
 use crate::reference::ReferenceFrame;
 use crate::render::aov::display_picture;
 use crate::render::{Frame, Mode, RenderSettings, Renderer};
-use crate::scene::{Material, MaterialId, SceneBuilder, SceneError, Sky};
+pub(super) use crate::scene::shapes::{cuboid, quad, sphere as ball};
+use crate::scene::{Material, SceneBuilder, SceneError, Sky};
 use crate::trace::parallel::NEVER;
 use crate::trace::{TraceSettings, Tracer};
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
 pub(super) const SIZE: [u32; 2] = [72, 48];
@@ -18,58 +19,6 @@ pub(super) const TRACE: TraceSettings = TraceSettings { samples: 2, bounces: 0, 
 
 pub(super) fn dvec(x: f64, y: f64, z: f64) -> DVec3 {
     DVec3::new(x, y, z)
-}
-
-/// Corner, and the two edges from it; counter-clockwise seen from the front.
-pub(super) fn quad(b: &mut SceneBuilder, corner: DVec3, u: DVec3, v: DVec3, material: MaterialId) {
-    b.add_quad([corner, corner + u, corner + u + v, corner + v], Vec2::ONE, material);
-}
-
-/// A closed box; `inside_out` turns its faces inwards.
-pub(super) fn cuboid(b: &mut SceneBuilder, [low, high]: [DVec3; 2], material: MaterialId, inside_out: bool) {
-    let d = high - low;
-    let (x, y, z) = (DVec3::X * d.x, DVec3::Y * d.y, DVec3::Z * d.z);
-    let faces = [(low, y, x), (low, z, y), (low, x, z), (high, -x, -y), (high, -y, -z), (high, -z, -x)];
-    for (corner, u, v) in faces {
-        if inside_out { quad(b, corner, v, u, material) } else { quad(b, corner, u, v, material) }
-    }
-}
-
-/// A closed ball of `rings` rings, with smooth normals or without.
-pub(super) fn ball(
-    b: &mut SceneBuilder,
-    centre: DVec3,
-    radius: f64,
-    rings: u32,
-    is_smooth: bool,
-    m: MaterialId,
-) {
-    use std::f64::consts::{PI, TAU};
-    let direction = |i: u32, j: u32| {
-        let (theta, phi) =
-            (PI * f64::from(i) / f64::from(rings), TAU * f64::from(j % rings) / f64::from(rings));
-        // The poles are one point, or the ball would not be closed.
-        let sin = if i == 0 || i == rings { 0.0 } else { theta.sin() };
-        dvec(sin * phi.cos(), theta.cos(), sin * phi.sin())
-    };
-    let mut vertex = |i, j| {
-        let d = direction(i, j);
-        b.add_vertex(centre + d * radius, if is_smooth { d.as_vec3() } else { Vec3::ZERO }, Vec2::ZERO)
-    };
-    let mut triangles = Vec::new();
-    for i in 0..rings {
-        for j in 0..rings {
-            let [a, right, down, far] =
-                [vertex(i, j), vertex(i, j + 1), vertex(i + 1, j), vertex(i + 1, j + 1)];
-            if i > 0 {
-                triangles.push([a, right, down]);
-            }
-            if i + 1 < rings {
-                triangles.push([down, right, far]);
-            }
-        }
-    }
-    triangles.into_iter().for_each(|t| b.add_triangle(t, m));
 }
 
 /// A room of 6 x 3 x 8 m with two boxes and a lamp.

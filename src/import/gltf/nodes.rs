@@ -8,7 +8,7 @@ use crate::import::gltf::schema::Node;
 use crate::import::report::{Tally, Trouble};
 use crate::import::{Phase, Steps};
 use crate::scene::Sun;
-use crate::scene::builder::is_place;
+use crate::scene::is_valid_position;
 use crate::scene::{NamedView, SceneBuilder, SceneError};
 use glam::{DMat4, DQuat, DVec3, Vec3};
 
@@ -150,7 +150,7 @@ impl Walker<'_, '_> {
         let Some(perspective) = camera.perspective else { return Err(fault(Trouble::ORTHOGRAPHIC)) };
         let (eye, behind) = (world.w_axis.truncate(), world.z_axis.truncate());
         let degrees = perspective.yfov.to_degrees();
-        let looks = behind.try_normalize().filter(|_| is_place(eye) && degrees > 0.0);
+        let looks = behind.try_normalize().filter(|_| is_valid_position(eye) && degrees > 0.0);
         let back = looks.ok_or_else(|| fault(Trouble::CAMERA))?;
         let name = node.name.clone().or(camera.name).unwrap_or_else(|| format!("camera {index}"));
         Ok(NamedView { name, camera: Camera::look_at(eye, eye - back, degrees) })
@@ -165,7 +165,7 @@ impl Walker<'_, '_> {
         let color = DVec3::from_array(light.color.unwrap_or([1.0; 3])) * strength;
         let (at, back) = (world.w_axis.truncate(), world.z_axis.truncate().try_normalize());
         let is_possible = color.min_element() >= 0.0 && color.max_element() <= BRIGHTEST;
-        if !is_possible || !is_place(at) {
+        if !is_possible || !is_valid_position(at) {
             return Err(note(Trouble::LIGHT));
         }
         let color: Vec3 = color.as_vec3();

@@ -1,0 +1,94 @@
+//! The complete scene.
+
+use super::{
+    Conditioning, Light, Material, MaterialId, NamedView, SceneFeatures, SceneFrame, Sky, Sun, Texture,
+    Warning,
+};
+use crate::camera::{Camera, CameraPath};
+use glam::{DVec3, Vec2, Vec3};
+
+/// A scene that is ready to be traced. Positions are in scene space unless a field says otherwise.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// File stem of the model, or `builtin:NAME`.
+    pub name: String,
+    /// SHA-256 of everything that decides a picture, as lower-case hexadecimal digits.
+    pub hash: String,
+    /// Transform between world and scene space.
+    pub frame: SceneFrame,
+    /// Vertex positions.
+    pub positions: Vec<Vec3>,
+    /// Unit vertex normals. A zero vector stands for the face normal. Empty if all of them are zero.
+    pub normals: Vec<Vec3>,
+    /// Texture coordinates, with v pointing up. Empty if no material has a texture.
+    pub uvs: Vec<Vec2>,
+    /// Vertex indices of each triangle.
+    pub triangles: Vec<[u32; 3]>,
+    /// Material of each triangle.
+    pub triangle_materials: Vec<MaterialId>,
+    /// How each triangle bounds a solid of glass. Empty if the scene has no glass; the entries of
+    /// triangles that are not glass have no meaning.
+    pub solids: Vec<SolidSide>,
+    /// All materials, at least one.
+    pub materials: Vec<Material>,
+    /// All textures.
+    pub textures: Vec<Texture>,
+    /// All lights: emissive surfaces first, then point lights, the sun and the sky.
+    pub lights: Vec<Light>,
+    /// The sun, if there is one. `lights` holds it as well.
+    pub sun: Option<Sun>,
+    /// The sky, if there is one. `lights` holds it as well.
+    pub sky: Option<Sky>,
+    /// Views offered to the user, at least one. The first is the start view.
+    pub views: Vec<NamedView>,
+    /// The camera path of the scene.
+    pub walk: CameraPath,
+    /// False if the model had no view and one was generated.
+    pub brings_view: bool,
+    /// False if the model had no camera path and one was generated.
+    pub brings_walk: bool,
+    /// The features of the renderer that this scene uses.
+    pub features: SceneFeatures,
+    /// The problems found while the scene was imported and built.
+    pub warnings: Vec<Warning>,
+    /// Lower and upper corner of the bounding box, in world metres. If a few vertices lie far outside,
+    /// it is the box of the others.
+    pub bounds_m: [DVec3; 2],
+    /// Triangles that coincide with an earlier one and look the same, ascending. Rays ignore them.
+    pub hidden: Vec<u32>,
+    /// How demanding the scene is numerically, and what was repaired.
+    pub conditioning: Conditioning,
+}
+
+/// How a triangle of glass bounds a solid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SolidSide {
+    /// The triangle belongs to an open sheet. Light passes straight through.
+    Thin,
+    /// The triangle belongs to a closed solid whose inside lies behind it, against its geometric normal.
+    InsideBehind,
+    /// The triangle belongs to a closed solid whose inside lies in front of it.
+    InsideInFront,
+}
+
+impl Scene {
+    /// Returns the three corners of a triangle.
+    pub fn corners(&self, triangle: u32) -> [Vec3; 3] {
+        self.triangles[triangle as usize].map(|v| self.positions[v as usize])
+    }
+
+    /// Returns the material of a triangle.
+    pub fn material_of(&self, triangle: u32) -> &Material {
+        &self.materials[self.triangle_materials[triangle as usize].0 as usize]
+    }
+
+    /// Returns the indices of all triangles.
+    pub(super) fn triangle_indices(&self) -> std::ops::Range<u32> {
+        0..self.triangles.len() as u32
+    }
+
+    /// Returns the camera of the start view.
+    pub fn start(&self) -> &Camera {
+        &self.views[0].camera
+    }
+}

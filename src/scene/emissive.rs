@@ -1,0 +1,59 @@
+//! Lights made from emissive triangles.
+
+use super::connectivity::connected_groups;
+use super::{Light, Scene};
+use glam::Vec3;
+
+/// Returns the lights formed by the emissive triangles of a scene.
+///
+/// Triangles of one material that share vertex positions form one light. Two triangles that form a
+/// parallelogram become a [`Light::Quad`], which is sampled with less noise than two triangles.
+pub(super) fn lights(scene: &Scene) -> Vec<Light> {
+    let emissive: Vec<u32> =
+        scene.triangle_indices().filter(|&t| scene.material_of(t).is_emissive()).collect();
+    connected_groups(scene, &emissive, |t| scene.triangle_materials[t as usize])
+        .into_iter()
+        .map(|group| {
+            let radiance = scene.material_of(group[0]).emission;
+            let corners: Vec<_> = group.iter().map(|&t| scene.corners(t)).collect();
+            as_quad(&corners, radiance).unwrap_or_else(|| as_mesh(corners, radiance))
+        })
+        .collect()
+}
+
+/// Returns two triangles as a parallelogram if they form one to within rounding.
+fn as_quad(corners: &[[Vec3; 3]], radiance: Vec3) -> Option<Light> {
+    /// Allowed distance of the fourth corner from its ideal position, as a share of the longer edge.
+    /// Decimal coordinates in a file cause errors of a few units in the last place.
+    const TOLERANCE: f32 = 1.0 / 1024.0;
+    let [a, b] = corners else { return None };
+    let mut unshared = b.iter().filter(|p| !a.contains(p));
+    let far = unshared.next()?;
+    if unshared.next().is_some() {
+        return None;
+    }
+    // The corner of `a` that `b` does not share lies opposite `far`.
+    let opposite = (0..3).find(|&i| !b.contains(&a[i]))?;
+    let (corner, p, q) = (a[opposite], a[(opposite + 1) % 3], a[(opposite + 2) % 3]);
+    let (edge_u, edge_v) = (p - corner, q - corner);
+    let size = edge_u.length().max(edge_v.length());
+    let is_parallelogram = (corner + edge_u + edge_v - *far).length() <= size * TOLERANCE;
+    is_parallelogram.then_some(Light::Quad { corner, edge_u, edge_v, radiance })
+}
+
+fn as_mesh(corners: Vec<[Vec3; 3]>, radiance: Vec3) -> Light {
+    let areas: Vec<f32> = corners.iter().map(|[a, b, c]| (b - a).cross(c - a).length() / 2.0).collect();
+    let area: f32 = areas.iter().sum();
+    let mut sum = 0.0;
+    let mut cumulative_area: Vec<f32> = areas
+        .iter()
+        .map(|a| {
+            sum += a / area;
+            sum
+        })
+        .collect();
+    if let Some(last) = cumulative_area.last_mut() {
+        *last = 1.0;
+    }
+    Light::Triangles { corners, cumulative_area, area, radiance }
+}
