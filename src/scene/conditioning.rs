@@ -99,7 +99,11 @@ impl Repairs {
                 self.duplicates_hidden,
                 self.materials_scaled,
                 self.values_clamped,
-                if self.ignores_outliers { "; a few distant vertices ignored for centre and scale" } else { "" }
+                if self.ignores_outliers {
+                    "; a few distant vertices ignored for centre and scale"
+                } else {
+                    ""
+                }
             )
         })
     }

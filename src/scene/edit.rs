@@ -14,10 +14,7 @@ pub struct SceneEdit {
 impl Scene {
     /// Returns the edit that leads to this scene.
     pub fn to_edit(&self) -> SceneEdit {
-        SceneEdit {
-            materials: self.materials.clone(),
-            daylight: Daylight { sun: self.sun, sky: self.sky },
-        }
+        SceneEdit { materials: self.materials.clone(), daylight: Daylight { sun: self.sun, sky: self.sky } }
     }
 
     /// Returns this scene with other materials, sun and sky. Lights, features, solids and hash are
