@@ -1,4 +1,5 @@
-//! The building from above: what is cut at eye height, the walk, and where references look, by how much they gave.
+//! The building from above: walls cut at eye height, the walk, and the references coloured by how much they
+//! supplied.
 
 use super::watch::{Watch, Watched};
 use crate::camera::Camera;
@@ -6,38 +7,38 @@ use crate::raster::metrics::error_picture;
 use crate::trace::Tracer;
 use glam::{DVec2, DVec3};
 
-/// Width of the picture.
+/// Maximum width of the picture in pixels.
 const WIDTH: u32 = 960;
 
-/// Its height at most.
+/// Maximum height of the picture in pixels.
 const MAX_HEIGHT: u32 = 960;
 
-/// Around the walk and the references, metres.
+/// Margin around the walk and the references in metres.
 const MARGIN_M: f64 = 5.0;
 
-/// How far a reference is drawn to look, metres, and half its angle in radians.
+/// Radius of the wedge of a reference in metres, and half its angle in radians.
 const WEDGE_M: f64 = 1.5;
 const WEDGE_HALF_ANGLE: f64 = 0.35;
 
-/// A reference that supplied this share of all pixels of the walk has the brightest colour.
-const MUCH: f64 = 0.2;
+/// Share of all pixels of the walk from which on a reference has the brightest colour.
+const BRIGHTEST_SHARE: f64 = 0.2;
 
 const PAPER: [u8; 3] = [250, 250, 247];
 const WALL: [u8; 3] = [90, 90, 90];
 const WALK: [u8; 3] = [0, 114, 178];
 
-/// The name of a plan.
+/// Returns the file name of a plan.
 pub(super) fn file_name(mode: &str, walk: &str, rule: &str) -> String {
     format!("plan-{mode}-{walk}-{rule}.png")
 }
 
-/// Draws it: size and pixels.
+/// Draws the plan and returns its size and pixels.
 pub(super) fn draw(tracer: &Tracer, cameras: &[Camera], watch: &Watch) -> ([u32; 2], Vec<[u8; 3]>) {
     let mut sheet = Sheet::around(cameras.iter().chain(watch.references.iter().map(|r| &r.camera)));
     let mut wedges: Vec<&Watched> = watch.references.iter().collect();
     wedges.sort_by(|a, b| a.supplied.total_cmp(&b.supplied));
     for reference in wedges {
-        sheet.wedge(&reference.camera, color(reference.supplied / (MUCH * cameras.len().max(1) as f64)));
+        sheet.wedge(&reference.camera, color(reference.supplied / (BRIGHTEST_SHARE * cameras.len().max(1) as f64)));
     }
     let height = cameras.iter().map(|c| c.eye.y).sum::<f64>() / cameras.len().max(1) as f64;
     for [a, b] in cut(tracer, height) {
@@ -49,9 +50,9 @@ pub(super) fn draw(tracer: &Tracer, cameras: &[Camera], watch: &Watch) -> ([u32;
     (sheet.size, sheet.pixels)
 }
 
-/// Dark for what gave nothing, bright for what gave much.
+/// Colour of a supplied share: dark for nothing, bright for [`BRIGHTEST_SHARE`].
 fn color(share: f64) -> [u8; 3] {
-    // The darkest tenth is kept off, so that even useless ones stand out against the walls.
+    // The darkest tenth is not used, so that references that supplied nothing differ from the walls.
     error_picture(&[(0.1 + 0.8 * share.min(1.0)) as f32])[0]
 }
 
@@ -59,7 +60,7 @@ fn from_above(point: DVec3) -> DVec2 {
     DVec2::new(point.x, point.z)
 }
 
-/// Where triangles meet the horizontal plane at a height.
+/// Returns the segments in which triangles intersect the horizontal plane at a height.
 fn cut(tracer: &Tracer, height_m: f64) -> Vec<[DVec2; 2]> {
     let scene = tracer.scene();
     let of_triangle = |t: u32| {
@@ -75,7 +76,7 @@ fn cut(tracer: &Tracer, height_m: f64) -> Vec<[DVec2; 2]> {
     (0..scene.triangles.len() as u32).filter_map(of_triangle).collect()
 }
 
-/// A picture with a scale.
+/// A picture with a map scale.
 struct Sheet {
     size: [u32; 2],
     low: DVec2,
@@ -116,10 +117,12 @@ impl Sheet {
             return;
         }
         let steps = (b - a).abs().max_element().ceil().clamp(1.0, 1e5);
-        (0..=steps as u32).for_each(|i| self.set(a.lerp(b, f64::from(i) / steps), color));
+        for i in 0..=steps as u32 {
+            self.set(a.lerp(b, f64::from(i) / steps), color);
+        }
     }
 
-    /// A slice of a disc around the eye, in the direction of view.
+    /// Draws a sector around the eye in the direction of view.
     fn wedge(&mut self, camera: &Camera, color: [u8; 3]) {
         let eye = self.to_pixels(from_above(camera.eye));
         let forward = from_above(camera.forward()).normalize_or(DVec2::NEG_Y);

@@ -6,31 +6,39 @@ use crate::render::Mode;
 
 pub(super) const MODES: [Mode; 2] = [Mode::Paper, Mode::Exact];
 
-/// Rule, percentages for the paper's references, percentages for sparse ones; the quick effort takes the first of each.
-/// Above 20 % and, for sparse ones, below 1 % the percentage itself decides what is worth a reference.
-pub(super) const POLICIES: [(&str, &[f64], &[f64]); 5] = [
-    ("threshold", &[5.0, 2.0, 10.0, 20.0, 40.0], &[1.0, 0.25, 4.0, 16.0]),
-    ("predictive", &[5.0, 30.0, 50.0], &[1.0, 0.25, 0.0625]),
-    ("greedy", &[5.0, 30.0, 50.0], &[1.0, 0.25, 0.0625]),
-    ("grid", &[0.0], &[0.0]),
-    ("none", &[0.0], &[0.0]),
+/// A placement rule and the percentages at which it is measured. Above 20 %, and for sparse references
+/// below 1 %, the percentage alone decides whether a reference is worth tracing.
+pub(super) struct Policy {
+    pub(super) rule: &'static str,
+    /// Percentages for the dense references of the paper; the quick effort takes the first.
+    dense: &'static [f64],
+    /// Percentages for the sparse references of the look-up; the quick effort takes the first.
+    sparse: &'static [f64],
+}
+
+impl Policy {
+    /// The percentages for the references of a mode.
+    pub(super) fn percents(&self, mode: Mode) -> &'static [f64] {
+        if mode.looks_up() { self.sparse } else { self.dense }
+    }
+}
+
+/// All policies.
+pub(super) const POLICIES: [Policy; 5] = [
+    Policy { rule: "threshold", dense: &[5.0, 2.0, 10.0, 20.0, 40.0], sparse: &[1.0, 0.25, 4.0, 16.0] },
+    Policy { rule: "predictive", dense: &[5.0, 30.0, 50.0], sparse: &[1.0, 0.25, 0.0625] },
+    Policy { rule: "greedy", dense: &[5.0, 30.0, 50.0], sparse: &[1.0, 0.25, 0.0625] },
+    Policy { rule: "grid", dense: &[0.0], sparse: &[0.0] },
+    Policy { rule: "none", dense: &[0.0], sparse: &[0.0] },
 ];
 
 pub(crate) fn settings(effort: Effort) -> ExperimentSettings {
+    let usual = ExperimentSettings { effort, views: 1, repetitions: 1, ..Default::default() };
     let (size, frames, samples, truth_samples) = match effort {
         Effort::Quick => ([160, 90], 24, 1, 16),
         Effort::Usual => ([320, 180], 80, 4, 256),
     };
-    ExperimentSettings {
-        effort,
-        size,
-        frames,
-        samples,
-        truth_samples,
-        views: 1,
-        repetitions: 1,
-        ..Default::default()
-    }
+    ExperimentSettings { size, frames, samples, truth_samples, ..usual }
 }
 
 pub(crate) fn cells(context: &ExperimentContext<'_>) -> Vec<Cell> {
@@ -38,17 +46,14 @@ pub(crate) fn cells(context: &ExperimentContext<'_>) -> Vec<Cell> {
     let mut cells = Vec::new();
     for mode in MODES {
         for (walk, _) in WALKS {
-            for (rule, dense, sparse) in POLICIES {
-                let percents = if mode.looks_up() { sparse } else { dense };
+            for policy in POLICIES {
+                let percents = policy.percents(mode);
                 let count = if is_quick { 1 } else { percents.len() };
-                cells.extend(percents[..count].iter().map(|percent| cell(mode, walk, rule, *percent)));
+                let record = RunRecord::default().with("mode", mode.name()).with("walk", walk);
+                let record = record.with("rule", policy.rule);
+                cells.extend(percents[..count].iter().map(|p| Cell(record.clone().with("percent", *p))));
             }
         }
     }
     cells
-}
-
-fn cell(mode: Mode, walk: &str, rule: &str, percent: f64) -> Cell {
-    let record = RunRecord::default().with("mode", mode.name()).with("walk", walk);
-    Cell(record.with("rule", rule).with("percent", percent))
 }

@@ -1,54 +1,60 @@
-//! Which rule leaves least to wait for, at equal tracing.
+//! Which rule leaves the fewest open pixels at equal tracing.
 
+use super::floor_plan;
 use super::plan::{MODES, POLICIES};
-use super::{floor_plan, walks};
-use crate::experiment::run::report::{Axis, Block, Chart, Drawn, Picture, Point, Section, Series, Table};
+use super::walks::WALKS;
+use crate::experiment::run::report::{Axis, Block, Drawn, Picture, Point, Section, Series, row};
 use crate::experiment::run::{Identity, Report, RunRecord};
+use crate::render::Mode;
 use serde_json::{Map, Value, json};
 
-/// The policy the others are compared with.
+/// The rule that the others are compared with.
 const BASELINE: &str = "threshold";
 
 pub(crate) fn report(_: &Identity, records: &[RunRecord]) -> Report {
     let mut report = Report::default();
-    for mode in MODES.map(|m| m.name()) {
-        let of_mode: Vec<&RunRecord> = records.iter().filter(|r| r.text("mode") == Some(mode)).collect();
+    for mode in MODES {
+        let of_mode: Vec<&RunRecord> =
+            records.iter().filter(|r| r.text("mode") == Some(mode.name())).collect();
         if of_mode.is_empty() {
             continue;
         }
         let verdicts: Vec<Verdict> =
             ["predictive", "greedy", "grid"].into_iter().map(|rule| verdict(mode, rule, &of_mode)).collect();
         report.headline.extend(verdicts.iter().map(Verdict::sentence));
-        report.summary.insert(mode.to_owned(), summary(&of_mode, &verdicts));
+        report.summary.insert(mode.name().to_owned(), summary(&of_mode, &verdicts));
         report.sections.push(section(mode, &of_mode));
     }
     report
 }
 
-/// What a mode makes the viewer wait for, in percent of the pixels: all of Type 3 where the paper's warp leaves it; where
-/// light is looked up, only what no reference knows.
-fn open_name(mode: &str) -> &'static str {
-    if mode == "paper" { "type3_percent" } else { "unseen_percent" }
+/// Returns the field of the pixels that the viewer waits for, in percent of the frame: all of Type 3 for
+/// the paper's warp, and only those that no reference has seen in look-up modes.
+fn open_name(mode: Mode) -> &'static str {
+    if mode.looks_up() { "unseen_percent" } else { "type3_percent" }
 }
 
-fn kind<'a>(records: &'a [&RunRecord], kind: &'a str) -> impl Iterator<Item = &'a RunRecord> + Clone {
-    records.iter().copied().filter(move |r| r.text("kind") == Some(kind))
+fn kind<'a>(records: &[&'a RunRecord], kind: &str, wanted: &RunRecord) -> Vec<&'a RunRecord> {
+    records.iter().copied().filter(|r| r.text("kind") == Some(kind) && r.agrees_with(wanted)).collect()
 }
 
-/// A rule against [`BASELINE`] with no more tracing, walk by walk.
+/// A rule compared with [`BASELINE`] at no more tracing, walk by walk.
 struct Verdict {
     mode: &'static str,
     rule: &'static str,
-    /// Its open pixels over those of the baseline, a value for every walk: the mean over all amounts of tracing that either
-    /// of them spent and the other reached.
+    /// Open pixels of the rule over those of the baseline, one value per walk: the geometric mean over all
+    /// amounts of tracing that either of them spent and the other reached.
     ratios: Vec<f64>,
 }
 
+fn geometric_mean(values: &[f64]) -> Option<f64> {
+    let logs: f64 = values.iter().map(|r| r.ln()).sum();
+    (!values.is_empty()).then(|| (logs / values.len() as f64).exp())
+}
+
 impl Verdict {
-    /// The geometric mean.
     fn ratio(&self) -> Option<f64> {
-        let logs: f64 = self.ratios.iter().map(|r| r.ln()).sum();
-        (!self.ratios.is_empty()).then(|| (logs / self.ratios.len() as f64).exp())
+        geometric_mean(&self.ratios)
     }
 
     fn sentence(&self) -> String {
@@ -58,78 +64,71 @@ impl Verdict {
         };
         let wins = self.ratios.iter().filter(|r| **r < 1.0).count();
         format!(
-            "Mode {mode}: within the same limit of tracing {rule} leaves {ratio:.2} times as many open pixels as {BASELINE} \
-             (geometric mean), fewer on {wins} of {} walks.",
+            "Mode {mode}: with the same limit of tracing, {rule} leaves {ratio:.2} times as many open pixels as {BASELINE} \
+             (geometric mean), and fewer on {wins} of {} walks.",
             self.ratios.len()
         )
     }
 }
 
-fn verdict(mode: &'static str, rule: &'static str, records: &[&RunRecord]) -> Verdict {
-    let ratios = walks::WALKS.iter().filter_map(|(walk, _)| {
+fn verdict(mode: Mode, rule: &'static str, records: &[&RunRecord]) -> Verdict {
+    let ratios = WALKS.iter().filter_map(|(walk, _)| {
         let baseline = curve(records, walk, BASELINE, mode);
         let ours = curve(records, walk, rule, mode);
         let ratio = |&[work, _]: &[f64; 2]| {
             let [open, usual] = [least_open(&ours, work)?, least_open(&baseline, work)?];
-            (open > 0.0 && usual > 0.0).then(|| (open / usual).ln())
+            (open > 0.0 && usual > 0.0).then_some(open / usual)
         };
-        let logs: Vec<f64> = ours.iter().chain(&baseline).filter_map(ratio).collect();
-        (!logs.is_empty()).then(|| (logs.iter().sum::<f64>() / logs.len() as f64).exp())
+        geometric_mean(&ours.iter().chain(&baseline).filter_map(ratio).collect::<Vec<_>>())
     });
-    Verdict { mode, rule, ratios: ratios.collect() }
+    Verdict { mode: mode.name(), rule, ratios: ratios.collect() }
 }
 
-/// Tracing and open pixels of a rule at all its percentages on a walk, by tracing.
-fn curve(records: &[&RunRecord], walk: &str, rule: &str, mode: &str) -> Vec<[f64; 2]> {
+/// Returns tracing and open pixels of a rule at all its percentages on a walk, ordered by tracing.
+fn curve(records: &[&RunRecord], walk: &str, rule: &str, mode: Mode) -> Vec<[f64; 2]> {
     let wanted = RunRecord::default().with("walk", walk).with("rule", rule);
-    let mut points: Vec<[f64; 2]> = kind(records, "summary")
-        .filter(|r| r.agrees_with(&wanted))
+    let mut points: Vec<[f64; 2]> = kind(records, "summary", &wanted)
+        .into_iter()
         .filter_map(|r| Some([r.number("traced_mrays")?, r.number(open_name(mode))?]))
         .collect();
     points.sort_by(|a, b| a[0].total_cmp(&b[0]));
     points
 }
 
-/// The fewest open pixels that a rule reaches at any of its percentages with no more tracing than this: more references
-/// can spare the frames more than they cost, so that a curve runs back and has no value at an amount.
+/// Returns the fewest open pixels that a rule reaches at any of its percentages with no more tracing than
+/// `work`. More references can save the frames more tracing than they cost, so a curve may turn back and is
+/// not a function of tracing.
 fn least_open(curve: &[[f64; 2]], work: f64) -> Option<f64> {
     curve.iter().filter(|p| p[0] <= work).map(|p| p[1]).min_by(f64::total_cmp)
 }
 
 fn summary(records: &[&RunRecord], verdicts: &[Verdict]) -> Value {
-    let mut rules = Map::new();
-    for v in verdicts {
-        rules.insert(
-            v.rule.to_owned(),
-            json!({"open_ratio_with_no_more_tracing": v.ratio(), "walks": v.ratios.len()}),
-        );
-    }
-    let rows: Vec<&RunRecord> = kind(records, "summary").collect();
-    json!({ "against_threshold": rules, "policies": rows })
+    let rule = |v: &Verdict| {
+        let numbers = json!({"open_ratio_with_no_more_tracing": v.ratio(), "walks": v.ratios.len()});
+        (v.rule.to_owned(), numbers)
+    };
+    let rules: Map<String, Value> = verdicts.iter().map(rule).collect();
+    json!({ "against_threshold": rules, "policies": kind(records, "summary", &RunRecord::default()) })
 }
 
-fn section(mode: &'static str, records: &[&RunRecord]) -> Section {
-    let mut blocks = vec![
-        Block::Text(ABOUT.to_owned()),
-        Block::Table(policies(mode, records)),
-        Block::Chart(open_against_tracing(mode, records)),
-    ];
-    for (walk, _) in walks::WALKS {
-        blocks.push(Block::Chart(over_time(mode, walk, records)));
-        let picture = |(rule, ..): &(&str, &[f64], &[f64])| {
-            Picture::new(floor_plan::file_name(mode, walk, rule), format!("{walk}, {rule}"))
+fn section(mode: Mode, records: &[&RunRecord]) -> Section {
+    let mut blocks = vec![Block::text(ABOUT), policies(mode, records), open_against_tracing(mode, records)];
+    for (walk, _) in WALKS {
+        let picture = |rule: &str| {
+            Picture::new(floor_plan::file_name(mode.name(), walk, rule), format!("{walk}, {rule}"))
         };
-        blocks.push(Block::Pictures(POLICIES.iter().map(picture).collect()));
+        blocks.push(over_time(mode, walk, records));
+        blocks.push(Block::Pictures(POLICIES.iter().map(|p| picture(p.rule)).collect()));
     }
-    Section { title: format!("Mode {mode}"), blocks }
+    Section::new(format!("Mode {}", mode.name()), blocks)
 }
 
-const ABOUT: &str = "Open pixels are those that a frame has to light itself: Type 3 in mode paper, in modes that look up \
-    what no reference knows. Tracing is all rays of frames and references together. Used is how much of what a reference \
-    made ahead had lit one of the next 30 frames showed. In the plans wedges are references, the brighter the more they \
-    supplied; the line is the walk.";
+const ABOUT: &str = "Open pixels are those that a frame has to light itself: Type 3 in mode paper, and pixels that no \
+    reference has seen in look-up modes. Tracing counts all rays of frames and references. \"Used\" is the share of the \
+    lit pixels of a reference traced ahead that one of the next 30 frames showed. In the floor plans wedges are \
+    references, brighter if they supplied more pixels; the line is the walk.";
 
-/// Values of a policy, averaged over walks.
+/// Columns of the table of policies: field, title and factor of the unit. Values are means over walks.
 const COLUMNS: [(&str, &str, f64); 11] = [
     ("references", "references", 1.0),
     ("reference_secs", "seconds on them", 1.0),
@@ -144,81 +143,62 @@ const COLUMNS: [(&str, &str, f64); 11] = [
     ("cache_mb", "memory, MB", 1.0),
 ];
 
-fn policies(mode: &str, records: &[&RunRecord]) -> Table {
-    let row = |rule: &str, percent: f64| {
+fn policies(mode: Mode, records: &[&RunRecord]) -> Block {
+    let line = |rule: &str, percent: f64| {
         let wanted = RunRecord::default().with("rule", rule).with("percent", percent);
-        let found: Vec<&RunRecord> = kind(records, "summary").filter(|r| r.agrees_with(&wanted)).collect();
+        let found = kind(records, "summary", &wanted);
         let mean = |(name, _, factor): (&str, &str, f64)| {
             let values: Vec<f64> = found.iter().filter_map(|r| r.number(name)).collect();
-            let mean = factor * values.iter().sum::<f64>() / values.len() as f64;
-            if values.is_empty() { Value::Null } else { mean.into() }
+            // NaN without values, which becomes an empty cell.
+            factor * values.iter().sum::<f64>() / values.len() as f64
         };
-        let row = [Value::from(rule), percent.into()].into_iter().chain(COLUMNS.map(mean)).collect();
-        (!found.is_empty()).then_some(row)
+        (!found.is_empty()).then(|| row(rule, std::iter::once(percent).chain(COLUMNS.map(mean))))
     };
-    let of_rule = |(rule, dense, sparse): &(&'static str, &'static [f64], &'static [f64])| {
-        let percents = if mode == "paper" { *dense } else { *sparse };
-        percents.iter().filter_map(|percent| row(rule, *percent)).collect::<Vec<_>>()
-    };
-    let names = ["rule", "at, %"].into_iter().chain(COLUMNS.map(|c| c.1));
-    Table {
-        title: format!("Mode {mode}: means over the walks"),
-        columns: names.map(str::to_owned).collect(),
-        rows: POLICIES.iter().flat_map(of_rule).collect(),
-    }
+    Block::table(
+        format!("Mode {}: means over the walks", mode.name()),
+        ["rule", "at, %"].into_iter().chain(COLUMNS.map(|c| c.1)),
+        POLICIES.iter().flat_map(|p| p.percents(mode).iter().filter_map(|percent| line(p.rule, *percent))),
+    )
 }
 
-fn open_against_tracing(mode: &str, records: &[&RunRecord]) -> Chart {
+fn open_against_tracing(mode: Mode, records: &[&RunRecord]) -> Block {
     let point = |r: &RunRecord| {
-        let at = [r.number("traced_mrays")?, r.number(open_name(mode))?];
-        let words = [r.text("walk")?, r.text("rule")?];
-        let label = format!(
-            "{}, {} at {} %: {} references",
-            words[0],
-            words[1],
-            r.number("percent")?,
-            r.number("references")?
-        );
-        Some(Point::new(at[0], at[1], label))
+        let (walk, rule) = (r.text("walk")?, r.text("rule")?);
+        let (percent, references) = (r.number("percent")?, r.number("references")?);
+        let label = format!("{walk}, {rule} at {percent} %: {references} references");
+        Some(Point::new(r.number("traced_mrays")?, r.number(open_name(mode))?, label))
     };
-    let series = |(rule, ..): &(&str, &[f64], &[f64])| Series {
-        name: (*rule).to_owned(),
-        points: kind(records, "summary").filter(|r| r.text("rule") == Some(rule)).filter_map(point).collect(),
-        ..Series::default()
+    let series = |rule: &str| {
+        let found = kind(records, "summary", &RunRecord::default().with("rule", rule));
+        Series::new(rule, Drawn::Marks, found.into_iter().filter_map(point))
     };
-    Chart {
-        name: format!("placement-{mode}"),
-        title: format!("Mode {mode}: open pixels against tracing, every walk and percentage"),
-        x: Axis::logarithmic("million rays traced, references included"),
-        y: Axis::linear("open pixels, %"),
-        series: POLICIES.iter().map(series).collect(),
-        ..Chart::default()
-    }
+    let mode = mode.name();
+    Block::chart(
+        format!("placement-{mode}"),
+        format!("Mode {mode}: open pixels against tracing, every walk and percentage"),
+        [Axis::logarithmic("million rays traced, references included"), Axis::linear("open pixels, %")],
+        POLICIES.iter().map(|p| series(p.rule)),
+    )
 }
 
-fn over_time(mode: &str, walk: &str, records: &[&RunRecord]) -> Chart {
-    let series = |(rule, dense, sparse): &(&str, &[f64], &[f64])| {
-        let percent = if mode == "paper" { dense[0] } else { sparse[0] };
-        let wanted = RunRecord::default().with("walk", walk).with("rule", *rule).with("percent", percent);
-        let point = |r: &RunRecord| {
-            let at = [r.number("frame")?, r.number(open_name(mode))?];
-            Some(Point::new(at[0], at[1], format!("frame {}: {:.1} %", at[0], at[1])))
-        };
-        Series {
-            name: (*rule).to_owned(),
-            drawn: Drawn::Line,
-            points: kind(records, "frame").filter(|r| r.agrees_with(&wanted)).filter_map(point).collect(),
-            ..Series::default()
-        }
+fn over_time(mode: Mode, walk: &str, records: &[&RunRecord]) -> Block {
+    let point = |r: &RunRecord| {
+        let (frame, open) = (r.number("frame")?, r.number(open_name(mode))?);
+        Some(Point::new(frame, open, format!("frame {frame}: {open:.1} %")))
     };
-    Chart {
-        name: format!("placement-{mode}-{walk}"),
-        title: format!("Mode {mode}, walk {walk}: open pixels over time"),
-        x: Axis::linear("frame"),
-        y: Axis::linear("open pixels, %"),
-        series: POLICIES.iter().filter(|p| p.0 != "none").map(series).collect(),
-        ..Chart::default()
-    }
+    let series = |rule: &str, percent: f64| {
+        let wanted = RunRecord::default().with("walk", walk).with("rule", rule).with("percent", percent);
+        let found = kind(records, "frame", &wanted);
+        Series::new(rule, Drawn::Line, found.into_iter().filter_map(point))
+    };
+    let shown = POLICIES.iter().filter(|p| p.rule != "none");
+    let name = mode.name();
+    Block::chart(
+        format!("placement-{name}-{walk}"),
+        format!("Mode {name}, walk {walk}: open pixels over time"),
+        [Axis::linear("frame"), Axis::linear("open pixels, %")],
+        shown.map(|p| series(p.rule, p.percents(mode)[0])),
+    )
 }
 
 #[cfg(test)]
@@ -226,8 +206,8 @@ mod tests {
     use super::least_open;
 
     #[test]
-    fn a_curve_that_runs_back_is_judged_by_what_it_reaches_so_far() {
-        // Fewer references make the frames trace more: the second point is worse in both.
+    fn a_curve_that_turns_back_is_judged_by_the_least_value_so_far() {
+        // With fewer references the frames trace more: the second point is worse in both.
         let curve = [[16.0, 9.5], [18.0, 19.0], [22.0, 29.0], [28.0, 7.9]];
         let found = [15.9, 16.0, 20.0, 27.9, 28.0].map(|work| least_open(&curve, work));
         assert_eq!(found, [None, Some(9.5), Some(9.5), Some(9.5), Some(7.9)]);

@@ -7,12 +7,12 @@ use crate::camera::Camera;
 use crate::experiment::measure::{MeasureSettings, Measurement};
 use crate::experiment::run::{CellOutcome, ExperimentContext, ExperimentError, RunRecord};
 use crate::experiment::statistics::{median, percentile};
-use crate::experiment::tour::{TourEvent, TourRecord, TourSettings, fly};
+use crate::experiment::tour::{FrameRecord, TourEvent, TourRecord, TourSettings, fly};
 use crate::reference::PlacementPolicy;
 use crate::render::{Mode, RenderSettings, WalkthroughSettings};
 
-/// Frames of a walk that are measured against the truth.
-const MEASURED: u32 = 3;
+/// Number of frames of a walk that are compared with converged pictures.
+const MEASURED_FRAMES: u32 = 3;
 
 pub(crate) fn run_cell(context: &ExperimentContext<'_>, cell: &RunRecord) -> CellOutcome {
     let unknown = || ExperimentError::UnknownCell(cell.label());
@@ -23,16 +23,15 @@ pub(crate) fn run_cell(context: &ExperimentContext<'_>, cell: &RunRecord) -> Cel
     let cameras = walks::cameras(context, cell.text("walk").unwrap_or_default()).ok_or_else(unknown)?;
     let settings = tour_settings(context, mode, policy, cameras.len() as u32);
     let mut watch = Watch::default();
-    let flown = fly(context.tracer, &cameras, &settings, context.stop, |event| {
+    let tour = fly(context.tracer, &cameras, &settings, context.stop, |event| {
         if let TourEvent::Frame(record, walk) = event {
             watch.see(record.frame, walk);
         }
-    });
-    let tour = flown.map_err(|e| ExperimentError::Unsuitable(e.to_string()))?;
+    })?;
     if !tour.is_complete {
         return Ok(None);
     }
-    save_plan(context, cell, &cameras, &watch)?;
+    save_plan(context, cell, mode, &cameras, &watch)?;
     let mut records = vec![summary(&tour, &watch)];
     records.extend(tour.frames.iter().map(|frame| {
         RunRecord::default()
@@ -59,59 +58,56 @@ fn tour_settings(
         ..WalkthroughSettings::default()
     };
     let measure = MeasureSettings {
-        every: frames.div_ceil(MEASURED),
+        every: frames.div_ceil(MEASURED_FRAMES),
         truth_samples: context.settings.truth_samples,
         truth_folder: context.truth_folder.map(Into::into),
     };
     TourSettings { walkthrough, size: context.settings.size, frames, budget: None, measure: Some(measure) }
 }
 
-/// The line of a cell.
+/// The record of the whole cell.
 fn summary(tour: &TourRecord, watch: &Watch) -> RunRecord {
     let frames = &tour.frames;
-    let mean =
-        |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, |a, b| a + b) / frames.len().max(1) as f64;
-    let unseen = || frames.iter().map(|f| f.types.unseen_percent);
+    let of = |value: fn(&FrameRecord) -> f64| frames.iter().map(value);
+    let mean = |value: fn(&FrameRecord) -> f64| of(value).fold(0.0, |a, b| a + b) / frames.len().max(1) as f64;
     let in_references: u64 = tour.references.iter().map(|r| r.rays.total()).sum();
     let in_frames: u64 = frames.iter().map(|f| f.rays.total()).sum();
-    let measured =
-        |of: fn(&Measurement) -> f64| median(frames.iter().filter_map(|f| f.measurement.as_ref()).map(of));
+    let measured = |value: fn(&Measurement) -> f64| {
+        median(frames.iter().filter_map(|f| f.measurement.as_ref()).map(value))
+    };
+    let tracing_secs = tour.reference_secs_total + of(|f| f.trace_secs + f.secondary_secs).sum::<f64>();
     RunRecord::default()
         .with("kind", "summary")
         .with("references", tour.references_added)
         .with("reference_secs", tour.reference_secs_total)
-        .with(
-            "tracing_secs",
-            tour.reference_secs_total + frames.iter().map(|f| f.trace_secs + f.secondary_secs).sum::<f64>(),
-        )
+        .with("tracing_secs", tracing_secs)
         .with("reference_mrays", in_references as f64 / 1e6)
         .with("traced_mrays", (in_references + in_frames) as f64 / 1e6)
-        .with("type3_percent", mean(&mut frames.iter().map(|f| f.types.type3_percent)))
-        .with("unseen_percent", mean(&mut unseen()))
-        .with("unseen_p95_percent", percentile(unseen(), 95.0))
-        .with("frame_secs", median(frames.iter().map(|f| f.frame_secs)))
-        .with("frame_p99_secs", percentile(frames.iter().map(|f| f.frame_secs), 99.0))
+        .with("type3_percent", mean(|f| f.types.type3_percent))
+        .with("unseen_percent", mean(|f| f.types.unseen_percent))
+        .with("unseen_p95_percent", percentile(of(|f| f.types.unseen_percent), 95.0))
+        .with("frame_secs", median(of(|f| f.frame_secs)))
+        .with("frame_p99_secs", percentile(of(|f| f.frame_secs), 99.0))
         .with("psnr_db", measured(|m| m.psnr_db))
         .with("flip_mean", measured(|m| m.flip_mean))
-        .with("cache_mb", watch.most_bytes() as f64 / (1 << 20) as f64)
+        .with("cache_mb", watch.max_bytes() as f64 / (1 << 20) as f64)
         .with("prediction_use_percent", watch.prediction_use_percent())
         .with("predictions", watch.predictions())
 }
 
-/// One picture for each walk, mode and rule: that of the percentage named first.
+/// Saves one floor plan for each walk, mode and rule: that of the first percentage.
 fn save_plan(
     context: &ExperimentContext<'_>,
     cell: &RunRecord,
+    mode: Mode,
     cameras: &[Camera],
     watch: &Watch,
 ) -> Result<(), ExperimentError> {
-    let [mode, walk, rule] = ["mode", "walk", "rule"].map(|name| cell.text(name).unwrap_or_default());
-    let usual = |p: &&(&str, &[f64], &[f64])| p.0 == rule;
-    let Some((_, dense, sparse)) = POLICIES.iter().find(usual) else { return Ok(()) };
-    let first = if mode == Mode::Paper.name() { dense[0] } else { sparse[0] };
-    if cell.number("percent") != Some(first) {
+    let [walk, rule] = ["walk", "rule"].map(|name| cell.text(name).unwrap_or_default());
+    let policy = POLICIES.iter().find(|p| p.rule == rule);
+    if policy.is_none_or(|p| cell.number("percent") != Some(p.percents(mode)[0])) {
         return Ok(());
     }
     let (size, picture) = floor_plan::draw(context.tracer, cameras, watch);
-    context.save_picture(&floor_plan::file_name(mode, walk, rule), size, &picture)
+    context.save_picture(&floor_plan::file_name(mode.name(), walk, rule), size, &picture)
 }

@@ -1,38 +1,38 @@
-//! What became of each reference of a walk.
+//! How much each reference of a walk supplied to its frames.
 
 use crate::camera::Camera;
 use crate::experiment::run::RunRecord;
 use crate::reference::ReferenceId;
 use crate::render::Walkthrough;
 
-/// A reference made for the frames to come is judged by so many of them.
+/// Number of frames after its creation by which a reference traced ahead is judged.
 const SOON_FRAMES: u32 = 30;
 
-/// One of them.
+/// A reference of the walk.
 #[derive(Clone, Debug)]
 pub(super) struct Watched {
     id: ReferenceId,
     pub(super) camera: Camera,
-    /// Share of its pixels that it holds the light of.
+    /// Share of its pixels that are lit.
     lit: f64,
-    /// The frame after which it was there.
+    /// Number of the frame after which it was available.
     born: u32,
     is_prediction: bool,
-    /// Shares of frames' pixels that it supplied, added up over frames.
+    /// Sum over frames of the share of pixels that it supplied.
     pub(super) supplied: f64,
-    /// The largest share within [`SOON_FRAMES`].
+    /// Largest share of a frame within [`SOON_FRAMES`].
     best_soon: f64,
 }
 
-/// All of them.
+/// All references of a walk.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Watch {
     pub(super) references: Vec<Watched>,
-    most_bytes: usize,
+    max_bytes: usize,
 }
 
 impl Watch {
-    /// Takes note of a frame and of the references that came after it.
+    /// Records a frame, and the references that were added after it.
     pub(super) fn see(&mut self, frame: u32, walk: &Walkthrough) {
         let shares = walk.frame().supplier_shares(walk.used().len());
         for (id, share) in walk.used().iter().zip(shares) {
@@ -43,7 +43,7 @@ impl Watch {
                 }
             }
         }
-        self.most_bytes = self.most_bytes.max(walk.cache().bytes());
+        self.max_bytes = self.max_bytes.max(walk.cache().bytes());
         for entry in walk.cache().entries() {
             if self.references.iter().any(|r| r.id == entry.id) {
                 continue;
@@ -61,17 +61,18 @@ impl Watch {
         }
     }
 
-    /// The most memory that references held.
-    pub(super) fn most_bytes(&self) -> usize {
-        self.most_bytes
+    /// Maximum memory of the references in bytes.
+    pub(super) fn max_bytes(&self) -> usize {
+        self.max_bytes
     }
 
-    /// References that stood elsewhere than the viewer when they were made.
+    /// Number of references that were traced elsewhere than at the viewer.
     pub(super) fn predictions(&self) -> usize {
         self.references.iter().filter(|r| r.is_prediction).count()
     }
 
-    /// How much of what a prediction lit one of the next [`SOON_FRAMES`] frames used, on average; `None` without any.
+    /// Mean share of the lit pixels of a reference traced ahead that one of the next [`SOON_FRAMES`] frames
+    /// used, in percent. `None` without such references.
     pub(super) fn prediction_use_percent(&self) -> Option<f64> {
         let used = |r: &Watched| 100.0 * (r.best_soon / r.lit.max(f64::MIN_POSITIVE)).min(1.0);
         let uses = self.references.iter().filter(|r| r.is_prediction).map(used);
@@ -79,7 +80,7 @@ impl Watch {
         (self.predictions() > 0).then(|| sum / self.predictions() as f64)
     }
 
-    /// A line for each.
+    /// A record of each reference.
     pub(super) fn records(&self, frames: u32) -> impl Iterator<Item = RunRecord> {
         self.references.iter().map(move |r| {
             RunRecord::default()

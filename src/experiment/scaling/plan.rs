@@ -5,7 +5,7 @@ use crate::render::Mode;
 
 pub(super) const MODES: [Mode; 4] = [Mode::Full, Mode::Paper, Mode::Exact, Mode::Fast];
 
-/// What grows, and its values; the quick effort leaves out the last.
+/// Names of the axes and their values; the quick effort leaves out the last value.
 pub(super) const AXES: [(&str, &[u32]); 5] = [
     ("triangles", &[100_000, 316_000, 1_000_000, 3_160_000, 10_000_000]),
     ("pixels", &[160 * 90, 320 * 180, 640 * 360, 1280 * 720]),

@@ -1,17 +1,17 @@
-//! Growth as exponents, beside the goals.
+//! Growth of frame time as exponents, compared with the goals.
 
 use super::plan::{AXES, MODES};
-use crate::experiment::run::report::{Axis, Block, Chart, Drawn, Point, Section, Series, Table};
-use crate::experiment::run::{Identity, Report, RunRecord, counted};
-use crate::experiment::statistics::{PowerLaw, median, power_law};
+use crate::experiment::run::report::{Axis, Block, Drawn, Point, Section, Series, row};
+use crate::experiment::run::{Identity, Report, RunRecord, matching, median_of};
+use crate::experiment::statistics::{PowerLaw, power_law};
 use serde_json::{Map, Value, json};
 
-/// The names of all axes.
+/// Names of all axes.
 fn axes() -> impl Iterator<Item = &'static str> {
     AXES.into_iter().map(|a| a.0).chain(["threads"])
 }
 
-/// Value and median seconds of a frame.
+/// Values of an axis and median seconds of a frame.
 type Curve = Vec<[f64; 2]>;
 
 pub(crate) fn report(_: &Identity, records: &[RunRecord]) -> Report {
@@ -20,15 +20,15 @@ pub(crate) fn report(_: &Identity, records: &[RunRecord]) -> Report {
     let mut report = Report { headline: goals(&curves), ..Report::default() };
     let mut exponents = Map::new();
     for (axis, of_modes) in curves.iter().filter(|(_, c)| c.iter().any(|curve| !curve.is_empty())) {
-        let mut of_axis = Map::new();
-        for (mode, curve) in MODES.iter().zip(of_modes) {
-            if let Some(law) = power_law(curve) {
-                let law = json!({"exponent": law.exponent, "standard_error": law.standard_error});
-                of_axis.insert(mode.name().to_owned(), law);
-            }
-        }
+        let law = |(mode, curve): (&crate::render::Mode, &Curve)| {
+            let law = power_law(curve)?;
+            let numbers = json!({"exponent": law.exponent, "standard_error": law.standard_error});
+            Some((mode.name().to_owned(), numbers))
+        };
+        let of_axis: Map<String, Value> = MODES.iter().zip(of_modes).filter_map(law).collect();
         exponents.insert((*axis).to_owned(), of_axis.into());
-        report.sections.push(section(axis, of_modes));
+        let blocks = vec![table(axis, of_modes), chart(axis, of_modes)];
+        report.sections.push(Section::new(format!("Growth with {axis}"), blocks));
     }
     report.summary.insert("exponents".to_owned(), exponents.into());
     report
@@ -36,106 +36,79 @@ pub(crate) fn report(_: &Identity, records: &[RunRecord]) -> Report {
 
 fn curve(records: &[RunRecord], axis: &str, mode: &str) -> Curve {
     let wanted = RunRecord::default().with("axis", axis).with("mode", mode);
-    let found = counted(records).filter(|r| r.agrees_with(&wanted));
-    let mut values: Vec<f64> = found.clone().filter_map(|r| r.number("value")).collect();
+    let found = matching(records, &wanted);
+    let secs = |value: f64| {
+        let of_value: Vec<&RunRecord> =
+            found.iter().copied().filter(|r| r.number("value") == Some(value)).collect();
+        Some([value, median_of(&of_value, "frame_secs")?])
+    };
+    distinct(found.iter().filter_map(|r| r.number("value"))).into_iter().filter_map(secs).collect()
+}
+
+fn distinct(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut values: Vec<f64> = values.collect();
     values.sort_by(f64::total_cmp);
     values.dedup();
-    let secs = |value: f64| {
-        median(
-            found.clone().filter(|r| r.number("value") == Some(value)).filter_map(|r| r.number("frame_secs")),
-        )
-    };
-    values.into_iter().filter_map(|value| Some([value, secs(value)?])).collect()
+    values
 }
 
-/// How much longer a frame takes at one value than at another.
-fn growth(curve: &[[f64; 2]], from: f64, to: f64) -> Option<f64> {
-    let secs = |value: f64| curve.iter().find(|p| p[0] == value).map(|p| p[1]);
-    Some(secs(to)? / secs(from)?)
+fn at(curve: &Curve, value: f64) -> Option<f64> {
+    curve.iter().find(|p| p[0] == value).map(|p| p[1])
 }
 
-/// What is to hold in every mode.
+/// Compares the growth of every mode with the goals.
 fn goals(curves: &[(&str, Vec<Curve>)]) -> Vec<String> {
-    let of_axis = |axis: &str| curves.iter().find(|c| c.0 == axis).map(|c| &c.1);
-    let mut said = Vec::new();
-    let mut say = |axis: &str, from: Option<f64>, to: Option<f64>, most: f64| {
-        for (mode, curve) in MODES.iter().zip(of_axis(axis).into_iter().flatten()) {
-            let ends = (from.or(curve.first().map(|p| p[0])), to.or(curve.last().map(|p| p[0])));
+    let of_axis = |name: &str| {
+        let curves = curves.iter().filter(|(axis, _)| *axis == name).flat_map(|(_, curves)| curves);
+        MODES.iter().map(|m| m.name()).zip(curves).collect::<Vec<_>>()
+    };
+    let verdict = |is_met: bool| if is_met { "goal met" } else { "goal missed" };
+    let mut lines = Vec::new();
+    let mut growth = |axis: &str, from: Option<f64>, limit: f64| {
+        for (mode, curve) in of_axis(axis) {
+            let ends = (from.or(curve.first().map(|p| p[0])), curve.last().map(|p| p[0]));
             let (Some(from), Some(to)) = ends else { continue };
-            let Some(found) = growth(curve, from, to) else { continue };
-            let verdict = if found <= most { "goal met" } else { "goal missed" };
-            said.push(format!(
-                "Mode {}: {found:.2} times the time from {from} to {to} {axis} (at most {most:.1}: {verdict}).",
-                mode.name()
+            let (Some(first), Some(last)) = (at(curve, from), at(curve, to)) else { continue };
+            let found = last / first;
+            lines.push(format!(
+                "Mode {mode}: {found:.2} times the time from {from} to {to} {axis} (limit {limit:.1}: {}).",
+                verdict(found <= limit)
             ));
         }
     };
-    say("triangles", None, None, 1.3);
-    say("references", Some(2.0), None, 1.5);
-    if let Some(pixels) = of_axis("pixels") {
-        for (mode, curve) in MODES.iter().zip(pixels) {
-            if let Some(law) = power_law(curve) {
-                let verdict =
-                    if law.exponent - law.standard_error <= 1.0 { "goal met" } else { "goal missed" };
-                said.push(format!(
-                    "Mode {}: time grows as pixels to the {} (at most 1: {verdict}).",
-                    mode.name(),
-                    words(&law)
-                ));
-            }
-        }
+    growth("triangles", None, 1.3);
+    growth("references", Some(2.0), 1.5);
+    for (mode, curve) in of_axis("pixels") {
+        let Some(law) = power_law(curve) else { continue };
+        lines.push(format!(
+            "Mode {mode}: time grows with the number of pixels to the power of {} (limit 1: {}).",
+            words(&law),
+            verdict(law.exponent - law.standard_error <= 1.0)
+        ));
     }
-    said
+    lines
 }
 
 fn words(law: &PowerLaw) -> String {
     format!("{:.2} +- {:.2}", law.exponent, law.standard_error)
 }
 
-fn section(axis: &str, of_modes: &[Curve]) -> Section {
-    Section {
-        title: format!("Growth with {axis}"),
-        blocks: vec![Block::Table(table(axis, of_modes)), Block::Chart(chart(axis, of_modes))],
-    }
-}
-
-/// Milliseconds by value, and the exponents below.
-fn table(axis: &str, of_modes: &[Curve]) -> Table {
-    let mut values: Vec<f64> = of_modes.iter().flatten().map(|p| p[0]).collect();
-    values.sort_by(f64::total_cmp);
-    values.dedup();
-    let ms = |curve: &Curve, value: f64| {
-        curve.iter().find(|p| p[0] == value).map_or(Value::Null, |p| (p[1] * 1e3).into())
-    };
-    let row = |value: &f64| {
-        std::iter::once(Value::from(*value)).chain(of_modes.iter().map(|curve| ms(curve, *value))).collect()
-    };
-    let exponent = |curve: &Curve| power_law(curve).map_or(Value::Null, |law| words(&law).into());
-    let exponents = std::iter::once("exponent".into()).chain(of_modes.iter().map(exponent)).collect();
+/// Milliseconds by value, and the exponents in the last row.
+fn table(axis: &str, of_modes: &[Curve]) -> Block {
+    let line = |value: f64| row(value, of_modes.iter().map(|curve| at(curve, value).map(|secs| secs * 1e3)));
+    let exponents = row("exponent", of_modes.iter().map(|curve| power_law(curve).map(|law| words(&law))));
+    let values = distinct(of_modes.iter().flatten().map(|p| p[0]));
     let columns = std::iter::once(axis.to_owned()).chain(MODES.map(|m| format!("{}, ms", m.name())));
-    Table {
-        title: "Milliseconds a frame, medians".to_owned(),
-        columns: columns.collect(),
-        rows: values.iter().map(row).chain([exponents]).collect(),
-    }
+    Block::table("Milliseconds per frame, medians", columns, values.into_iter().map(line).chain([exponents]))
 }
 
-fn chart(axis: &str, of_modes: &[Curve]) -> Chart {
-    let series = |(mode, curve): (&crate::render::Mode, &Curve)| Series {
-        name: mode.name().to_owned(),
-        drawn: Drawn::MarksAndLine,
-        points: curve
-            .iter()
-            .map(|p| Point::new(p[0], p[1] * 1e3, format!("{}: {:.2} ms", p[0], p[1] * 1e3)))
-            .collect(),
-        ..Series::default()
-    };
-    Chart {
-        name: format!("scaling-{axis}"),
-        title: format!("A frame by {axis}"),
-        x: Axis::logarithmic(axis),
-        y: Axis::logarithmic("frame, ms"),
-        series: MODES.iter().zip(of_modes).map(series).collect(),
-        ..Chart::default()
-    }
+fn chart(axis: &str, of_modes: &[Curve]) -> Block {
+    let point = |p: &[f64; 2]| Point::new(p[0], p[1] * 1e3, format!("{}: {:.2} ms", p[0], p[1] * 1e3));
+    let series = MODES.iter().zip(of_modes);
+    Block::chart(
+        format!("scaling-{axis}"),
+        format!("Frame time by {axis}"),
+        [Axis::logarithmic(axis), Axis::logarithmic("frame, ms")],
+        series.map(|(mode, curve)| Series::new(mode.name(), Drawn::MarksAndLine, curve.iter().map(point))),
+    )
 }

@@ -11,56 +11,53 @@ use crate::scene::builtin::statue_hall;
 use crate::trace::{TraceSettings, Tracer};
 use std::sync::Arc;
 
-/// References where they are not what grows.
+/// Number of references, unless it is varied.
 const REFERENCES: u32 = 2;
 
-/// Triangles and lamps of the hall where they are not what grows.
+/// Number of triangles and of lamps in the hall, unless it is varied.
 const HALL: [u32; 2] = [100_000, 4];
 
-/// One value of what grows, in every mode: the modes share references and scene.
+/// Measures one value of an axis in every mode. The modes share references and scene.
 pub(crate) fn run_cell(context: &ExperimentContext<'_>, cell: &RunRecord) -> CellOutcome {
     let unknown = || ExperimentError::UnknownCell(cell.label());
     let axis = cell.text("axis").ok_or_else(unknown)?;
     let value = cell.number("value").ok_or_else(unknown)? as u32;
+    let trace = context.settings.trace();
     match axis {
         "triangles" => in_hall(context, value, HALL[1]),
         "lights" => in_hall(context, HALL[0], value),
         "threads" => {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(value as usize).build();
-            let pool =
-                pool.map_err(|e| ExperimentError::Unsuitable(format!("no pool of {value} threads: {e}")))?;
-            pool.install(|| in_scene(context, REFERENCES, context.settings.trace()))
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(value as usize).build().map_err(|e| {
+                ExperimentError::Unsuitable(format!("cannot start a pool of {value} threads: {e}"))
+            })?;
+            pool.install(|| in_scene(context, REFERENCES, trace))
         }
-        "references" => in_scene(context, value, context.settings.trace()),
-        "samples" => {
-            in_scene(context, REFERENCES, TraceSettings { samples: value, ..context.settings.trace() })
-        }
+        "references" => in_scene(context, value, trace),
+        "samples" => in_scene(context, REFERENCES, TraceSettings { samples: value, ..trace }),
         _ => {
-            // 16:9, the shape of all sizes listed.
+            // All sizes have the aspect ratio 16:9.
             let height = (f64::from(value) * 9.0 / 16.0).sqrt().round() as u32;
-            let settings =
-                ExperimentSettings { size: [value / height.max(1), height], ..context.settings.clone() };
-            in_scene(
-                &ExperimentContext { settings: &settings, ..*context },
-                REFERENCES,
-                context.settings.trace(),
-            )
+            let size = [value / height.max(1), height];
+            let settings = ExperimentSettings { size, ..context.settings.clone() };
+            in_scene(&ExperimentContext { settings: &settings, ..*context }, REFERENCES, trace)
         }
     }
 }
 
-/// In the scene given, from the middle of its walk.
+/// Measures in the given scene, from the middle of its walk.
 fn in_scene(context: &ExperimentContext<'_>, references: u32, trace: TraceSettings) -> CellOutcome {
     time(context, &context.camera_on_walk(0.5)?, references, &trace)
 }
 
+/// Measures in a generated hall of statues.
 fn in_hall(context: &ExperimentContext<'_>, triangles: u32, lamps: u32) -> CellOutcome {
     let tracer = Arc::new(Tracer::new(Arc::new(statue_hall(triangles as usize, lamps)?)));
     let camera = *tracer.scene().start();
     time(&ExperimentContext { tracer: &tracer, ..*context }, &camera, REFERENCES, &context.settings.trace())
 }
 
-/// All modes on one view, the modes in turn within a repetition, so that what else the machine does touches all alike.
+/// Renders one view in all modes. The modes alternate within a repetition, so that other load on the machine
+/// affects all of them equally.
 fn time(context: &ExperimentContext<'_>, target: &Camera, count: u32, trace: &TraceSettings) -> CellOutcome {
     let poses: Vec<Camera> = (0..count).map(|i| beside(context.tracer, target, i)).collect();
     let Some(references) = References::trace(context, &poses, trace) else { return Ok(None) };
@@ -70,8 +67,7 @@ fn time(context: &ExperimentContext<'_>, target: &Camera, count: u32, trace: &Tr
         for (mode, renderer) in MODES.into_iter().zip(&mut renderers) {
             let trial = Trial { mode, trace: *trace, camera: *target, references: &references };
             let Some(frame) = trial.render(context, renderer) else { return Ok(None) };
-            let mean = frame.radiance.iter().map(|r| f64::from(r.element_sum())).sum::<f64>()
-                / frame.radiance.len().max(1) as f64;
+            let sum: f64 = frame.radiance.iter().map(|r| f64::from(r.element_sum())).sum();
             records.push(
                 RunRecord::default()
                     .with("mode", mode.name())
@@ -81,7 +77,7 @@ fn time(context: &ExperimentContext<'_>, target: &Camera, count: u32, trace: &Tr
                     .with("reference_secs", references.secs())
                     .with("triangles", context.tracer.scene().triangles.len())
                     .with("build_secs", context.tracer.build_secs())
-                    .with("mean_radiance", mean)
+                    .with("mean_radiance", sum / frame.radiance.len().max(1) as f64)
                     .with_fields(&frame.stats.types.percentages()),
             );
         }
@@ -89,12 +85,16 @@ fn time(context: &ExperimentContext<'_>, target: &Camera, count: u32, trace: &Tr
     Ok(Some(records))
 }
 
-/// The pose of a reference: a step to the right, a step to the left, two to the right, and so on, before what stands there.
+/// Returns the camera of a reference: a step to the right of the view, a step to the left, two steps to the
+/// right, and so on, limited by the nearest surface.
 fn beside(tracer: &Tracer, target: &Camera, number: u32) -> Camera {
     const STEP_M: f64 = 0.2;
+    /// Maximum share of the free distance, so that no reference stands in or behind a surface.
+    const MAX_SHARE: f64 = 0.6;
     let side = if number.is_multiple_of(2) { 1.0 } else { -1.0 };
     let way = target.world_from_camera().x_axis * side;
     let reach = STEP_M * f64::from(number / 2 + 1);
-    let free = tracer.probe(target.eye, way, reach / 0.6).map_or(reach, |p| reach.min(0.6 * p.distance_m));
+    let hit = tracer.probe(target.eye, way, reach / MAX_SHARE);
+    let free = hit.map_or(reach, |p| reach.min(MAX_SHARE * p.distance_m));
     Camera { eye: target.eye + way * free, ..*target }
 }

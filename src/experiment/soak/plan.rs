@@ -7,7 +7,7 @@ pub(crate) fn settings(effort: Effort) -> ExperimentSettings {
     ExperimentSettings { effort, size: [320, 180], samples: 2, ..ExperimentSettings::default() }
 }
 
-/// Parts of a run, and how long each is.
+/// Returns the number of parts of a run and the length of each.
 pub(super) fn parts(effort: Effort) -> (u32, Duration) {
     match effort {
         Effort::Quick => (6, Duration::from_secs(5)),

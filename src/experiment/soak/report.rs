@@ -1,17 +1,17 @@
 //! Whether memory and frame times stayed constant.
 
 use super::plan::parts;
-use crate::experiment::run::report::{Axis, Block, Chart, Drawn, Point, Section, Series};
+use crate::experiment::run::report::{Axis, Block, Drawn, Point, Section, Series, fields};
 use crate::experiment::run::{Effort, Identity, Report, RunRecord};
-use serde_json::Map;
+use serde_json::json;
 
-/// Memory may grow so fast at most, MB per minute.
-const MAX_GROWTH: f64 = 1.0;
+/// Maximum growth of memory in MB per minute.
+const MAX_GROWTH_MB_PER_MIN: f64 = 1.0;
 
-/// The last minute's slowest frames may take so many times the first's.
-const MAX_SLOWER: f64 = 1.1;
+/// Maximum 99th percentile of frame time in the last part, as a multiple of that in the first.
+const MAX_SLOWDOWN: f64 = 1.1;
 
-/// The slope of a straight line through points of equal distance.
+/// Slope of the line fitted to values at equal distances, per step.
 fn slope(values: &[f64]) -> f64 {
     let middle = (values.len() as f64 - 1.0) / 2.0;
     let at = |i: usize| i as f64 - middle;
@@ -24,65 +24,45 @@ pub(crate) fn report(identity: &Identity, records: &[RunRecord]) -> Report {
     let of = |name: &str| records.iter().filter_map(|r| r.number(name)).collect::<Vec<f64>>();
     let effort =
         if identity.settings.text("effort") == Some("quick") { Effort::Quick } else { Effort::Usual };
-    let minutes = parts(effort).1.as_secs_f64() / 60.0;
+    let part_minutes = parts(effort).1.as_secs_f64() / 60.0;
+    let minutes = part_minutes * records.len() as f64;
     let memory = of("memory_mb_used");
-    // Buffers and caches fill in the first tenth.
+    // Buffers and caches fill during the first tenth.
     let settled = &memory[(memory.len() / 10).max(1).min(memory.len())..];
-    let growth = slope(settled) / minutes;
-    let slowest = of("frame_secs_p99");
-    let slower = slowest.last().zip(slowest.first()).map_or(1.0, |(last, first)| last / first);
+    let growth = slope(settled) / part_minutes;
+    let ends = |values: &[f64]| values.first().copied().zip(values.last().copied());
+    let slower = ends(&of("frame_secs_p99")).map_or(1.0, |(first, last)| last / first);
     let bad: f64 = of("bad_values").iter().sum();
-    let handles = of("handles_used");
-    let more_handles = handles.last().zip(handles.first()).map_or(0.0, |(last, first)| last - first);
-    let mut summary = Map::new();
-    for (name, value) in [
-        ("minutes", minutes * records.len() as f64),
-        ("memory_growth_mb_per_minute", growth),
-        ("frame_secs_p99_last_over_first", slower),
-        ("bad_values", bad),
-        ("handles_more", more_handles),
-    ] {
-        summary.insert(name.to_owned(), value.into());
-    }
-    let is_ok = growth < MAX_GROWTH && slower <= MAX_SLOWER && bad == 0.0 && more_handles <= 0.0;
-    summary.insert("ok".to_owned(), is_ok.into());
+    let more_handles = ends(&of("handles_used")).map_or(0.0, |(first, last)| last - first);
+    let is_ok =
+        growth < MAX_GROWTH_MB_PER_MIN && slower <= MAX_SLOWDOWN && bad == 0.0 && more_handles <= 0.0;
     let headline = vec![
         format!(
-            "{:.1} minutes: memory grows by {growth:.2} MB a minute (at most {MAX_GROWTH})",
-            minutes * records.len() as f64
+            "In {minutes:.1} minutes memory grows by {growth:.2} MB per minute (limit {MAX_GROWTH_MB_PER_MIN})."
         ),
         format!(
-            "the slowest frames of the last part take {slower:.2} times those of the first (at most {MAX_SLOWER})"
+            "The 99th percentile of frame time in the last part is {slower:.2} times that of the first (limit \
+             {MAX_SLOWDOWN})."
         ),
-        format!("{bad} bad values; {more_handles} more open files at the end than at the beginning"),
+        format!("{bad} invalid pixel values; {more_handles} more open files at the end than at the start."),
     ];
-    Report {
-        headline,
-        summary,
-        sections: vec![Section {
-            title: "Memory".to_owned(),
-            blocks: vec![Block::Chart(chart(&memory, minutes))],
-        }],
-        failure: (!is_ok).then(|| "memory, time or values did not stay".to_owned()),
-        ..Report::default()
-    }
+    let summary = fields(json!({
+        "minutes": minutes,
+        "memory_growth_mb_per_minute": growth,
+        "frame_secs_p99_last_over_first": slower,
+        "bad_values": bad,
+        "handles_more": more_handles,
+        "ok": is_ok,
+    }));
+    let failure = (!is_ok).then(|| "memory, frame time, pixel values or open files exceeded a limit".to_owned());
+    let sections = vec![Section::new("Memory", vec![chart(&memory, part_minutes)])];
+    Report { headline, summary, sections, failure, ..Report::default() }
 }
 
-fn chart(memory: &[f64], minutes: f64) -> Chart {
+fn chart(memory: &[f64], minutes: f64) -> Block {
     let points = memory.iter().enumerate().map(|(i, mb)| Point::new((i + 1) as f64 * minutes, *mb, ""));
-    Chart {
-        name: "memory".to_owned(),
-        title: "Memory held".to_owned(),
-        x: Axis::linear("minutes"),
-        y: Axis::linear("MB"),
-        series: vec![Series {
-            name: "resident".to_owned(),
-            drawn: Drawn::MarksAndLine,
-            points: points.collect(),
-            ..Series::default()
-        }],
-        ..Chart::default()
-    }
+    let series = Series::new("resident", Drawn::MarksAndLine, points);
+    Block::chart("memory", "Resident memory", [Axis::linear("minutes"), Axis::linear("MB")], [series])
 }
 
 #[cfg(test)]
@@ -90,7 +70,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_leak_is_told_from_noise() {
+    fn a_leak_is_distinguished_from_noise() {
         let identity = Identity {
             experiment: "soak".to_owned(),
             version: String::new(),

@@ -13,7 +13,7 @@ use std::time::Instant;
 pub(crate) fn run_cell(context: &ExperimentContext<'_>, _: &RunRecord) -> CellOutcome {
     let length = parts(context.settings.effort).1;
     let start = Instant::now();
-    // Every part does the same work, so that their times can be compared.
+    // Every part does the same work, so that their times are comparable.
     let mut walk = Walkthrough::new(Arc::clone(context.tracer), settings(context, 0));
     let mut secs = Vec::new();
     let mut bad = 0usize;
@@ -21,7 +21,7 @@ pub(crate) fn run_cell(context: &ExperimentContext<'_>, _: &RunRecord) -> CellOu
         if (context.stop)() {
             return Ok(None);
         }
-        trouble(context, &mut walk, frame);
+        disturb(context, &mut walk, frame);
         let Some(camera) = context.walk.camera(frame % context.settings.frames, context.settings.frames)
         else {
             break;
@@ -30,8 +30,9 @@ pub(crate) fn run_cell(context: &ExperimentContext<'_>, _: &RunRecord) -> CellOu
         bad += shown.radiance.iter().filter(|r| !(r.is_finite() && r.min_element() >= 0.0)).count();
         secs.push(shown.stats.secs.frame);
         if let Some(wanted) = walk.wanted_reference() {
-            let made = walk.reference_job(wanted, size(context, frame)).trace(context.stop);
-            made.map(|reference| walk.insert(reference));
+            if let Some(reference) = walk.reference_job(wanted, size(context, frame)).trace(context.stop) {
+                walk.insert(reference);
+            }
         }
     }
     let record = RunRecord::default()
@@ -43,8 +44,8 @@ pub(crate) fn run_cell(context: &ExperimentContext<'_>, _: &RunRecord) -> CellOu
     Ok(Some(vec![record]))
 }
 
-/// What a restless user does: every so many frames another mode, nothing held, or the scene edited.
-fn trouble(context: &ExperimentContext<'_>, walk: &mut Walkthrough, frame: u32) {
+/// Acts as a restless user: at fixed frames changes the mode, clears the cache, or edits the scene.
+fn disturb(context: &ExperimentContext<'_>, walk: &mut Walkthrough, frame: u32) {
     match frame % 100 {
         25 | 75 => walk.set_settings(settings(context, frame / 25)),
         50 => walk.cache_mut().clear(),
@@ -68,13 +69,13 @@ fn settings(context: &ExperimentContext<'_>, turn: u32) -> WalkthroughSettings {
     }
 }
 
-/// The window is resized every ten frames.
+/// Size of a frame: the window is resized every ten frames.
 fn size(context: &ExperimentContext<'_>, frame: u32) -> [u32; 2] {
     let shrunk = frame / 10 % 4;
     context.settings.size.map(|side| (side - side * shrunk / 8).max(1))
 }
 
-/// A number of `/proc/self/status`, where there is one.
+/// Resident memory in megabytes; null if the system does not report it.
 fn memory_mb() -> Value {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));
@@ -82,6 +83,7 @@ fn memory_mb() -> Value {
     kilobytes.map_or(Value::Null, |kb| (kb / 1024.0).into())
 }
 
+/// Number of open files; null if the system does not report it.
 fn handles() -> Value {
     std::fs::read_dir("/proc/self/fd").map_or(Value::Null, |open| open.count().into())
 }

@@ -1,4 +1,4 @@
-//! What the features that a scene does not need would cost: the same frames with every feature forced on.
+//! The cost of features that a scene does not need: the same frames with every feature forced on.
 
 use super::plan::ThroughputSettings;
 use super::plan::moved;
@@ -13,20 +13,21 @@ use serde::Serialize;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Pairs of frames that are timed in turns; a hundredth is looked for, so more than elsewhere.
+/// Number of pairs of frames that are timed. More than for other figures, because the goal is a difference of
+/// 1 %.
 const PAIRS: usize = 15;
 
-/// The time of a frame with everything forced on over that of one with what the scene needs, less one: the median of
-/// pairs. One sample a light, so that what is asked of every pixel and ray is not hidden behind shading.
+/// Additional time of a frame with every feature forced on, in percent of a frame with the features that the scene
+/// needs: the median of pairs. With one sample per light, so that shading does not hide the cost per pixel and ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct FeatureSpeed {
-    /// Mode `full`.
+    /// Additional time in mode `full`.
     pub forced_full_percent: f64,
-    /// Mode `exact`, a reference ahead of the view, what was traced before known.
+    /// Additional time in mode `exact`, with a reference ahead of the view and the light of earlier frames known.
     pub forced_exact_percent: f64,
 }
 
-/// `None` after a stop.
+/// Times frames with and without forced features. `None` after a stop.
 pub(crate) fn feature_speed(
     tracer: &Tracer,
     settings: &ThroughputSettings,
@@ -44,13 +45,13 @@ pub(crate) fn feature_speed(
             if second { early / late } else { late / early }
         };
         let ratios: Vec<f64> = (0..=PAIRS).take_while(|_| !stop()).map(pair).collect();
-        // The first pair fills caches and buffers.
+        // The first pair warms up caches and buffers.
         Some((median(ratios.into_iter().skip(1))? - 1.0) * 100.0)
     };
     Some(FeatureSpeed { forced_full_percent: over(Mode::Full)?, forced_exact_percent: over(Mode::Exact)? })
 }
 
-/// One view, again and again.
+/// Renders one view repeatedly.
 struct Frames<'a> {
     tracer: &'a Tracer,
     cache: ReferenceCache,

@@ -4,14 +4,14 @@ use crate::camera::Camera;
 use crate::experiment::run::{Cell, Effort, ExperimentContext, ExperimentSettings, RunRecord};
 use crate::trace::{TraceSettings, Tracer};
 
-/// What is timed.
+/// View and settings that are timed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThroughputSettings {
-    /// The view.
+    /// Camera of the view.
     pub camera: Camera,
-    /// Of the view.
+    /// Width and height of the view in pixels.
     pub size: [u32; 2],
-    /// Samples, bounces, seed of shading and of the shadow rays.
+    /// Samples, bounces and seed of shading and of shadow rays.
     pub trace: TraceSettings,
 }
 
@@ -27,7 +27,7 @@ pub(crate) fn cells(_: &ExperimentContext<'_>) -> Vec<Cell> {
     vec![Cell(RunRecord::default().with("part", "all"))]
 }
 
-/// The pose after a hundredth of the scene's diagonal forwards and a turn of 3 degrees.
+/// Returns the camera moved forward by a hundredth of the scene's diagonal and turned by 3 degrees.
 pub(super) fn moved(tracer: &Tracer, camera: &Camera) -> Camera {
     let [low, high] = tracer.scene().bounds_m;
     let step = camera.forward() * ((high - low).length() * 0.01);

@@ -16,6 +16,7 @@ use std::sync::Arc;
 /// Number of rays a thread takes at a time.
 const CHUNK: usize = 4096;
 
+/// Million rays per second.
 fn rate_of(rays: &[Ray], count_hits: impl Fn(&Ray) -> bool + Sync) -> f64 {
     if rays.is_empty() {
         return 0.0;
@@ -27,15 +28,18 @@ fn rate_of(rays: &[Ray], count_hits: impl Fn(&Ray) -> bool + Sync) -> f64 {
     rays.len() as f64 / secs / 1e6
 }
 
-/// Cut-out texels and glass count as surfaces: other libraries do the same, and the rays stay comparable.
+/// Million rays per second for the nearest hit. Cut-out texels and glass count as surfaces, as in other
+/// libraries, so that the rates are comparable.
 pub(super) fn closest_rate(bvh: &Bvh, rays: &[Ray]) -> f64 {
     rate_of(rays, |ray| bvh.closest(ray, |_| true).is_some())
 }
 
+/// Million rays per second for any hit.
 pub(super) fn any_rate(bvh: &Bvh, rays: &[Ray]) -> f64 {
     rate_of(rays, |ray| bvh.any(ray, |_| true))
 }
 
+/// Million shadow rays per second in bundles.
 pub(super) fn bundle_rate(bvh: &Bvh, bundles: &[RayBundle], rays: usize) -> f64 {
     let secs = median_secs(|| {
         let blocked = |chunk: &[RayBundle]| {
@@ -46,7 +50,8 @@ pub(super) fn bundle_rate(bvh: &Bvh, bundles: &[RayBundle], rays: usize) -> f64 
     if rays == 0 { 0.0 } else { rays as f64 / secs / 1e6 }
 }
 
-/// Rays in tiles, cut-out texels tested; those beyond the picture's edge are not counted.
+/// Million primary rays per second in tiles. Cut-out texels are tested; rays beyond the edge of the picture are
+/// not counted.
 pub(super) fn tile_rate(tracer: &Tracer, view: &View) -> f64 {
     let side = TILE_SIDE as u32;
     let [columns, rows] = view.size.map(|s| s.div_ceil(side));
@@ -65,6 +70,7 @@ pub(super) fn tile_rate(tracer: &Tracer, view: &View) -> f64 {
     view.pixel_count() as f64 / secs / 1e6
 }
 
+/// Microseconds of shading the diffuse light of one point.
 pub(super) fn shade_us(tracer: &Tracer, points: &[(u32, SurfacePoint)], trace: &TraceSettings) -> f64 {
     let indices: Vec<u32> = (0..points.len() as u32).collect();
     let mut shaded = Vec::new();
@@ -78,6 +84,7 @@ pub(super) fn shade_us(tracer: &Tracer, points: &[(u32, SurfacePoint)], trace: &
     secs * 1e6 / points.len().max(1) as f64
 }
 
+/// Seconds of building the hierarchy.
 pub(super) fn build_secs(tracer: &Tracer) -> f64 {
     let scene = tracer.scene();
     let builds = (0..ROUNDS).map(|_| Tracer::new(Arc::clone(scene)).build_secs());

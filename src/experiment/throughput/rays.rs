@@ -9,19 +9,19 @@ use crate::trace::parallel::tile_order;
 use crate::trace::{RayBundle, SurfacePoint, TraceSettings, Tracer};
 use rayon::prelude::*;
 
-/// Rays of a kind at most; more would time the same at the price of memory.
+/// Maximum number of shadow rays. More would take memory without a change in the rates.
 const MAX_RAYS: usize = 8_000_000;
 
-/// The rays that were timed, in scene space.
+/// Rays in scene space that were timed.
 #[derive(Clone, Debug, Default)]
 pub struct RayDump {
-    /// Nearest hit asked: primary, then diffuse.
+    /// Rays traced for the nearest hit: primary, then diffuse.
     pub closest: Vec<Ray>,
-    /// Any hit asked: shadow.
+    /// Rays traced for any hit: shadow.
     pub any: Vec<Ray>,
 }
 
-/// The rays that [`measure_throughput`] times, without timing them.
+/// Returns the rays that [`super::measure_throughput`] times, without timing them.
 pub fn gather_rays(tracer: &Tracer, settings: &ThroughputSettings) -> RayDump {
     let (primary, points) = first_hits(tracer, settings);
     let diffuse = diffuse_rays(&points, settings.trace.seed);
@@ -29,7 +29,7 @@ pub fn gather_rays(tracer: &Tracer, settings: &ThroughputSettings) -> RayDump {
     RayDump { closest: primary.into_iter().chain(diffuse).collect(), any: rays_of(&bundles) }
 }
 
-/// Primary rays in the order of tiles, and the surface points they meet.
+/// Returns primary rays in tile order, and the surface points that they hit.
 pub(super) fn first_hits(
     tracer: &Tracer,
     settings: &ThroughputSettings,
@@ -42,9 +42,9 @@ pub(super) fn first_hits(
 }
 
 impl RayDump {
-    /// The triangles and the rays in a form other programs read, little-endian: `RAYS0001`, the number of triangles
-    /// as u64, their corners as f32; then twice (nearest hit, any hit) the number of rays as u64 and eight f32 each:
-    /// origin, smallest t, direction, largest t.
+    /// Returns the triangles and rays in a binary format for other programs, little-endian: `RAYS0001`, the
+    /// number of triangles as u64, their corners as f32; then twice (nearest hit, any hit) the number of rays
+    /// as u64 and eight f32 per ray: origin, minimum t, direction, maximum t.
     pub fn to_bytes(&self, tracer: &Tracer) -> Vec<u8> {
         let scene = tracer.scene();
         let count = scene.triangles.len();
@@ -52,20 +52,19 @@ impl RayDump {
         bytes.reserve(24 + count * 36 + (self.closest.len() + self.any.len()) * 32);
         bytes.extend_from_slice(&(count as u64).to_le_bytes());
         let corners = (0..count as u32).flat_map(|t| scene.corners(t)).flat_map(|c| c.to_array());
-        corners.for_each(|c| bytes.extend_from_slice(&c.to_le_bytes()));
+        bytes.extend(corners.flat_map(f32::to_le_bytes));
         for rays in [&self.closest, &self.any] {
             bytes.extend_from_slice(&(rays.len() as u64).to_le_bytes());
             for ray in rays {
                 let (o, d) = (ray.origin, ray.direction);
-                let numbers = [o.x, o.y, o.z, 0.0, d.x, d.y, d.z, ray.t_max];
-                numbers.iter().for_each(|n| bytes.extend_from_slice(&n.to_le_bytes()));
+                bytes.extend([o.x, o.y, o.z, 0.0, d.x, d.y, d.z, ray.t_max].into_iter().flat_map(f32::to_le_bytes));
             }
         }
         bytes
     }
 }
 
-/// The surface points that primary rays meet, with their pixels.
+/// Returns the surface points that primary rays hit, with their pixels.
 fn first_points(tracer: &Tracer, order: &[u32], primary: &[Ray]) -> Vec<(u32, SurfacePoint)> {
     let point =
         |(&pixel, ray): (&u32, &Ray)| tracer.closest(ray).map(|hit| (pixel, tracer.surface(ray, &hit)));
@@ -80,22 +79,24 @@ pub(super) fn diffuse_rays(points: &[(u32, SurfacePoint)], seed: u64) -> Vec<Ray
     points.iter().map(ray).collect()
 }
 
-/// The shadow rays that shading the points traces, of evenly spread points where there are too many.
+/// Returns the shadow rays that shading the points traces; if they exceed [`MAX_RAYS`], those of evenly spread
+/// points.
 pub(super) fn shadow_bundles(
     tracer: &Tracer,
     points: &[(u32, SurfacePoint)],
     trace: &TraceSettings,
 ) -> Vec<RayBundle> {
-    let of_point = |bundles: &mut Vec<RayBundle>, (pixel, point): &(u32, SurfacePoint)| {
-        tracer.shadow_bundles(point, trace.samples, Key::of_pixel(trace.seed, *pixel), bundles);
+    let of_every = |step: usize| {
+        let mut bundles = Vec::new();
+        for (pixel, point) in points.iter().step_by(step) {
+            tracer.shadow_bundles(point, trace.samples, Key::of_pixel(trace.seed, *pixel), &mut bundles);
+        }
+        bundles
     };
-    let mut probe = Vec::new();
-    points.iter().step_by(997).for_each(|p| of_point(&mut probe, p));
-    let rays: usize = probe.iter().map(RayBundle::len).sum();
-    let step = (rays * 997).div_ceil(MAX_RAYS).max(1);
-    let mut bundles = Vec::new();
-    points.iter().step_by(step).for_each(|p| of_point(&mut bundles, p));
-    bundles
+    /// Every n-th point is probed to estimate the number of rays.
+    const PROBE_STEP: usize = 997;
+    let rays: usize = of_every(PROBE_STEP).iter().map(RayBundle::len).sum();
+    of_every((rays * PROBE_STEP).div_ceil(MAX_RAYS).max(1))
 }
 
 pub(super) fn rays_of(bundles: &[RayBundle]) -> Vec<Ray> {

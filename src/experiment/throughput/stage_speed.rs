@@ -1,4 +1,4 @@
-//! The stages of a looked-up frame, each against what it cannot do without.
+//! The stages of a frame in mode `exact`, each against its lower bound.
 
 use super::plan::ThroughputSettings;
 use super::plan::moved;
@@ -15,50 +15,50 @@ use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// References that the look-up is timed with: as many as `exact` averages.
+/// Number of references that the look-up is timed with: as many as `exact` averages.
 const REFERENCES: usize = 2;
 
 /// Bytes of a reference pixel that a look-up reads: disparity, triangle, light.
 const LOOKED_UP_BYTES: f64 = 12.0;
 
-/// Bytes of a reference pixel that entering it into the directory reads: disparity, light.
+/// Bytes of a reference pixel that inserting it into the directory reads: disparity, light.
 const ENTERED_BYTES: f64 = 8.0;
 
-/// The stages of a frame in mode `exact`, on all threads. The view stands a hundredth of the scene's diagonal ahead of
-/// one of its references and as much behind the other.
+/// The stages of a frame in mode `exact`, on all threads. The view is a hundredth of the scene's diagonal ahead
+/// of one reference and the same distance behind the other.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct StageSpeed {
-    /// Tiles of primary rays, their look-ups, writing the pixels.
+    /// Time of tiles of primary rays, their look-ups, and writing the pixels.
     pub resolve_ns_per_pixel: f64,
-    /// The same without the time of the tiles.
+    /// Time of look-ups and writing the pixels.
     pub lookup_ns_per_pixel: f64,
-    /// What is read of two references, once, over the memory's speed.
+    /// Bytes read from two references, once, over the memory bandwidth.
     pub lookup_floor_ns_per_pixel: f64,
-    /// Pixels whose light was a guess.
+    /// Number of pixels whose light was uncertain.
     pub checked_pixels: usize,
-    /// Checking one that no frame before has traced.
+    /// Time of checking a pixel that no earlier frame has traced.
     pub check_new_us_per_pixel: f64,
-    /// Checking one whose light a frame before has traced.
+    /// Time of checking a pixel whose light an earlier frame has traced.
     pub check_known_us_per_pixel: f64,
-    /// Pixels with mirrors or glass.
+    /// Number of pixels with mirrors or glass.
     pub secondary_pixels: usize,
-    /// One of them where the light of what it shows is not known.
+    /// Time of a pixel with mirrors or glass whose light no earlier frame has traced.
     pub secondary_new_us_per_pixel: f64,
-    /// One of them where it is.
+    /// Time of a pixel with mirrors or glass whose light an earlier frame has traced.
     pub secondary_known_us_per_pixel: f64,
-    /// Rays of such a pixel over the rate of primary rays.
+    /// Rays of a pixel with mirrors or glass over the rate of primary rays.
     pub secondary_floor_us_per_pixel: f64,
-    /// Foreseeing what would be open at a pose.
+    /// Time of predicting the open pixels at a pose.
     pub foresight_ms: f64,
-    /// Its rays alone: a sixteenth of the tiles.
+    /// Time of the rays of that prediction alone: a sixteenth of the tiles.
     pub foresight_floor_ms: f64,
-    /// Entering a fully lit reference into the directory, on all threads.
+    /// Time of inserting a fully lit reference into the directory.
     pub directory_ms: f64,
-    /// What it reads over the memory's speed.
+    /// Bytes that the insertion reads over the memory bandwidth.
     pub directory_floor_ms: f64,
 }
 
-/// What the floors are made of.
+/// Rates from which the lower bounds are computed.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Floors {
     pub(crate) primary_mrays_per_sec: f64,
@@ -99,7 +99,7 @@ pub(crate) fn stage_speed(tracer: &Tracer, settings: &ThroughputSettings, floors
     }
 }
 
-/// The first frame, which traces what it does not know, and [`ROUNDS`] that find it known.
+/// Renders a first frame, which traces all unknown light, and [`ROUNDS`] frames that reuse it.
 fn frames(
     tracer: &Tracer,
     camera: &Camera,

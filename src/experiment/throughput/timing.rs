@@ -3,15 +3,15 @@
 use crate::experiment::statistics::median;
 use std::time::Instant;
 
-/// Rounds timed of each figure.
+/// Number of timed rounds per figure.
 pub(super) const ROUNDS: usize = 5;
 
-/// The median seconds of a task, after a round that is not counted.
+/// Returns the median time of a task in seconds, after a round that is not counted.
 pub(super) fn median_secs(task: impl FnMut()) -> f64 {
     median_secs_after(|| (), task)
 }
 
-/// The same, with something done before each round that is not timed.
+/// Like [`median_secs`], with an untimed preparation before each round.
 pub(super) fn median_secs_after(mut before: impl FnMut(), mut task: impl FnMut()) -> f64 {
     task();
     let timed = (0..ROUNDS).map(|_| {

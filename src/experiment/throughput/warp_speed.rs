@@ -1,4 +1,4 @@
-//! The speed of the warp against what memory allows.
+//! The speed of the warp against the bound of memory bandwidth.
 
 use super::plan::{ThroughputSettings, moved};
 use super::timing::{median_secs, median_secs_after};
@@ -12,31 +12,31 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::hint::black_box;
 
-/// Steps 1 and 2 of the paper, from one reference to a view of its size.
+/// The speed of steps 1 and 2 of the paper, from one reference to a view of its size.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct WarpSpeed {
-    /// On all threads, one warp after the other.
+    /// Nanoseconds on all threads, one warp after the other.
     pub warp_ns_per_reference_pixel: f64,
-    /// The same on one core.
+    /// Nanoseconds on one core.
     pub warp_ns_per_reference_pixel_one_core: f64,
-    /// On one core, with nothing of it left in the caches: as in a frame, where tracing lies between two warps.
+    /// Nanoseconds on one core with cold caches, as in a frame, where tracing comes between two warps.
     pub warp_from_memory_ns_per_reference_pixel_one_core: f64,
-    /// That over the time of a stream on one core.
+    /// The time with cold caches over the time of a stream on one core.
     pub warp_over_memory_floor: f64,
-    /// The speed of a stream on all threads, bytes read and written together.
+    /// Memory bandwidth of a stream on all threads, bytes read and written together.
     pub memory_gb_per_sec: f64,
-    /// The same on one core.
+    /// Memory bandwidth of a stream on one core.
     pub memory_gb_per_sec_one_core: f64,
 }
 
-/// Pixels streamed to measure memory: 400 MB in all, larger than any cache.
+/// Number of pixels streamed to measure memory bandwidth: 400 MB in total, more than any cache.
 const STREAMED_PIXELS: usize = 32 << 20;
 
-/// Bytes a warp must move per pixel: a disparity read, a key written. That a processor fetches a line before it
-/// writes to it is in the measured speed, and so is not counted.
+/// Bytes that a warp must move per pixel: a disparity read and a key written. A processor also fetches a line
+/// before it writes to it; the measured bandwidth includes this.
 const MIN_BYTES_PER_PIXEL: usize = size_of::<f32>() + size_of::<u64>();
 
-/// Warps a reference of the view to an eye that went on by a hundredth of the scene's diagonal and turned by 3 degrees.
+/// Times the warp of a reference at the view to the view of [`moved`].
 pub(crate) fn warp_speed(tracer: &Tracer, settings: &ThroughputSettings) -> WarpSpeed {
     let few = TraceSettings { samples: 1, bounces: 0, ..settings.trace };
     let reference = ReferenceFrame::trace(tracer, &settings.camera, settings.size, &few, NEVER);
@@ -64,9 +64,9 @@ pub(crate) fn warp_speed(tracer: &Tracer, settings: &ThroughputSettings) -> Warp
     }
 }
 
-/// What no warp can do without, and nothing else: reads disparities in order and writes keys in order.
+/// Does the minimum work of a warp: reads disparities in order and writes keys in order.
 fn stream((disparities, keys): &mut (Vec<f32>, Vec<u64>)) {
-    /// Pixels a thread takes at a time.
+    /// Number of pixels a thread takes at a time.
     const PIXELS: usize = 1 << 16;
     disparities.par_chunks(PIXELS).zip(keys.par_chunks_mut(PIXELS)).for_each(|(disparities, keys)| {
         for (key, disparity) in keys.iter_mut().zip(disparities) {
