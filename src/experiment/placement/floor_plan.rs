@@ -38,7 +38,10 @@ pub(super) fn draw(tracer: &Tracer, cameras: &[Camera], watch: &Watch) -> ([u32;
     let mut wedges: Vec<&Watched> = watch.references.iter().collect();
     wedges.sort_by(|a, b| a.supplied.total_cmp(&b.supplied));
     for reference in wedges {
-        sheet.wedge(&reference.camera, color(reference.supplied / (BRIGHTEST_SHARE * cameras.len().max(1) as f64)));
+        sheet.wedge(
+            &reference.camera,
+            color(reference.supplied / (BRIGHTEST_SHARE * cameras.len().max(1) as f64)),
+        );
     }
     let height = cameras.iter().map(|c| c.eye.y).sum::<f64>() / cameras.len().max(1) as f64;
     for [a, b] in cut(tracer, height) {

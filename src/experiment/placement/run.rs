@@ -69,7 +69,8 @@ fn tour_settings(
 fn summary(tour: &TourRecord, watch: &Watch) -> RunRecord {
     let frames = &tour.frames;
     let of = |value: fn(&FrameRecord) -> f64| frames.iter().map(value);
-    let mean = |value: fn(&FrameRecord) -> f64| of(value).fold(0.0, |a, b| a + b) / frames.len().max(1) as f64;
+    let mean =
+        |value: fn(&FrameRecord) -> f64| of(value).fold(0.0, |a, b| a + b) / frames.len().max(1) as f64;
     let in_references: u64 = tour.references.iter().map(|r| r.rays.total()).sum();
     let in_frames: u64 = frames.iter().map(|f| f.rays.total()).sum();
     let measured = |value: fn(&Measurement) -> f64| {

@@ -71,8 +71,9 @@ fn narrow(base: &BaseWalk<'_>) -> Option<Vec<Camera>> {
     const HALF_M: f64 = 3.0;
     let width = |camera: &Camera| {
         let right = camera.world_from_camera().x_axis;
-        let side =
-            |direction: DVec3| base.tracer.probe(camera.eye, direction, REACH_M).map_or(REACH_M, |p| p.distance_m);
+        let side = |direction: DVec3| {
+            base.tracer.probe(camera.eye, direction, REACH_M).map_or(REACH_M, |p| p.distance_m)
+        };
         side(right) + side(-right)
     };
     let mut narrowest = (f64::INFINITY, 0.5);

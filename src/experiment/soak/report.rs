@@ -34,8 +34,7 @@ pub(crate) fn report(identity: &Identity, records: &[RunRecord]) -> Report {
     let slower = ends(&of("frame_secs_p99")).map_or(1.0, |(first, last)| last / first);
     let bad: f64 = of("bad_values").iter().sum();
     let more_handles = ends(&of("handles_used")).map_or(0.0, |(first, last)| last - first);
-    let is_ok =
-        growth < MAX_GROWTH_MB_PER_MIN && slower <= MAX_SLOWDOWN && bad == 0.0 && more_handles <= 0.0;
+    let is_ok = growth < MAX_GROWTH_MB_PER_MIN && slower <= MAX_SLOWDOWN && bad == 0.0 && more_handles <= 0.0;
     let headline = vec![
         format!(
             "In {minutes:.1} minutes memory grows by {growth:.2} MB per minute (limit {MAX_GROWTH_MB_PER_MIN})."
@@ -54,7 +53,8 @@ pub(crate) fn report(identity: &Identity, records: &[RunRecord]) -> Report {
         "handles_more": more_handles,
         "ok": is_ok,
     }));
-    let failure = (!is_ok).then(|| "memory, frame time, pixel values or open files exceeded a limit".to_owned());
+    let failure =
+        (!is_ok).then(|| "memory, frame time, pixel values or open files exceeded a limit".to_owned());
     let sections = vec![Section::new("Memory", vec![chart(&memory, part_minutes)])];
     Report { headline, summary, sections, failure, ..Report::default() }
 }

@@ -57,7 +57,9 @@ impl RayDump {
             bytes.extend_from_slice(&(rays.len() as u64).to_le_bytes());
             for ray in rays {
                 let (o, d) = (ray.origin, ray.direction);
-                bytes.extend([o.x, o.y, o.z, 0.0, d.x, d.y, d.z, ray.t_max].into_iter().flat_map(f32::to_le_bytes));
+                bytes.extend(
+                    [o.x, o.y, o.z, 0.0, d.x, d.y, d.z, ray.t_max].into_iter().flat_map(f32::to_le_bytes),
+                );
             }
         }
         bytes
