@@ -88,7 +88,8 @@ pub mod warp;
 
 pub use camera::{Camera, View};
 pub use render::{
-    Frame, Mode, ReferenceJob, RefineState, RenderSettings, Renderer, Walkthrough, WalkthroughSettings,
+    Frame, FrameRequest, Mode, ReferenceJob, RefineState, RenderSettings, Renderer, Walkthrough,
+    WalkthroughSettings,
 };
 pub use scene::Scene;
 pub use trace::Tracer;

@@ -1,7 +1,6 @@
 //! Checks of looked-up frames: what is wrong is found, what is right is left alone, and the estimate is true.
 
 use crate::rooms::{cuboid, dvec, quad, room_camera, room_tracer};
-use afterimage::lookup::LookupSet;
 use afterimage::raster::load::display_of;
 use afterimage::raster::metrics::psnr_db;
 use afterimage::reference::{ReferenceCache, ReferenceFrame};
@@ -10,7 +9,9 @@ use afterimage::render::{AuditEstimate, render_antialiased};
 use afterimage::scene::{Material, SceneBuilder};
 use afterimage::trace::TraceSettings;
 use afterimage::trace::parallel::NEVER;
-use afterimage::{Camera, Mode, RenderSettings, Renderer, Tracer, Walkthrough, WalkthroughSettings};
+use afterimage::{
+    Camera, FrameRequest, Mode, RenderSettings, Renderer, Tracer, Walkthrough, WalkthroughSettings,
+};
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
@@ -37,8 +38,7 @@ fn checked(
 ) -> (Vec<Vec3>, AuditEstimate) {
     let settings = RenderSettings { mode: Mode::Exact, trace: TRACE };
     let mut renderer = Renderer::default();
-    let lookup = LookupSet::new(cache, tracer.epoch());
-    let frame = renderer.render_by_lookup(tracer, camera, SIZE, &settings, &lookup, NEVER);
+    let frame = renderer.render(&FrameRequest::new(tracer, camera, SIZE, &settings).reusing(cache));
     let estimate = auditor.check(&Audited { tracer, frame, trace: &TRACE }, cache, count);
     (frame.radiance.clone(), estimate)
 }
@@ -46,7 +46,7 @@ fn checked(
 fn truth(tracer: &Tracer, camera: &Camera) -> Vec<Vec3> {
     let trace = TraceSettings { samples: 512, seed: 77, ..TRACE };
     let settings = RenderSettings { mode: Mode::Full, trace };
-    render_antialiased(tracer, camera, SIZE, &settings, 1, NEVER).radiance
+    render_antialiased(&FrameRequest::new(tracer, camera, SIZE, &settings), 1).radiance
 }
 
 /// A lit room; `brightness` is its lamp's.

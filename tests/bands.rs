@@ -9,7 +9,7 @@ use afterimage::render::bands::{Background, Band, BandedPicture};
 use afterimage::render::render_antialiased;
 use afterimage::trace::parallel::NEVER;
 use afterimage::trace::{RayCounts, TraceSettings, Tracer};
-use afterimage::{Camera, Mode, RenderSettings};
+use afterimage::{Camera, FrameRequest, Mode, RenderSettings};
 use glam::{DVec3, Vec3};
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -25,7 +25,7 @@ fn bands_have_the_bits_of_the_whole_picture() {
     let (tracer, camera) = (room_tracer(true, true), room_camera());
     let settings = RenderSettings { mode: Mode::Full, trace: TRACE };
     for passes in [1, 3] {
-        let whole = render_antialiased(&tracer, &camera, SIZE, &settings, passes, NEVER);
+        let whole = render_antialiased(&FrameRequest::new(&tracer, &camera, SIZE, &settings), passes);
         let rays = whole.stats.rays;
         let whole = Band::from(whole);
         let (picture, done) = (banded(&tracer, &camera, passes), AtomicU64::new(0));

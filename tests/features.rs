@@ -5,7 +5,7 @@ use afterimage::reference::{ReferenceCache, ReferenceFrame};
 use afterimage::scene::{Scene, SceneFeatures, builtin};
 use afterimage::trace::TraceSettings;
 use afterimage::trace::parallel::NEVER;
-use afterimage::{Mode, RenderSettings, Renderer, Tracer};
+use afterimage::{FrameRequest, Mode, RenderSettings, Renderer, Tracer};
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -21,17 +21,12 @@ fn pictures(scene: Scene) -> Vec<Vec<Vec3>> {
     let lookup = LookupSet::of_snapshot(&known, tracer.epoch());
     let reference = ReferenceFrame::trace_sparse(&tracer, &from, SIZE, &TRACE, &lookup, NEVER).unwrap();
     cache.insert(Arc::new(reference));
-    let lookup = LookupSet::new(&cache, tracer.epoch());
     let mut renderer = Renderer::default();
     [Mode::Full, Mode::Fast, Mode::Exact]
         .map(|mode| {
             let settings = RenderSettings { mode, trace: TRACE };
-            match mode.looks_up() {
-                true => renderer.render_by_lookup(&tracer, &to, SIZE, &settings, &lookup, NEVER),
-                false => renderer.render(&tracer, &to, SIZE, &settings, &[], NEVER),
-            }
-            .radiance
-            .clone()
+            let request = FrameRequest::new(&tracer, &to, SIZE, &settings);
+            renderer.render(&request.reusing(&cache)).radiance.clone()
         })
         .into()
 }

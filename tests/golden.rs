@@ -4,7 +4,7 @@ use crate::rooms::{room_camera, room_tracer};
 use afterimage::reference::ReferenceFrame;
 use afterimage::trace::TraceSettings;
 use afterimage::trace::parallel::NEVER;
-use afterimage::{Camera, Mode, RenderSettings, Renderer};
+use afterimage::{Camera, FrameRequest, Mode, RenderSettings, Renderer};
 use std::path::Path;
 
 /// After a change that is meant to move pixels: run with `AFTERIMAGE_BLESS=1`, look at the difference, say why in the
@@ -19,7 +19,7 @@ fn pixel_types_of_a_room_seen_from_two_steps_on() {
     let reference = ReferenceFrame::trace(&tracer, &start, size, &settings.trace, NEVER).unwrap();
     let camera = Camera { eye: start.eye + start.forward() * 0.8, yaw: start.yaw + 0.15, ..start };
     let mut renderer = Renderer::default();
-    let frame = renderer.render(&tracer, &camera, size, &settings, &[&reference], NEVER);
+    let frame = renderer.render(&FrameRequest::new(&tracer, &camera, size, &settings).warping(&[&reference]));
     let row = |types: &[_]| {
         types.iter().map(|t: &afterimage::raster::pixel_types::PixelType| t.number().to_string()).collect()
     };

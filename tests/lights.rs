@@ -2,9 +2,8 @@
 
 use crate::rooms::{cuboid, dvec, quad};
 use afterimage::scene::{Material, Scene, SceneBuilder};
-use afterimage::trace::parallel::NEVER;
 use afterimage::trace::{RayCounts, TraceSettings};
-use afterimage::{Camera, Mode, RenderSettings, Renderer, Tracer};
+use afterimage::{Camera, FrameRequest, Mode, RenderSettings, Renderer, Tracer};
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -32,7 +31,7 @@ fn shadow_rays_and_radiance(rooms: u32) -> (RayCounts, Vec<Vec3>) {
     let settings =
         RenderSettings { mode: Mode::Full, trace: TraceSettings { samples: 4, ..Default::default() } };
     let mut renderer = Renderer::default();
-    let frame = renderer.render(&tracer, &camera, [96, 72], &settings, &[], NEVER);
+    let frame = renderer.render(&FrameRequest::new(&tracer, &camera, [96, 72], &settings));
     (frame.stats.rays, frame.radiance.clone())
 }
 
@@ -80,7 +79,7 @@ fn cuts_are_counted() {
     let camera = Camera::look_at(dvec(0.4, 1.6, 2.5), dvec(3.0, 1.2, 0.8), 75.0);
     let settings =
         RenderSettings { mode: Mode::Full, trace: TraceSettings { samples: 1, ..Default::default() } };
-    Renderer::default().render(&tracer, &camera, [32, 24], &settings, &[], NEVER);
+    Renderer::default().render(&FrameRequest::new(&tracer, &camera, [32, 24], &settings));
     let cuts = tracer.light_grid().cuts();
     assert_eq!(cuts.lights, 12);
     assert!(cuts.cells > 0 && cuts.kept_mean >= 1.0 && cuts.kept_mean < 4.0, "{cuts:?}");

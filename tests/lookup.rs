@@ -10,7 +10,9 @@ use afterimage::reference::{PlacementPolicy, ReferenceCache, ReferenceFrame};
 use afterimage::scene::{Material, Scene, SceneBuilder, Sky, builtin};
 use afterimage::trace::TraceSettings;
 use afterimage::trace::parallel::NEVER;
-use afterimage::{Camera, Mode, RenderSettings, Renderer, Tracer, Walkthrough, WalkthroughSettings};
+use afterimage::{
+    Camera, FrameRequest, Mode, RenderSettings, Renderer, Tracer, Walkthrough, WalkthroughSettings,
+};
 use glam::{DVec3, Vec3};
 use std::path::Path;
 use std::sync::Arc;
@@ -38,13 +40,12 @@ fn add_wanted(walk: &mut Walkthrough) {
 }
 
 fn full(tracer: &Tracer, camera: &Camera) -> afterimage::Frame {
-    Renderer::default().render(tracer, camera, SIZE, &settings(Mode::Full), &[], NEVER).clone()
+    Renderer::default().render(&FrameRequest::new(tracer, camera, SIZE, &settings(Mode::Full))).clone()
 }
 
 fn exact(tracer: &Tracer, camera: &Camera, cache: &ReferenceCache) -> afterimage::Frame {
-    let lookup = LookupSet::new(cache, tracer.epoch());
     let mut renderer = Renderer::default();
-    renderer.render_by_lookup(tracer, camera, SIZE, &settings(Mode::Exact), &lookup, NEVER).clone()
+    renderer.render(&FrameRequest::new(tracer, camera, SIZE, &settings(Mode::Exact)).reusing(cache)).clone()
 }
 
 fn cache_with(tracer: &Tracer, poses: &[Camera], trace: &TraceSettings) -> ReferenceCache {
@@ -251,11 +252,10 @@ fn a_reference_that_is_switched_off_is_as_good_as_gone() {
 fn what_mirrors_and_glass_show_is_shaded_once() {
     let tracer = room_tracer(true, true);
     let none = ReferenceCache::new(tracer.scene(), 1 << 30);
-    let lookup = LookupSet::new(&none, tracer.epoch());
     let mut renderer = Renderer::default();
     let mut render = || {
         renderer
-            .render_by_lookup(&tracer, &room_camera(), SIZE, &settings(Mode::Exact), &lookup, NEVER)
+            .render(&FrameRequest::new(&tracer, &room_camera(), SIZE, &settings(Mode::Exact)).reusing(&none))
             .clone()
     };
     let [first, second, third] = [render(), render(), render()];
@@ -298,7 +298,7 @@ fn the_edge_of_a_shadow_stays_in_its_place_seen_at_once_and_in_a_mirror() {
         add_wanted(&mut walk);
         let settings = RenderSettings { mode: Mode::Full, trace };
         let mut renderer = Renderer::default();
-        let truth = renderer.render(&tracer, &camera, SIZE, &settings, &[], NEVER);
+        let truth = renderer.render(&FrameRequest::new(&tracer, &camera, SIZE, &settings));
         for pixel in (0..frame.radiance.len()).filter(|_| i >= 3) {
             let (shown, right) = (frame.radiance[pixel], truth.radiance[pixel]);
             off += u32::from((shown - right).abs().max_element() > 0.2 * shown.max(right).max_element());

@@ -6,7 +6,7 @@ use afterimage::math::Ray;
 use afterimage::reference::placement::{AheadRequest, GREEDY, GRID, OpenSpot, RULES, walkable};
 use afterimage::reference::{Observation, PlacementPolicy};
 use afterimage::scene::{Material, SceneBuilder};
-use afterimage::{Camera, Mode, RenderSettings, Tracer, Walkthrough, WalkthroughSettings};
+use afterimage::{Camera, FrameRequest, Mode, RenderSettings, Tracer, Walkthrough, WalkthroughSettings};
 use glam::{DVec3, Vec2, Vec3};
 use std::sync::Arc;
 
@@ -160,7 +160,7 @@ fn statues_behind_the_viewer_leave_the_picture_as_it_is() {
         let settings = RenderSettings { mode: Mode::Full, ..Default::default() };
         let mut renderer = Renderer::default();
         let camera = *tracer.scene().start();
-        renderer.render(&tracer, &camera, SIZE, &settings, &[], &|| false).radiance.clone()
+        renderer.render(&FrameRequest::new(&tracer, &camera, SIZE, &settings)).radiance.clone()
     };
     let few = picture(0);
     assert!(few.iter().all(|r| r.is_finite()) && few.iter().any(|r| r.max_element() > 0.05));

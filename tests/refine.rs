@@ -7,7 +7,9 @@ use afterimage::reference::placement::NONE;
 use afterimage::render::{refine::PASSES, render_antialiased};
 use afterimage::trace::TraceSettings;
 use afterimage::trace::parallel::NEVER;
-use afterimage::{Camera, Frame, Mode, RenderSettings, Renderer, Tracer, Walkthrough, WalkthroughSettings};
+use afterimage::{
+    Camera, Frame, FrameRequest, Mode, RenderSettings, Renderer, Tracer, Walkthrough, WalkthroughSettings,
+};
 use glam::Vec3;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -41,11 +43,13 @@ fn walk_at_rest(tracer: &Arc<Tracer>, mode: Mode) -> Walkthrough {
 }
 
 fn full(tracer: &Tracer) -> Frame {
-    Renderer::default().render(tracer, &room_camera(), SIZE, &settings(Mode::Full), &[], NEVER).clone()
+    Renderer::default()
+        .render(&FrameRequest::new(tracer, &room_camera(), SIZE, &settings(Mode::Full)))
+        .clone()
 }
 
 fn converged(tracer: &Tracer) -> Frame {
-    render_antialiased(tracer, &room_camera(), SIZE, &settings(Mode::Full), PASSES, NEVER)
+    render_antialiased(&FrameRequest::new(tracer, &room_camera(), SIZE, &settings(Mode::Full)), PASSES)
 }
 
 /// Refines until so many pixels are done.
@@ -73,7 +77,8 @@ fn after_the_first_pass_the_picture_is_the_full_tracers() {
     assert!(frame.disparity == full.disparity);
     assert!(frame.types == types, "what was reused is still shown");
     assert_eq!(frame.stats.refined, state);
-    let once = render_antialiased(&tracer, &room_camera(), SIZE, &settings(Mode::Full), 1, NEVER);
+    let once =
+        render_antialiased(&FrameRequest::new(&tracer, &room_camera(), SIZE, &settings(Mode::Full)), 1);
     assert!(once.radiance == full.radiance && once.triangle == full.triangle && once.stats.is_complete);
     assert_eq!(once.stats.rays, full.stats.rays);
 }
@@ -117,7 +122,7 @@ fn antialiasing_has_the_same_bits_at_any_number_of_threads_and_smooths() {
     let trace = TraceSettings { samples: 16, ..TRACE };
     let render = |passes: u32| {
         let settings = RenderSettings { mode: Mode::Full, trace };
-        render_antialiased(&tracer, &room_camera(), SIZE, &settings, passes, NEVER)
+        render_antialiased(&FrameRequest::new(&tracer, &room_camera(), SIZE, &settings), passes)
     };
     let [one, four] = [1, 4].map(|threads| pool(threads).install(|| render(PASSES)));
     assert!(one.radiance == four.radiance && one.stats.rays == four.stats.rays);
@@ -135,7 +140,7 @@ fn antialiasing_has_the_same_bits_at_any_number_of_threads_and_smooths() {
 fn downsampled(tracer: &Tracer) -> Vec<Vec3> {
     let large = SIZE.map(|s| s * 16);
     let mut renderer = Renderer::default();
-    let frame = renderer.render(tracer, &room_camera(), large, &settings(Mode::Full), &[], NEVER);
+    let frame = renderer.render(&FrameRequest::new(tracer, &room_camera(), large, &settings(Mode::Full)));
     let mut small = vec![Vec3::ZERO; PIXELS];
     for (pixel, radiance) in frame.radiance.iter().enumerate() {
         let (x, y) = (pixel % large[0] as usize / 16, pixel / large[0] as usize / 16);
@@ -193,7 +198,10 @@ fn the_papers_picture_is_left_as_it_is() {
 fn a_stopped_picture_says_so_and_has_no_holes() {
     let asked = AtomicUsize::new(0);
     let stop = || asked.fetch_add(1, Ordering::Relaxed) >= PIXELS / 2;
-    let frame = render_antialiased(&tracer(), &room_camera(), SIZE, &settings(Mode::Full), PASSES, &stop);
+    let frame = render_antialiased(
+        &FrameRequest::new(&tracer(), &room_camera(), SIZE, &settings(Mode::Full)).with_stop(&stop),
+        PASSES,
+    );
     assert!(!frame.stats.is_complete);
     let lit = frame.radiance.iter().filter(|r| r.max_element() > 0.0).count();
     assert!(lit * 10 > 9 * PIXELS, "{lit} of {PIXELS} pixels show something");

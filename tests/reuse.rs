@@ -8,7 +8,9 @@ use afterimage::reference::{PlacementPolicy, ReferenceCache, ReferenceFrame};
 use afterimage::trace::TraceSettings;
 use afterimage::trace::parallel::NEVER;
 use afterimage::warp::WarpBuffer;
-use afterimage::{Camera, Mode, RenderSettings, Renderer, Tracer, View, Walkthrough, WalkthroughSettings};
+use afterimage::{
+    Camera, FrameRequest, Mode, RenderSettings, Renderer, Tracer, View, Walkthrough, WalkthroughSettings,
+};
 use std::sync::Arc;
 
 const SIZE: [u32; 2] = [96, 64];
@@ -35,7 +37,8 @@ fn a_reference_warped_onto_its_own_camera_has_no_hole_and_the_same_light() {
     let camera = room_camera();
     let reference = reference(&tracer, &camera);
     let mut renderer = Renderer::default();
-    let frame = renderer.render(&tracer, &camera, SIZE, &settings(Mode::Paper), &[&reference], NEVER);
+    let frame = renderer
+        .render(&FrameRequest::new(&tracer, &camera, SIZE, &settings(Mode::Paper)).warping(&[&reference]));
     assert!(frame.types.iter().all(|t| *t == PixelType::Reused));
     assert_eq!(frame.stats.rays, Default::default(), "Type 1 takes no rays");
     let mut lit = 0;
@@ -55,9 +58,11 @@ fn a_reference_warped_onto_its_own_camera_has_no_hole_and_the_same_light() {
 fn paper_without_references_is_the_full_tracer_bit_for_bit() {
     let tracer = room_tracer(true, true);
     let mut renderer = Renderer::default();
-    let full =
-        renderer.render(&tracer, &room_camera(), SIZE, &settings(Mode::Full), &[], NEVER).radiance.clone();
-    let paper = renderer.render(&tracer, &room_camera(), SIZE, &settings(Mode::Paper), &[], NEVER);
+    let full = renderer
+        .render(&FrameRequest::new(&tracer, &room_camera(), SIZE, &settings(Mode::Full)))
+        .radiance
+        .clone();
+    let paper = renderer.render(&FrameRequest::new(&tracer, &room_camera(), SIZE, &settings(Mode::Paper)));
     assert!(paper.radiance == full);
     assert_eq!(paper.stats.types.unseen, paper.stats.types.total());
 }
@@ -134,7 +139,8 @@ fn type_counts_sum_and_a_mirror_is_never_type_1() {
     let mut renderer = Renderer::default();
     for (forward, turn) in [(0.0, 0.0), (0.2, 0.1), (1.0, -0.3), (0.0, 3.0)] {
         let camera = moved(&start, forward, turn);
-        let frame = renderer.render(&tracer, &camera, SIZE, &settings(Mode::Paper), &references, NEVER);
+        let frame = renderer
+            .render(&FrameRequest::new(&tracer, &camera, SIZE, &settings(Mode::Paper)).warping(&references));
         let types = frame.stats.types;
         assert_eq!(types.total(), frame.view.pixel_count());
         let p = types.percentages();
@@ -154,8 +160,10 @@ fn type_2_equals_the_plain_tracer_at_the_reference_camera() {
     let camera = room_camera();
     let reference = reference(&tracer, &camera);
     let mut renderer = Renderer::default();
-    let full = renderer.render(&tracer, &camera, SIZE, &settings(Mode::Full), &[], NEVER).radiance.clone();
-    let paper = renderer.render(&tracer, &camera, SIZE, &settings(Mode::Paper), &[&reference], NEVER);
+    let full =
+        renderer.render(&FrameRequest::new(&tracer, &camera, SIZE, &settings(Mode::Full))).radiance.clone();
+    let paper = renderer
+        .render(&FrameRequest::new(&tracer, &camera, SIZE, &settings(Mode::Paper)).warping(&[&reference]));
     assert!(paper.stats.types.secondary > 150, "{:?}", paper.stats.types);
     let wrong = full
         .iter()
@@ -172,8 +180,10 @@ fn a_teleport_leaves_nothing_to_reuse_and_equals_the_full_tracer() {
     let reference = reference(&tracer, &room_camera());
     let mut renderer = Renderer::default();
     let away = Camera { yaw: room_camera().yaw + std::f64::consts::PI, ..room_camera() };
-    let full = renderer.render(&tracer, &away, SIZE, &settings(Mode::Full), &[], NEVER).radiance.clone();
-    let paper = renderer.render(&tracer, &away, SIZE, &settings(Mode::Paper), &[&reference], NEVER);
+    let full =
+        renderer.render(&FrameRequest::new(&tracer, &away, SIZE, &settings(Mode::Full))).radiance.clone();
+    let paper = renderer
+        .render(&FrameRequest::new(&tracer, &away, SIZE, &settings(Mode::Paper)).warping(&[&reference]));
     assert_eq!(paper.stats.types.unseen, paper.stats.types.total());
     assert!(paper.radiance == full);
 }
@@ -292,7 +302,11 @@ fn a_stopped_frame_says_so_and_has_no_holes() {
     let mut renderer = Renderer::default();
     let asked = AtomicUsize::new(0);
     let stop = || asked.fetch_add(1, Ordering::Relaxed) >= 2;
-    let frame = renderer.render(&tracer, &camera, SIZE, &settings(Mode::Paper), &[&reference], &stop);
+    let frame = renderer.render(
+        &FrameRequest::new(&tracer, &camera, SIZE, &settings(Mode::Paper))
+            .warping(&[&reference])
+            .with_stop(&stop),
+    );
     assert!(!frame.stats.is_complete);
     assert_eq!(frame.stats.types.total(), frame.view.pixel_count());
     assert!(frame.radiance.iter().filter(|r| r.max_element() > 0.0).count() * 10 > 9 * frame.radiance.len());

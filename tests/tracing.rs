@@ -2,10 +2,9 @@
 
 use crate::rooms::{cuboid, dvec, quad, room_camera, room_tracer};
 use afterimage::scene::{Light, Material, MaterialKind, SceneBuilder, SolidSide};
-use afterimage::trace::parallel::NEVER;
 use afterimage::trace::specular::{fresnel_dielectric, truncation_bound};
 use afterimage::trace::{RayCounts, TraceSettings};
-use afterimage::{Camera, Mode, RenderSettings, Renderer, Tracer, View};
+use afterimage::{Camera, FrameRequest, Mode, RenderSettings, Renderer, Tracer, View};
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -30,7 +29,7 @@ fn furnace_has_its_closed_form_within_one_percent() {
     let camera = Camera::look_at(dvec(0.1, 0.2, 0.3), dvec(1.0, 0.4, -0.7), 70.0);
     for bounces in [0, 1, 4] {
         let mut renderer = Renderer::default();
-        let frame = renderer.render(&tracer, &camera, [24, 24], &full(64, bounces), &[], NEVER);
+        let frame = renderer.render(&FrameRequest::new(&tracer, &camera, [24, 24], &full(64, bounces)));
         let expected: f32 = (0..=bounces + 1).map(|n| rho.powi(n as i32)).sum();
         let measured = mean(&frame.radiance);
         assert!(
@@ -184,7 +183,10 @@ fn every_thread_count_gives_the_same_bits() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
             let mut renderer = Renderer::default();
-            renderer.render(&tracer, &room_camera(), [96, 64], &full(4, 1), &[], NEVER).radiance.clone()
+            renderer
+                .render(&FrameRequest::new(&tracer, &room_camera(), [96, 64], &full(4, 1)))
+                .radiance
+                .clone()
         })
     };
     let one = render(1);
@@ -207,7 +209,7 @@ fn scenes_scaled_by_powers_of_two_and_moved_by_whole_units_have_the_same_bits() 
         let tracer = Tracer::new(Arc::new(b.finish().unwrap()));
         let camera = Camera::look_at(at(0.5, 1.5, 3.0), at(0.0, 1.0, -4.0), 65.0);
         let mut renderer = Renderer::default();
-        renderer.render(&tracer, &camera, [64, 48], &full(4, 1), &[], NEVER).radiance.clone()
+        renderer.render(&FrameRequest::new(&tracer, &camera, [64, 48], &full(4, 1))).radiance.clone()
     };
     let base = picture(1.0, glam::DVec3::ZERO);
     for k in [-20, -3, 5, 30] {
@@ -230,7 +232,7 @@ fn floor_brightness(bounces: u32, add: impl Fn(&mut SceneBuilder)) -> f32 {
     let tracer = Tracer::new(Arc::new(b.finish().unwrap()));
     let camera = Camera::look_at(dvec(0.0, 1.0, 1.5), dvec(0.0, 0.0, 0.0), 30.0);
     let mut renderer = Renderer::default();
-    mean(&renderer.render(&tracer, &camera, [16, 16], &full(256, bounces), &[], NEVER).radiance).x
+    mean(&renderer.render(&FrameRequest::new(&tracer, &camera, [16, 16], &full(256, bounces))).radiance).x
 }
 
 #[test]

@@ -5,7 +5,7 @@ use afterimage::import::{ImportOptions, load};
 use afterimage::reference::ReferenceFrame;
 use afterimage::trace::TraceSettings;
 use afterimage::trace::parallel::NEVER;
-use afterimage::{Mode, RenderSettings, Renderer, Tracer};
+use afterimage::{FrameRequest, Mode, RenderSettings, Renderer, Tracer};
 use std::collections::BTreeMap;
 use std::io::Write as _;
 use std::path::Path;
@@ -26,7 +26,8 @@ fn walk(name: &str, tracer: &Tracer, path: &CameraPath) {
     for frame in [10, 120, 240] {
         let [before, camera] = [frame - 2, frame].map(|f| path.camera(f, 300).unwrap());
         let reference = ReferenceFrame::trace(tracer, &before, SIZE, &TRACE, NEVER).unwrap();
-        let frame = renderer.render(tracer, &camera, SIZE, &settings, &[&reference], NEVER);
+        let frame =
+            renderer.render(&FrameRequest::new(tracer, &camera, SIZE, &settings).warping(&[&reference]));
         assert!(frame.radiance.iter().all(|r| r.is_finite() && r.min_element() >= 0.0), "{name}");
         assert_eq!(frame.stats.types.total(), frame.radiance.len(), "{name}");
         lit += frame.radiance.iter().filter(|r| r.max_element() > 0.0).count();

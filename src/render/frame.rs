@@ -38,8 +38,10 @@ pub struct Frame {
 pub struct StageSecs {
     /// Choosing references, and judging afterwards what they gave and whether another is wanted.
     pub select: f64,
-    /// Warp and classification, with the copying of Type 1; in modes that look up, primary hits and look-ups.
-    pub warp: f64,
+    /// Finding what each pixel shows and the light known for it: in mode `paper` the warp,
+    /// classification and copying of Type 1; in modes that look up, primary hits and look-ups.
+    #[serde(rename = "warp")]
+    pub visibility_and_lookup: f64,
     /// Type 2.
     pub secondary: f64,
     /// Type 3, or every pixel of the full tracer.

@@ -91,7 +91,7 @@ impl Renderer {
         rayon::join(|| points.enter(tracer.epoch(), fresh), resolve);
         self.gather_lists();
         self.frame.stats.rays.primary += view.pixel_count() as u64;
-        self.frame.stats.secs.warp = start.elapsed().as_secs_f64();
+        self.frame.stats.secs.visibility_and_lookup = start.elapsed().as_secs_f64();
     }
 
     fn gather_lists(&mut self) {

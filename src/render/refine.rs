@@ -5,7 +5,7 @@
 //! settings, so after one pass the picture is the one of mode `full`. Each pixel sums its passes in their order, so the
 //! bits depend neither on threads nor on when the work was interrupted.
 
-use super::RenderSettings;
+use super::FrameRequest;
 use super::frame::{Frame, NO_SUPPLIER};
 use super::renderer::DISPERSED;
 use crate::camera::{Camera, View};
@@ -252,14 +252,8 @@ pub(super) fn seed_of_pass(seed: u64, pass: u32) -> u64 {
 /// Renders a picture in full with so many rays through different points of each pixel: what a picture at rest becomes
 /// after as many passes, bit for bit. With one pass it is the picture of mode `full`. Pixels that a stop left undone
 /// show those around them, and the frame says that it is not complete.
-pub fn render_antialiased(
-    tracer: &Tracer,
-    camera: &Camera,
-    size: [u32; 2],
-    settings: &RenderSettings,
-    passes: u32,
-    stop: Stop<'_>,
-) -> Frame {
+pub fn render_antialiased(request: &FrameRequest<'_>, passes: u32) -> Frame {
+    let FrameRequest { tracer, camera, size, settings, stop, .. } = *request;
     let start = Instant::now();
     let mut refinement = Refinement::new(tracer, camera, size, &settings.trace, passes.max(1));
     refinement.run(tracer, stop);

@@ -3,9 +3,10 @@
 use super::finish::{Checked, MAX_POINTS};
 use super::frame::{Frame, NO_SUPPLIER};
 use super::look_up::Band;
+use super::request::{FrameRequest, Source};
 use super::{Mode, RenderSettings};
 use crate::camera::{Camera, View};
-use crate::lookup::{LookupSet, PointCache, TracedPoint};
+use crate::lookup::{PointCache, TracedPoint};
 use crate::math::key::Key;
 use crate::raster::pixel_types::{PixelType, TypeCounts};
 use crate::reference::ReferenceFrame;
@@ -119,7 +120,7 @@ impl Renderer {
 
     /// Whether frames may be shown before they are complete: the work is then spread over the picture, which costs some
     /// 5 % for rays that are less coherent.
-    pub fn set_spreads_work(&mut self, progressive: bool) {
+    pub fn set_progressive(&mut self, progressive: bool) {
         self.progressive = progressive;
     }
 
@@ -129,74 +130,39 @@ impl Renderer {
         self.frame.stats.secs.frame += secs;
     }
 
-    /// Renders a view from references (of the tracer's epoch; others are a bug of the caller). Pixels that a stop
-    /// left undone show what was known of them, and the frame says that it is not complete.
+    /// Renders a frame. Pixels that a stop left undone show what was known of them, and the frame
+    /// says that it is not complete.
     ///
     /// # Panics
-    /// Where a reference is of another epoch.
-    pub fn render(
-        &mut self,
-        tracer: &Tracer,
-        camera: &Camera,
-        size: [u32; 2],
-        settings: &RenderSettings,
-        references: &[&ReferenceFrame],
-        stop: Stop<'_>,
-    ) -> &Frame {
-        assert!(references.iter().all(|r| r.epoch == tracer.epoch()), "a reference of another epoch");
+    /// Where a reference to be warped belongs to another epoch.
+    pub fn render(&mut self, request: &FrameRequest<'_>) -> &Frame {
+        let FrameRequest { tracer, camera, size, settings, .. } = *request;
+        let source = request.source();
         let start = self.begin(tracer, camera, size);
-        let references = if settings.mode == Mode::Full { &[] } else { references };
-        self.reproject(tracer, references);
+        match &source {
+            Source::LookUp(lookup) => self.resolve(tracer, lookup, settings.mode),
+            Source::Warp(references) => self.reproject(tracer, references),
+        }
         self.begin_lists();
-        self.finish_lists(tracer, settings, references, stop);
+        self.finish_open(request, &source);
         self.finish(tracer, start)
     }
 
-    /// Renders a view in mode `fast` or `exact`, with the light of whatever references are at hand.
-    pub fn render_by_lookup(
-        &mut self,
-        tracer: &Tracer,
-        camera: &Camera,
-        size: [u32; 2],
-        settings: &RenderSettings,
-        lookup: &LookupSet<'_>,
-        stop: Stop<'_>,
-    ) -> &Frame {
-        let start = self.begin(tracer, camera, size);
-        self.resolve(tracer, lookup, settings.mode);
-        self.begin_lists();
-        self.finish_looked_up(tracer, settings, lookup, stop);
-        self.finish(tracer, start)
-    }
-
-    /// Goes on with the last frame where a stop left it, with the same references and settings. A frame that is complete
-    /// is left as it is.
-    pub fn resume(
-        &mut self,
-        tracer: &Tracer,
-        settings: &RenderSettings,
-        references: &[&ReferenceFrame],
-        stop: Stop<'_>,
-    ) -> &Frame {
+    /// Continues the last frame where a stop left it. The request must be the one that it was
+    /// rendered from, apart from the stop. A complete frame stays as it is.
+    pub fn resume(&mut self, request: &FrameRequest<'_>) -> &Frame {
         let start = Instant::now();
         self.frame.stats.is_complete = true;
-        let references = if settings.mode == Mode::Full { &[] } else { references };
-        self.finish_lists(tracer, settings, references, stop);
-        self.finish(tracer, start)
+        self.finish_open(request, &request.source());
+        self.finish(request.tracer, start)
     }
 
-    /// The same in mode `fast` or `exact`.
-    pub fn resume_by_lookup(
-        &mut self,
-        tracer: &Tracer,
-        settings: &RenderSettings,
-        lookup: &LookupSet<'_>,
-        stop: Stop<'_>,
-    ) -> &Frame {
-        let start = Instant::now();
-        self.frame.stats.is_complete = true;
-        self.finish_looked_up(tracer, settings, lookup, stop);
-        self.finish(tracer, start)
+    fn finish_open(&mut self, request: &FrameRequest<'_>, source: &Source<'_>) {
+        let FrameRequest { tracer, settings, stop, .. } = *request;
+        match source {
+            Source::LookUp(lookup) => self.finish_looked_up(tracer, settings, lookup, stop),
+            Source::Warp(references) => self.finish_lists(tracer, settings, references, stop),
+        }
     }
 
     /// Type 2 and 3 where the light of references is copied, and where there are none.
@@ -271,7 +237,7 @@ impl Renderer {
         self.warped.warp(references, &self.frame.view);
         self.copy_samples(tracer, references);
         self.list_work();
-        self.frame.stats.secs.warp = start.elapsed().as_secs_f64();
+        self.frame.stats.secs.visibility_and_lookup = start.elapsed().as_secs_f64();
     }
 
     /// The pixels of Types 2 and 3, tile by tile. Where unfinished frames are shown, those of Type 3 come in sixteen

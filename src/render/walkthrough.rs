@@ -4,7 +4,7 @@
 
 use super::audit::{Audited, Auditor};
 use super::refine::{PASSES, RefineState, Refinement};
-use super::{Frame, Mode, ReferenceJob, RenderSettings, Renderer};
+use super::{Frame, FrameRequest, Mode, ReferenceJob, References, RenderSettings, Renderer};
 use crate::camera::{Camera, View};
 use crate::lookup::{LookupSet, open_percent};
 use crate::reference::cache::CachedReference;
@@ -24,14 +24,14 @@ pub struct WalkthroughSettings {
     /// Where references are added.
     pub placement: PlacementPolicy,
     /// References a frame uses at most.
-    pub most_references: usize,
+    pub max_references: usize,
     /// Memory for references, bytes.
     pub cache_bytes: usize,
     /// Whether a few pixels of every looked-up frame are traced in full as well, to know how good it is and to find
     /// references that are wrong. How many depends on the clock.
     pub audits: bool,
     /// Whether every frame is compared with the one before it, to see what flickers.
-    pub watches_steadiness: bool,
+    pub measures_stability: bool,
 }
 
 impl Default for WalkthroughSettings {
@@ -39,10 +39,10 @@ impl Default for WalkthroughSettings {
         Self {
             render: RenderSettings::default(),
             placement: PlacementPolicy::default(),
-            most_references: 8,
+            max_references: 8,
             cache_bytes: 1024 << 20,
             audits: false,
-            watches_steadiness: false,
+            measures_stability: false,
         }
     }
 }
@@ -135,7 +135,7 @@ impl Walkthrough {
     /// The same walk for someone who looks on: frames may be stopped and shown unfinished.
     #[must_use]
     pub fn progressive(mut self) -> Self {
-        self.renderer.set_spreads_work(true);
+        self.renderer.set_progressive(true);
         self
     }
 
@@ -156,18 +156,16 @@ impl Walkthrough {
         let view = View::new(camera, &self.tracer.scene().frame, size);
         let selected = match self.settings.render.mode {
             Mode::Full | Mode::Fast | Mode::Exact => Vec::new(),
-            Mode::Paper => self.cache.select(&view, self.tracer.epoch(), self.settings.most_references),
+            Mode::Paper => self.cache.select(&view, self.tracer.epoch(), self.settings.max_references),
         };
         let select_secs = start.elapsed().as_secs_f64();
         let settings = self.settings.render;
-        if settings.mode.looks_up() {
-            let lookup = LookupSet::new(&self.cache, self.tracer.epoch());
-            self.renderer.render_by_lookup(&self.tracer, camera, size, &settings, &lookup, stop);
-        } else {
-            let references: Vec<&ReferenceFrame> = selected.iter().map(|r| &*r.frame).collect();
-            self.renderer.render(&self.tracer, camera, size, &settings, &references, stop);
-        }
         self.selected = selected;
+        let frames: Vec<&ReferenceFrame> = self.selected.iter().map(|r| &*r.frame).collect();
+        let references = references_of(settings.mode, &self.cache, &frames);
+        let request =
+            FrameRequest { tracer: &self.tracer, camera, size, settings: &settings, references, stop };
+        self.renderer.render(&request);
         self.rendered = settings;
         self.conclude(select_secs);
         self.previous = Some(*camera);
@@ -184,13 +182,19 @@ impl Walkthrough {
             return self.renderer.frame();
         }
         let settings = self.rendered;
-        if settings.mode.looks_up() {
-            let lookup = LookupSet::new(&self.cache, self.tracer.epoch());
-            self.renderer.resume_by_lookup(&self.tracer, &settings, &lookup, stop);
-        } else {
-            let references: Vec<&ReferenceFrame> = self.selected.iter().map(|r| &*r.frame).collect();
-            self.renderer.resume(&self.tracer, &settings, &references, stop);
-        }
+        let frames: Vec<&ReferenceFrame> = self.selected.iter().map(|r| &*r.frame).collect();
+        let references = references_of(settings.mode, &self.cache, &frames);
+        let Frame { camera, view, .. } = self.renderer.frame();
+        let (camera, size) = (*camera, view.size);
+        let request = FrameRequest {
+            tracer: &self.tracer,
+            camera: &camera,
+            size,
+            settings: &settings,
+            references,
+            stop,
+        };
+        self.renderer.resume(&request);
         self.conclude(0.0);
         self.renderer.frame()
     }
@@ -218,12 +222,12 @@ impl Walkthrough {
         self.wanted = self.decide(&camera, size);
         self.renderer.add_select_secs(select_secs + start.elapsed().as_secs_f64());
         self.audit();
-        self.watch_steadiness();
+        self.measure_stability();
     }
 
     /// Compares the last frame with the one before it, where that is asked for.
-    fn watch_steadiness(&mut self) {
-        if !self.settings.watches_steadiness {
+    fn measure_stability(&mut self) {
+        if !self.settings.measures_stability {
             self.watch = None;
         } else if self.renderer.frame().stats.is_complete {
             let watch = self.watch.get_or_insert_default();
@@ -322,7 +326,7 @@ impl Walkthrough {
         if let Some(pose) = self.wanted_ahead(camera, size) {
             return Some(pose);
         }
-        let (tracer, cache, most) = (&self.tracer, &mut self.cache, self.settings.most_references);
+        let (tracer, cache, most) = (&self.tracer, &mut self.cache, self.settings.max_references);
         let placement = self.settings.placement;
         let view = |pose: &Camera| View::new(pose, &tracer.scene().frame, size);
         if is_sparse {
@@ -371,4 +375,14 @@ impl Walkthrough {
     pub fn insert(&mut self, reference: ReferenceFrame) -> Option<ReferenceId> {
         (reference.epoch == self.tracer.epoch()).then(|| self.cache.insert(Arc::new(reference)))
     }
+}
+
+/// The references that a frame of a mode reuses: those selected for the view in mode `paper`, the
+/// whole cache elsewhere.
+fn references_of<'a>(
+    mode: Mode,
+    cache: &'a ReferenceCache,
+    selected: &'a [&'a ReferenceFrame],
+) -> References<'a> {
+    if mode == Mode::Paper { References::Warped(selected) } else { References::Cached(cache) }
 }

@@ -5,7 +5,7 @@ use crate::raster::load::display_of;
 use crate::raster::metrics::{CompareError, flip, psnr_db};
 use crate::raster::pixel_types::PixelType;
 use crate::raster::save::SaveError;
-use crate::render::{Frame, Mode, RenderSettings, Renderer};
+use crate::render::{Frame, FrameRequest, Mode, RenderSettings, Renderer};
 use crate::trace::parallel::Stop;
 use crate::trace::{TraceSettings, Tracer};
 use serde::Serialize;
@@ -80,7 +80,8 @@ impl Measurer {
     ) -> Result<Option<Measurement>, CompareError> {
         let size = frame.view.size;
         let settings = RenderSettings { mode: Mode::Full, trace: *trace };
-        let full = self.renderer.render(tracer, &frame.camera, size, &settings, &[], stop);
+        let full =
+            self.renderer.render(&FrameRequest::new(tracer, &frame.camera, size, &settings).with_stop(stop));
         if !full.stats.is_complete {
             return Ok(None);
         }

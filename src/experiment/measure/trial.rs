@@ -7,9 +7,7 @@ use super::references::References;
 use super::truth::{TruthRequest, truth};
 use crate::camera::Camera;
 use crate::experiment::run::{CellOutcome, ExperimentContext, RunRecord};
-use crate::lookup::LookupSet;
-use crate::reference::ReferenceFrame;
-use crate::render::{Frame, Mode, RenderSettings, Renderer};
+use crate::render::{Frame, FrameRequest, Mode, RenderSettings, Renderer};
 use crate::trace::TraceSettings;
 use glam::Vec3;
 
@@ -35,13 +33,8 @@ impl Trial<'_> {
     ) -> Option<&'r Frame> {
         let settings = RenderSettings { mode: self.mode, trace: self.trace };
         let size = context.settings.size;
-        if self.mode.looks_up() {
-            let lookup = LookupSet::new(self.references.cache(), context.tracer.epoch());
-            renderer.render_by_lookup(context.tracer, &self.camera, size, &settings, &lookup, context.stop);
-        } else {
-            let references: Vec<&ReferenceFrame> = self.references.frames.iter().map(|r| &**r).collect();
-            renderer.render(context.tracer, &self.camera, size, &settings, &references, context.stop);
-        }
+        let request = FrameRequest::new(context.tracer, &self.camera, size, &settings);
+        renderer.render(&request.reusing(self.references.cache()).with_stop(context.stop));
         let frame = renderer.frame();
         frame.stats.is_complete.then_some(frame)
     }
@@ -69,7 +62,7 @@ impl Trial<'_> {
                     .with("repetition", repetition)
                     .with("is_warm_up", repetition == 0)
                     .with("frame_secs", stats.secs.frame)
-                    .with("type1_secs", stats.secs.warp)
+                    .with("type1_secs", stats.secs.visibility_and_lookup)
                     .with("type2_secs", stats.secs.secondary)
                     .with("type3_secs", stats.secs.trace)
                     .with("reference_secs", self.references.secs())
@@ -93,7 +86,10 @@ impl Trial<'_> {
         }
         let settings = RenderSettings { mode: Mode::Full, trace: TraceSettings { samples: 1, ..self.trace } };
         let mut full = Renderer::default();
-        full.render(context.tracer, &self.camera, context.settings.size, &settings, &[], context.stop);
+        full.render(
+            &FrameRequest::new(context.tracer, &self.camera, context.settings.size, &settings)
+                .with_stop(context.stop),
+        );
         full.frame().stats.is_complete.then(|| see_through_percent(frame, full.frame()))
     }
 }

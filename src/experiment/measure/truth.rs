@@ -2,7 +2,7 @@
 
 use crate::camera::{Camera, View};
 use crate::raster::save::{SaveError, write_atomically};
-use crate::render::{Mode, RenderSettings, Renderer};
+use crate::render::{FrameRequest, Mode, RenderSettings, Renderer};
 use crate::trace::parallel::Stop;
 use crate::trace::{RayCounts, TraceSettings, Tracer};
 use glam::Vec3;
@@ -51,7 +51,8 @@ pub fn truth(
     }
     let mut renderer = Renderer::default();
     let settings = RenderSettings { mode: Mode::Full, trace: request.settings };
-    let frame = renderer.render(request.tracer, request.camera, request.size, &settings, &[], stop);
+    let frame = renderer
+        .render(&FrameRequest::new(request.tracer, request.camera, request.size, &settings).with_stop(stop));
     if !frame.stats.is_complete {
         return None;
     }

@@ -10,7 +10,7 @@ use crate::experiment::run::ExperimentError;
 use crate::lookup::LookupSet;
 use crate::raster::pixel_types::PixelType;
 use crate::reference::{ReferenceCache, ReferenceFrame};
-use crate::render::{Frame, Mode, RenderSettings, Renderer};
+use crate::render::{Frame, FrameRequest, Mode, RenderSettings, Renderer};
 use crate::scene::{Material, SceneBuilder};
 use crate::trace::Tracer;
 use crate::trace::parallel::NEVER;
@@ -118,7 +118,7 @@ fn exact(tracer: &Tracer, from: &Camera, here: &Camera) -> Frame {
     }
     let mut renderer = Renderer::default();
     let settings = RenderSettings { mode: Mode::Exact, trace: TRACE };
-    renderer.render_by_lookup(tracer, here, SIZE, &settings, &LookupSet::new(&cache, tracer.epoch()), NEVER);
+    renderer.render(&FrameRequest::new(tracer, here, SIZE, &settings).reusing(&cache));
     renderer.into_frame()
 }
 

@@ -6,7 +6,7 @@ use crate::math::key::Key;
 use crate::raster::color::ToneMap;
 use crate::reference::ReferenceFrame;
 use crate::render::aov::display_picture;
-use crate::render::{Frame, Mode, RenderSettings, Renderer};
+use crate::render::{Frame, FrameRequest, Mode, RenderSettings, Renderer};
 pub(super) use crate::scene::shapes::{cuboid, quad, sphere as ball};
 use crate::scene::{Material, SceneBuilder, SceneError, Sky};
 use crate::trace::parallel::NEVER;
@@ -108,7 +108,9 @@ pub(super) fn picture(
     references: &[&ReferenceFrame],
 ) -> Frame {
     let mut renderer = Renderer::default();
-    renderer.render(tracer, camera, size, &RenderSettings { mode, trace: TRACE }, references, NEVER);
+    renderer.render(
+        &FrameRequest::new(tracer, camera, size, &RenderSettings { mode, trace: TRACE }).warping(references),
+    );
     renderer.into_frame()
 }
 

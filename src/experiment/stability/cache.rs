@@ -13,7 +13,7 @@ use crate::lookup::LookupSet;
 use crate::math::key::Key;
 use crate::raster::pixel_types::PixelType;
 use crate::reference::{ReferenceCache, ReferenceFrame};
-use crate::render::{Frame, Mode, RenderSettings, Renderer, Walkthrough, WalkthroughSettings};
+use crate::render::{Frame, FrameRequest, Mode, RenderSettings, Renderer, Walkthrough, WalkthroughSettings};
 use crate::scene::{Material, SceneBuilder};
 use crate::trace::Tracer;
 use crate::trace::parallel::NEVER;
@@ -294,7 +294,7 @@ fn looked_up(tracer: &Tracer, share: f32) -> Frame {
     }
     let mut renderer = Renderer::default();
     let settings = RenderSettings { mode: Mode::Exact, trace: TRACE };
-    renderer.render_by_lookup(tracer, &here, SIZE, &settings, &LookupSet::new(&cache, tracer.epoch()), NEVER);
+    renderer.render(&FrameRequest::new(tracer, &here, SIZE, &settings).reusing(&cache));
     renderer.into_frame()
 }
 
@@ -362,7 +362,9 @@ fn time_ratio(tracer: &Tracer, camera: &Camera) -> Outcome {
     let mut renderer = Renderer::default();
     let mut secs = |mode, lent: &[&ReferenceFrame]| {
         let start = Instant::now();
-        renderer.render(tracer, camera, size, &RenderSettings { mode, trace: TRACE }, lent, NEVER);
+        renderer.render(
+            &FrameRequest::new(tracer, camera, size, &RenderSettings { mode, trace: TRACE }).warping(lent),
+        );
         start.elapsed().as_secs_f64()
     };
     Ok(fastest_ratio(7, || [secs(Mode::Paper, &[&lent]), secs(Mode::Full, &[])]).into())

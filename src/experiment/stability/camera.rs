@@ -13,7 +13,7 @@ use crate::math::key::Key;
 use crate::raster::load::Picture;
 use crate::raster::save::save_png;
 use crate::reference::ReferenceFrame;
-use crate::render::{Frame, Mode, Renderer};
+use crate::render::{Frame, FrameRequest, Mode, Renderer};
 use crate::scene::{Material, SceneBuilder};
 use crate::trace::{RayCounts, Tracer};
 use glam::{Mat3, Vec3};
@@ -303,7 +303,7 @@ fn teleport_time(_: &Trial) -> Outcome {
     let mut secs = |mode, lent: &[&ReferenceFrame]| {
         let settings = crate::render::RenderSettings { mode, trace: TRACE };
         let start = Instant::now();
-        renderer.render(&tracer, &away, size, &settings, lent, crate::trace::parallel::NEVER);
+        renderer.render(&FrameRequest::new(&tracer, &away, size, &settings).warping(lent));
         start.elapsed().as_secs_f64()
     };
     Ok(fastest_ratio(15, || [secs(Mode::Paper, &[&lent]), secs(Mode::Full, &[])]).into())

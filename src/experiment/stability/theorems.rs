@@ -7,9 +7,8 @@ use super::scale::self_hits;
 use crate::experiment::run::ExperimentError;
 use crate::math::Ray;
 use crate::math::key::Key;
-use crate::render::{Frame, Mode, RenderSettings, Renderer};
+use crate::render::{Frame, FrameRequest, Mode, RenderSettings, Renderer};
 use crate::scene::{Material, SceneBuilder};
-use crate::trace::parallel::NEVER;
 use crate::trace::{Bvh, TraceSettings};
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
@@ -186,7 +185,7 @@ fn furnace(_: &Trial) -> Outcome {
         let settings =
             RenderSettings { mode: Mode::Full, trace: TraceSettings { samples: 512, bounces, seed: 1 } };
         let mut renderer = Renderer::default();
-        let frame = renderer.render(&tracer, &camera, [16, 16], &settings, &[], NEVER);
+        let frame = renderer.render(&FrameRequest::new(&tracer, &camera, [16, 16], &settings));
         let expected: f64 = (0..=bounces + 1).map(|n| 0.8f64.powi(n as i32)).sum();
         let mean = frame.radiance.iter().map(|r| f64::from(r.x)).sum::<f64>() / frame.radiance.len() as f64;
         worst = worst.max(100.0 * (mean / expected - 1.0).abs() + bad_values(frame) as f64);

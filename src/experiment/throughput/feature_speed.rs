@@ -3,9 +3,8 @@
 use super::plan::ThroughputSettings;
 use super::plan::moved;
 use crate::experiment::statistics::median;
-use crate::lookup::LookupSet;
 use crate::reference::{ReferenceCache, ReferenceFrame};
-use crate::render::{Mode, RenderSettings, Renderer};
+use crate::render::{FrameRequest, Mode, RenderSettings, Renderer};
 use crate::scene::{Scene, SceneFeatures};
 use crate::trace::parallel::{NEVER, Stop};
 use crate::trace::{TraceSettings, Tracer};
@@ -75,12 +74,8 @@ impl<'a> Frames<'a> {
         let render = RenderSettings { mode, trace };
         let [plain, looking] = &mut self.renderers;
         let start = Instant::now();
-        if mode.looks_up() {
-            let lookup = LookupSet::new(&self.cache, self.tracer.epoch());
-            looking.render_by_lookup(self.tracer, &camera, size, &render, &lookup, NEVER);
-        } else {
-            plain.render(self.tracer, &camera, size, &render, &[], NEVER);
-        }
+        let renderer = if mode.looks_up() { looking } else { plain };
+        renderer.render(&FrameRequest::new(self.tracer, &camera, size, &render).reusing(&self.cache));
         start.elapsed().as_secs_f64()
     }
 }

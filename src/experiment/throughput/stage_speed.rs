@@ -7,7 +7,7 @@ use crate::camera::{Camera, View};
 use crate::experiment::statistics::median;
 use crate::lookup::{LookupSet, open_percent};
 use crate::reference::{ReferenceCache, ReferenceFrame};
-use crate::render::{FrameStats, Mode, RenderSettings, Renderer};
+use crate::render::{FrameRequest, FrameStats, Mode, RenderSettings, Renderer};
 use crate::trace::Tracer;
 use crate::trace::parallel::NEVER;
 use serde::Serialize;
@@ -106,11 +106,12 @@ fn frames(
     settings: &ThroughputSettings,
     cache: &ReferenceCache,
 ) -> Vec<FrameStats> {
-    let lookup = LookupSet::new(cache, tracer.epoch());
     let render = RenderSettings { mode: Mode::Exact, trace: settings.trace };
     let mut renderer = Renderer::default();
     (0..=ROUNDS)
-        .map(|_| renderer.render_by_lookup(tracer, camera, settings.size, &render, &lookup, NEVER).stats)
+        .map(|_| {
+            renderer.render(&FrameRequest::new(tracer, camera, settings.size, &render).reusing(cache)).stats
+        })
         .collect()
 }
 
@@ -120,7 +121,7 @@ fn of_frames(frames: &[FrameStats], pixels: f64, tile_ns: f64, mrays_per_sec: f6
     let types = first.types;
     let (checked, secondary) = (types.uncertain, types.secondary);
     let us = |secs: f64, count: usize| if count == 0 { 0.0 } else { secs * 1e6 / count as f64 };
-    let resolve_ns = known(|f| f.secs.warp) * 1e9 / pixels;
+    let resolve_ns = known(|f| f.secs.visibility_and_lookup) * 1e9 / pixels;
     let rays = first.rays.secondary as f64 / 1e6;
     StageSpeed {
         resolve_ns_per_pixel: resolve_ns,

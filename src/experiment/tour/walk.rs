@@ -149,7 +149,7 @@ fn record_of(index: u32, walk: &Walkthrough) -> FrameRecord {
         warped_pixels: stats.warped_pixels,
         frame_secs: stats.secs.frame,
         select_secs: stats.secs.select,
-        warp_secs: stats.secs.warp,
+        warp_secs: stats.secs.visibility_and_lookup,
         secondary_secs: stats.secs.secondary,
         trace_secs: stats.secs.trace,
         audit_secs: stats.secs.audit,

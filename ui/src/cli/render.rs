@@ -203,7 +203,7 @@ fn object(
             "load": loaded.load_secs,
             "build": loaded.tracer.build_secs(),
             "references": total_secs(references),
-            "warp": secs.warp,
+            "warp": secs.visibility_and_lookup,
             "secondary": secs.secondary,
             "trace": secs.trace,
             "frame": secs.frame,

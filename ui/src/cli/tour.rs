@@ -130,10 +130,10 @@ fn settings(args: &TourArgs, flags: &Flags, walk: &CameraPath) -> TourSettings {
     let walkthrough = WalkthroughSettings {
         render: flags.render(),
         placement,
-        most_references: args.most_references.into(),
+        max_references: args.most_references.into(),
         cache_bytes: usize::try_from(args.cache_mb << 20).unwrap_or(usize::MAX),
         audits: args.audit,
-        watches_steadiness: measure.is_some(),
+        measures_stability: measure.is_some(),
     };
     let budget = args.budget_ms.map(|ms| Duration::from_millis(ms.into()));
     TourSettings { walkthrough, size: flags.size(), frames, budget, measure }

@@ -7,7 +7,6 @@ pub mod sequence;
 
 pub(crate) use notes::{Made, notes};
 
-use afterimage::lookup::LookupSet;
 use afterimage::raster::color::ToneMap;
 use afterimage::raster::pixel_types::TypeCounts;
 use afterimage::raster::save::{Channel, ChannelValues, SaveError};
@@ -17,7 +16,7 @@ use afterimage::render::aov::{Aov, display_rows, display_rows_alpha, types_rows}
 use afterimage::render::bands::{Background, Band, BandedPicture};
 use afterimage::render::{FrameStats, RefineState};
 use afterimage::trace::parallel::Stop;
-use afterimage::{Camera, RenderSettings, Renderer, Tracer};
+use afterimage::{Camera, FrameRequest, RenderSettings, Renderer, Tracer};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -198,25 +197,13 @@ impl PictureJob {
         references: &[Arc<ReferenceFrame>],
         stop: Stop<'_>,
     ) -> afterimage::Frame {
-        let mut renderer = Renderer::default();
-        let (camera, size, settings) = (&self.camera, self.size, &self.settings);
-        if settings.mode.looks_up() {
-            let mut cache = ReferenceCache::new(tracer.scene(), usize::MAX);
-            for reference in references {
-                cache.insert(Arc::clone(reference));
-            }
-            renderer.render_by_lookup(
-                tracer,
-                camera,
-                size,
-                settings,
-                &LookupSet::new(&cache, tracer.epoch()),
-                stop,
-            );
-        } else {
-            let references: Vec<&ReferenceFrame> = references.iter().map(|r| &**r).collect();
-            renderer.render(tracer, camera, size, settings, &references, stop);
+        let mut cache = ReferenceCache::new(tracer.scene(), usize::MAX);
+        for reference in references {
+            cache.insert(Arc::clone(reference));
         }
+        let mut renderer = Renderer::default();
+        let request = FrameRequest::new(tracer, &self.camera, self.size, &self.settings);
+        renderer.render(&request.reusing(&cache).with_stop(stop));
         renderer.into_frame()
     }
 

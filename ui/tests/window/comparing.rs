@@ -1,9 +1,9 @@
 //! The picture against the full tracer's.
 
 use super::*;
+use afterimage::FrameRequest;
 use afterimage::Mode;
 use afterimage::render::render_antialiased;
-use afterimage::trace::parallel::NEVER;
 use afterimage_ui::window::rendering::exchange::rgb9e5;
 use afterimage_ui::window::state::Compare;
 use egui::{Key, Modifiers};
@@ -29,7 +29,7 @@ fn the_full_tracers_picture_converges_is_measured_and_is_dropped_by_motion() {
     render.mode = Mode::Full;
     let passes = full.stats.refined.of;
     let tracer = afterimage::Tracer::new(small_room());
-    let truth = render_antialiased(&tracer, &frame.camera, frame.size, &render, passes, NEVER);
+    let truth = render_antialiased(&FrameRequest::new(&tracer, &frame.camera, frame.size, &render), passes);
     let expected: Vec<u32> = truth.radiance.iter().map(|c| rgb9e5(*c)).collect();
     assert!(full.radiance == expected, "it is the anti-aliased picture of the full tracer");
     let (_, error) = state.comparison.error.expect("a measure");

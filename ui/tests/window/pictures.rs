@@ -3,8 +3,7 @@
 use super::*;
 use afterimage::raster::load::{Picture, read_notes};
 use afterimage::render::render_antialiased;
-use afterimage::trace::parallel::NEVER;
-use afterimage::{Mode, Tracer};
+use afterimage::{FrameRequest, Mode, Tracer};
 use afterimage_ui::window::state::{PictureFormat, PictureSettings, PictureSize, Severity};
 use egui::{Key, Modifiers};
 
@@ -35,7 +34,10 @@ fn f12_saves_the_full_tracers_picture_of_the_asked_size_bit_for_bit() {
     let tracer = Tracer::new(small_room());
     let mut settings = state.quality.walk.render;
     settings.mode = Mode::Full;
-    let expected = render_antialiased(&tracer, state.navigation.fly.camera(), [40, 30], &settings, 2, NEVER);
+    let expected = render_antialiased(
+        &FrameRequest::new(&tracer, state.navigation.fly.camera(), [40, 30], &settings),
+        2,
+    );
     assert_eq!(picture.values, expected.radiance);
     let notes = read_notes(&path).expect("notes");
     let note = |name: &str| notes.iter().find(|(n, _)| n == name).map(|(_, t)| t.clone()).unwrap_or_default();

@@ -4,8 +4,7 @@ use super::small_room;
 use afterimage::reference::PlacementPolicy;
 use afterimage::reference::placement::NONE;
 use afterimage::render::render_antialiased;
-use afterimage::trace::parallel::NEVER;
-use afterimage::{Camera, Mode, Tracer, WalkthroughSettings};
+use afterimage::{Camera, FrameRequest, Mode, Tracer, WalkthroughSettings};
 use afterimage_ui::window::rendering::exchange::PublishedFrame;
 use afterimage_ui::window::rendering::render_thread::{
     Message, Picture, RenderCommand, RenderRequest, RenderThread,
@@ -155,7 +154,8 @@ fn a_picture_at_rest_converges_and_then_costs_nothing() {
     }
     let passes = bench.shown.as_ref().map_or(0, |f| f.stats.refined.of);
     let (camera, render) = (&request.camera, &request.settings.render);
-    let expected = render_antialiased(&bench.tracer, camera, request.size, render, passes, NEVER);
+    let expected =
+        render_antialiased(&FrameRequest::new(&bench.tracer, camera, request.size, render), passes);
     let picture = bench.picture();
     assert!(picture.radiance == expected.radiance && picture.refined.is_complete);
     // The thread has been round its loop for the picture, and had nothing more to show.

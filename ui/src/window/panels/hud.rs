@@ -61,7 +61,7 @@ fn frame_rows(ui: &mut Ui, state: &AppState) {
     let Some(frame) = &state.frame else { return };
     let (secs, ms) = (&frame.stats.secs, |s: f64| format!("{:.1}", s * 1000.0));
     line(ui, "frame", format!("{} ms", ms(secs.frame)));
-    line(ui, "select + warp", format!("{} ms", ms(secs.select + secs.warp)));
+    line(ui, "select + warp", format!("{} ms", ms(secs.select + secs.visibility_and_lookup)));
     line(ui, "secondary", format!("{} ms", ms(secs.secondary)));
     line(ui, "trace", format!("{} ms", ms(secs.trace)));
     if let Some(audit) = &frame.stats.audit {

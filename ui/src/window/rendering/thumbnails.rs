@@ -4,7 +4,7 @@ use crate::window::rendering::exchange::locked;
 use crate::window::rendering::render_thread::{Wake, give_way};
 use afterimage::raster::color::{ToneMap, metered_exposure_ev, srgb8};
 use afterimage::trace::{SceneEpoch, TraceSettings};
-use afterimage::{Camera, Mode, RenderSettings, Renderer, Tracer};
+use afterimage::{Camera, FrameRequest, Mode, RenderSettings, Renderer, Tracer};
 use crossbeam_channel::{Receiver, Sender, unbounded};
 use egui::{ColorImage, Context, TextureHandle, TextureOptions};
 use std::collections::HashMap;
@@ -142,7 +142,7 @@ fn make(wanted: &Wanted, camera: &Camera) -> Made {
     let settings = RenderSettings { mode: Mode::Full, trace: TRACE };
     let trace = || {
         let mut renderer = Renderer::default();
-        let frame = renderer.render(&tracer, camera, SIZE, &settings, &[], &stop);
+        let frame = renderer.render(&FrameRequest::new(&tracer, camera, SIZE, &settings).with_stop(&stop));
         frame.stats.is_complete.then(|| {
             let ev = metered_exposure_ev(&frame.radiance).unwrap_or(0.0);
             let rgb = frame.radiance.iter().flat_map(|&c| srgb8(c, ev, ToneMap::default()));

@@ -27,7 +27,12 @@ pub(super) fn record(history: &mut VecDeque<Sample>, stats: &FrameStats) {
     history.push_back(Sample {
         at: now,
         percent: [p.type1_percent, p.type2_percent, p.type3_percent].map(|v| v as f32),
-        stage_ms: [stats.secs.select + stats.secs.warp, stats.secs.secondary, stats.secs.trace].map(ms),
+        stage_ms: [
+            stats.secs.select + stats.secs.visibility_and_lookup,
+            stats.secs.secondary,
+            stats.secs.trace,
+        ]
+        .map(ms),
     });
     while history.front().is_some_and(|s| now - s.at > HISTORY) {
         history.pop_front();

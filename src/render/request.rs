@@ -1,0 +1,96 @@
+//! What one frame is rendered from.
+
+use super::settings::{Mode, RenderSettings};
+use crate::camera::Camera;
+use crate::lookup::LookupSet;
+use crate::reference::{ReferenceCache, ReferenceFrame};
+use crate::trace::Tracer;
+use crate::trace::parallel::{NEVER, Stop};
+use std::borrow::Cow;
+
+/// The references that a frame may reuse.
+#[derive(Clone, Copy, Debug, Default)]
+pub enum References<'a> {
+    /// No references: every pixel is traced in full.
+    #[default]
+    None,
+    /// Frames that mode `paper` warps, in the order of [`super::Frame::supplier`]. All of them must
+    /// belong to the tracer's epoch. Other modes ignore them.
+    Warped(&'a [&'a ReferenceFrame]),
+    /// The enabled references of a cache: modes `fast` and `exact` look light up in them, and mode
+    /// `paper` warps those that store light for every pixel. Mode `full` ignores them.
+    Cached(&'a ReferenceCache),
+}
+
+/// All that a frame is rendered from.
+#[derive(Clone, Copy)]
+pub struct FrameRequest<'a> {
+    /// The scene, ready to be traced.
+    pub tracer: &'a Tracer,
+    /// The pose.
+    pub camera: &'a Camera,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Mode, sample count, bounces and seed.
+    pub settings: &'a RenderSettings,
+    /// What may be reused.
+    pub references: References<'a>,
+    /// Asked before each pixel whether to stop early.
+    pub stop: Stop<'a>,
+}
+
+impl<'a> FrameRequest<'a> {
+    /// A request that reuses nothing and never stops early.
+    pub fn new(tracer: &'a Tracer, camera: &'a Camera, size: [u32; 2], settings: &'a RenderSettings) -> Self {
+        Self { tracer, camera, size, settings, references: References::None, stop: NEVER }
+    }
+
+    /// The same request with frames that mode `paper` warps.
+    #[must_use]
+    pub fn warping(self, frames: &'a [&'a ReferenceFrame]) -> Self {
+        Self { references: References::Warped(frames), ..self }
+    }
+
+    /// The same request with the references of a cache.
+    #[must_use]
+    pub fn reusing(self, cache: &'a ReferenceCache) -> Self {
+        Self { references: References::Cached(cache), ..self }
+    }
+
+    /// The same request with another stop condition.
+    #[must_use]
+    pub fn with_stop(self, stop: Stop<'a>) -> Self {
+        Self { stop, ..self }
+    }
+
+    /// The part of the references that the mode reuses.
+    ///
+    /// # Panics
+    /// Where a reference to be warped belongs to another epoch.
+    pub(super) fn source(&self) -> Source<'a> {
+        let epoch = self.tracer.epoch();
+        match (self.settings.mode, self.references) {
+            (Mode::Fast | Mode::Exact, References::Cached(cache)) => {
+                Source::LookUp(LookupSet::new(cache, epoch))
+            }
+            (Mode::Paper, References::Cached(cache)) => {
+                let entries = cache.entries().iter();
+                let usable = entries.filter(|entry| entry.is_usable(epoch) && entry.frame.is_dense());
+                Source::Warp(usable.map(|entry| &*entry.frame).collect())
+            }
+            (Mode::Paper, References::Warped(frames)) => {
+                assert!(frames.iter().all(|f| f.epoch == epoch), "a reference of another epoch");
+                Source::Warp(Cow::Borrowed(frames))
+            }
+            _ => Source::Warp(Cow::Borrowed(&[])),
+        }
+    }
+}
+
+/// What a frame takes its known light from.
+pub(super) enum Source<'a> {
+    /// References to look light up in.
+    LookUp(LookupSet<'a>),
+    /// Frames to warp; none where every pixel is traced in full.
+    Warp(Cow<'a, [&'a ReferenceFrame]>),
+}

@@ -1,0 +1,58 @@
+//! The settings of a frame: the mode, and what the tracer is run with.
+
+use crate::trace::TraceSettings;
+use serde::{Deserialize, Serialize};
+
+/// The method that makes a frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Mode {
+    /// The ordinary ray tracer: the baseline, and the ground truth at a high sample count.
+    Full,
+    /// The paper's method exactly as published, for comparison.
+    Paper,
+    /// A primary ray for every pixel, with light looked up in the one best reference and not checked.
+    Fast,
+    /// A primary ray for every pixel, with light averaged over references and checked where it is
+    /// a guess.
+    #[default]
+    Exact,
+}
+
+impl Mode {
+    /// True where every pixel is shaded as in mode `full`, with the same bits. Without references
+    /// only `fast` differs: it shades with fewer samples.
+    pub fn traces_all(self, has_no_references: bool) -> bool {
+        self == Self::Full || has_no_references && self != Self::Fast
+    }
+
+    /// The name used on the command line and in records.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Full => "full",
+            Self::Paper => "paper",
+            Self::Fast => "fast",
+            Self::Exact => "exact",
+        }
+    }
+
+    /// True for the modes whose picture is refined while the camera is stationary. Mode `paper`
+    /// shows the paper's picture unchanged.
+    pub fn refines(self) -> bool {
+        self != Self::Paper
+    }
+
+    /// True for the modes that look up light per surface point, and whose references are sparse.
+    pub fn looks_up(self) -> bool {
+        matches!(self, Self::Fast | Self::Exact)
+    }
+}
+
+/// The settings of a frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RenderSettings {
+    /// The method.
+    pub mode: Mode,
+    /// Sample count, bounces and seed of the tracer.
+    pub trace: TraceSettings,
+}
