@@ -4,7 +4,6 @@
 //! `.afterimage.toml`, the environment (`AFTERIMAGE_*`), flags. Invalid settings are reported with a suggestion and
 //! ignored; they never stop the program.
 
-use crate::cli::flags;
 use afterimage::Mode;
 use afterimage::raster::color::ToneMap;
 use afterimage::raster::load::{LoadError, read_bounded};
@@ -82,7 +81,7 @@ const RULES: [Rule; 13] = [
     ("bounces", "a whole number from 0 to 64", |s| s.bounces.is_some_and(|n| n <= 64)),
     ("seed", "a whole number from 0", |_| true),
     ("threads", "a whole number from 1 to 1024", |s| s.threads.is_some_and(|n| (1..=1024).contains(&n))),
-    ("size", "a size like '1280x720'", |s| s.size.as_deref().is_some_and(|text| flags::size(text).is_ok())),
+    ("size", "a size like '1280x720'", |s| s.size.as_deref().is_some_and(|text| picture_size(text).is_ok())),
     ("exposure", "a number of stops from -64 to 64", |s| s.exposure.is_some_and(|ev| ev.abs() <= 64.0)),
     ("tone_map", "'aces' or 'linear'", |_| true),
     ("pictures", "a folder", |_| true),
@@ -91,6 +90,14 @@ const RULES: [Rule; 13] = [
     ("reduced_motion", "true or false", |_| true),
     ("keys", "a section [keys] with actions and their keys", |_| true),
 ];
+
+/// Parses a picture size like `1280x720`.
+pub(crate) fn picture_size(text: &str) -> Result<[u32; 2], &'static str> {
+    let expected = "a size is two whole numbers from 1 to 65536, like 1280x720";
+    let (width, height) = text.split_once(['x', 'X']).ok_or(expected)?;
+    let side = |t: &str| t.parse().ok().filter(|n| (1..=65536).contains(n)).ok_or(expected);
+    Ok([side(width)?, side(height)?])
+}
 
 /// Range of [`Settings::ui_scale`].
 pub const UI_SCALES: std::ops::RangeInclusive<f32> = 0.5..=3.0;

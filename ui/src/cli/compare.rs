@@ -1,4 +1,4 @@
-//! `afterimage compare`: how far one picture is from another.
+//! `afterimage compare`: error metrics of one picture against another.
 
 use super::failure::Failure;
 use super::flags::Flags;
@@ -11,21 +11,16 @@ use std::path::{Path, PathBuf};
 
 #[derive(Args, Debug)]
 pub(crate) struct CompareArgs {
-    /// The picture judged: PNG or EXR.
+    /// Picture to measure: PNG or EXR.
     a: PathBuf,
-    /// The truth: PNG or EXR.
+    /// Reference picture: PNG or EXR.
     b: PathBuf,
-    /// Ends with code 1 where the PSNR is below this.
+    /// Exit with code 1 if the PSNR is below this, dB.
     #[arg(long, value_name = "X")]
     fail_under_db: Option<f64>,
 }
 
 pub(crate) fn run(args: &CompareArgs, flags: &Flags) -> Result<(), Failure> {
-    let load = |path: &Path| {
-        let picture = Picture::load(path).map_err(|e| Failure::Failed(e.to_string()))?;
-        check_finite(path, &picture)?;
-        Ok::<_, Failure>(picture)
-    };
     let (a, b) = (load(&args.a)?, load(&args.b)?);
     let failed = |e: CompareError| Failure::Failed(e.to_string());
     if a.size != b.size {
@@ -33,7 +28,7 @@ pub(crate) fn run(args: &CompareArgs, flags: &Flags) -> Result<(), Failure> {
     }
     let size = a.size;
     let (shown_a, shown_b) = (a.display(), b.display());
-    // Two pictures for a screen are compared as the screen shows them; where one has linear light, by that.
+    // relMSE and the largest difference are measured in linear light unless both pictures are display-referred.
     let both_display = a.kind == PictureKind::Display && b.kind == PictureKind::Display;
     let (value_a, value_b) = if both_display { (a.values, b.values) } else { (a.linear(), b.linear()) };
     let psnr = psnr_db(&shown_a, &shown_b);
@@ -61,13 +56,14 @@ pub(crate) fn run(args: &CompareArgs, flags: &Flags) -> Result<(), Failure> {
     }
 }
 
-/// Refuses what has no difference to anything.
-fn check_finite(path: &Path, picture: &Picture) -> Result<(), Failure> {
+/// Loads a picture and checks that all values are finite: others have no difference to compare.
+fn load(path: &Path) -> Result<Picture, Failure> {
+    let picture = Picture::load(path).map_err(|e| Failure::Failed(e.to_string()))?;
     let wrong = || picture.values.iter().enumerate().filter(|(_, v)| !v.is_finite()).map(|(i, _)| i);
-    let Some(first) = wrong().next() else { return Ok(()) };
+    let Some(first) = wrong().next() else { return Ok(picture) };
     let (x, y) = (first % picture.size[0] as usize, first / picture.size[0] as usize);
     Err(Failure::Failed(format!(
-        "{}: {} pixels are infinite or no number, the first in column {x} of row {y}; nothing can be compared with them",
+        "{}: {} pixels are infinite or not a number, the first in column {x} of row {y}; remove them before comparing",
         path.display(),
         wrong().count()
     )))

@@ -1,4 +1,4 @@
-//! `afterimage doctor`: what a bug report needs.
+//! `afterimage doctor`: version, machine, graphics and paths, as a bug report needs them.
 
 use super::failure::Failure;
 use super::flags::Flags;
@@ -49,7 +49,7 @@ fn object(user_file: Option<&Path>) -> Value {
     })
 }
 
-/// Drivers are other people's code; one that panics must not end the report.
+/// Lists the graphics adapters. A driver that panics must not end the report.
 fn adapters() -> Result<Vec<Value>, String> {
     let list = || {
         let instance = wgpu::Instance::default();
@@ -60,7 +60,7 @@ fn adapters() -> Result<Vec<Value>, String> {
                 json!({
                     "name": info.name,
                     "backend": info.backend.to_string(),
-                    "kind": format!("{:?}", info.device_type),
+                    "kind": device_type(info.device_type),
                     "driver": format!("{} {}", info.driver, info.driver_info).trim(),
                 })
             })
@@ -73,7 +73,17 @@ fn adapters() -> Result<Vec<Value>, String> {
     found
 }
 
-/// What the program was built to use on every machine of its kind.
+fn device_type(kind: wgpu::DeviceType) -> &'static str {
+    match kind {
+        wgpu::DeviceType::Other => "Other",
+        wgpu::DeviceType::IntegratedGpu => "IntegratedGpu",
+        wgpu::DeviceType::DiscreteGpu => "DiscreteGpu",
+        wgpu::DeviceType::VirtualGpu => "VirtualGpu",
+        wgpu::DeviceType::Cpu => "Cpu",
+    }
+}
+
+/// SIMD instruction sets that the build requires.
 fn simd_built_for() -> Vec<&'static str> {
     let all = [
         (cfg!(target_feature = "sse2"), "sse2"),
@@ -113,6 +123,8 @@ fn table(object: &Value) -> String {
         other => other.to_string(),
     };
     let at = |pointer: &str| object.pointer(pointer).map_or("-".to_owned(), text);
+    let has_settings = object["paths"]["has_settings"] == true;
+    let missing = if has_settings { "" } else { " (no such file: the defaults apply)" };
     let mut rows = vec![
         ("version", at("/version")),
         ("system", format!("{} {}", at("/os"), at("/arch"))),
@@ -123,18 +135,7 @@ fn table(object: &Value) -> String {
             "display",
             format!("DISPLAY {}, WAYLAND_DISPLAY {}", at("/display/DISPLAY"), at("/display/WAYLAND_DISPLAY")),
         ),
-        (
-            "settings",
-            format!(
-                "{}{}",
-                at("/paths/settings"),
-                if object["paths"]["has_settings"] == true {
-                    ""
-                } else {
-                    " (not there: the program's own hold)"
-                }
-            ),
-        ),
+        ("settings", format!("{}{missing}", at("/paths/settings"))),
         ("sessions", at("/paths/state")),
         ("cache", at("/paths/cache")),
     ];

@@ -1,24 +1,27 @@
-//! How a command ends when it does not end well.
+//! Failures of a command and their exit codes.
 
+use crate::picture::TooLarge;
+use afterimage::experiment::run::ExperimentError;
+use afterimage::raster::save::SaveError;
 use afterimage::scene::SceneError;
 
-/// Why a command did not end well. Its text is one message for people.
+/// Why a command failed.
 #[derive(Debug)]
 pub(crate) enum Failure {
-    /// The flags do not make sense together, or with this scene.
+    /// The flags contradict each other or the scene.
     Usage(String),
     /// The scene cannot be imported.
     Import(String),
-    /// It did not work.
+    /// The command could not do its work.
     Failed(String),
-    /// It worked, but `--strict` was given and the scene has so many warnings.
+    /// The command succeeded, but `--strict` was given and the scene has this number of warnings.
     Warnings(usize),
-    /// The user stopped it; what was done is kept.
+    /// The user interrupted the command; finished results are kept.
     Interrupted,
 }
 
 impl Failure {
-    /// What the program returns.
+    /// Exit code of the program.
     pub(crate) fn exit_code(&self) -> u8 {
         match self {
             Self::Failed(_) => 1,
@@ -36,8 +39,26 @@ impl std::fmt::Display for Failure {
             Self::Usage(text) | Self::Import(text) | Self::Failed(text) => write!(f, "error: {text}"),
             Self::Warnings(1) => f.write_str("error: the scene has a warning, and --strict was given"),
             Self::Warnings(n) => write!(f, "error: the scene has {n} warnings, and --strict was given"),
-            Self::Interrupted => f.write_str("interrupted; what was done is kept"),
+            Self::Interrupted => f.write_str("interrupted; finished results are kept"),
         }
+    }
+}
+
+impl From<anyhow::Error> for Failure {
+    fn from(error: anyhow::Error) -> Self {
+        Self::Failed(format!("{error:#}"))
+    }
+}
+
+impl From<TooLarge> for Failure {
+    fn from(error: TooLarge) -> Self {
+        Self::Usage(error.to_string())
+    }
+}
+
+impl From<SaveError> for Failure {
+    fn from(error: SaveError) -> Self {
+        Self::Failed(error.to_string())
     }
 }
 
@@ -50,8 +71,11 @@ impl From<SceneError> for Failure {
     }
 }
 
-impl From<afterimage::raster::save::SaveError> for Failure {
-    fn from(error: afterimage::raster::save::SaveError) -> Self {
-        Self::Failed(error.to_string())
+impl From<ExperimentError> for Failure {
+    fn from(error: ExperimentError) -> Self {
+        match error {
+            ExperimentError::Scene(error) => error.into(),
+            other => Self::Failed(other.to_string()),
+        }
     }
 }

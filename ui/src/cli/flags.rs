@@ -1,5 +1,7 @@
 //! The flags that every command has, and the parsers of their values.
 
+use crate::picture::pose_text::parse_point;
+use crate::settings::picture_size;
 use afterimage::import::{Unit, Up};
 use afterimage::raster::color::ToneMap;
 use afterimage::trace::TraceSettings;
@@ -18,7 +20,7 @@ use std::str::FromStr;
 #[derive(Args, Clone, Debug)]
 pub(crate) struct Flags {
     /// Picture size in pixels [default: 1280x720].
-    #[arg(long = "size", global = true, value_name = "WxH", value_parser = size)]
+    #[arg(long = "size", global = true, value_name = "WxH", value_parser = picture_size)]
     pub(crate) given_size: Option<[u32; 2]>,
     /// How frames are rendered: `full` traces every pixel, `paper` reprojects references as in the
     /// paper, `fast` and `exact` look up light in references.
@@ -56,11 +58,11 @@ pub(crate) struct Flags {
     #[arg(long, global = true)]
     pub(crate) strict: bool,
     /// Position of the camera, metres.
-    #[arg(long, global = true, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
+    #[arg(long, global = true, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true)]
     #[arg(conflicts_with = "view")]
     pub(crate) eye: Option<DVec3>,
     /// Point that the camera looks at, metres.
-    #[arg(long, global = true, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
+    #[arg(long, global = true, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true)]
     #[arg(conflicts_with = "view")]
     pub(crate) look_at: Option<DVec3>,
     /// Vertical field of view, degrees.
@@ -117,14 +119,6 @@ impl Flags {
     }
 }
 
-/// Parses a picture size like `1280x720`.
-pub(crate) fn size(text: &str) -> Result<[u32; 2], &'static str> {
-    let expected = "a size is two whole numbers from 1 to 65536, like 1280x720";
-    let (width, height) = text.split_once(['x', 'X']).ok_or(expected)?;
-    let side = |t: &str| t.parse().ok().filter(|n| (1..=65536).contains(n)).ok_or(expected);
-    Ok([side(width)?, side(height)?])
-}
-
 /// The value that is serialized under a name.
 pub(crate) fn named<T: DeserializeOwned>(name: &str) -> Result<T, NameError> {
     T::deserialize(IntoDeserializer::<NameError>::into_deserializer(name))
@@ -148,16 +142,5 @@ where
     move |text| {
         let number = text.parse().ok().filter(|n| range.contains(n));
         number.ok_or_else(|| format!("it must be from {} to {}{unit}", range.start(), range.end()))
-    }
-}
-
-/// Parses a point like `-1.5,2,0.25`.
-pub(crate) fn point(text: &str) -> Result<DVec3, &'static str> {
-    // Beyond 1e12 m, an f64 position no longer resolves millimetres.
-    let number = |t: &str| t.trim().parse::<f64>().ok().filter(|n| n.abs() <= 1e12);
-    let numbers: Option<Vec<f64>> = text.split(',').map(number).collect();
-    match numbers.as_deref() {
-        Some(&[x, y, z]) => Ok(DVec3::new(x, y, z)),
-        _ => Err("a point is three finite numbers, like -1.5,1.6,0"),
     }
 }

@@ -1,4 +1,4 @@
-//! What goes with the program when it is installed: completions, the manual page, the licences of what it is made of.
+//! `afterimage completions`, `man` and `licences`: files that are installed with the program.
 
 use crate::cli::failure::Failure;
 use crate::cli::output;
@@ -11,7 +11,7 @@ pub(crate) struct CompletionsArgs {
     shell: Shell,
 }
 
-/// Made from the very flags that are read.
+/// Prints the completion script, generated from the definition of the flags.
 pub(crate) fn completions(args: &CompletionsArgs, mut command: Command) -> Result<(), Failure> {
     let mut text = Vec::new();
     clap_complete::generate(args.shell, &mut command, "afterimage", &mut text);
@@ -19,9 +19,9 @@ pub(crate) fn completions(args: &CompletionsArgs, mut command: Command) -> Resul
     Ok(())
 }
 
-/// All on one page: each command follows the program.
+/// Prints one manual page, with a section for each command.
 pub(crate) fn man(command: Command) -> Result<(), Failure> {
-    let failed = |error: std::io::Error| Failure::Failed(format!("the manual page cannot be made: {error}"));
+    let failed = |error: std::io::Error| Failure::Failed(format!("the manual page cannot be generated: {error}"));
     let mut text = Vec::new();
     clap_mangen::Man::new(command.clone()).render(&mut text).map_err(failed)?;
     for sub in command.get_subcommands() {
@@ -35,7 +35,7 @@ pub(crate) fn man(command: Command) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The list that is checked by the tests.
+/// Prints the list of licences, which the tests keep up to date.
 pub(crate) fn licences() -> Result<(), Failure> {
     output::data(include_str!("../../../assets/LICENCES.md").trim_end());
     Ok(())

@@ -1,4 +1,4 @@
-//! `afterimage inspect`: what is in a scene, what it needs, and what is doubtful.
+//! `afterimage inspect`: a scene's contents, the features it uses, and its warnings.
 
 use super::failure::Failure;
 use super::flags::Flags;
@@ -63,11 +63,11 @@ fn light_kinds(scene: &Scene) -> Vec<(&'static str, usize)> {
     ]
 }
 
-/// The largest reflectance of any mirror, and what ending chains of mirrors early can leave out, as a share of the
-/// brightest radiance they see; `None` where it is unbounded.
+/// The largest reflectance of all mirrors, and a bound on the radiance that is lost by ending chains of
+/// mirrors early, relative to the largest radiance reflected; `None` if it is unbounded.
 fn mirrors(scene: &Scene) -> (f32, Option<f32>) {
     let reflectance = |m: &afterimage::scene::Material| match m.kind {
-        // At grazing angles everything is mirrored.
+        // At grazing angles the Fresnel reflectance is 1.
         MaterialKind::Mirror { fresnel: true, .. } => 1.0,
         MaterialKind::Mirror { reflectance, .. } => reflectance.max_element(),
         _ => 0.0,
@@ -95,7 +95,7 @@ fn table(loaded: &Loaded) -> String {
         ("left out", if left_out.is_empty() { "nothing".to_owned() } else { left_out.join(", ") }),
         (
             "mirrors",
-            format!("reflectance {reflectance:.3}; ending their chains early loses {bound} of what they see"),
+            format!("reflectance {reflectance:.3}; ending their chains early loses {bound} of the reflected radiance"),
         ),
         (
             "hierarchy",
@@ -108,8 +108,8 @@ fn table(loaded: &Loaded) -> String {
         ("loaded in", format!("{:.3} s", loaded.load_secs)),
         ("warnings", scene.warnings.len().to_string()),
     ]);
-    for said in scene.conditioning.sentences() {
-        text += &format!("  {said}\n");
+    for sentence in scene.conditioning.sentences() {
+        text += &format!("  {sentence}\n");
     }
     for w in &scene.warnings {
         text += &format!("  {}{}\n", place(w), w.message);

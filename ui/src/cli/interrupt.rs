@@ -1,27 +1,27 @@
-//! Ctrl+C: the first asks the work to end and keep what is done, the second ends the program.
+//! Ctrl+C: the first interrupt asks the work to stop and keep its results, the second exits at once.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
 static CANCELLED: AtomicBool = AtomicBool::new(false);
 
-/// Listens from now on.
+/// Installs the handler.
 pub(crate) fn install() {
-    let heard = || {
+    let on_interrupt = || {
         if CANCELLED.swap(true, Ordering::SeqCst) {
             std::process::exit(130);
         }
     };
-    if let Err(error) = ctrlc::set_handler(heard) {
-        super::output::say(&format!("warning: Ctrl+C will end the program at once ({error})"));
+    if let Err(error) = ctrlc::set_handler(on_interrupt) {
+        super::output::say(&format!("warning: Ctrl+C will discard unfinished results ({error})"));
     }
 }
 
-/// Set once the user wants the work to end.
+/// The flag that is set by the first interrupt.
 pub(crate) fn flag() -> &'static AtomicBool {
     &CANCELLED
 }
 
-/// True once the user wants the work to end.
+/// True after the first interrupt.
 pub(crate) fn is_cancelled() -> bool {
     CANCELLED.load(Ordering::Relaxed)
 }

@@ -1,25 +1,25 @@
-//! Where the system wants a program's settings and its throw-away files.
+//! Folders of the operating system for a program's settings, state and cache.
 
 use std::ffi::OsString;
 use std::path::PathBuf;
 
-/// Settings of the user.
+/// Folder of the user's settings.
 pub(crate) fn config_folder() -> Option<PathBuf> {
     folder("XDG_CONFIG_HOME", ".config", "Library/Application Support", "APPDATA")
 }
 
-/// What can be made again.
+/// Folder of files that can be computed again.
 pub(crate) fn cache_folder() -> Option<PathBuf> {
     folder("XDG_CACHE_HOME", ".cache", "Library/Caches", "LOCALAPPDATA")
 }
 
-/// What is worth keeping from one start to the next: recent files, sessions that were cut short.
+/// Folder of state kept between runs: recent files and recovery sessions.
 pub(crate) fn state_folder() -> Option<PathBuf> {
     folder("XDG_STATE_HOME", ".local/state", "Library/Application Support", "LOCALAPPDATA")
 }
 
 fn folder(xdg: &str, unix: &str, mac: &str, windows: &str) -> Option<PathBuf> {
-    // The XDG rules ignore a relative path.
+    // The XDG specification requires that relative paths are ignored.
     let variable = |name: &str| std::env::var_os(name).map(PathBuf::from).filter(|p| p.is_absolute());
     let home = || std::env::var_os("HOME").filter(|h: &OsString| !h.is_empty()).map(PathBuf::from);
     let base = if cfg!(windows) {

@@ -1,4 +1,5 @@
-//! How far a long job is: a bar with rate and remaining time on a terminal, a plain line now and then elsewhere.
+//! Progress of a long job: a bar with rate and remaining time on a terminal, a line every few seconds
+//! elsewhere.
 
 use super::output::say;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -6,10 +7,10 @@ use std::io::IsTerminal;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-/// Between two lines where there is no terminal.
+/// Time between two lines without a terminal.
 const LINE_EVERY: Duration = Duration::from_secs(10);
 
-/// The progress of a job of known length.
+/// Progress of a job with a known number of steps.
 #[derive(Debug)]
 pub(crate) struct Progress {
     bar: Option<ProgressBar>,
@@ -20,7 +21,7 @@ pub(crate) struct Progress {
 }
 
 impl Progress {
-    /// Nothing of `total` is done.
+    /// A job of `total` steps, none of them finished.
     pub(crate) fn new(label: &str, total: u64) -> Self {
         Self::styled(label, total, "{prefix} [{bar:30}] {pos}/{len}  {per_sec}  {eta} left  {msg}")
     }
@@ -38,10 +39,10 @@ impl Progress {
         Self { bar, label: label.to_owned(), total, started: now, last_line: now }
     }
 
-    /// So much is done; `note` says what is going on.
+    /// Shows that `done` steps are finished; `note` describes the current step.
     pub(crate) fn at(&mut self, done: u64, note: &str) {
         if let Some(bar) = &self.bar {
-            // Told many times a second; the bar draws itself seldom.
+            // This is called many times per second; only changes are passed on.
             if bar.position() != done || bar.message() != note {
                 bar.set_message(note.to_owned());
                 bar.set_position(done);
@@ -55,7 +56,7 @@ impl Progress {
         }
     }
 
-    /// A line that stays, beside the bar.
+    /// Writes a message that stays above the bar.
     pub(crate) fn say(&self, text: &str) {
         match &self.bar {
             Some(bar) => bar.suspend(|| say(text)),
@@ -64,28 +65,29 @@ impl Progress {
     }
 }
 
-/// The progress of one job that is told in parts of it, by any thread.
+/// Progress of a job that several threads report as a part of the whole.
 #[derive(Debug)]
 pub(crate) struct SharedProgress {
     inner: Mutex<Progress>,
 }
 
 impl SharedProgress {
-    /// A job is told in so many steps.
+    /// Number of steps that the whole job is divided into.
     const STEPS: u64 = 100;
 
-    /// Nothing is done.
+    /// A job of which nothing is finished.
     pub(crate) fn new(label: &str) -> Self {
         let style = "{prefix} [{bar:30}] {percent} %  {eta} left  {msg}";
         Self { inner: Mutex::new(Progress::styled(label, Self::STEPS, style)) }
     }
 
-    /// This part is done, 0..1.
+    /// Shows the finished part, 0..1.
     pub(crate) fn at(&self, part: f64) {
         self.note(part, "");
     }
 
-    /// This part is done, 0..1; `note` says what is going on. A thread that would have to wait leaves it to the others.
+    /// Shows the finished part, 0..1; `note` describes the current step. A thread that would have to wait
+    /// for the lock returns at once: other threads report soon.
     pub(crate) fn note(&self, part: f64, note: &str) {
         if let Ok(mut inner) = self.inner.try_lock() {
             inner.at((part * Self::STEPS as f64) as u64, note);

@@ -1,4 +1,4 @@
-//! From a scene's name on the command line to a scene that can be traced.
+//! Loads the scene that is named on the command line.
 
 use super::failure::Failure;
 use super::flags::Flags;
@@ -13,14 +13,14 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// A scene, ready to be traced.
+/// A loaded scene.
 #[derive(Debug)]
 pub(crate) struct Loaded {
-    /// As it was asked for.
+    /// Name of the scene as given by the user.
     pub(crate) name: String,
-    /// The scene with its hierarchy.
+    /// Tracer of the scene, with its bounding volume hierarchy.
     pub(crate) tracer: Arc<Tracer>,
-    /// Reading or making the scene, the hierarchy left out.
+    /// Time in seconds to import or generate the scene, without its hierarchy.
     pub(crate) load_secs: f64,
 }
 
@@ -30,13 +30,13 @@ impl Loaded {
         self.tracer.scene()
     }
 
-    /// How many of the scene's lights are sampled where something was shaded so far.
+    /// Statistics of the light grid: how many of the scene's lights are sampled in the cells shaded so far.
     pub(crate) fn light_cuts(&self) -> Value {
         let cuts = self.tracer.light_grid().cuts();
         json!({"lights": cuts.lights, "cells": cuts.cells, "kept_mean": cuts.kept_mean})
     }
 
-    /// The end of a command that worked: under `--strict` the scene's warnings make it one that did not.
+    /// Result of a command that succeeded: with `--strict`, a scene with warnings is a failure.
     pub(crate) fn verdict(&self, flags: &Flags) -> Result<(), Failure> {
         match self.scene().warnings.len() {
             n if n > 0 && flags.strict => Err(Failure::Warnings(n)),
@@ -45,12 +45,12 @@ impl Loaded {
     }
 }
 
-/// What is shown when no scene is named.
+/// Name of the scene that is used if none is given.
 pub(crate) fn default_name() -> String {
     format!("builtin:{}", builtin::NAMES[0])
 }
 
-/// Loads a scene and builds its hierarchy; says on stderr what is doubtful in it.
+/// Loads a scene, builds its hierarchy, and reports its first warnings on stderr.
 pub(crate) fn load(name: Option<&str>, flags: &Flags) -> Result<Loaded, Failure> {
     let name = name.map_or_else(default_name, str::to_owned);
     let start = Instant::now();
@@ -64,7 +64,7 @@ pub(crate) fn load(name: Option<&str>, flags: &Flags) -> Result<Loaded, Failure>
     if interrupt::is_cancelled() { Err(Failure::Interrupted) } else { Ok(Loaded { name, tracer, load_secs }) }
 }
 
-/// Warnings shown before the rest is only counted; `inspect` has them all.
+/// Maximum number of warnings that are printed; `inspect` lists all of them.
 const WARNINGS_SHOWN: usize = 5;
 
 fn report(scene: &Scene) {
@@ -76,7 +76,7 @@ fn report(scene: &Scene) {
     }
 }
 
-/// Where a warning comes from, as far as it is known.
+/// File and line of a warning as a prefix of its message, as far as they are known.
 pub(super) fn place(warning: &Warning) -> String {
     match (warning.file.as_str(), warning.line) {
         ("", _) => String::new(),
@@ -85,7 +85,7 @@ pub(super) fn place(warning: &Warning) -> String {
     }
 }
 
-/// How the flags say that a model is to be read.
+/// Import options that the flags give.
 pub(crate) fn import_options(flags: &Flags) -> ImportOptions {
     ImportOptions {
         unit: flags.unit,

@@ -1,34 +1,34 @@
-//! What a picture's file says of itself: enough to make it again.
+//! Metadata that a picture file stores: enough to render the picture again.
 
 use afterimage::raster::color::ToneMap;
 use afterimage::render::bands::Background;
 use afterimage::{Camera, Mode, RefineState, RenderSettings, Scene};
 use glam::DVec3;
 
-/// What a picture was made from.
+/// What a picture was rendered from.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Made<'a> {
-    /// The scene as it was asked for.
+    /// Name of the scene as given by the user.
     pub(crate) scene_name: &'a str,
     /// The scene.
     pub(crate) scene: &'a Scene,
-    /// The pose.
+    /// Camera of the picture.
     pub(crate) camera: &'a Camera,
     /// Width and height in pixels.
     pub(crate) size: [u32; 2],
-    /// Mode, samples, bounces, seed.
+    /// Mode, samples, bounces and seed.
     pub(crate) settings: &'a RenderSettings,
-    /// How far it was refined.
+    /// State of progressive refinement.
     pub(crate) refined: RefineState,
-    /// Whether the sky is seen.
+    /// Whether the sky is shown.
     pub(crate) background: Background,
-    /// In stops.
+    /// Exposure in stops.
     pub(crate) exposure_ev: f32,
-    /// From radiance to display.
+    /// Tone map from radiance to display.
     pub(crate) tone_map: ToneMap,
 }
 
-/// Names and texts, as files hold them. Whether it is complete is known only at its end.
+/// Names and values of the metadata. Whether the picture is complete is added when its file is closed.
 pub(crate) fn notes(made: &Made<'_>) -> Vec<(&'static str, String)> {
     let c = made.camera;
     let (eye, at) = (c.eye, c.eye + c.forward());
@@ -43,7 +43,8 @@ pub(crate) fn notes(made: &Made<'_>) -> Vec<(&'static str, String)> {
     ]
 }
 
-/// As flags. What has converged is what the full tracer makes with anti-aliasing.
+/// The settings as flags of `afterimage render`. A converged picture is the one that the full tracer
+/// renders with anti-aliasing.
 fn settings(made: &Made<'_>) -> String {
     let (trace, refined) = (&made.settings.trace, made.refined);
     let has_converged = refined.is_complete && refined.of > 0;

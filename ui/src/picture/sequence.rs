@@ -1,5 +1,5 @@
-//! A camera path as numbered pictures in a folder, to be made into a film. What was made stays: an interrupted sequence
-//! goes on where it was.
+//! Renders a camera path into a folder of numbered pictures, from which a film can be encoded. An
+//! interrupted sequence is resumed: finished pictures are kept.
 
 use super::{Output, PictureJob, Shows};
 use afterimage::Tracer;
@@ -8,55 +8,56 @@ use afterimage::raster::load::read_bounded;
 use afterimage::raster::save::write_atomically;
 use afterimage::raster::stream::Target;
 use afterimage::trace::parallel::Stop;
+use anyhow::{anyhow, bail};
 use std::path::{Path, PathBuf};
 
-/// What is played per second; the window plays paths at this rate too.
+/// Frames per second of a film. The window plays camera paths at the same rate.
 pub const FRAMES_PER_SEC: u32 = 30;
 
-/// A folder is tried with so many numbers before giving up.
+/// Maximum number of sequences in one folder.
 const MAX_FOLDERS: u32 = 10_000;
 
-/// Says in its folder what a sequence is.
+/// Name of the file that describes a sequence in its folder.
 const DESCRIPTION: &str = "sequence.json";
 
-/// A sequence to be made.
+/// A sequence to render.
 #[derive(Clone, Debug)]
 pub struct Sequence {
-    /// Every picture, the pose left aside.
+    /// Settings of every picture; its camera is replaced.
     pub job: PictureJob,
-    /// Where it goes.
+    /// Camera path of the sequence.
     pub walk: CameraPath,
 }
 
-/// A sequence that was made.
+/// A rendered sequence.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MadeSequence {
-    /// Where it is.
+    /// Folder of the pictures.
     pub folder: PathBuf,
-    /// Pictures made now, those found left aside.
+    /// Number of pictures rendered now, without those found in the folder.
     pub made: u32,
-    /// Pictures in all.
+    /// Number of pictures of the sequence.
     pub count: u32,
 }
 
 impl MadeSequence {
-    /// For people.
+    /// A message about the result for the user.
     pub fn text(&self) -> String {
         let found = self.count - self.made;
-        let found = if found > 0 { format!(" ({found} were there already)") } else { String::new() };
+        let found = if found > 0 { format!(" ({found} existed already)") } else { String::new() };
         format!("saved {} pictures in {}{found}", self.count, self.folder.display())
     }
 
-    /// A line for the shell that makes a film of it.
+    /// Shell command that encodes the sequence as a film.
     pub fn film_command(&self) -> String {
         film_command(&self.folder)
     }
 }
 
-/// A line for the shell that makes a film of a folder's pictures `frame_0000.png`, ...
+/// Shell command that encodes a folder's pictures `frame_0000.png`, ... as a film.
 pub fn film_command(folder: &Path) -> String {
     let quoted = |name: &str| format!("'{}'", folder.join(name).display().to_string().replace('\'', r"'\''"));
-    // Most players want even sides and this arrangement of colours.
+    // Most players need an even width and height, and this pixel format.
     format!(
         "ffmpeg -framerate {FRAMES_PER_SEC} -i {} -vf 'pad=ceil(iw/2)*2:ceil(ih/2)*2' -c:v libx264 -crf 18 \
          -pix_fmt yuv420p {}",
@@ -66,10 +67,10 @@ pub fn film_command(folder: &Path) -> String {
 }
 
 impl Sequence {
-    /// Makes what is missing of the sequence, in the first folder that takes it.
+    /// Renders the missing pictures of the sequence, below the first of `folders` that can be written.
     ///
     /// # Errors
-    /// A message for people; pictures made before stay.
+    /// If the pictures are too large, or cannot be written; finished pictures are kept.
     pub fn make(
         &self,
         tracer: &Tracer,
@@ -77,7 +78,7 @@ impl Sequence {
         stem: &str,
         stop: Stop<'_>,
         progress: &(dyn Fn(f64) + Sync),
-    ) -> Result<MadeSequence, String> {
+    ) -> anyhow::Result<MadeSequence> {
         self.job.check(&[])?;
         let folder = self.folder(tracer, folders, stem)?;
         let (count, mut made) = (self.walk.frames.max(1), 0);
@@ -92,14 +93,14 @@ impl Sequence {
             let note = |part: f64| progress((f64::from(frame) + part) / f64::from(count));
             let picture = job.make_whole(tracer, &[], &[output], stop, &note);
             let picture = picture.map_err(|error| {
-                format!("{error}; pictures made before it: {made}. Save the sequence again to go on")
+                anyhow!("{error}; {made} pictures were saved before it. Save the sequence again to resume it")
             })?;
             made += u32::from(picture.is_some());
         }
         Ok(MadeSequence { folder, made, count })
     }
 
-    /// What makes two sequences the same.
+    /// Text that identifies the sequence: it is resumed only in a folder with the same description.
     fn description(&self, tracer: &Tracer) -> String {
         let job = &self.job;
         let [width, height] = job.size;
@@ -119,26 +120,26 @@ impl Sequence {
         format!("{description:#}\n")
     }
 
-    /// The folder of this very sequence, or a new one.
-    fn folder(&self, tracer: &Tracer, folders: &[PathBuf], stem: &str) -> Result<PathBuf, String> {
+    /// The folder of the same sequence begun earlier, or a new one.
+    fn folder(&self, tracer: &Tracer, folders: &[PathBuf], stem: &str) -> anyhow::Result<PathBuf> {
         let description = self.description(tracer);
-        let mut refusal = "there is no folder to save pictures in".to_owned();
+        let mut result = Err(anyhow!("there is no folder to save pictures in"));
         for parent in folders {
-            match self.folder_in(parent, stem, &description) {
-                Ok(folder) => return Ok(folder),
-                Err(cause) => refusal = cause,
+            result = self.folder_in(parent, stem, &description);
+            if result.is_ok() {
+                break;
             }
         }
-        Err(refusal)
+        result
     }
 
-    fn folder_in(&self, parent: &Path, stem: &str, description: &str) -> Result<PathBuf, String> {
+    fn folder_in(&self, parent: &Path, stem: &str, description: &str) -> anyhow::Result<PathBuf> {
         for number in 1..MAX_FOLDERS {
             let folder = parent.join(format!("{stem}-sequence-{number:04}"));
             match std::fs::create_dir(&folder) {
                 Ok(()) => {
                     let path = folder.join(DESCRIPTION);
-                    write_atomically(&path, description.as_bytes()).map_err(|e| e.to_string())?;
+                    write_atomically(&path, description.as_bytes())?;
                     return Ok(folder);
                 }
                 Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {
@@ -149,11 +150,11 @@ impl Sequence {
                 }
                 Err(error) => {
                     let folder = folder.display();
-                    return Err(format!("cannot make the folder {folder}: {error}; choose another folder"));
+                    bail!("cannot create the folder {folder}: {error}; choose another folder");
                 }
             }
         }
-        Err(format!("{} holds too many sequences", parent.display()))
+        bail!("{} contains too many sequences; choose another folder", parent.display())
     }
 
     fn is_whole(&self, folder: &Path) -> bool {

@@ -2,7 +2,7 @@
 
 use super::*;
 use afterimage::Camera;
-use afterimage_ui::window::input::pose_text::pose_of_flags;
+use afterimage_ui::picture::pose_text::pose_of_flags;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};

@@ -115,7 +115,7 @@ impl App {
         self.forget_awaited();
         if is_picture(&path) {
             return self.in_background("afterimage-picture", move || {
-                AppEvent::View(read_view(&path).map(|view| beside(view, &path)))
+                AppEvent::View(read_view(&path).map(|view| beside(view, &path)).map_err(|e| e.to_string()))
             });
         }
         if is_session(&path) {

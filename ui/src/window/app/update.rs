@@ -4,7 +4,7 @@ use crate::settings::{self, Theme};
 use crate::window::app::App;
 use crate::window::app::event::AppEvent;
 use crate::window::input::fly_camera::ViewChange;
-use crate::window::input::pose_text::pose_flags;
+use crate::picture::pose_text::pose_flags;
 use crate::window::rendering::render_thread::RenderCommand;
 use crate::window::rendering::scene_loading::SceneSource;
 use crate::window::state::{Appearance, Command, Compare};

@@ -184,8 +184,8 @@ impl App {
     }
 
     fn export_picture(&mut self, job: PictureJob, references: Vec<Arc<ReferenceFrame>>) {
-        if let Err(message) = job.check(&references) {
-            self.state.error(message);
+        if let Err(error) = job.check(&references) {
+            self.state.error(error.to_string());
             return;
         }
         let (folders, stem) = (self.picture_folders(), self.picture_stem());
@@ -230,7 +230,8 @@ impl App {
         self.export(format!("Sequence of {} pictures", walk.frames), move |tracer, report| {
             let sequence = sequence::Sequence { job, walk };
             let stop = || report.is_cancelled();
-            let made = sequence.make(tracer, &folders, &stem, &stop, &|part| report.at(part))?;
+            let made = sequence.make(tracer, &folders, &stem, &stop, &|part| report.at(part));
+            let made = made.map_err(|e| e.to_string())?;
             if report.is_cancelled() {
                 return Err(CANCELLED.to_owned());
             }

@@ -6,5 +6,4 @@ pub mod keymap;
 pub mod navigation;
 pub mod playback;
 pub mod pointer;
-pub mod pose_text;
 pub mod walking;

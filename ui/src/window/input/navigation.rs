@@ -5,7 +5,7 @@ use crate::window::app::event::AppEvent;
 use crate::window::export::screenshot;
 use crate::window::input::fly_camera::MoveMode;
 use crate::window::input::playback::Recording;
-use crate::window::input::pose_text::pose_of_flags;
+use crate::picture::pose_text::pose_of_flags;
 use crate::window::state::{NavigationCommand, SavedView};
 use afterimage::camera::CameraPath;
 use afterimage::raster::save::write_new_atomically;
