@@ -115,6 +115,8 @@ const OTHER_VARIABLES: [&str; 3] = [CONFIG_VARIABLE, "AFTERIMAGE_REQUIRE_GRAPHIC
 #[derive(Debug, Default)]
 pub struct Layers {
     values: Table,
+    /// Path of the user's settings file.
+    pub user_file: Option<PathBuf>,
     /// One sentence for each setting or file that is ignored.
     pub warnings: Vec<String>,
 }
@@ -122,13 +124,13 @@ pub struct Layers {
 impl Layers {
     /// Reads all layers. `scene` is the name of the scene as given by the user, `variables` is the environment.
     pub fn load(
-        user_file: Option<&Path>,
+        user_file: Option<PathBuf>,
         scene: Option<&str>,
         variables: impl Iterator<Item = (String, String)>,
     ) -> Self {
-        let mut layers = Self::default();
+        let mut layers = Self { user_file: user_file.clone(), ..Self::default() };
         if let Some(path) = user_file {
-            let table = read_table(path).unwrap_or_else(|cause| {
+            let table = read_table(&path).unwrap_or_else(|cause| {
                 layers.warnings.push(cause.to_string());
                 Table::new()
             });
@@ -237,7 +239,7 @@ pub(crate) fn suggestion(word: &str, known: &[&str]) -> String {
     let similarity = |k: &&&str| (strsim::jaro_winkler(word, k) * 1000.0) as u32;
     match known.iter().max_by_key(similarity) {
         Some(best) if similarity(&best) > 750 => format!("did you mean '{best}'?"),
-        _ => format!("known are {}", known.join(", ")),
+        _ => format!("there are {}", known.join(", ")),
     }
 }
 
@@ -282,7 +284,7 @@ mod tests {
         scene: Option<&str>,
         variables: impl Iterator<Item = (String, String)>,
     ) -> (Settings, Vec<String>) {
-        let layers = Layers::load(user_file, scene, variables);
+        let layers = Layers::load(user_file.map(Path::to_owned), scene, variables);
         (layers.settings(), layers.warnings)
     }
 

@@ -1,7 +1,7 @@
 //! `afterimage completions`, `man` and `licences`: files that are installed with the program.
 
-use crate::cli::failure::Failure;
-use crate::cli::output;
+use super::failure::Failure;
+use super::output;
 use clap::{Args, Command};
 use clap_complete::Shell;
 
@@ -21,7 +21,8 @@ pub(crate) fn completions(args: &CompletionsArgs, mut command: Command) -> Resul
 
 /// Prints one manual page, with a section for each command.
 pub(crate) fn man(command: Command) -> Result<(), Failure> {
-    let failed = |error: std::io::Error| Failure::Failed(format!("the manual page cannot be generated: {error}"));
+    let failed =
+        |error: std::io::Error| Failure::Failed(format!("the manual page cannot be generated: {error}"));
     let mut text = Vec::new();
     clap_mangen::Man::new(command.clone()).render(&mut text).map_err(failed)?;
     for sub in command.get_subcommands() {

@@ -95,7 +95,9 @@ fn table(loaded: &Loaded) -> String {
         ("left out", if left_out.is_empty() { "nothing".to_owned() } else { left_out.join(", ") }),
         (
             "mirrors",
-            format!("reflectance {reflectance:.3}; ending their chains early loses {bound} of the reflected radiance"),
+            format!(
+                "reflectance {reflectance:.3}; ending their chains early loses {bound} of the reflected radiance"
+            ),
         ),
         (
             "hierarchy",

@@ -18,10 +18,10 @@ mod render;
 mod report;
 mod scene;
 mod start;
-mod throughput;
 mod tour;
+mod walk;
 
-use crate::settings::{self, Layers, Settings};
+use crate::settings::{CONFIG_VARIABLE, Layers};
 use crate::window::input::keymap;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use failure::Failure;
@@ -90,14 +90,14 @@ impl Command {
 pub fn run() -> ExitCode {
     let user_file = user_settings(std::env::args_os());
     // Keys are installed first because `--help` lists them.
-    let layers = Layers::load(user_file.as_deref(), None, std::env::vars());
+    let layers = Layers::load(user_file.clone(), None, std::env::vars());
     let key_error = layers.settings().keys.and_then(|keys| keymap::install(&keys).err());
     let cli = match parse(Cli::command()) {
         Ok(cli) => cli,
         Err(exit_code) => return exit_code,
     };
     let scene = cli.scene.as_deref().or_else(|| cli.command.as_ref().and_then(Command::scene));
-    let mut layers = Layers::load(user_file.as_deref(), scene, std::env::vars());
+    let mut layers = Layers::load(user_file, scene, std::env::vars());
     layers.warnings.extend(key_error);
     for warning in &layers.warnings {
         output::say(&format!("warning: {warning}"));
@@ -113,9 +113,8 @@ pub fn run() -> ExitCode {
         Ok(cli) => cli,
         Err(exit_code) => return exit_code,
     };
-    let common = Common { settings: layers.settings(), user_file, warnings: layers.warnings };
     let outcome =
-        check(&cli.flags).and_then(|()| start_threads(&cli.flags)).and_then(|()| dispatch(&cli, &common));
+        check(&cli.flags).and_then(|()| start_threads(&cli.flags)).and_then(|()| dispatch(&cli, &layers));
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
@@ -133,14 +132,6 @@ fn parse(command: clap::Command) -> Result<Cli, ExitCode> {
     })
 }
 
-/// What a command needs in addition to its flags.
-#[derive(Debug)]
-struct Common {
-    settings: Settings,
-    user_file: Option<PathBuf>,
-    warnings: Vec<String>,
-}
-
 /// Path of the user's settings file. It is needed before the arguments are parsed.
 fn user_settings(arguments: impl Iterator<Item = OsString>) -> Option<PathBuf> {
     let mut arguments = arguments.skip(1);
@@ -152,7 +143,7 @@ fn user_settings(arguments: impl Iterator<Item = OsString>) -> Option<PathBuf> {
             return Some(PathBuf::from(path));
         }
     }
-    let from_variable = std::env::var_os(settings::CONFIG_VARIABLE).filter(|path| !path.is_empty());
+    let from_variable = std::env::var_os(CONFIG_VARIABLE).filter(|path| !path.is_empty());
     from_variable.map(PathBuf::from).or_else(|| paths::config_folder().map(|f| f.join("settings.toml")))
 }
 
@@ -165,23 +156,23 @@ fn check(flags: &Flags) -> Result<(), Failure> {
     }
 }
 
-fn dispatch(cli: &Cli, common: &Common) -> Result<(), Failure> {
+fn dispatch(cli: &Cli, layers: &Layers) -> Result<(), Failure> {
     let flags = &cli.flags;
     // In the window, signals keep their default action.
     if cli.command.is_some() {
         interrupt::install();
     }
     match (&cli.scene, &cli.command) {
-        (Some(scene), Some(_)) => {
-            Err(Failure::Usage(format!("'{scene}' stands before the command; put the scene after it")))
-        }
-        (scene, None) => start::start(scene.as_deref(), flags, common),
+        (Some(scene), Some(_)) => Err(Failure::Usage(format!(
+            "the scene '{scene}' is given before the command; put it after the command"
+        ))),
+        (scene, None) => start::start(scene.as_deref(), flags, layers, &Cli::command()),
         (None, Some(Command::Render(args))) => render::run(args, flags),
         (None, Some(Command::Tour(args))) => tour::run(args, flags),
         (None, Some(Command::Experiment(args))) => experiment::run(args, flags),
         (None, Some(Command::Inspect(args))) => inspect::run(args, flags),
         (None, Some(Command::Compare(args))) => compare::run(args, flags),
-        (None, Some(Command::Doctor)) => doctor::run(flags, common.user_file.as_deref()),
+        (None, Some(Command::Doctor)) => doctor::run(flags, layers.user_file.as_deref()),
         (None, Some(Command::Completions(args))) => generate::completions(args, Cli::command()),
         (None, Some(Command::Man)) => generate::man(Cli::command()),
         (None, Some(Command::Licences)) => generate::licences(),
@@ -193,5 +184,5 @@ fn start_threads(flags: &Flags) -> Result<(), Failure> {
         .num_threads(flags.threads.unwrap_or(0))
         .thread_name(|i| format!("trace-{i}"))
         .build_global()
-        .map_err(|e| Failure::Failed(format!("cannot start the threads that trace: {e}")))
+        .map_err(|e| Failure::Failed(format!("cannot start the threads that trace rays: {e}")))
 }

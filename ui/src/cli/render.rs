@@ -1,4 +1,4 @@
-//! `afterimage render`: one picture.
+//! `afterimage render`: renders one picture.
 
 use super::failure::Failure;
 use super::flags::Flags;
@@ -6,17 +6,17 @@ use super::pose::{camera, eye_and_target};
 use super::progress::SharedProgress;
 use super::scene::{Loaded, load};
 use super::{interrupt, output};
-use crate::picture::memory;
-use crate::picture::{Made, MadePicture, Output, PictureJob, Shows, notes};
+use crate::picture::{MadePicture, Output, PictureJob, Shows, memory};
+use afterimage::Mode;
 use afterimage::camera::Camera;
-use afterimage::raster::stream::{COMPLETE, Target};
+use afterimage::raster::stream::Target;
 use afterimage::reference::ReferenceFrame;
 use afterimage::render::aov::Aov;
 use afterimage::render::bands::Background;
 use afterimage::trace::TraceSettings;
 use afterimage::warp::splat::MAX_REFERENCES;
-use afterimage::{Frame, Mode};
 use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use glam::DVec3;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -24,34 +24,35 @@ use std::sync::Arc;
 
 #[derive(Args, Debug)]
 pub(crate) struct RenderArgs {
-    /// A model (.obj, .gltf, .glb) or builtin:NAME; the embedded gallery when absent.
+    /// A model (.obj, .gltf, .glb) or builtin:NAME [default: the embedded gallery].
     pub(super) scene: Option<String>,
-    /// The picture: .png (8 bits, display-referred) or .exr (linear, scene-referred).
+    /// Picture to write: .png (8 bits, display-referred) or .exr (linear, scene-referred).
     #[arg(short, long, value_name = "FILE", value_parser = png_or_exr)]
     output: PathBuf,
-    /// Traces a reference image there first; may be repeated.
+    /// Trace a reference image at this pose first; may be repeated.
     #[arg(long = "reference", value_name = "EX,EY,EZ:LX,LY,LZ", value_parser = eye_and_target)]
     #[arg(allow_hyphen_values = true)]
     references: Vec<[DVec3; 2]>,
-    /// Traces every pixel in full, with so many rays through different points of it: smooth edges.
+    /// Trace every pixel in full, with N primary rays through different points of it, for smooth edges.
     #[arg(long, value_name = "N", conflicts_with = "references")]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=4096))]
     antialias: Option<u32>,
-    /// Leaves the sky out: a PNG is transparent where rays leave into it, an EXR has a channel A.
+    /// Omit the sky: a PNG is transparent where rays leave the scene, an EXR has a channel A.
     #[arg(long, conflicts_with = "references")]
     no_background: bool,
-    /// Writes the type of every pixel: Type 1 #0072B2, Type 2 #F0E442, Type 3 #D55E00.
+    /// Write the type of every pixel: Type 1 #0072B2, Type 2 #F0E442, Type 3 #D55E00.
     #[arg(long, value_name = "FILE.png", value_parser = png)]
     types: Option<PathBuf>,
-    /// Writes linear radiance beside the picture.
+    /// Write linear radiance in addition to the picture.
     #[arg(long, value_name = "FILE.exr", value_parser = exr)]
     linear: Option<PathBuf>,
     /// Layers added to the EXR: depth, normal, type, reference, primitive.
-    #[arg(long, value_name = "LAYERS", value_delimiter = ',', value_parser = aov)]
+    #[arg(long, value_name = "LAYERS", value_delimiter = ',')]
+    #[arg(value_parser = aov_parser(), hide_possible_values = true)]
     aov: Vec<Aov>,
 }
 
-pub(super) fn png_or_exr(text: &str) -> Result<PathBuf, String> {
+fn png_or_exr(text: &str) -> Result<PathBuf, String> {
     png(text).or_else(|_| exr(text)).map_err(|_| "the name must end in .png or .exr".to_owned())
 }
 
@@ -69,11 +70,9 @@ fn with_extension(text: &str, extension: &str) -> Result<PathBuf, String> {
     if fits { Ok(path) } else { Err(format!("the name must end in .{extension}")) }
 }
 
-fn aov(text: &str) -> Result<Aov, String> {
-    Aov::ALL.into_iter().find(|a| a.name() == text).ok_or_else(|| {
-        let names: Vec<&str> = Aov::ALL.iter().map(|a| a.name()).collect();
-        format!("there are {}", names.join(", "))
-    })
+fn aov_parser() -> impl TypedValueParser<Value = Aov> {
+    let named = |name: String| Aov::ALL.into_iter().find(|aov| aov.name() == name).ok_or("unknown layer");
+    PossibleValuesParser::new(Aov::ALL.map(|aov| aov.name())).try_map(named)
 }
 
 pub(crate) fn run(args: &RenderArgs, flags: &Flags) -> Result<(), Failure> {
@@ -84,7 +83,7 @@ pub(crate) fn run(args: &RenderArgs, flags: &Flags) -> Result<(), Failure> {
     let camera = camera(flags, loaded.scene())?;
     let references = trace_references(args, flags, &loaded, camera.fov_y.to_degrees())?;
     let job = job(args, flags, &loaded, camera);
-    // A picture that was stopped is kept too; its notes and the result say so.
+    // An interrupted picture is kept too; its metadata and the result say that it is incomplete.
     let progress = SharedProgress::new("rendering");
     let (stop, note) = (interrupt::is_cancelled, |part| progress.at(part));
     let made = job.make(&loaded.tracer, &references, &outputs(args), &stop, &note)?;
@@ -109,7 +108,11 @@ fn job(args: &RenderArgs, flags: &Flags, loaded: &Loaded, camera: Camera) -> Pic
 
 fn outputs(args: &RenderArgs) -> Vec<Output> {
     let mut layers: Vec<Aov> = Vec::new();
-    args.aov.iter().for_each(|l| layers.extend(Some(*l).filter(|l| !layers.contains(l))));
+    for layer in &args.aov {
+        if !layers.contains(layer) {
+            layers.push(*layer);
+        }
+    }
     let main = if is_exr(&args.output) { Shows::Linear(layers.clone()) } else { Shows::Display };
     let to = |path: &PathBuf, shows| Output { target: Target::File(path.clone()), shows };
     let linear = args.linear.as_ref().map(|path| to(path, Shows::Linear(layers)));
@@ -117,12 +120,12 @@ fn outputs(args: &RenderArgs) -> Vec<Output> {
     [to(&args.output, main)].into_iter().chain(linear).chain(types).collect()
 }
 
-/// What can be refused before the scene is loaded.
+/// Checks the arguments before the scene is loaded.
 fn check(args: &RenderArgs, flags: &Flags) -> Result<(), Failure> {
     if flags.mode.traces_all(args.references.is_empty()) {
-        memory::check_banded(flags.pixels()).map_err(Failure::Usage)?;
+        memory::check_banded(flags.pixels())?;
     } else {
-        memory::check(flags.pixels(), args.references.len() as u64).map_err(Failure::Usage)?;
+        memory::check(flags.pixels(), args.references.len() as u64)?;
     }
     if args.references.len() > MAX_REFERENCES {
         return Err(Failure::Usage(format!("at most {MAX_REFERENCES} references can be used at once")));
@@ -144,7 +147,7 @@ fn is_exr(path: &Path) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"))
 }
 
-/// Each has a seed of its own, so that the noise of several is independent.
+/// Traces the references. Each has its own seed, so that their noise is independent.
 fn trace_references(
     args: &RenderArgs,
     flags: &Flags,
@@ -161,23 +164,6 @@ fn trace_references(
     (1..).zip(&args.references).map(trace).collect::<Option<Vec<_>>>().ok_or(Failure::Interrupted)
 }
 
-/// What the file says of itself.
-pub(super) fn file_notes(flags: &Flags, loaded: &Loaded, frame: &Frame) -> Vec<(&'static str, String)> {
-    let mut notes = notes(&Made {
-        scene_name: &loaded.name,
-        scene: loaded.scene(),
-        camera: &frame.camera,
-        size: frame.view.size,
-        settings: &flags.render(),
-        refined: frame.stats.refined,
-        background: Background::Shown,
-        exposure_ev: flags.exposure_ev(),
-        tone_map: flags.tone_map,
-    });
-    notes.push((COMPLETE, if frame.stats.is_complete { "yes" } else { "no" }.to_owned()));
-    notes
-}
-
 fn object(
     args: &RenderArgs,
     flags: &Flags,
@@ -187,7 +173,9 @@ fn object(
 ) -> Value {
     let (stats, secs) = (&made.stats, &made.stats.secs);
     let mut rays = stats.rays;
-    references.iter().for_each(|r| rays += r.rays);
+    for reference in references {
+        rays += reference.rays;
+    }
     json!({
         "scene": loaded.name,
         "mode": flags.mode.name(),
@@ -216,7 +204,7 @@ fn object(
     })
 }
 
-/// Not `sum`, which makes -0 of nothing.
+/// Time in seconds spent on references. `sum` would return -0 for an empty slice.
 fn total_secs(references: &[Arc<ReferenceFrame>]) -> f64 {
     references.iter().fold(0.0, |sum, r| sum + r.secs)
 }

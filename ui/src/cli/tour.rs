@@ -1,95 +1,88 @@
-//! `afterimage tour`: the scene's walk, frame by frame, recorded.
+//! `afterimage tour`: renders a camera path frame by frame, and records every frame.
 
 use super::failure::Failure;
-use super::flags::Flags;
+use super::flags::{Flags, number_in};
 use super::progress::Progress;
-use super::render::file_notes;
 use super::scene::{Loaded, load};
+use super::walk::read_path;
 use super::{interrupt, output, paths};
-use crate::picture::memory;
 use crate::picture::sequence::film_command;
+use crate::picture::{Made, memory, notes};
 use afterimage::camera::CameraPath;
 use afterimage::experiment::run::csv;
 use afterimage::experiment::{MeasureSettings, TourEvent, TourRecord, TourSettings, run_tour};
-use afterimage::raster::load::read_bounded;
 use afterimage::raster::save::{save_png, write_atomically};
+use afterimage::raster::stream::COMPLETE;
 use afterimage::reference::PlacementPolicy;
 use afterimage::reference::placement::RULES;
 use afterimage::render::aov::{display_picture, types_picture};
+use afterimage::render::bands::Background;
 use afterimage::warp::splat::MAX_REFERENCES;
 use afterimage::{Frame, WalkthroughSettings};
 use clap::Args;
+use clap::builder::PossibleValuesParser;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 #[derive(Args, Clone, Debug)]
 pub(crate) struct TourArgs {
-    /// A model (.obj, .gltf, .glb) or builtin:NAME; the embedded gallery when absent.
+    /// A model (.obj, .gltf, .glb) or builtin:NAME [default: the embedded gallery].
     pub(super) scene: Option<String>,
-    /// Number of frames; the walk's own when absent.
+    /// Number of frames [default: the camera path's own].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_FRAMES)))]
     pub(super) frames: Option<u32>,
-    /// A recorded walk (JSON); FILE#NAME takes one of several.
+    /// A recorded camera path (JSON) [default: the scene's own]; FILE#NAME selects one of several.
     #[arg(long, value_name = "FILE[#NAME]")]
     pub(super) path: Option<String>,
-    /// The folder for frames.csv, references.csv, summary.json and pictures; made where there is none.
+    /// Folder for frames.csv, references.csv, summary.json and pictures; created if it does not exist.
     #[arg(long, value_name = "DIR")]
     pub(super) out: PathBuf,
-    /// Where new references are placed.
-    #[arg(long, value_name = "predictive|threshold|greedy|grid|none", default_value = "predictive", value_parser = policy_name)]
-    pub(super) placement: &'static str,
-    /// Of Type 3 pixels, above which a new reference is traced.
-    #[arg(long, value_name = "PERCENT", default_value = "5", value_parser = percent)]
+    /// Rule that places new references.
+    #[arg(long, value_name = "predictive|threshold|greedy|grid|none", default_value = "predictive")]
+    #[arg(value_parser = PossibleValuesParser::new(RULES.iter().map(|rule| rule.name)), hide_possible_values = true)]
+    pub(super) placement: String,
+    /// Percentage of Type 3 pixels above which a new reference is traced.
+    #[arg(long, value_name = "PERCENT", default_value = "5", value_parser = number_in(0.0..=100.0, " percent"))]
     pub(super) threshold: f64,
-    /// Memory for references.
+    /// Memory for references, MB.
     #[arg(long, value_name = "MB", default_value_t = 1024)]
     #[arg(value_parser = clap::value_parser!(u64).range(1..=1 << 20))]
     pub(super) cache_mb: u64,
-    /// References a frame uses at most.
+    /// Maximum number of references that a frame uses.
     #[arg(long, value_name = "N", default_value_t = 8)]
     #[arg(value_parser = clap::value_parser!(u8).range(1..=MAX_REFERENCES as i64))]
     pub(super) most_references: u8,
-    /// Writes every frame, and its types, to images/.
+    /// Write every frame, and the types of its pixels, to images/.
     #[arg(long)]
     pub(super) pictures: bool,
-    /// Checks a few pixels of every looked-up frame by tracing them; they take up to a twentieth of its time.
+    /// Check a few looked-up pixels of every frame by tracing them, in up to a twentieth of its time.
     #[arg(long)]
     pub(super) audit: bool,
-    /// Cuts every frame after so long, as the window does while one moves; what is open then shows what is around it.
+    /// End every frame after this time, as the window does while the camera moves; unfinished pixels are
+    /// filled from their neighbours, ms.
     #[arg(long, value_name = "MS", value_parser = clap::value_parser!(u32).range(1..=3_600_000))]
     pub(super) budget_ms: Option<u32>,
-    /// Measures errors and the full tracer's time on some frames.
+    /// Measure errors and the full tracer's time on some frames.
     #[arg(long)]
     pub(super) measure: bool,
-    /// Measures every K-th frame; six frames in all when absent.
+    /// Measure every K-th frame [default: six frames in all].
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(1..))]
     pub(super) measure_every: Option<u32>,
-    /// Shadow rays per light and pixel of the converged picture that errors are measured against.
+    /// Shadow rays per light and pixel of the converged pictures against which errors are measured.
     #[arg(long, value_name = "N", default_value_t = 256)]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
     pub(super) truth_samples: u32,
-    /// Where converged pictures are kept; the user's cache folder when absent.
+    /// Folder in which converged pictures are kept [default: the user's cache folder].
     #[arg(long, value_name = "DIR")]
     pub(super) truth_cache: Option<PathBuf>,
 }
 
-/// The most frames of a walk.
+/// Maximum number of frames.
 const MAX_FRAMES: u32 = CameraPath::MAX_FRAMES;
 
-fn policy_name(text: &str) -> Result<&'static str, String> {
-    let names = || RULES.iter().map(|rule| rule.name);
-    let unknown = || format!("there are {}", names().collect::<Vec<_>>().join(", "));
-    names().find(|name| *name == text).ok_or_else(unknown)
-}
-
-fn percent(text: &str) -> Result<f64, String> {
-    let number = text.parse().ok().filter(|p| (0.0..=100.0).contains(p));
-    number.ok_or_else(|| "a percentage is from 0 to 100".to_owned())
-}
-
 pub(crate) fn run(args: &TourArgs, flags: &Flags) -> Result<(), Failure> {
-    memory::check(flags.pixels(), 1).map_err(Failure::Usage)?;
+    memory::check(flags.pixels(), 1)?;
     let recorded = args.path.as_deref().map(read_path).transpose()?;
     make_folder(&args.out)?;
     if args.pictures {
@@ -105,7 +98,7 @@ pub(crate) fn run(args: &TourArgs, flags: &Flags) -> Result<(), Failure> {
     write_atomically(&args.out.join("summary.json"), format!("{object:#}\n").as_bytes())?;
     output::result(flags.json, &object, || table(args, &record));
     if args.pictures && picture_error.is_none() {
-        output::say(&format!("to make a film of it: {}", film_command(&args.out.join("images"))));
+        output::say(&format!("to encode them as a film: {}", film_command(&args.out.join("images"))));
     }
     match picture_error {
         Some(error) => Err(error),
@@ -116,11 +109,11 @@ pub(crate) fn run(args: &TourArgs, flags: &Flags) -> Result<(), Failure> {
 
 fn make_folder(folder: &Path) -> Result<(), Failure> {
     std::fs::create_dir_all(folder)
-        .map_err(|e| Failure::Failed(format!("cannot make the folder {}: {e}", folder.display())))
+        .map_err(|e| Failure::Failed(format!("cannot create the folder {}: {e}", folder.display())))
 }
 
 fn settings(args: &TourArgs, flags: &Flags, walk: &CameraPath) -> TourSettings {
-    let placement = PlacementPolicy::named(args.placement, args.threshold).unwrap_or_default();
+    let placement = PlacementPolicy::named(&args.placement, args.threshold).unwrap_or_default();
     let frames = args.frames.unwrap_or(walk.frames);
     let measure = (args.measure || args.measure_every.is_some()).then(|| MeasureSettings {
         every: args.measure_every.unwrap_or(frames.div_ceil(6)),
@@ -139,7 +132,7 @@ fn settings(args: &TourArgs, flags: &Flags, walk: &CameraPath) -> TourSettings {
     TourSettings { walkthrough, size: flags.size(), frames, budget, measure }
 }
 
-/// Flies; a picture that cannot be written ends the flight, and what was recorded is kept.
+/// Renders the camera path. If a picture cannot be written, the tour ends and its record is kept.
 fn fly(
     args: &TourArgs,
     flags: &Flags,
@@ -153,7 +146,7 @@ fn fly(
     let record = run_tour(&loaded.tracer, walk, settings, cancel, |event| match event {
         TourEvent::Measuring(frame) => progress.at(frame.into(), "measuring"),
         TourEvent::TruthNotKept(error) => {
-            progress.say(&format!("warning: the converged picture is not kept: {error}"));
+            progress.say(&format!("warning: the converged picture is not cached: {error}"));
         }
         TourEvent::Frame(record, walk) => {
             let note =
@@ -187,19 +180,21 @@ fn write_pictures(
     Ok(())
 }
 
-/// A walk of a million key frames has about 100 MB.
-const MAX_BYTES: u64 = 256 << 20;
-
-/// A walk from `FILE`, or the one called `NAME` from `FILE#NAME`.
-pub(super) fn read_path(text: &str) -> Result<CameraPath, Failure> {
-    let (file, name) = match text.rsplit_once('#') {
-        // A file may have the sign in its own name.
-        Some((file, name)) if !Path::new(text).exists() => (file, Some(name)),
-        _ => (text, None),
-    };
-    let failed = |cause: String| Failure::Failed(format!("cannot read the walk {file}: {cause}"));
-    let bytes = read_bounded(Path::new(file), MAX_BYTES).map_err(|e| failed(e.cause))?;
-    CameraPath::from_json(&bytes, name).map_err(failed)
+/// Metadata of the picture of a frame.
+fn file_notes(flags: &Flags, loaded: &Loaded, frame: &Frame) -> Vec<(&'static str, String)> {
+    let mut notes = notes(&Made {
+        scene_name: &loaded.name,
+        scene: loaded.scene(),
+        camera: &frame.camera,
+        size: frame.view.size,
+        settings: &flags.render(),
+        refined: frame.stats.refined,
+        background: Background::Shown,
+        exposure_ev: flags.exposure_ev(),
+        tone_map: flags.tone_map,
+    });
+    notes.push((COMPLETE, if frame.stats.is_complete { "yes" } else { "no" }.to_owned()));
+    notes
 }
 
 fn object(args: &TourArgs, flags: &Flags, loaded: &Loaded, record: &TourRecord) -> Value {
@@ -220,10 +215,7 @@ fn object(args: &TourArgs, flags: &Flags, loaded: &Loaded, record: &TourRecord) 
         "light_cuts": loaded.light_cuts(),
         "secs": { "load": loaded.load_secs, "build": loaded.tracer.build_secs() },
     });
-    let record = serde_json::to_value(record).unwrap_or(Value::Null);
-    if let (Some(object), Value::Object(record)) = (object.as_object_mut(), record) {
-        object.extend(record);
-    }
+    output::extend(&mut object, record);
     object
 }
 

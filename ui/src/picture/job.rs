@@ -81,11 +81,7 @@ impl PictureJob {
     /// [`TooLarge`] with the limit that it exceeds.
     pub fn check(&self, references: &[Arc<ReferenceFrame>]) -> Result<(), TooLarge> {
         let pixels = self.size.map(u64::from).iter().product();
-        if self.is_banded(references) {
-            check_banded(pixels)
-        } else {
-            check(pixels, references.len() as u64)
-        }
+        if self.is_banded(references) { check_banded(pixels) } else { check(pixels, references.len() as u64) }
     }
 
     /// Renders the picture and writes its files. `progress` is called from several threads with the

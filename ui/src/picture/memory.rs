@@ -32,7 +32,10 @@ impl std::fmt::Display for TooLarge {
         match self {
             Self::Picture(pixels) => {
                 let side = MAX_PIXELS.isqrt();
-                write!(f, "the picture would have {pixels} pixels; the maximum is {MAX_PIXELS} ({side}x{side})")?;
+                write!(
+                    f,
+                    "the picture would have {pixels} pixels; the maximum is {MAX_PIXELS} ({side}x{side})"
+                )?;
             }
             Self::Memory(bytes) => {
                 let [needed, limit] = [*bytes, MAX_BYTES].map(|bytes| bytes as f64 / f64::from(1 << 30));

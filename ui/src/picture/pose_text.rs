@@ -39,17 +39,18 @@ pub fn pose_of_flags(text: &str, before: &Camera) -> Result<Camera, PoseError> {
     }
     let fov_y_deg = match value(text, "--fov-y") {
         None => before.fov_y.to_degrees(),
-        Some(word) => word
-            .parse()
-            .ok()
-            .filter(|degrees| Camera::FOV_Y_DEGREES.contains(degrees))
-            .ok_or_else(|| PoseError(format!("--fov-y {word}: a field of view is from 1 to 170 degrees")))?,
+        Some(word) => {
+            word.parse().ok().filter(|degrees| Camera::FOV_Y_DEGREES.contains(degrees)).ok_or_else(|| {
+                PoseError(format!("--fov-y {word}: a field of view is from 1 to 170 degrees"))
+            })?
+        }
     };
     Ok(Camera::look_at(eye, at, fov_y_deg))
 }
 
 /// Message for a pose whose view direction is undefined.
-pub(crate) const SAME_POINT: &str = "--eye and --look-at are the same point; the direction of view is undefined";
+pub(crate) const SAME_POINT: &str =
+    "--eye and --look-at are the same point; the direction of view is undefined";
 
 /// The word after a flag, separated by a space or `=`.
 fn value<'a>(text: &'a str, flag: &str) -> Option<&'a str> {

@@ -76,7 +76,7 @@ fn an_interrupted_run_keeps_its_tables() {
     let lines = std::fs::read_to_string(bench.path("run/records.csv")).unwrap().lines().count();
     assert!(lines > 4, "the cells that were done are in the table: {lines} lines");
     let page = std::fs::read_to_string(bench.path("run/report.html")).unwrap();
-    assert!(code == Some(0) || page.contains("The same command goes on where it stopped"));
+    assert!(code == Some(0) || page.contains("Run the same command again to resume"));
 }
 
 #[test]

@@ -40,7 +40,7 @@ fn usage_errors_end_with_two() {
         ("tour room.obj --out run --placement gird", "greedy, grid, none"),
         ("tour room.obj --out run --threshold 101", "0 to 100"),
         ("tour room.obj", "--out"),
-        ("experiment table2 room.obj --out run", "there are table1"),
+        ("experiment table2 room.obj --out run", "possible values: table1"),
         ("experiment table1 room.obj", "--out DIR"),
         ("experiment table1 room.obj sofa.obj --out run", "sofa.obj"),
         ("experiment table1 room.obj --out run --shard 5/4", "out of range"),

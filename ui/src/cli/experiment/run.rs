@@ -1,101 +1,34 @@
-//! `afterimage experiment NAME`: a run folder, resumed where it was begun, and `merge` for the shards of one.
+//! Runs an experiment into a folder, resumes an interrupted run, and merges the folders of shards.
 
-mod text;
-
-pub(crate) use text::shown;
-
+use super::args::ExperimentArgs;
+use super::throughput;
 use crate::cli::failure::Failure;
 use crate::cli::flags::Flags;
 use crate::cli::pose::camera;
 use crate::cli::progress::Progress;
 use crate::cli::scene::{Loaded, load};
-use crate::cli::tour::read_path;
-use crate::cli::{interrupt, output, paths, report as report_files, throughput};
+use crate::cli::walk::read_path;
+use crate::cli::{interrupt, output, paths, report as report_files};
 use crate::picture::memory;
 use afterimage::camera::CameraPath;
-use afterimage::experiment::registry::{EXPERIMENTS, find};
+use afterimage::experiment::registry::find;
 use afterimage::experiment::run::{
-    CellEvent, Effort, Experiment, ExperimentContext, ExperimentError, ExperimentSettings, Report, RunFolder,
-    Session, Shard, caveats, merge, run_cells,
+    CellEvent, Effort, Experiment, ExperimentContext, ExperimentSettings, Report, RunFolder, Session, Shard,
+    caveats, merge, run_cells,
 };
 use afterimage::experiment::throughput::{ThroughputSettings, gather_rays};
 use afterimage::raster::save::write_atomically;
-use clap::Args;
-use serde_json::{Value, json};
+use serde_json::json;
 use std::path::{Path, PathBuf};
 
-#[derive(Args, Debug)]
-pub(crate) struct ExperimentArgs {
-    /// Which one: table1, error-time, placement, scaling, stability, soak, throughput; or merge, which joins the folders of shards.
-    #[arg(value_parser = name)]
-    name: String,
-    /// A model (.obj, .gltf, .glb) or builtin:NAME, the embedded gallery when absent; for merge, the folders.
-    #[arg(value_name = "SCENE")]
-    inputs: Vec<String>,
-    /// The folder of the run. One in which the same run was begun is gone on with; any other is left alone.
-    #[arg(long, value_name = "DIR")]
-    pub(crate) out: Option<PathBuf>,
-    /// Does every N-th cell only; I or both come from the scheduler's environment in an array job.
-    #[arg(long, value_name = "I/N", allow_hyphen_values = true)]
-    shard: Option<String>,
-    /// Small pictures and few steps: seconds to a few minutes.
-    #[arg(long)]
-    quick: bool,
-    /// Timed repetitions of a frame, after one that does not count.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
-    repetitions: Option<u32>,
-    /// Views along the walk.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
-    views: Option<u32>,
-    /// Frames of a walk that is flown.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
-    frames: Option<u32>,
-    /// A recorded walk (JSON) instead of the scene's own; FILE#NAME takes one of several.
-    #[arg(long, value_name = "FILE[#NAME]")]
-    path: Option<String>,
-    /// Memory for references.
-    #[arg(long, value_name = "MB", value_parser = clap::value_parser!(u64).range(1..=1 << 20))]
-    cache_mb: Option<u64>,
-    /// Shadow rays per light and pixel of the converged pictures that errors are measured against.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
-    truth_samples: Option<u32>,
-    /// Where converged pictures are kept; the user's cache folder when absent.
-    #[arg(long, value_name = "DIR")]
-    truth_cache: Option<PathBuf>,
-    /// throughput: writes the triangles and the rays that were timed, for other programs.
-    #[arg(long, value_name = "FILE")]
-    pub(crate) dump_rays: Option<PathBuf>,
-}
-
-impl ExperimentArgs {
-    /// The scene named, if one is.
-    pub(crate) fn scene(&self) -> Result<Option<&str>, Failure> {
-        match self.inputs.as_slice() {
-            [] => Ok(None),
-            [scene] => Ok(Some(scene)),
-            [_, second, ..] => {
-                Err(Failure::Usage(format!("an experiment takes one scene; '{second}' is a second")))
-            }
-        }
-    }
-}
-
+/// The only experiment that also runs without a folder.
 const THROUGHPUT: &str = "throughput";
-const MERGE: &str = "merge";
 
-fn name(text: &str) -> Result<String, String> {
-    let names = || EXPERIMENTS.iter().map(|e| e.name).chain([MERGE]);
-    if names().any(|n| n == text) {
-        return Ok(text.to_owned());
-    }
-    Err(format!("there are {}", names().collect::<Vec<_>>().join(", ")))
-}
-
-pub(crate) fn run(args: &ExperimentArgs, flags: &Flags) -> Result<(), Failure> {
+pub(in crate::cli) fn run(args: &ExperimentArgs, flags: &Flags) -> Result<(), Failure> {
     match find(&args.name) {
         Some(_) if args.name == THROUGHPUT && args.out.is_none() => throughput::run(args, flags),
         Some(experiment) => run_one(experiment, args, flags),
-        None => join(args, flags),
+        None => merge_shards(args, flags),
     }
 }
 
@@ -105,7 +38,7 @@ fn run_one(experiment: &Experiment, args: &ExperimentArgs, flags: &Flags) -> Res
         .map_err(|e| Failure::Usage(e.to_string()))?;
     let recorded = args.path.as_deref().map(read_path).transpose()?;
     let settings = settings(experiment, args, flags);
-    memory::check(settings.size.map(u64::from).iter().product(), MAX_REFERENCES).map_err(Failure::Usage)?;
+    memory::check(settings.size.map(u64::from).iter().product(), MAX_REFERENCES)?;
     let loaded = load(args.scene()?, flags)?;
     let truth_folder = args.truth_cache.clone().or_else(|| paths::cache_folder().map(|c| c.join("truth")));
     let images = out.join("images");
@@ -124,10 +57,10 @@ fn run_one(experiment: &Experiment, args: &ExperimentArgs, flags: &Flags) -> Res
     let cells = (experiment.cells)(&context).len();
     let identity = context.identity(experiment.name, &loaded.name);
     let mut folder = RunFolder::open(&out, identity, shard, cells, session())?;
-    let done = run_with_progress(experiment, &context, &mut folder);
-    // What was done is worth its tables, whatever happened to the rest.
-    let report = finish(experiment, &mut folder)?;
-    let is_complete = done?;
+    let finished = run_with_progress(experiment, &context, &mut folder);
+    // Finished cells are reported even if others failed.
+    let report = write_report(experiment, &mut folder)?;
+    let is_complete = finished?;
     print(&folder, &report, flags);
     if !is_complete {
         return Err(Failure::Interrupted);
@@ -135,40 +68,41 @@ fn run_one(experiment: &Experiment, args: &ExperimentArgs, flags: &Flags) -> Res
     verdict(&report, Some(&loaded), flags)
 }
 
-/// The walk of a file, or standing at a pose where one is given or only one is asked for, or the scene's own.
+/// The recorded camera path, or a stationary camera if a pose is given or throughput is measured, or the
+/// scene's own path.
 fn walk(
     experiment: &Experiment,
     recorded: Option<CameraPath>,
     flags: &Flags,
     loaded: &Loaded,
 ) -> Result<CameraPath, Failure> {
-    let stands = experiment.name == THROUGHPUT || flags.eye.is_some() || flags.view.is_some();
+    let is_still = experiment.name == THROUGHPUT || flags.eye.is_some() || flags.view.is_some();
     match recorded {
         Some(walk) => Ok(walk),
-        None if stands => Ok(CameraPath::still(&camera(flags, loaded.scene())?)),
+        None if is_still => Ok(CameraPath::still(&camera(flags, loaded.scene())?)),
         None => Ok(loaded.scene().walk.clone()),
     }
 }
 
-/// The rays that are timed, for other programs.
+/// Writes the timed rays for other programs.
 fn dump_rays(
     path: &Path,
     loaded: &Loaded,
     walk: &CameraPath,
     settings: &ExperimentSettings,
 ) -> Result<(), Failure> {
-    let camera = walk.camera(0, 2).ok_or_else(|| Failure::Failed("the walk has no key frames".to_owned()))?;
+    let camera =
+        walk.camera(0, 2).ok_or_else(|| Failure::Failed("the camera path has no key frames".to_owned()))?;
     let settings = ThroughputSettings { camera, size: settings.size, trace: settings.trace() };
     let rays = gather_rays(&loaded.tracer, &settings);
     Ok(write_atomically(path, &rays.to_bytes(&loaded.tracer))?)
 }
 
-/// References a frame of an experiment uses at most.
+/// Maximum number of references that a frame of an experiment uses.
 const MAX_REFERENCES: u64 = 8;
 
 fn out(args: &ExperimentArgs) -> Result<PathBuf, Failure> {
-    let missing =
-        || Failure::Usage(format!("experiment {} needs --out DIR, the folder of its run", args.name));
+    let missing = || Failure::Usage(format!("experiment {} needs a folder; give --out DIR", args.name));
     args.out.clone().ok_or_else(missing)
 }
 
@@ -176,21 +110,21 @@ fn session() -> Session {
     Session::now(std::env::args().collect(), option_env!("AFTERIMAGE_COMMIT"))
 }
 
-/// The experiment's own, but for what was asked for.
+/// The experiment's settings, with those replaced that the flags give.
 fn settings(experiment: &Experiment, args: &ExperimentArgs, flags: &Flags) -> ExperimentSettings {
-    let usual = (experiment.settings)(if args.quick { Effort::Quick } else { Effort::Usual });
+    let defaults = (experiment.settings)(if args.quick { Effort::Quick } else { Effort::Usual });
     ExperimentSettings {
-        size: flags.given_size.unwrap_or(usual.size),
-        samples: flags.samples.unwrap_or(usual.samples),
-        bounces: flags.bounces.unwrap_or(usual.bounces),
+        size: flags.given_size.unwrap_or(defaults.size),
+        samples: flags.samples.unwrap_or(defaults.samples),
+        bounces: flags.bounces.unwrap_or(defaults.bounces),
         seed: flags.seed,
-        repetitions: args.repetitions.unwrap_or(usual.repetitions),
-        views: args.views.unwrap_or(usual.views),
-        frames: args.frames.unwrap_or(usual.frames),
-        truth_samples: args.truth_samples.unwrap_or(usual.truth_samples),
-        cache_mb: args.cache_mb.unwrap_or(usual.cache_mb),
+        repetitions: args.repetitions.unwrap_or(defaults.repetitions),
+        views: args.views.unwrap_or(defaults.views),
+        frames: args.frames.unwrap_or(defaults.frames),
+        truth_samples: args.truth_samples.unwrap_or(defaults.truth_samples),
+        cache_mb: args.cache_mb.unwrap_or(defaults.cache_mb),
         exposure_ev: flags.exposure,
-        ..usual
+        ..defaults
     }
 }
 
@@ -209,7 +143,7 @@ fn run_with_progress(
     Ok(run_cells(experiment, context, folder, observe)?)
 }
 
-fn finish(experiment: &Experiment, folder: &mut RunFolder) -> Result<Report, Failure> {
+fn write_report(experiment: &Experiment, folder: &mut RunFolder) -> Result<Report, Failure> {
     let records = folder.records();
     let mut report = (experiment.report)(&folder.manifest().identity, &records);
     report.notes.extend(caveats(folder.manifest(), &records));
@@ -218,23 +152,25 @@ fn finish(experiment: &Experiment, folder: &mut RunFolder) -> Result<Report, Fai
     Ok(report)
 }
 
-/// `merge`: the folders of shards become the folder of the whole.
-fn join(args: &ExperimentArgs, flags: &Flags) -> Result<(), Failure> {
+/// Merges the folders of shards into one folder.
+fn merge_shards(args: &ExperimentArgs, flags: &Flags) -> Result<(), Failure> {
     let out = out(args)?;
     if args.inputs.is_empty() {
-        return Err(Failure::Usage("merge needs the folders of the shards".to_owned()));
+        return Err(Failure::Usage(
+            "merge needs the folders of the shards; give them after its name".to_owned(),
+        ));
     }
     let folders: Vec<PathBuf> = args.inputs.iter().map(PathBuf::from).collect();
     let mut folder = merge(&folders, &out, session())?;
     let name = folder.manifest().identity.experiment.clone();
     let experiment =
         find(&name).ok_or_else(|| Failure::Failed(format!("this version has no experiment '{name}'")))?;
-    let report = finish(experiment, &mut folder)?;
+    let report = write_report(experiment, &mut folder)?;
     print(&folder, &report, flags);
     let manifest = folder.manifest();
     if !manifest.is_complete {
         output::say(&format!(
-            "warning: {} of {} cells are missing; the same experiment with --out {} does them",
+            "warning: {} of {} cells are missing; run the same experiment with --out {} to add them",
             manifest.cells - manifest.cells_done,
             manifest.cells,
             out.display()
@@ -255,10 +191,8 @@ fn print(folder: &RunFolder, report: &Report, flags: &Flags) {
         "cells_done": manifest.cells_done,
         "is_complete": manifest.is_complete,
     });
-    if let Value::Object(object) = &mut object {
-        object.extend(report.summary.clone());
-    }
-    output::result(flags.json, &object, || text::report(folder, report));
+    output::extend(&mut object, &report.summary);
+    output::result(flags.json, &object, || report_files::text(folder, report));
 }
 
 fn verdict(report: &Report, loaded: Option<&Loaded>, flags: &Flags) -> Result<(), Failure> {
@@ -266,14 +200,5 @@ fn verdict(report: &Report, loaded: Option<&Loaded>, flags: &Flags) -> Result<()
         (Some(failure), _) => Err(Failure::Failed(failure.clone())),
         (None, Some(loaded)) => loaded.verdict(flags),
         (None, None) => Ok(()),
-    }
-}
-
-impl From<ExperimentError> for Failure {
-    fn from(error: ExperimentError) -> Self {
-        match error {
-            ExperimentError::Scene(error) => error.into(),
-            other => Self::Failed(other.to_string()),
-        }
     }
 }

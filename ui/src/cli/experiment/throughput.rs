@@ -1,19 +1,19 @@
-//! `afterimage experiment throughput`: each stage against its floor.
+//! `afterimage experiment throughput` without a folder: measures the speed of each stage, and prints it.
 
-use super::experiment::ExperimentArgs;
-use super::failure::Failure;
-use super::flags::Flags;
-use super::pose::camera;
-use super::scene::{Loaded, load};
-use super::{interrupt, output};
+use super::args::ExperimentArgs;
+use crate::cli::failure::Failure;
+use crate::cli::flags::Flags;
+use crate::cli::pose::camera;
+use crate::cli::scene::{Loaded, load};
+use crate::cli::{interrupt, output};
 use crate::picture::memory;
 use afterimage::experiment::throughput::{Throughput, ThroughputSettings, measure_throughput};
 use afterimage::raster::save::write_atomically;
 use serde_json::{Value, json};
 
-/// Without a folder: one answer, nothing kept.
-pub(crate) fn run(args: &ExperimentArgs, flags: &Flags) -> Result<(), Failure> {
-    memory::check(flags.pixels(), 1).map_err(Failure::Usage)?;
+/// Measures and prints; no folder is written.
+pub(super) fn run(args: &ExperimentArgs, flags: &Flags) -> Result<(), Failure> {
+    memory::check(flags.pixels(), 1)?;
     let loaded = load(args.scene()?, flags)?;
     let camera = camera(flags, loaded.scene())?;
     let settings = ThroughputSettings { camera, size: flags.size(), trace: flags.trace() };
@@ -40,10 +40,7 @@ fn object(flags: &Flags, loaded: &Loaded, throughput: &Throughput) -> Value {
         "samples": flags.trace().samples,
         "seed": flags.seed,
     });
-    let figures = serde_json::to_value(throughput).unwrap_or(Value::Null);
-    if let (Some(object), Value::Object(figures)) = (object.as_object_mut(), figures) {
-        object.extend(figures);
-    }
+    output::extend(&mut object, throughput);
     object
 }
 
@@ -59,7 +56,7 @@ fn table(t: &Throughput) -> String {
         (
             "warp",
             format!(
-                "{:.2} ns per reference pixel; on one core {:.2}, from memory {:.2}: {:.1} times its floor at {:.1} GB/s",
+                "{:.2} ns per reference pixel; on one core {:.2}, from memory {:.2}: {:.1} times the lower bound at {:.1} GB/s",
                 t.warp.warp_ns_per_reference_pixel,
                 t.warp.warp_ns_per_reference_pixel_one_core,
                 t.warp.warp_from_memory_ns_per_reference_pixel_one_core,
@@ -86,14 +83,14 @@ fn stages(t: &Throughput) -> Vec<(&'static str, String)> {
         (
             "look-up",
             format!(
-                "{:.1} ns per pixel (floor {:.1}); with rays {:.1}",
+                "{:.1} ns per pixel (lower bound {:.1}); with rays {:.1}",
                 t.stages.lookup_ns_per_pixel,
                 t.stages.lookup_floor_ns_per_pixel,
                 t.stages.resolve_ns_per_pixel
             ),
         ),
         (
-            "checking guesses",
+            "uncertain pixels",
             format!(
                 "{:.2} us per pixel, {:.2} once traced ({} pixels)",
                 t.stages.check_new_us_per_pixel, t.stages.check_known_us_per_pixel, t.stages.checked_pixels
@@ -102,15 +99,15 @@ fn stages(t: &Throughput) -> Vec<(&'static str, String)> {
         (
             "mirrors and glass",
             format!(
-                "{:.2} us per pixel, {:.2} once traced (floor {:.2}; {} pixels)",
+                "{:.2} us per pixel, {:.2} once traced (lower bound {:.2}; {} pixels)",
                 t.stages.secondary_new_us_per_pixel,
                 t.stages.secondary_known_us_per_pixel,
                 t.stages.secondary_floor_us_per_pixel,
                 t.stages.secondary_pixels
             ),
         ),
-        ("foreseeing", against(t.stages.foresight_ms, t.stages.foresight_floor_ms)),
-        ("entering a reference", against(t.stages.directory_ms, t.stages.directory_floor_ms)),
+        ("foresight", against(t.stages.foresight_ms, t.stages.foresight_floor_ms)),
+        ("adding a reference", against(t.stages.directory_ms, t.stages.directory_floor_ms)),
         (
             "features forced on",
             format!(
@@ -122,5 +119,5 @@ fn stages(t: &Throughput) -> Vec<(&'static str, String)> {
 }
 
 fn against(ms: f64, floor_ms: f64) -> String {
-    format!("{ms:.1} ms (floor {floor_ms:.1})")
+    format!("{ms:.1} ms (lower bound {floor_ms:.1})")
 }

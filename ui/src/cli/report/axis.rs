@@ -1,8 +1,8 @@
-//! Where values lie along an axis, and which of them are written beside it.
+//! An axis of a chart: the range it shows, positions of values along it, and tick marks.
 
 use afterimage::experiment::run::report::Scale;
 
-/// The part of an axis that is shown. Values are mapped to 0 (low end) to 1 (high end).
+/// Range of an axis. Values are mapped to 0 at the low end and 1 at the high end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Span {
     low: f64,
@@ -10,17 +10,18 @@ pub(super) struct Span {
     scale: Scale,
 }
 
-/// Free space at both ends, as a share of the span.
+/// Margin at both ends, as a fraction of the range.
 const MARGIN: f64 = 0.04;
 
-/// Below this ratio of its ends a logarithmic axis is marked like a linear one: it holds too few round powers.
+/// A logarithmic axis whose ends have a smaller ratio gets linear tick marks: it contains too few
+/// powers of ten.
 const FEW_POWERS: f64 = 5.0;
 
-/// Above this ratio only powers of ten are marked.
+/// A logarithmic axis whose ends have a larger ratio gets tick marks only at powers of ten.
 const MANY_POWERS: f64 = 1000.0;
 
 impl Span {
-    /// What holds all values that can be shown. `None` where there is none.
+    /// The range of all values that the scale can show; `None` if there are none.
     pub(super) fn of(values: impl IntoIterator<Item = f64>, scale: Scale) -> Option<Self> {
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for value in values.into_iter().filter(|v| is_shown(*v, scale)) {
@@ -30,37 +31,37 @@ impl Span {
     }
 
     fn widened(self) -> Self {
-        let [low, high] = [self.low, self.high].map(|v| self.along(v));
+        let [low, high] = [self.low, self.high].map(|v| self.on_axis(v));
         let margin = match high - low {
             0.0 if self.scale == Scale::Logarithmic => std::f64::consts::LN_2,
             0.0 => low.abs().max(1.0) / 2.0,
             length => length * MARGIN,
         };
-        // Where everything is from zero up, the axis does not go below it.
+        // A linear axis of non-negative values does not extend below zero.
         let low =
             if self.scale == Scale::Linear && low >= 0.0 { (low - margin).max(0.0) } else { low - margin };
-        Self { low: self.back(low), high: self.back(high + margin), scale: self.scale }
+        Self { low: self.from_axis(low), high: self.from_axis(high + margin), scale: self.scale }
     }
 
     pub(super) fn length(self) -> f64 {
         self.high - self.low
     }
 
-    /// 0 to 1 within the span; `None` for what cannot be shown.
+    /// Position of a value, 0..1 within the range; `None` if the scale cannot show it.
     pub(super) fn position(self, value: f64) -> Option<f64> {
-        let [low, high, at] = [self.low, self.high, value].map(|v| self.along(v));
+        let [low, high, at] = [self.low, self.high, value].map(|v| self.on_axis(v));
         is_shown(value, self.scale).then(|| (at - low) / (high - low))
     }
 
-    fn along(self, value: f64) -> f64 {
+    fn on_axis(self, value: f64) -> f64 {
         if self.scale == Scale::Logarithmic { value.ln() } else { value }
     }
 
-    fn back(self, along: f64) -> f64 {
+    fn from_axis(self, along: f64) -> f64 {
         if self.scale == Scale::Logarithmic { along.exp() } else { along }
     }
 
-    /// Round values within the span, in order.
+    /// Round values within the range, in ascending order.
     pub(super) fn ticks(self) -> Vec<f64> {
         let ratio = self.high / self.low;
         if self.scale == Scale::Linear || ratio < FEW_POWERS {
@@ -73,7 +74,7 @@ impl Span {
     }
 
     fn linear_ticks(self) -> Vec<f64> {
-        /// At most, or a few more.
+        /// Approximate maximum number of tick marks.
         const COUNT: f64 = 6.0;
         let rough = self.length() / COUNT;
         let power = 10f64.powf(rough.log10().floor());
@@ -89,7 +90,7 @@ fn is_shown(value: f64, scale: Scale) -> bool {
     value.is_finite() && (scale == Scale::Linear || value > 0.0)
 }
 
-/// A round value as short as it can be written.
+/// Shortest text of a round value.
 pub(super) fn tick_label(value: f64) -> String {
     if value != 0.0 && !(1e-4..1e6).contains(&value.abs()) {
         let text = format!("{value:.2e}");
@@ -122,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn positions_are_shares_of_the_span() {
+    fn positions_are_fractions_of_the_range() {
         let span = Span::of([1.0, 100.0], Scale::Logarithmic).unwrap();
         assert!((span.position(10.0).unwrap() - 0.5).abs() < 1e-12);
         assert_eq!(span.position(0.0), None, "a logarithmic axis has no zero");

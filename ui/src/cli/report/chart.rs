@@ -1,13 +1,13 @@
-//! A chart as SVG: one drawing for files, pages and, rasterised, PNG.
+//! Draws a chart as SVG, for files, for the HTML page, and rasterised for PNG.
 //!
-//! Drawn by ourselves because hover values, two dresses (a file of its own, a page with dark and light) and marks that
-//! are told apart without colour are ten lines each here and not to be had from a plotting library's SVG.
+//! No plotting library is used: none offers, in its SVG, values on hover, styles by the page (light and dark),
+//! and marks that differ in shape as well as in colour. Here these take about ten lines each.
 
 use super::axis::{Span, tick_label};
 use afterimage::experiment::run::report::{Chart, Drawn, Point, Series};
 use std::fmt::Write;
 
-/// Of the whole drawing, in its own units.
+/// Width and height of the drawing, in SVG units.
 const SIZE: [f64; 2] = [760.0, 460.0];
 const LEFT: f64 = 76.0;
 const RIGHT: f64 = 20.0;
@@ -15,15 +15,16 @@ const BOTTOM: f64 = 52.0;
 const TITLE: f64 = 34.0;
 const LEGEND_ROW: f64 = 20.0;
 
-/// Told apart on light and on dark, and by colour-blind people together with the marks' shapes.
+/// Default colours of series: distinct on light and dark backgrounds and, together with the shapes of
+/// the marks, under colour blindness.
 const PALETTE: [&str; 8] =
     ["#0072b2", "#d55e00", "#009e73", "#b8559a", "#a87900", "#3d9bd4", "#7a68d8", "#808080"];
 
-/// What a drawing looks like where no page dresses it.
+/// Style of a drawing in a file of its own.
 const STYLE: &str = "text{font:13px sans-serif;fill:#222}.title{font-size:16px}.grid{stroke:#ddd}\
     .frame{stroke:#888;fill:none}.line{fill:none;stroke-width:2}.range{stroke-width:1.5;opacity:.45}.paper{fill:#fff}";
 
-/// Two values across the chart, from the left and from the bottom.
+/// The plotting area: the ranges of both axes and its top edge in the drawing.
 struct Plane {
     x: Span,
     y: Span,
@@ -57,19 +58,19 @@ impl Plane {
         SIZE[1] - BOTTOM - share * self.height()
     }
 
-    /// Where a point lies; `None` where an axis cannot show it.
+    /// Position of a point in the drawing; `None` if an axis cannot show it.
     fn place(&self, at: [f64; 2]) -> Option<[f64; 2]> {
         Some([self.across(self.x.position(at[0])?), self.up(self.y.position(at[1])?)])
     }
 }
 
-/// The chart as a file of its own.
+/// The chart as an SVG file.
 pub(super) fn file(chart: &Chart) -> String {
     let background = r#"<rect class="paper" width="100%" height="100%"/>"#;
     svg(chart, &format!("<style>{STYLE}</style>{background}"))
 }
 
-/// The chart as a part of a page, which gives it its colours.
+/// The chart as part of a page, whose style gives its colours.
 pub(super) fn inline(chart: &Chart) -> String {
     svg(chart, "")
 }
@@ -96,9 +97,9 @@ fn svg(chart: &Chart, head: &str) -> String {
     out + "</svg>"
 }
 
-/// Draws the names of the series in as many rows as it takes, and tells how high they are.
+/// Draws the legend in as many rows as needed; returns their height.
 fn legend(out: &mut String, chart: &Chart) -> f64 {
-    /// Of a letter, about.
+    /// Approximate width of a letter.
     const LETTER: f64 = 7.2;
     let (mut x, mut row) = (LEFT, 0.0);
     for (number, series) in chart.series.iter().enumerate().filter(|(_, s)| !s.name.is_empty()) {
@@ -175,7 +176,7 @@ fn draw_series(out: &mut String, plane: &Plane, series: &Series, number: usize) 
     }
 }
 
-/// Through all points that can be shown; broken where one cannot.
+/// SVG path through the points; it is broken at points that an axis cannot show.
 fn line(plane: &Plane, points: &[Point]) -> String {
     let mut path = String::new();
     let mut is_broken = true;
@@ -202,7 +203,7 @@ fn ranges(out: &mut String, plane: &Plane, point: &Point, color: &str) {
     }
 }
 
-/// A shape of its own for each of six series.
+/// Draws a mark; six series have distinct shapes.
 fn mark(out: &mut String, [x, y]: [f64; 2], number: usize, color: &str) {
     let path = match number % 6 {
         0 => "M-4.5 0A4.5 4.5 0 1 0 4.5 0A4.5 4.5 0 1 0 -4.5 0Z",
@@ -219,7 +220,7 @@ fn dashes(drawn: Drawn) -> &'static str {
     if drawn == Drawn::Dashes { r#" stroke-dasharray="7 5""# } else { "" }
 }
 
-/// The series' own colour where it is one.
+/// Colour of a series: its own if that is a valid colour, otherwise from the palette.
 fn color(series: &Series, number: usize) -> &str {
     let digits = series.color.strip_prefix('#').unwrap_or("");
     let is_color = digits.len() == 6 && digits.bytes().all(|b| b.is_ascii_hexdigit());

@@ -1,4 +1,5 @@
-//! A report as files of the run folder: `plots/*.svg` and `*.png`, and `report.html`, which needs nothing beside it.
+//! The report of a run: lines of text, and files in the run folder: `plots/*.svg`, `plots/*.png`, and
+//! `report.html`, which needs no other file.
 
 mod axis;
 mod chart;
@@ -6,13 +7,16 @@ mod page;
 mod plots;
 #[cfg(test)]
 mod tests;
+mod text;
+
+pub(super) use text::report as text;
 
 use super::failure::Failure;
 use afterimage::experiment::run::report::{Block, Chart};
 use afterimage::experiment::run::{Report, RunFolder};
 use afterimage::raster::save::write_atomically;
 
-/// Draws the report into the folder of its run.
+/// Writes the report's files into the folder of its run.
 pub(super) fn write(folder: &RunFolder, report: &Report) -> Result<(), Failure> {
     let charts: Vec<&Chart> = charts(report).collect();
     plots::write(&folder.path().join("plots"), &charts)?;

@@ -1,12 +1,12 @@
 "use strict";
 {
   const root = document.documentElement;
-  const dress = document.getElementById("dress");
+  const theme = document.getElementById("theme");
   const isDark = () => getComputedStyle(root).getPropertyValue("--paper").trim() !== "#fff";
-  dress.hidden = false;
-  dress.addEventListener("click", () => { root.dataset.dress = isDark() ? "light" : "dark"; });
+  theme.hidden = false;
+  theme.addEventListener("click", () => { root.dataset.theme = isDark() ? "light" : "dark"; });
 
-  // The values of a point: where the pointer rests, where a finger taps, where the keyboard is.
+  // Show the values of a point on hover, tap and keyboard focus.
   const tip = document.getElementById("tip");
   const show = (mark) => {
     const box = mark.getBoundingClientRect();
@@ -41,7 +41,7 @@
     move();
   }
 
-  // Numbers by value, texts by letters; what is empty last.
+  // Sort numbers by value and texts alphabetically; empty cells come last.
   const key = (row, column) => {
     const cell = row.cells[column];
     return "number" in cell.dataset ? Number(cell.dataset.number) : cell.textContent;

@@ -1,10 +1,10 @@
-//! The report as one HTML file: opens from disk, asks no network, and shows foreign names as text whatever is in them.
+//! The report as one HTML file. It needs no network access, and escapes all names and texts.
 
-use super::super::experiment::shown;
-use super::super::failure::Failure;
 use super::chart::inline;
+use super::text::shown;
 use afterimage::experiment::run::report::{Block, Picture, Section, Table};
 use afterimage::experiment::run::{Manifest, Report};
+use anyhow::Context;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use minijinja::Environment;
@@ -16,11 +16,11 @@ const TEMPLATE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
 
-/// The page of a report; `folder` has its pictures.
-pub(super) fn html(manifest: &Manifest, folder: &Path, report: &Report) -> Result<String, Failure> {
+/// The page of a report, with the pictures in `folder` embedded.
+pub(super) fn html(manifest: &Manifest, folder: &Path, report: &Report) -> anyhow::Result<String> {
     let images = folder.join("images");
     let sections: Vec<Value> = report.sections.iter().map(|s| section(s, &images)).collect();
-    // The name's ending is what turns escaping on.
+    // The extension of the template's name enables escaping.
     let mut environment = Environment::new();
     let page = environment.add_template("report.html", TEMPLATE).and_then(|()| {
         environment.get_template("report.html")?.render(Serde(json!({
@@ -37,7 +37,7 @@ pub(super) fn html(manifest: &Manifest, folder: &Path, report: &Report) -> Resul
             "facts": facts(manifest),
         })))
     });
-    page.map_err(|e| Failure::Failed(format!("the report page cannot be written: {e:#}")))
+    page.context("the report page cannot be written")
 }
 
 fn section(section: &Section, images: &Path) -> Value {
@@ -61,21 +61,21 @@ fn block(block: &Block, images: &Path) -> Value {
     }
 }
 
-/// A picture within the page; without a source where its cell is not done.
+/// A picture embedded in the page; its source is null if its cell is not finished.
 fn picture(picture: &Picture, images: &Path) -> Value {
     let bytes = std::fs::read(images.join(&picture.file)).ok();
     let source = bytes.map(|bytes| format!("data:image/png;base64,{}", STANDARD.encode(bytes)));
     json!({ "source": source, "caption": picture.caption, "file": picture.file })
 }
 
-/// Every value as it is read, and as it is sorted by.
+/// A table; each cell has the text to show and the number to sort by.
 fn table(table: &Table) -> Value {
     let cell = |value: &Value| json!({ "shown": shown(value), "number": value.as_f64() });
     let rows: Vec<Vec<Value>> = table.rows.iter().map(|row| row.iter().map(cell).collect()).collect();
     json!({ "title": table.title, "columns": table.columns, "rows": rows })
 }
 
-/// What the figures depend on.
+/// Settings and machines that the results depend on.
 fn facts(manifest: &Manifest) -> Vec<[String; 2]> {
     let identity = &manifest.identity;
     let mut facts = vec![
@@ -85,7 +85,7 @@ fn facts(manifest: &Manifest) -> Vec<[String; 2]> {
     facts.extend(identity.settings.0.iter().map(|(name, value)| [name.replace('_', " "), plain(value)]));
     for session in &manifest.sessions {
         let machine = &session.machine;
-        let commit = session.commit.as_deref().unwrap_or("not known");
+        let commit = session.commit.as_deref().unwrap_or("unknown");
         let build = if session.is_release_build { "release" } else { "debug" };
         let memory = machine.memory_gb.map_or(String::new(), |gb| format!(", {gb} GB"));
         facts.push(["command".to_owned(), session.argv.join(" ")]);

@@ -1,4 +1,4 @@
-//! What is drawn is where it should be, and what is foreign stays text.
+//! Tests of charts and pages: positions of points, and escaping of names.
 
 use super::chart::{escaped, file, inline};
 use super::page::html;
@@ -67,7 +67,7 @@ fn page() -> String {
 }
 
 #[test]
-fn a_page_needs_nothing_and_runs_nothing_foreign() {
+fn a_page_is_self_contained_and_escapes_names() {
     let page = page();
     assert_eq!(page.matches("<script>").count(), 1, "its own");
     assert!(!page.contains("<img src=x"), "a name became an element");
@@ -78,11 +78,11 @@ fn a_page_needs_nothing_and_runs_nothing_foreign() {
     }
     assert!(page.contains("missing.png is not rendered yet"));
     assert!(page.contains(r#"data-number="0.12345678">0.1235"#), "sorted by all digits, shown by four");
-    assert!(page.contains("1 of 2 cells are done"));
+    assert!(page.contains("1 of 2 cells are finished"));
 }
 
 #[test]
-fn points_lie_where_their_values_are() {
+fn points_lie_at_their_values() {
     let svg = inline(&chart());
     let places: Vec<[f64; 2]> = svg
         .split(r#"<g class="mark">"#)
@@ -103,7 +103,7 @@ fn points_lie_where_their_values_are() {
 }
 
 #[test]
-fn a_plot_as_pixels_has_its_marks_and_its_text() {
+fn a_rasterised_plot_has_marks_and_text() {
     let pixels = image::load_from_memory(&png(&file(&chart())).unwrap()).unwrap().to_rgb8();
     let count = |wanted: fn([u8; 3]) -> bool| pixels.pixels().filter(|p| wanted(p.0)).count();
     assert!(count(|[r, g, b]| r > 240 && g < 20 && b < 20) > 100, "red marks and lines");

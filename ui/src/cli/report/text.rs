@@ -4,24 +4,24 @@ use afterimage::experiment::run::report::{Block, Table};
 use afterimage::experiment::run::{Report, RunFolder};
 use serde_json::Value;
 
-/// The sentences and the tables; pictures and charts are in the folder.
-pub(super) fn report(folder: &RunFolder, report: &Report) -> String {
+/// The sentences and tables of a report; its pictures and charts are only in the folder.
+pub(in crate::cli) fn report(folder: &RunFolder, report: &Report) -> String {
     let mut lines = report.headline.join("\n") + "\n";
     lines.extend(report.notes.iter().map(|note| format!("note: {note}\n")));
     for section in &report.sections {
         for block in &section.blocks {
             match block {
-                Block::Table(found) => lines += &format!("\n{}\n{}", found.title, table(found)),
+                Block::Table(content) => lines += &format!("\n{}\n{}", content.title, table(content)),
                 Block::Text(text) => lines += &format!("\n{text}\n"),
                 Block::Chart(_) | Block::Slider { .. } | Block::Pictures(_) => {}
             }
         }
     }
-    format!("{lines}\nin {}\n", folder.path().display())
+    format!("{lines}\nwritten to {}\n", folder.path().display())
 }
 
-/// Numbers to four figures; whole ones as they are.
-pub(crate) fn shown(value: &Value) -> String {
+/// A value as text: integers with all digits, other numbers with four significant figures.
+pub(super) fn shown(value: &Value) -> String {
     match value {
         Value::Null => String::new(),
         Value::String(text) => text.clone(),

@@ -1,10 +1,10 @@
 //! Commands as deeds: the only place where a panel's or a key's wish changes anything.
 
+use crate::picture::pose_text::pose_flags;
 use crate::settings::{self, Theme};
 use crate::window::app::App;
 use crate::window::app::event::AppEvent;
 use crate::window::input::fly_camera::ViewChange;
-use crate::picture::pose_text::pose_flags;
 use crate::window::rendering::render_thread::RenderCommand;
 use crate::window::rendering::scene_loading::SceneSource;
 use crate::window::state::{Appearance, Command, Compare};

@@ -1,11 +1,11 @@
 //! Commands of views, paths and the way one moves, as deeds.
 
+use crate::picture::pose_text::pose_of_flags;
 use crate::window::app::App;
 use crate::window::app::event::AppEvent;
 use crate::window::export::screenshot;
 use crate::window::input::fly_camera::MoveMode;
 use crate::window::input::playback::Recording;
-use crate::picture::pose_text::pose_of_flags;
 use crate::window::state::{NavigationCommand, SavedView};
 use afterimage::camera::CameraPath;
 use afterimage::raster::save::write_new_atomically;

@@ -1,0 +1,73 @@
+//! Arguments of `afterimage experiment`.
+
+use crate::cli::failure::Failure;
+use afterimage::experiment::registry::EXPERIMENTS;
+use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser};
+use std::path::PathBuf;
+
+/// Name that merges shards instead of running an experiment.
+const MERGE: &str = "merge";
+
+fn names() -> impl Iterator<Item = PossibleValue> {
+    let experiments = EXPERIMENTS.iter().map(|e| PossibleValue::new(e.name).help(e.about));
+    experiments.chain([PossibleValue::new(MERGE).help("join the folders of shards")])
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct ExperimentArgs {
+    /// Name of the experiment; merge joins the folders of shards.
+    #[arg(value_parser = PossibleValuesParser::new(names()))]
+    pub(super) name: String,
+    /// A model (.obj, .gltf, .glb) or builtin:NAME [default: the embedded gallery]; for merge, the
+    /// folders of the shards.
+    #[arg(value_name = "SCENE")]
+    pub(super) inputs: Vec<String>,
+    /// Folder of the run. An interrupted run of the same experiment is resumed; a folder of any other
+    /// run is refused.
+    #[arg(long, value_name = "DIR")]
+    pub(super) out: Option<PathBuf>,
+    /// Run every N-th cell, from I on; in an array job, the scheduler's environment gives I or both.
+    #[arg(long, value_name = "I/N", allow_hyphen_values = true)]
+    pub(super) shard: Option<String>,
+    /// Small pictures and few steps: seconds to a few minutes.
+    #[arg(long)]
+    pub(super) quick: bool,
+    /// Timed repetitions of a frame, after one untimed repetition.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub(super) repetitions: Option<u32>,
+    /// Number of views along the camera path.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub(super) views: Option<u32>,
+    /// Number of frames of a camera path.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub(super) frames: Option<u32>,
+    /// A recorded camera path (JSON) [default: the scene's own]; FILE#NAME selects one of several.
+    #[arg(long, value_name = "FILE[#NAME]")]
+    pub(super) path: Option<String>,
+    /// Memory for references, MB.
+    #[arg(long, value_name = "MB", value_parser = clap::value_parser!(u64).range(1..=1 << 20))]
+    pub(super) cache_mb: Option<u64>,
+    /// Shadow rays per light and pixel of the converged pictures against which errors are measured.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
+    pub(super) truth_samples: Option<u32>,
+    /// Folder in which converged pictures are kept [default: the user's cache folder].
+    #[arg(long, value_name = "DIR")]
+    pub(super) truth_cache: Option<PathBuf>,
+    /// throughput: write the triangles and the timed rays to a file, for other programs.
+    #[arg(long, value_name = "FILE")]
+    pub(super) dump_rays: Option<PathBuf>,
+}
+
+impl ExperimentArgs {
+    /// The scene argument.
+    pub(super) fn scene(&self) -> Result<Option<&str>, Failure> {
+        match self.inputs.as_slice() {
+            [] => Ok(None),
+            [scene] => Ok(Some(scene)),
+            [_, second, ..] => {
+                Err(Failure::Usage(format!("an experiment takes one scene; '{second}' is a second")))
+            }
+        }
+    }
+}
