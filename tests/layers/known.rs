@@ -66,13 +66,6 @@ pub const KNOWN: &[(&str, &str)] = &[
     // trace
     ("trace/bvh/cone.rs", "trace/bvh/bundle.rs"),
     ("trace/bvh/packet.rs", "trace/bvh/mod.rs"),
-    // cli
-    ("cli/throughput.rs", "cli/experiment/mod.rs"),
-    ("cli/start.rs", "cli/mod.rs"),
-    // settings.rs
-    ("settings.rs", "cli/flags.rs"),
-    // picture
-    ("picture/memory.rs", "picture/mod.rs"),
     // window/app
     ("window/app/event.rs", "window/app/mod.rs"),
     ("window/app/event.rs", "window/app/scene_edits.rs"),
