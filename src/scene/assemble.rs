@@ -1,4 +1,5 @@
-//! From a builder to a complete scene. Everything that cannot be traced is dropped and counted here, once.
+//! From a builder to a complete scene. Everything that cannot be traced is dropped and counted
+//! here, once.
 
 use super::conditioning::{Conditioning, Repairs};
 use super::duplicates::Duplicates;
@@ -10,12 +11,13 @@ use crate::camera::CameraPath;
 use glam::{DVec3, Vec3};
 
 impl SceneBuilder {
-    /// Makes the scene: chooses the scale, drops what cannot be traced, and finds lights and solids. A
-    /// scene without light gets a sun and a sky; one without views or a camera path gets them generated.
+    /// Makes the scene: chooses the scale, drops what cannot be traced, and finds lights and
+    /// solids. A scene without light gets a sun and a sky; one without views or a camera path gets
+    /// them generated.
     ///
     /// # Errors
-    /// [`SceneError::Empty`] if no triangle is left, and [`SceneError::TooLarge`] above 2^32 - 2 vertices
-    /// or 2^31 - 1 triangles.
+    /// [`SceneError::Empty`] if no triangle is left, and [`SceneError::TooLarge`] above 2^32 - 2
+    /// vertices or 2^31 - 1 triangles.
     pub fn finish(mut self) -> Result<Scene, SceneError> {
         self.check_sizes()?;
         let count = self.triangles.len();
@@ -82,10 +84,11 @@ impl SceneBuilder {
         check("triangles", self.triangles.len(), i32::MAX as usize)
     }
 
-    /// Drops triangles that are too far away to be traced. Returns the bounding box in metres and the
-    /// frame that belongs to it, or `None` if no triangle is left.
+    /// Drops triangles that are too far away to be traced. Returns the bounding box in metres and
+    /// the frame that belongs to it, or `None` if no triangle is left.
     fn drop_distant(&mut self, repairs: &mut Repairs) -> Option<([DVec3; 2], SceneFrame)> {
-        /// Largest coordinate in scene units. Products of three coordinates stay below the largest f32.
+        /// Largest coordinate in scene units. Products of three coordinates stay below the largest
+        /// f32.
         const MAX_COORDINATE: f64 = (1u64 << 40) as f64;
         repairs.triangles_not_finite = self.drop_triangles(
             |b, t| t.iter().all(|&v| b.positions.get(v as usize).is_some_and(|p| is_valid_position(*p))),
@@ -143,8 +146,8 @@ impl SceneBuilder {
         self.point_lights.iter().map(light).collect()
     }
 
-    /// Generates the view and the camera path that the model does not have. Returns the path, and which
-    /// of view and path the model has.
+    /// Generates the view and the camera path that the model does not have. Returns the path, and
+    /// which of view and path the model has.
     fn views_and_walk(&mut self, bounds_m: [DVec3; 2]) -> (CameraPath, [bool; 2]) {
         let own_view = self.views.first().map(|view| view.camera);
         if own_view.is_none() {

@@ -4,15 +4,16 @@ use super::{Material, MaterialId, NamedView, Sky, Sun, Texture, TextureId, Warni
 use crate::camera::CameraPath;
 use glam::{DVec3, Vec2, Vec3};
 
-/// A scene while it is being put together, in world metres with +Y up. [`SceneBuilder::finish`] makes a
-/// [`Scene`](super::Scene) from it.
+/// A scene while it is being put together, in world metres with +Y up. [`SceneBuilder::finish`]
+/// makes a [`Scene`](super::Scene) from it.
 #[derive(Clone, Debug, Default)]
 pub struct SceneBuilder {
     /// File stem of the model, or `builtin:NAME`.
     pub name: String,
     /// Vertex positions in world metres.
     pub positions: Vec<DVec3>,
-    /// Unit vertex normals, one per position or none at all. A zero vector stands for the face normal.
+    /// Unit vertex normals, one per position or none at all. A zero vector stands for the face
+    /// normal.
     pub normals: Vec<Vec3>,
     /// Texture coordinates, one per position or none at all.
     pub uvs: Vec<Vec2>,
@@ -70,8 +71,8 @@ impl SceneBuilder {
         self.triangle_materials.push(material);
     }
 
-    /// Adds a flat quadrilateral. The corners run counter-clockwise seen from the front, and the texture
-    /// coordinates from zero at the first corner to `uv_size` at the third.
+    /// Adds a flat quadrilateral. The corners run counter-clockwise seen from the front, and the
+    /// texture coordinates from zero at the first corner to `uv_size` at the third.
     pub fn add_quad(&mut self, corners_m: [DVec3; 4], uv_size: Vec2, material: MaterialId) {
         let uvs = [Vec2::ZERO, Vec2::new(uv_size.x, 0.0), uv_size, Vec2::new(0.0, uv_size.y)];
         let v: [u32; 4] = std::array::from_fn(|i| self.add_vertex(corners_m[i], Vec3::ZERO, uvs[i]));

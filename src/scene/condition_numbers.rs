@@ -7,9 +7,9 @@ use rayon::prelude::*;
 /// Smallest feature of a building that must be right, in metres.
 const SMALLEST_FEATURE_M: f64 = 1e-3;
 
-/// Ratio of height to longest edge below which a triangle is a needle. A ray at 30 degrees to such a
-/// triangle has a condition number below 1e-5, and a hit is lost or misplaced by a thousandth of an edge
-/// for some of 5000 rays.
+/// Ratio of height to longest edge below which a triangle is a needle. A ray at 30 degrees to such
+/// a triangle has a condition number below 1e-5, and a hit is lost or misplaced by a thousandth of
+/// an edge for some of 5000 rays.
 const NEEDLE: f64 = 2e-5;
 
 /// Size, in units in the last place of f32, that a feature needs to keep its shape.
@@ -48,7 +48,8 @@ impl Scene {
     }
 }
 
-/// Returns the largest share of light, over colours and angles, that a material reflects or transmits.
+/// Returns the largest share of light, over colours and angles, that a material reflects or
+/// transmits.
 fn max_albedo(material: &Material) -> f32 {
     let specular = match material.kind {
         MaterialKind::Mirror { fresnel: true, .. } => Vec3::ONE - material.diffuse,

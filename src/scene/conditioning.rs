@@ -27,14 +27,14 @@ pub struct Repairs {
 pub struct Conditioning {
     /// Largest world coordinate over the smallest feature of 1 mm, with the origin of the file.
     pub coordinate_ratio_in_file: f64,
-    /// Largest coordinate over 1 mm with the origin of scene space, which is what rays see. Safe below
-    /// 1e5.
+    /// Largest coordinate over 1 mm with the origin of scene space, which is what rays see. Safe
+    /// below 1e5.
     pub coordinate_ratio: f64,
-    /// Size in metres below which a feature loses its shape, where it is farthest from the origin of
-    /// scene space.
+    /// Size in metres below which a feature loses its shape, where it is farthest from the origin
+    /// of scene space.
     pub smallest_feature_m: f64,
-    /// Largest share of light that a material reflects or transmits, which is the ratio of the geometric
-    /// series of bounces.
+    /// Largest share of light that a material reflects or transmits, which is the ratio of the
+    /// geometric series of bounces.
     pub reflectance_max: f32,
     /// Name of the material with that share.
     pub reflectance_max_material: String,
@@ -52,8 +52,9 @@ pub struct Conditioning {
 }
 
 impl Conditioning {
-    /// Returns an upper bound for the share of light that needs more than `bounces` bounces: the rest of
-    /// the geometric series. `None` if a material reflects all light, so that there is no bound.
+    /// Returns an upper bound for the share of light that needs more than `bounces` bounces: the
+    /// rest of the geometric series. `None` if a material reflects all light, so that there is no
+    /// bound.
     pub fn rest_after(&self, bounces: u32) -> Option<f64> {
         let ratio = f64::from(self.reflectance_max);
         (ratio < 1.0).then(|| ratio.powi(bounces as i32 + 1))

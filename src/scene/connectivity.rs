@@ -13,8 +13,8 @@ pub(super) fn corner_keys(scene: &Scene, triangle: u32) -> [PositionKey; 3] {
     scene.corners(triangle).map(|p| (p + 0.0).to_array().map(f32::to_bits))
 }
 
-/// Groups `members`, given in ascending order, into connected sets of triangles of one class. Groups and
-/// their triangles are in ascending order.
+/// Groups `members`, given in ascending order, into connected sets of triangles of one class.
+/// Groups and their triangles are in ascending order.
 pub(super) fn connected_groups<C: Eq + Hash>(
     scene: &Scene,
     members: &[u32],

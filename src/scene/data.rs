@@ -18,7 +18,8 @@ pub struct Scene {
     pub frame: SceneFrame,
     /// Vertex positions.
     pub positions: Vec<Vec3>,
-    /// Unit vertex normals. A zero vector stands for the face normal. Empty if all of them are zero.
+    /// Unit vertex normals. A zero vector stands for the face normal. Empty if all of them are
+    /// zero.
     pub normals: Vec<Vec3>,
     /// Texture coordinates, with v pointing up. Empty if no material has a texture.
     pub uvs: Vec<Vec2>,
@@ -51,8 +52,8 @@ pub struct Scene {
     pub features: SceneFeatures,
     /// The problems found while the scene was imported and built.
     pub warnings: Vec<Warning>,
-    /// Lower and upper corner of the bounding box, in world metres. If a few vertices lie far outside,
-    /// it is the box of the others.
+    /// Lower and upper corner of the bounding box, in world metres. If a few vertices lie far
+    /// outside, it is the box of the others.
     pub bounds_m: [DVec3; 2],
     /// Triangles that coincide with an earlier one and look the same, ascending. Rays ignore them.
     pub hidden: Vec<u32>,
@@ -65,7 +66,8 @@ pub struct Scene {
 pub enum SolidSide {
     /// The triangle belongs to an open sheet. Light passes straight through.
     Thin,
-    /// The triangle belongs to a closed solid whose inside lies behind it, against its geometric normal.
+    /// The triangle belongs to a closed solid whose inside lies behind it, against its geometric
+    /// normal.
     InsideBehind,
     /// The triangle belongs to a closed solid whose inside lies in front of it.
     InsideInFront,

@@ -3,8 +3,8 @@
 use super::{Light, Scene, SceneFeatures, emissive, hash, solids};
 
 impl Scene {
-    /// Recomputes lights, features, solids and hash. Geometry, materials, textures, sun and sky must be
-    /// final.
+    /// Recomputes lights, features, solids and hash. Geometry, materials, textures, sun and sky
+    /// must be final.
     pub(super) fn derive(&mut self, point_lights: Vec<Light>) {
         self.lights = emissive::lights(self);
         self.lights.extend(point_lights);

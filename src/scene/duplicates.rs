@@ -1,5 +1,6 @@
-//! Triangles that coincide exactly with an earlier one. Some exporters write thousands of them. Rounding
-//! would choose between two surfaces at the same distance pixel by pixel, so rays only meet the first.
+//! Triangles that coincide exactly with an earlier one. Some exporters write thousands of them.
+//! Rounding would choose between two surfaces at the same distance pixel by pixel, so rays only
+//! meet the first.
 
 use super::connectivity::corner_keys;
 use super::{Material, Scene};

@@ -23,8 +23,8 @@ pub(super) fn lights(scene: &Scene) -> Vec<Light> {
 
 /// Returns two triangles as a parallelogram if they form one to within rounding.
 fn as_quad(corners: &[[Vec3; 3]], radiance: Vec3) -> Option<Light> {
-    /// Allowed distance of the fourth corner from its ideal position, as a share of the longer edge.
-    /// Decimal coordinates in a file cause errors of a few units in the last place.
+    /// Allowed distance of the fourth corner from its ideal position, as a share of the longer
+    /// edge. Decimal coordinates in a file cause errors of a few units in the last place.
     const TOLERANCE: f32 = 1.0 / 1024.0;
     let [a, b] = corners else { return None };
     let mut unshared = b.iter().filter(|p| !a.contains(p));

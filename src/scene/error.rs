@@ -66,8 +66,8 @@ pub enum SceneError {
 /// A problem of a model that did not stop its import.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Warning {
-    /// The file, relative to the folder of the scene where possible, or the name of the scene. Empty if
-    /// the warning concerns no file.
+    /// The file, relative to the folder of the scene where possible, or the name of the scene.
+    /// Empty if the warning concerns no file.
     pub file: String,
     /// Line number, from 1; 0 if the warning concerns no line.
     pub line: u64,

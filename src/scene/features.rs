@@ -3,7 +3,8 @@
 use super::{Light, Material};
 use serde::Serialize;
 
-/// The features of the renderer that a scene uses. They are determined once, when the scene is complete.
+/// The features of the renderer that a scene uses. They are determined once, when the scene is
+/// complete.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct SceneFeatures {
     /// A material is a mirror.
@@ -18,8 +19,8 @@ pub struct SceneFeatures {
     pub area_lights: bool,
     /// Rays that leave the scene meet a sky.
     pub sky: bool,
-    /// A triangle is a needle ([`Conditioning::needles`](super::Conditioning::needles)), whose hits must
-    /// be checked.
+    /// A triangle is a needle ([`Conditioning::needles`](super::Conditioning::needles)), whose hits
+    /// must be checked.
     pub needles: bool,
 }
 

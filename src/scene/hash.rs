@@ -7,12 +7,12 @@ use sha2::{Digest, Sha256};
 /// Format of the hashed bytes. A change of the format needs a new number.
 const VERSION: &[u8] = b"afterimage scene 1";
 
-/// Returns the SHA-256 of everything that decides a picture, as lower-case hexadecimal digits. Names,
-/// views, the camera path and warnings are left out, and so is what follows from the rest: emissive
-/// surfaces as lights, features and solids.
+/// Returns the SHA-256 of everything that decides a picture, as lower-case hexadecimal digits.
+/// Names, views, the camera path and warnings are left out, and so is what follows from the rest:
+/// emissive surfaces as lights, features and solids.
 ///
-/// All numbers are hashed in the byte order of the processor, which is little-endian on every supported
-/// one.
+/// All numbers are hashed in the byte order of the processor, which is little-endian on every
+/// supported one.
 pub(super) fn of(scene: &Scene) -> String {
     let mut hasher = SceneHasher(Sha256::new());
     hasher.block(VERSION);

@@ -22,7 +22,8 @@ pub enum Light {
     Triangles {
         /// Corners of each triangle.
         corners: Vec<[Vec3; 3]>,
-        /// For each triangle, the share of the area in it and all triangles before it; the last is 1.
+        /// For each triangle, the share of the area in it and all triangles before it; the last is
+        /// 1.
         cumulative_area: Vec<f32>,
         /// Total area in square scene units.
         area: f32,
@@ -56,8 +57,8 @@ impl From<Sun> for Light {
     }
 }
 
-/// Maps a point `u` of the unit square to a point of a mesh, uniformly by area. Returns the point and the
-/// index of its triangle. `cumulative_area` is that of [`Light::Triangles`].
+/// Maps a point `u` of the unit square to a point of a mesh, uniformly by area. Returns the point
+/// and the index of its triangle. `cumulative_area` is that of [`Light::Triangles`].
 pub(crate) fn point_on_mesh(corners: &[[Vec3; 3]], cumulative_area: &[f32], u: [f32; 2]) -> (Vec3, usize) {
     let chosen = cumulative_area.partition_point(|&c| c <= u[0]).min(corners.len() - 1);
     let below = if chosen == 0 { 0.0 } else { cumulative_area[chosen - 1] };

@@ -1,5 +1,5 @@
-//! Surface materials. The diffuse part does not depend on the viewer, so that references can provide it;
-//! the specular part must be traced.
+//! Surface materials. The diffuse part does not depend on the viewer, so that references can
+//! provide it; the specular part must be traced.
 
 use super::TextureRef;
 use glam::Vec3;
@@ -100,8 +100,8 @@ impl Material {
         self.emission.max_element() > 0.0
     }
 
-    /// Returns the colour of the specular part: the reflectance of a mirror at normal incidence, the
-    /// transmittance of glass, or zero.
+    /// Returns the colour of the specular part: the reflectance of a mirror at normal incidence,
+    /// the transmittance of glass, or zero.
     pub fn specular(&self) -> Vec3 {
         match self.kind {
             MaterialKind::Diffuse => Vec3::ZERO,
@@ -119,8 +119,8 @@ impl Material {
         }
     }
 
-    /// Scales the diffuse and the specular part down so that their sum does not exceed one. Returns true
-    /// if they exceeded it by more than rounding.
+    /// Scales the diffuse and the specular part down so that their sum does not exceed one. Returns
+    /// true if they exceeded it by more than rounding.
     pub fn scale_to_conserve(&mut self) -> bool {
         /// Files hold decimal numbers: 0.8 and 0.2 may add up to slightly more than one.
         const TOLERANCE: f32 = 1e-4;

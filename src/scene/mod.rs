@@ -1,7 +1,7 @@
 //! The scene: geometry, materials, textures and lights as plain data.
 //!
-//! A [`SceneBuilder`] collects a model in world metres and makes a [`Scene`] from it. Importers and the
-//! embedded scenes use it alike, so that every scene has passed the same checks.
+//! A [`SceneBuilder`] collects a model in world metres and makes a [`Scene`] from it. Importers and
+//! the embedded scenes use it alike, so that every scene has passed the same checks.
 
 mod assemble;
 mod bounds;

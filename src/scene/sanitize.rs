@@ -1,6 +1,6 @@
-//! Repairs values that cannot be traced, once and with a count, so that the tracer need not check for
-//! them: numbers that are negative, not finite or out of range, and materials that reflect more light
-//! than arrives.
+//! Repairs values that cannot be traced, once and with a count, so that the tracer need not check
+//! for them: numbers that are negative, not finite or out of range, and materials that reflect more
+//! light than arrives.
 
 use super::{Material, MaterialKind, Repairs, SceneBuilder, Sun, Texture};
 use glam::{Vec2, Vec3};
@@ -11,8 +11,8 @@ const ETA: std::ops::RangeInclusive<f32> = 1.0..=10.0;
 /// Largest radiance or intensity. Sums of a million of them stay finite.
 const MAX_RADIANCE: f32 = 1e30;
 
-/// Repairs materials, lights, sky, textures, texture coordinates and normals, and records a warning about
-/// what was done.
+/// Repairs materials, lights, sky, textures, texture coordinates and normals, and records a warning
+/// about what was done.
 pub(super) fn sanitize(builder: &mut SceneBuilder) -> Repairs {
     let mut clamped = sanitize_lights(builder);
     let mut scaled = Vec::new();
@@ -55,9 +55,11 @@ fn clamp(color: &mut Vec3) -> usize {
     replace(color, right == *color, right)
 }
 
-/// Repairs a material. Returns the number of clamped values, and whether the material was scaled down.
+/// Repairs a material. Returns the number of clamped values, and whether the material was scaled
+/// down.
 pub(super) fn sanitize_material(material: &mut Material) -> (usize, bool) {
-    // Reflectances above one are not clamped here: they are scaled down afterwards, which keeps the hue.
+    // Reflectances above one are not clamped here: they are scaled down afterwards, which keeps the
+    // hue.
     let mut clamped = clamp(&mut material.diffuse) + clamp(&mut material.emission);
     clamped += material.specular_mut().map_or(0, clamp);
     if let MaterialKind::Glass { eta, .. } = &mut material.kind {

@@ -21,7 +21,8 @@ pub fn cuboid(b: &mut SceneBuilder, [low, high]: [DVec3; 2], material: MaterialI
     }
 }
 
-/// Adds a closed sphere of `rings` rings of `rings` quadrilaterals each, with smooth or flat normals.
+/// Adds a closed sphere of `rings` rings of `rings` quadrilaterals each, with smooth or flat
+/// normals.
 pub fn sphere(
     b: &mut SceneBuilder,
     centre: DVec3,

@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
-/// A clear sky. It is the background of rays that leave the scene, and it lights surfaces. Radiances are
-/// linear Rec. 709.
+/// A clear sky. It is the background of rays that leave the scene, and it lights surfaces.
+/// Radiances are linear Rec. 709.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sky {
     /// Radiance from straight above.
@@ -15,8 +15,8 @@ pub struct Sky {
 }
 
 impl Sky {
-    /// The sky of a clear day, used where a file does not describe its own. Its irradiance is roughly a
-    /// tenth of that of [`Sun::clear_day`](super::Sun::clear_day).
+    /// The sky of a clear day, used where a file does not describe its own. Its irradiance is
+    /// roughly a tenth of that of [`Sun::clear_day`](super::Sun::clear_day).
     pub const CLEAR_DAY: Self = Self {
         zenith: Vec3::new(0.35, 0.55, 1.0),
         horizon: Vec3::new(0.9, 0.95, 1.0),

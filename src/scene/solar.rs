@@ -48,12 +48,12 @@ impl UniversalTime {
     }
 }
 
-/// Returns the right ascension and the declination of the sun in radians, given the days since noon of 1
-/// January 2000.
+/// Returns the right ascension and the declination of the sun in radians, given the days since noon
+/// of 1 January 2000.
 ///
 /// Source: the low-precision formula of the Astronomical Almanac (Michalsky 1988, "The Astronomical
-/// Almanac's algorithm for approximate solar position (1950-2050)"), accurate to 0.01 degrees in those
-/// years.
+/// Almanac's algorithm for approximate solar position (1950-2050)"), accurate to 0.01 degrees in
+/// those years.
 fn equatorial(days: f64) -> [f64; 2] {
     let mean_longitude = 280.460 + 0.985_647_4 * days;
     let anomaly = (357.528 + 0.985_600_3 * days).to_radians();
@@ -63,8 +63,8 @@ fn equatorial(days: f64) -> [f64; 2] {
     [ascension, (obliquity.sin() * longitude.sin()).asin()]
 }
 
-/// Returns the position of the sun. Latitude is positive in the north and longitude in the east, both in
-/// degrees.
+/// Returns the position of the sun. Latitude is positive in the north and longitude in the east,
+/// both in degrees.
 pub fn sun_position(time: &UniversalTime, latitude_deg: f64, longitude_deg: f64) -> SunPosition {
     let days = time.days_since_2000();
     let [ascension, declination] = equatorial(days);
@@ -83,8 +83,8 @@ pub fn sun_position(time: &UniversalTime, latitude_deg: f64, longitude_deg: f64)
 }
 
 impl SunPosition {
-    /// Returns the unit direction towards the sun, where +Y is up and north is turned by `north_deg`
-    /// degrees from -Z towards +X.
+    /// Returns the unit direction towards the sun, where +Y is up and north is turned by
+    /// `north_deg` degrees from -Z towards +X.
     pub fn direction(&self, north_deg: f64) -> DVec3 {
         let (sin, cos) = (self.azimuth_deg + north_deg).to_radians().sin_cos();
         let (up, level) = self.height_deg.to_radians().sin_cos();
@@ -103,8 +103,8 @@ impl SunPosition {
 
 /// Optical depth of clean air towards the zenith at 610, 550 and 465 nm.
 ///
-/// Source: Leckner 1978, "The spectral distribution of solar radiation at the earth's surface": 0.008735 /
-/// w^4.08 with w in micrometres. Haze and ozone are neglected.
+/// Source: Leckner 1978, "The spectral distribution of solar radiation at the earth's surface":
+/// 0.008735 / w^4.08 with w in micrometres. Haze and ozone are neglected.
 const AIR_DEPTH: Vec3 = Vec3::new(0.0656, 0.1001, 0.1985);
 
 /// Height of the sun in degrees for which [`Sun::clear_day`] and [`Sky::CLEAR_DAY`] are meant.
@@ -113,8 +113,8 @@ const DEFAULT_HEIGHT_DEG: f64 = 55.0;
 /// Height of the sun in degrees at which the sky is dark: the end of civil twilight.
 const TWILIGHT_DEG: f64 = -6.0;
 
-/// Returns the light of a clear day with the sun at a position. A low sun is weaker and redder because its
-/// light crosses more air; below the horizon there is none. `north_deg` is that of
+/// Returns the light of a clear day with the sun at a position. A low sun is weaker and redder
+/// because its light crosses more air; below the horizon there is none. `north_deg` is that of
 /// [`SunPosition::direction`].
 pub fn clear_daylight(position: &SunPosition, north_deg: f64) -> Daylight {
     let usual = Sun::clear_day();
@@ -138,8 +138,8 @@ fn air_mass(height_deg: f64) -> f32 {
 
 /// Returns the illuminance in kilolux of level ground under a clear sky, without the sun itself.
 ///
-/// Source: IESNA RP-21, clear sky: 0.8 + 15.5 sin(h)^0.5. We differ: below the horizon the 0.8 fade to
-/// zero at the end of civil twilight.
+/// Source: IESNA RP-21, clear sky: 0.8 + 15.5 sin(h)^0.5. We differ: below the horizon the 0.8 fade
+/// to zero at the end of civil twilight.
 fn sky_klux(height_deg: f64) -> f64 {
     const AT_HORIZON: f64 = 0.8;
     if height_deg < 0.0 {
@@ -166,9 +166,9 @@ mod tests {
 
     #[test]
     fn zenith_and_azimuth_of_the_example_of_the_solar_position_algorithm() {
-        // Reda and Andreas 2004 (NREL/TP-560-34302), table A5.1: 2003 October 17, 12:30:30 at UTC-7,
-        // 39.742476 N, 105.1786 W: zenith 50.11162, azimuth 194.34024 degrees. Refraction lifts the sun by
-        // about 0.016 degrees there.
+        // Reda and Andreas 2004 (NREL/TP-560-34302), table A5.1: 2003 October 17, 12:30:30 at
+        // UTC-7, 39.742476 N, 105.1786 W: zenith 50.11162, azimuth 194.34024 degrees. Refraction
+        // lifts the sun by about 0.016 degrees there.
         let time = at(2003, 10, 17, 19.0 + 30.5 / 60.0);
         let sun = sun_position(&time, 39.742_476, -105.178_6);
         assert!((sun.azimuth_deg - 194.340_24).abs() < 0.02, "{sun:?}");

@@ -7,9 +7,9 @@ use std::collections::HashMap;
 
 /// Returns one entry per triangle if the scene has glass, otherwise nothing.
 ///
-/// Glass triangles connected by shared vertex positions form a body. A body is solid if every edge belongs
-/// to exactly two of its triangles with opposite directions; otherwise it is a thin sheet. The sign of the
-/// volume tells the winding, so the winding in the file does not matter.
+/// Glass triangles connected by shared vertex positions form a body. A body is solid if every edge
+/// belongs to exactly two of its triangles with opposite directions; otherwise it is a thin sheet.
+/// The sign of the volume tells the winding, so the winding in the file does not matter.
 pub(super) fn classify(scene: &Scene) -> Vec<SolidSide> {
     let glass: Vec<u32> = scene.triangle_indices().filter(|&t| scene.material_of(t).is_glass()).collect();
     if glass.is_empty() {
@@ -35,8 +35,8 @@ fn signed_volume(corners: [Vec3; 3]) -> f64 {
     a.dot(b.cross(c)) / 6.0
 }
 
-/// True if each directed edge is matched by exactly one edge in the opposite direction: the body is closed
-/// and wound consistently.
+/// True if each directed edge is matched by exactly one edge in the opposite direction: the body is
+/// closed and wound consistently.
 fn is_closed(scene: &Scene, body: &[u32]) -> bool {
     // For each edge: the number of triangles, and the difference between both directions.
     let mut edges: HashMap<[PositionKey; 2], (u32, i32)> = HashMap::new();

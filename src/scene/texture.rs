@@ -1,4 +1,5 @@
-//! Textures with 8 bits per channel, decoded when they are sampled, with bilinear filtering and repetition.
+//! Textures with 8 bits per channel, decoded when they are sampled, with bilinear filtering and
+//! repetition.
 
 use crate::math::whole::floor;
 use crate::raster::color::linear_from_srgb;
@@ -83,7 +84,8 @@ impl Texture {
     }
 }
 
-/// Returns the fractional part of a coordinate, or 0 if it is not finite, so that no index is out of range.
+/// Returns the fractional part of a coordinate, or 0 if it is not finite, so that no index is out
+/// of range.
 fn wrap(t: f32) -> f32 {
     /// From 2^23 on, every f32 is an integer.
     const INTEGERS_FROM: f32 = 8_388_608.0;

@@ -1,10 +1,11 @@
-//! Walks keep clear of everything: brute force over all triangles.
+//! Camera paths keep clear of all geometry, tested against every triangle.
 
 use super::scene;
 use afterimage::scene::{Scene, builtin};
 use glam::DVec3;
 use rayon::prelude::*;
 
+/// Smallest distance of a camera from any triangle, in metres.
 const CLEARANCE_M: f64 = 0.3;
 
 fn triangles_in_world(scene: &Scene) -> Vec<[DVec3; 3]> {
@@ -13,7 +14,9 @@ fn triangles_in_world(scene: &Scene) -> Vec<[DVec3; 3]> {
         .collect()
 }
 
-/// Ericson, Real-Time Collision Detection, 5.1.5.
+/// Returns the point of a triangle closest to `p`.
+///
+/// Source: Ericson, Real-Time Collision Detection, 5.1.5.
 fn closest_on_triangle(p: DVec3, [a, b, c]: [DVec3; 3]) -> DVec3 {
     let (ab, ac, ap) = (b - a, c - a, p - a);
     let (d1, d2) = (ab.dot(ap), ac.dot(ap));
@@ -45,7 +48,7 @@ fn closest_on_triangle(p: DVec3, [a, b, c]: [DVec3; 3]) -> DVec3 {
     a + (ab * vb + ac * vc) / (va + vb + vc)
 }
 
-/// Whether the straight way from `from` to `to` meets the triangle.
+/// True if the line segment between two points intersects a triangle.
 fn crosses(from: DVec3, to: DVec3, [a, b, c]: [DVec3; 3]) -> bool {
     let (d, e1, e2) = (to - from, b - a, c - a);
     let h = d.cross(e2);
@@ -59,11 +62,11 @@ fn crosses(from: DVec3, to: DVec3, [a, b, c]: [DVec3; 3]) -> bool {
     u >= 0.0 && v >= 0.0 && u + v <= 1.0 && (0.0..=1.0).contains(&t)
 }
 
-/// The distance of a point to the nearest triangle.
+/// Returns the distance from a point to the nearest triangle.
 fn clearance(eye: DVec3, triangles: &[[DVec3; 3]]) -> f64 {
     let squared = triangles.iter().fold(f64::INFINITY, |nearest, t| {
         let (low, high) = (t[0].min(t[1]).min(t[2]), t[0].max(t[1]).max(t[2]));
-        // Nothing in the triangle's box is nearer than the box.
+        // Skip the triangle if its bounding box is farther away.
         if eye.clamp(low, high).distance_squared(eye) >= nearest {
             return nearest;
         }
@@ -73,22 +76,22 @@ fn clearance(eye: DVec3, triangles: &[[DVec3; 3]]) -> f64 {
 }
 
 #[test]
-fn walks_keep_clear_of_all_geometry() {
+fn camera_paths_keep_clear_of_all_geometry() {
     for name in builtin::NAMES {
         let scene = scene(name);
         let triangles = triangles_in_world(scene);
         let walk = &scene.walk;
-        // The showpiece has room for elbows.
-        let least = if *name == "gallery" { 0.5 } else { CLEARANCE_M };
+        // The gallery is spacious enough for a larger clearance.
+        let clearance_m = if *name == "gallery" { 0.5 } else { CLEARANCE_M };
         (0..walk.frames).into_par_iter().for_each(|i| {
             let distance = clearance(walk.camera(i, walk.frames).unwrap().eye, &triangles);
-            assert!(distance >= least, "{name}: {distance:.3} m at frame {i}");
+            assert!(distance >= clearance_m, "{name}: {distance:.3} m at frame {i}");
         });
     }
 }
 
 #[test]
-fn walks_cross_no_triangle() {
+fn camera_paths_cross_no_triangle() {
     for name in builtin::NAMES {
         let scene = scene(name);
         let triangles = triangles_in_world(scene);
@@ -100,7 +103,7 @@ fn walks_cross_no_triangle() {
 }
 
 #[test]
-fn views_stand_free() {
+fn views_keep_clear_of_all_geometry() {
     for name in builtin::NAMES {
         let scene = scene(name);
         let triangles = triangles_in_world(scene);

@@ -1,14 +1,14 @@
-//! The gallery's own promises.
+//! Properties of the gallery.
 
 use super::scene;
-use afterimage::scene::{Light, MaterialKind, Scene, SolidSide};
+use afterimage::scene::{Light, Material, Scene, SolidSide};
 
-fn triangles_where(scene: &Scene, test: impl Fn(&MaterialKind) -> bool) -> Vec<u32> {
-    (0..scene.triangles.len() as u32).filter(|&t| test(&scene.material_of(t).kind)).collect()
+fn triangles_where(scene: &Scene, test: fn(&Material) -> bool) -> Vec<u32> {
+    (0..scene.triangles.len() as u32).filter(|&t| test(scene.material_of(t))).collect()
 }
 
 #[test]
-fn gallery_has_the_size_it_promises() {
+fn gallery_has_its_documented_size() {
     let scene = scene("gallery");
     let count = scene.triangles.len();
     assert!((225_000..=300_000).contains(&count), "{count} triangles");
@@ -17,12 +17,12 @@ fn gallery_has_the_size_it_promises() {
 }
 
 #[test]
-fn gallery_has_twelve_quads_for_lamps() {
+fn gallery_has_twelve_quad_lights() {
     let scene = scene("gallery");
     assert_eq!(scene.lights.len(), 12);
     for light in &scene.lights {
         let Light::Quad { edge_u, edge_v, .. } = light else { panic!("not a quad: {light:?}") };
-        // Both edges lie flat: the lamps look straight down.
+        // Both edges are horizontal, so the lamp faces straight down.
         assert_eq!((edge_u.y, edge_v.y), (0.0, 0.0));
         for edge in [edge_u, edge_v] {
             let metres = f64::from(edge.length()) / scene.frame.units_per_metre;
@@ -32,7 +32,7 @@ fn gallery_has_twelve_quads_for_lamps() {
 }
 
 #[test]
-fn gallery_needs_mirrors_glass_textures_and_area_lights() {
+fn gallery_uses_mirrors_glass_textures_and_area_lights() {
     let features = scene("gallery").features;
     assert!(features.mirror && features.glass && features.textures && features.area_lights);
     assert!(!features.alpha && !features.sky);
@@ -41,8 +41,8 @@ fn gallery_needs_mirrors_glass_textures_and_area_lights() {
 #[test]
 fn gallery_glass_is_solid() {
     let scene = scene("gallery");
-    let glass = triangles_where(scene, |k| matches!(k, MaterialKind::Glass { .. }));
-    // Five panes, each a box.
+    let glass = triangles_where(scene, Material::is_glass);
+    // Five panes, each of them a box.
     assert_eq!(glass.len(), 5 * 12);
     assert!(glass.iter().all(|&t| scene.solids[t as usize] == SolidSide::InsideBehind));
 }
@@ -50,7 +50,7 @@ fn gallery_glass_is_solid() {
 #[test]
 fn gallery_mirrors_do_not_face_each_other() {
     let scene = scene("gallery");
-    let mirrors = triangles_where(scene, |k| matches!(k, MaterialKind::Mirror { .. }));
+    let mirrors = triangles_where(scene, Material::is_mirror);
     assert!(!mirrors.is_empty());
     let plane = scene.corners(mirrors[0])[0].x;
     for t in mirrors {
@@ -67,7 +67,7 @@ fn gallery_views_are_named() {
 }
 
 #[test]
-fn gallery_walk_is_long_and_even() {
+fn gallery_camera_path_is_long_and_smooth() {
     let walk = &scene("gallery").walk;
     assert_eq!(walk.frames, 300);
     assert!((60.0..=80.0).contains(&walk.length_m()), "{} m", walk.length_m());

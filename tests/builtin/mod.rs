@@ -1,4 +1,4 @@
-//! The embedded scenes: counts, closed bodies, free walks, the same bits every time.
+//! The embedded scenes: counts, closed solids, clear camera paths, and equal bits in every build.
 
 mod analytic;
 mod clearance;
@@ -11,7 +11,7 @@ fn built(name: &str) -> Scene {
     builtin::build(name).expect("the embedded scenes build")
 }
 
-/// An embedded scene, built once for all tests.
+/// Returns an embedded scene, which is built once for all tests.
 fn scene(name: &str) -> &'static Scene {
     static SCENES: LazyLock<Vec<Scene>> =
         LazyLock::new(|| builtin::NAMES.iter().map(|name| built(name)).collect());

@@ -52,17 +52,6 @@ pub const KNOWN: &[(&str, &str)] = &[
     ("render/look_up.rs", "render/renderer.rs"),
     ("render/renderer.rs", "render/placeholders.rs"),
     ("render/temporal_stability.rs", "render/frame.rs"),
-    // scene
-    ("scene/builder.rs", "scene/sanitize.rs"),
-    ("scene/material.rs", "scene/mod.rs"),
-    ("scene/mod.rs", "scene/builder.rs"),
-    ("scene/mod.rs", "scene/conditioning.rs"),
-    ("scene/mod.rs", "scene/features.rs"),
-    ("scene/mod.rs", "scene/lights.rs"),
-    ("scene/builtin/furnace.rs", "scene/builtin/mod.rs"),
-    ("scene/builtin/mod.rs", "scene/builtin/cornell.rs"),
-    ("scene/builtin/mod.rs", "scene/builtin/gallery/mod.rs"),
-    ("scene/builtin/mod.rs", "scene/builtin/mirrors.rs"),
     // trace
     ("trace/bvh/cone.rs", "trace/bvh/bundle.rs"),
     ("trace/bvh/packet.rs", "trace/bvh/mod.rs"),

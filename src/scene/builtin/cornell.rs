@@ -1,25 +1,26 @@
-//! The Cornell box as measured at Cornell in 1985, one unit a centimetre, and a variant with two spheres.
+//! The Cornell box as measured at Cornell in 1985, and a variant with two spheres.
 //!
-//! Source: <https://www.graphics.cornell.edu/online/box/data.html>. We differ: the measured units are centimetres, so
-//! that one can walk in it; the lamp hangs 1 cm under an unbroken ceiling; and the box is turned so that one looks
-//! along -Z into it from in front.
+//! Source: <https://www.graphics.cornell.edu/online/box/data.html>. We differ: one unit of the data
+//! is a centimetre, so that the box is large enough to walk in; the lamp hangs 1 cm below a ceiling
+//! without a hole; and the box is turned so that the camera looks into it along -Z.
 
 use super::shapes::Local;
 use super::shapes::bodies::icosphere;
-use super::{view, walk};
+use super::views::{view, walk};
 use crate::scene::{Material, MaterialId, SceneBuilder};
 use glam::{DVec3, Vec2, Vec3};
 
-/// What stands in the box.
+/// The objects in the box.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Contents {
-    /// The two matte boxes.
+    /// Two diffuse boxes.
     Boxes,
-    /// A mirror sphere and one of glass.
+    /// A mirror sphere and a glass sphere.
     Spheres,
 }
 
-/// Half a turn about the vertical, and the middle of the box's floor front edge into the middle of the world.
+/// Converts a position of the data to world metres: half a turn about the vertical axis, with the
+/// middle of the front edge of the floor at the origin.
 fn world(p: [f64; 3]) -> DVec3 {
     DVec3::new(278.0 - p[0], p[1], -p[2]) / 100.0
 }
@@ -53,7 +54,7 @@ pub(super) fn add_to(b: &mut SceneBuilder, contents: Contents) {
     b.walk = Some(walk(&keys, 120, 55.0));
 }
 
-/// The short and the tall one: the four corners of each top, and its height.
+/// Adds the short and the tall box, given by the four corners of the top and the height.
 fn boxes(b: &mut SceneBuilder, white: MaterialId) {
     standing(b, [[130.0, 65.0], [82.0, 225.0], [240.0, 272.0], [290.0, 114.0]], 165.0, white);
     standing(b, [[423.0, 247.0], [265.0, 296.0], [314.0, 456.0], [472.0, 406.0]], 330.0, white);
@@ -71,7 +72,7 @@ fn standing(b: &mut SceneBuilder, top: [[f64; 2]; 4], height: f64, material: Mat
 fn spheres(b: &mut SceneBuilder) {
     let mirror = b.add_material(Material::mirror("mirror", Vec3::splat(0.9)));
     let glass = b.add_material(Material::glass("glass", 1.5, Vec3::ONE));
-    // A hair above the floor: a body of glass must not share a plane with what it stands on.
+    // 1 mm above the floor: a solid of glass must not share a plane with another surface.
     let at = |x, y, z| Local::at(world([x, y, z]));
     icosphere(b, &at(390.0, 100.1, 370.0), 4, mirror, |d| d);
     icosphere(b, &at(170.0, 100.1, 190.0), 4, glass, |d| d);

@@ -1,11 +1,11 @@
-//! A furnace: a closed room whose radiance has a closed form.
+//! The furnace test: a closed room whose radiance has a closed form.
 //!
-//! Every wall emits `Le = 1` and reflects the share `rho = 0.5` of what arrives. The room is closed and all walls are
-//! alike, so each point sees the same radiance from everywhere, and with `n` diffuse bounces every pixel is
-//! `Le * (1 + rho + rho^2 + ... + rho^n) = 2 - 2^-n`, which tends to `Le / (1 - rho) = 2`.
-//! The light of the walls that is reflected once counts as the first bounce.
+//! Every wall emits `Le = 1` and reflects the share `rho = 0.5` of the light. The room is closed
+//! and all walls are equal, so each point receives the same radiance from all directions. With `n`
+//! diffuse bounces every pixel is `Le * (1 + rho + rho^2 + ... + rho^n) = 2 - 2^-n`, which tends to
+//! `Le / (1 - rho) = 2`. Light of the walls that is reflected once counts as the first bounce.
 
-use super::{view, walk};
+use super::views::{view, walk};
 use crate::scene::{Material, SceneBuilder};
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
@@ -16,7 +16,7 @@ pub(super) fn add_to(b: &mut SceneBuilder) {
     let wall = b.add_material(wall);
     for axis in 0..3 {
         for sign in [-1.0, 1.0] {
-            // Counter-clockwise seen from the middle: a wall on the positive side is wound the other way.
+            // The winding is counter-clockwise seen from the middle, so it depends on the side.
             let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]
                 .map(|[s, t]| on_wall(axis, sign, DVec2::new(-s * sign, t)));
             b.add_quad(corners, Vec2::ONE, wall);

@@ -1,11 +1,11 @@
-//! Two facing, exactly parallel mirrors, 4 m apart: an endless corridor of reflections.
+//! Two parallel mirrors that face each other, 4 m apart: an endless corridor of reflections.
 //!
-//! A ray that meets both mirrors `n` times in all carries the factor `0.8^n`.
+//! After `n` reflections the throughput of a ray is `0.8^n`.
 
 use super::shapes::blocks::{ceiling, floor};
 use super::shapes::bodies::icosphere;
 use super::shapes::{Faces, Local, block};
-use super::{view, walk};
+use super::views::{view, walk};
 use crate::scene::{Material, MaterialId, SceneBuilder};
 use glam::{DVec3, Vec2, Vec3};
 

@@ -1,4 +1,4 @@
-//! The embedded scenes: a gallery to walk through, and small ones whose pictures are known.
+//! The embedded scenes: a gallery to walk through, and small scenes with known pictures.
 
 mod cornell;
 mod furnace;
@@ -7,20 +7,18 @@ mod gallery;
 mod mirrors;
 #[cfg_attr(
     not(feature = "pictures"),
-    allow(dead_code, unused_imports, reason = "the gallery uses most of them")
+    allow(dead_code, unused_imports, reason = "the gallery uses most of the shapes")
 )]
 mod shapes;
+mod views;
 
 #[cfg(feature = "pictures")]
 pub use gallery::statue_hall;
 
-use super::{NamedView, Scene, SceneBuilder, SceneError};
-use crate::camera::Camera;
-use crate::camera::{CameraKey, CameraPath};
-use glam::DVec3;
+use super::{Scene, SceneBuilder, SceneError};
 
-/// Names of the embedded scenes; the first is the default. The gallery's textures are PNG files, so it is there only
-/// with the feature `pictures`.
+/// Names of the embedded scenes. The first is the default. The textures of the gallery are PNG
+/// files, so it exists only with the feature `pictures`.
 pub const NAMES: &[&str] = &[
     #[cfg(feature = "pictures")]
     "gallery",
@@ -30,10 +28,10 @@ pub const NAMES: &[&str] = &[
     "furnace",
 ];
 
-/// Builds an embedded scene.
+/// Builds the embedded scene `name`.
 ///
 /// # Errors
-/// [`SceneError::UnknownBuiltin`] where there is none of that name.
+/// [`SceneError::UnknownBuiltin`] if there is no embedded scene of that name.
 pub fn build(name: &str) -> Result<Scene, SceneError> {
     let mut b = SceneBuilder::new(&format!("builtin:{name}"));
     match name {
@@ -43,19 +41,7 @@ pub fn build(name: &str) -> Result<Scene, SceneError> {
         "cornell-glass" => cornell::add_to(&mut b, cornell::Contents::Spheres),
         "mirrors" => mirrors::add_to(&mut b),
         "furnace" => furnace::add_to(&mut b),
-        _ => {
-            return Err(SceneError::UnknownBuiltin { name: name.to_owned(), known: NAMES.join(", ") });
-        }
+        _ => return Err(SceneError::UnknownBuiltin { name: name.to_owned(), known: NAMES.join(", ") }),
     }
     b.finish()
-}
-
-fn view(name: &str, eye: [f64; 3], at: [f64; 3], fov_y_deg: f64) -> NamedView {
-    NamedView { name: name.to_owned(), camera: Camera::look_at(eye.into(), at.into(), fov_y_deg) }
-}
-
-/// A walk from pairs of eye and point looked at.
-fn walk(keys: &[([f64; 3], [f64; 3])], frames: u32, fov_y_deg: f64) -> CameraPath {
-    let key = |&(eye, at): &([f64; 3], [f64; 3])| CameraKey { eye: DVec3::from(eye), at: DVec3::from(at) };
-    CameraPath { fov_y_deg, frames, keyframes: keys.iter().map(key).collect() }
 }

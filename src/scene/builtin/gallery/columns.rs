@@ -1,4 +1,4 @@
-//! Two rows of fluted columns under two architraves.
+//! Two rows of fluted columns that carry two architraves.
 
 use super::palette::Palette;
 use super::plan::RoomName;
@@ -8,12 +8,13 @@ use crate::scene::builtin::shapes::surface::lathe;
 use crate::scene::builtin::shapes::{Faces, Local, block};
 use glam::DVec3;
 
-/// Distance of the rows' axes from the hall's, and the columns along them.
+/// World x of each row of columns.
 pub(super) const ROWS_X: [f64; 2] = [13.5, 20.5];
+/// World z of each column in a row.
 pub(super) const COLUMNS_Z: [f64; 4] = [10.7, 14.5, 18.3, 22.1];
 const HALL_AXIS_X: f64 = 17.0;
 const ARCHITRAVE_HALF_M: f64 = 0.48;
-/// Shallow: a deeper beam would keep the lamps' light from the aisles.
+/// Height of the architraves. Deeper ones would shade the aisles from the lamps.
 const ARCHITRAVE_DROP_M: f64 = 0.15;
 const BEAM_HALF_M: f64 = 0.14;
 const BEAM_DROP_M: f64 = 0.12;
@@ -33,7 +34,7 @@ pub(super) fn add_to(b: &mut SceneBuilder, p: &Palette) {
 fn column(b: &mut SceneBuilder, p: &Palette, frame: &Local) {
     let square = |y0: f64, y1: f64, half: f64| [DVec3::new(-half, y0, -half), DVec3::new(half, y1, half)];
     block(b, frame, square(0.0, 0.12, 0.5), Faces::ALL.without(Faces::BOTTOM), p.stone);
-    // An Attic base: torus, scotia between two fillets, torus.
+    // Attic base: a torus, a scotia between two fillets, another torus.
     lathe(b, frame, &bulge(0.12, 0.24, 0.44, 0.06), SEGMENTS, p.stone);
     lathe(b, frame, &[[0.42, 0.24], [0.45, 0.243], [0.45, 0.255], [0.40, 0.257]], SEGMENTS, p.stone);
     lathe(b, frame, &hollow([0.40, 0.257], [0.385, 0.325]), SEGMENTS, p.stone);
@@ -44,16 +45,18 @@ fn column(b: &mut SceneBuilder, p: &Palette, frame: &Local) {
     lathe(b, frame, &[[0.325, 4.04], [0.325, 4.17]], SEGMENTS, p.stone);
     lathe(b, frame, &echinus(), SEGMENTS, p.stone);
     let top = RoomName::Hall.room().ceiling - ARCHITRAVE_DROP_M;
-    // Its lower edge, seen from below, has to close the gap around the echinus; its top lies on the architrave.
+    // The lower edge of the abacus closes the gap around the echinus; its top lies on the
+    // architrave.
     block(b, frame, square(4.32, top, 0.46), Faces::ALL.without(Faces::TOP), p.stone);
 }
 
-/// Radius of the shaft: a straight taper would look hollow.
+/// Returns the radius of the shaft at a share `v` of its height. A straight taper would look
+/// concave.
 fn entasis(v: f64) -> f64 {
     0.385 - 0.065 * v.powf(1.8)
 }
 
-/// A half round from height `y0` to `y1`, `depth` beyond `radius`.
+/// Returns the profile of a half round from height `y0` to `y1` that stands out by `depth`.
 fn bulge(y0: f64, y1: f64, radius: f64, depth: f64) -> Vec<[f64; 2]> {
     (0..=10)
         .map(|i| {
@@ -63,7 +66,7 @@ fn bulge(y0: f64, y1: f64, radius: f64, depth: f64) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// A concave quarter between two points of a profile.
+/// Returns a concave profile between two points.
 fn hollow(from: [f64; 2], to: [f64; 2]) -> Vec<[f64; 2]> {
     (0..=8)
         .map(|i| {
@@ -83,7 +86,7 @@ fn echinus() -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// Architraves over the rows, and beams across the nave that part the coffers.
+/// Adds the architraves over the columns, and the beams across the nave between the coffers.
 fn beams(b: &mut SceneBuilder, p: &Palette) {
     let room = RoomName::Hall.room();
     let [_, _, z0, z1] = room.area;

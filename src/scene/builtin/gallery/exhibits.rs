@@ -1,4 +1,4 @@
-//! The wall of mirrors, the vitrine, and benches.
+//! The wall of mirrors, the vitrine and the benches.
 
 use super::palette::Palette;
 use super::pictures::framed;
@@ -10,13 +10,13 @@ use crate::scene::builtin::shapes::surface::bar;
 use crate::scene::builtin::shapes::{Faces, Local, block};
 use glam::DVec3;
 
-/// Middle of the vitrine on the floor.
+/// World position of the middle of the vitrine on the floor.
 pub(super) const VITRINE: [f64; 3] = [29.6, 0.0, 3.2];
 const VITRINE_HALF_M: [f64; 2] = [0.7, 0.4];
 const VITRINE_TABLE_M: f64 = 0.85;
 const VITRINE_GLASS_M: f64 = 0.75;
 const PANE_M: f64 = 0.01;
-/// Between panes: bodies of glass must not share a plane.
+/// Gap between panes. Solids of glass must not share a plane.
 const PANE_GAP_M: f64 = 0.002;
 
 pub(super) fn add_to(b: &mut SceneBuilder, p: &Palette) {
@@ -38,7 +38,7 @@ pub(super) fn add_to(b: &mut SceneBuilder, p: &Palette) {
     }
 }
 
-/// Five tall panels on the west wall; no other mirror faces them.
+/// Adds five tall mirrors on the west wall. No other mirror faces them.
 fn mirrors(b: &mut SceneBuilder, p: &Palette) {
     const SIZE_M: [f64; 2] = [1.3, 2.5];
     const SPACING_M: f64 = 1.6;
@@ -67,7 +67,8 @@ fn vitrine(b: &mut SceneBuilder, p: &Palette) {
     clockwork(b, p, &frame.moved(DVec3::Y * (table + 0.06)));
 }
 
-/// Four walls and a lid: five closed bodies that touch neither each other nor the table.
+/// Adds four walls and a lid of glass: five closed solids that touch neither each other nor the
+/// table.
 fn panes(b: &mut SceneBuilder, p: &Palette, frame: &Local) {
     let [x, z] = VITRINE_HALF_M;
     let (h, t, g) = (VITRINE_GLASS_M, PANE_M, PANE_GAP_M);
@@ -81,7 +82,7 @@ fn panes(b: &mut SceneBuilder, p: &Palette, frame: &Local) {
     pane([-x, h + g, -z], [x, h + g + t, z]);
 }
 
-/// What the vitrine shows: wheels on an axle, and a small knot.
+/// Adds the exhibit in the vitrine: two gears on their axles, a ring and a small knot.
 fn clockwork(b: &mut SceneBuilder, p: &Palette, frame: &Local) {
     let axle = |x: f64, y: f64, z: f64| frame.moved(DVec3::new(x, y, z));
     gear(b, &axle(-0.24, 0.2, 0.0), 24, [0.05, 0.155, 0.18], 0.03, p.gilt);

@@ -1,4 +1,4 @@
-//! The statues themselves, each standing at the zero of its frame and looking along the frame's z.
+//! The statues. Each stands at the origin of its frame and faces along the z axis of the frame.
 
 use crate::scene::builtin::shapes::bodies::{icosphere, torus, torus_knot};
 use crate::scene::builtin::shapes::surface::{bar, closed_tube, on_circle};
@@ -7,24 +7,24 @@ use crate::scene::{MaterialId, SceneBuilder};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 
-/// What a statue shows.
+/// The shape of a statue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Figure {
     /// A head on shoulders.
     Bust,
-    /// A ribbed vase, twisted.
+    /// A twisted, ribbed vase.
     Vase,
-    /// A torus knot of these windings.
+    /// A torus knot with these numbers of windings.
     Knot(u8, u8),
     /// A sphere with ripples.
     Ripples,
-    /// A sphere pulled into a soft, pierced-looking boulder.
+    /// A sphere deformed into a smooth boulder.
     Boulder,
-    /// A square pillar twisted towards its tip.
+    /// A square pillar that twists and tapers towards its tip.
     Spire,
     /// Three linked rings.
     Rings,
-    /// A band with one half twist after another.
+    /// A closed band of varying width.
     Band,
 }
 
@@ -43,8 +43,8 @@ impl Figure {
     }
 }
 
-/// Sections of the bust from the cut of the chest to the crown: share of the height, half width, depth to the front,
-/// depth to the back, and how far the neck carries the section forward; metres.
+/// Sections of the bust from the chest to the crown: share of the height, half width, depth to the
+/// front, depth to the back, and offset to the front; metres.
 const BUST_SECTIONS: [[f64; 5]; 18] = [
     [0.000, 0.085, 0.065, 0.065, 0.000],
     [0.050, 0.115, 0.085, 0.080, 0.000],
@@ -67,7 +67,8 @@ const BUST_SECTIONS: [[f64; 5]; 18] = [
 ];
 const BUST_HEIGHT_M: f64 = 0.78;
 
-/// Bumps of the face: bearing from the front and height with their widths, and how far they stand out; metres.
+/// Bumps of the face: bearing from the front in radians with its width, share of the height with
+/// its width (second and fourth number), and how far the bump stands out in metres.
 const BUST_FEATURES: [[f64; 5]; 13] = [
     [0.0, 0.13, 0.655, 0.020, 0.030],
     [0.0, 0.10, 0.695, 0.040, 0.016],
@@ -89,7 +90,7 @@ fn bust(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
     let stand = frame.moved(DVec3::Y * 0.05);
     let grid = Grid { nu: 96, nv: 80, u: Closing::Around, v: Closing::Poles };
     grid.add_to(b, &stand, material, |u, v| {
-        // The first rows close the cut of the chest.
+        // The first rows close the chest.
         let h = ((v - 0.03) / 0.97).max(0.0);
         let shrink = (v / 0.03).min(1.0);
         let [half_width, front, back, forward] = section(h);
@@ -117,12 +118,12 @@ fn section(h: f64) -> [f64; 4] {
             + m0 * (t3 - 2.0 * t2 + t)
             + to[c] * (3.0 * t2 - 2.0 * t3)
             + m1 * (t3 - t2);
-        // The crown falls to its point like a circle, not like a cone.
+        // The crown is round; interpolation would make it a cone.
         if h > 0.96 && c < 4 { from[c] * (1.0 - t * t).max(0.0).sqrt() } else { value.max(0.0) }
     })
 }
 
-/// How far the face and the hair stand out at a bearing from the front and a share of the height.
+/// Returns how far face and hair stand out at a bearing from the front and a share of the height.
 fn relief(bearing: f64, h: f64) -> f64 {
     let bump = |[at, width, height, tall, out]: [f64; 5]| {
         let (s, t) = ((bearing - at) / width, (h - height) / tall);
@@ -136,7 +137,7 @@ fn relief(bearing: f64, h: f64) -> f64 {
     face + in_hair * curls
 }
 
-/// A round foot under a statue.
+/// Adds a round foot below a statue.
 fn foot(b: &mut SceneBuilder, frame: &Local, [radius, height]: [f64; 2], material: MaterialId) {
     let grid = Grid { nu: 40, nv: 16, u: Closing::Around, v: Closing::Open };
     grid.add_to(b, frame, material, |u, v| {
@@ -145,7 +146,7 @@ fn foot(b: &mut SceneBuilder, frame: &Local, [radius, height]: [f64; 2], materia
     });
 }
 
-/// A thin rod that holds a statue which touches its plinth in one point only.
+/// Adds a thin rod that carries a statue which touches its plinth at one point only.
 fn rod(b: &mut SceneBuilder, frame: &Local, height: f64, material: MaterialId) {
     bar(b, [frame.origin, frame.point(DVec3::Y * height)], 0.025, 24, material);
 }
@@ -159,7 +160,7 @@ fn vase(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
         on_circle(u, radius(v) * ribs - inner, v * 0.95)
     };
     grid.add_to(b, frame, material, |u, v| at(u, v, 0.0));
-    // The inside is seen over the rim; it goes down and so is wound the other way.
+    // The inside is visible over the rim. It runs downwards, which reverses its winding.
     let inside = Grid { nu: 110, nv: 10, u: Closing::Around, v: Closing::Open };
     inside.add_to(b, frame, material, |u, v| at(u, 1.0 - 0.4 * v, 0.018 * (v * 6.0).min(1.0)));
 }
@@ -185,7 +186,7 @@ fn boulder(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
         let swell =
             0.16 * (2.4 * d.x + 1.0).sin() * (2.1 * d.z - 0.4).cos() + 0.10 * (4.2 * d.y + 2.0 * d.x).sin();
         let p = d * (0.40 * (1.0 + swell));
-        // It stands on a flat of its own.
+        // The lower side is flat.
         DVec3::new(p.x, (p.y * 1.15).max(-0.44), p.z)
     });
 }
@@ -194,7 +195,7 @@ fn spire(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
     let grid = Grid { nu: 80, nv: 64, u: Closing::Around, v: Closing::Open };
     grid.add_to(b, frame, material, |u, v| {
         let angle = u * TAU;
-        // A superellipse: a square with round edges.
+        // Superellipse: a square with round edges.
         let square = (angle.cos().abs().powi(6) + angle.sin().abs().powi(6)).powf(-1.0 / 6.0);
         let half = (0.20 * (1.0 - v).powf(0.7) + 0.012) * (1.0 + 0.12 * (v * 3.0 * PI).sin());
         on_circle(u + 0.42 * v, half * square, v * 1.35)
@@ -213,7 +214,7 @@ fn rings(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
         grid.add_to(b, frame, material, |u, v| {
             let (tube_sin, tube_cos) = (v * TAU).sin_cos();
             let p = on_circle(u, 0.235 + 0.055 * tube_cos, 0.055 * tube_sin);
-            // Upright: turned about x, and the top one about the vertical too.
+            // Turn all rings about x, and the top one also about the vertical axis.
             let p = DVec3::new(p.x, p.y * cos - p.z * sin, p.y * sin + p.z * cos);
             let p = DVec3::new(p.x * turn_cos + p.z * turn_sin, p.y, p.z * turn_cos - p.x * turn_sin);
             p + DVec3::new(x, y, 0.0)

@@ -1,6 +1,7 @@
-//! A hall of statues for measuring: five stand before a wall in view, as many more as wanted behind the viewer.
+//! A hall of statues for measurements: five stand in view in front of a wall, any number behind the
+//! viewer.
 //!
-//! The view is the same whatever their number, and so is the hall's size: only the hierarchy grows.
+//! The view and the size of the hall do not depend on the number of statues: only the BVH grows.
 
 use super::figures::Figure;
 use crate::camera::Camera;
@@ -10,24 +11,27 @@ use glam::{DVec3, Vec2, Vec3};
 
 const FIGURES: [Figure; 5] = [Figure::Bust, Figure::Vase, Figure::Knot(2, 3), Figure::Ripples, Figure::Rings];
 
-/// Half the length of the hall's sides and its height, metres.
+/// Half the side length of the hall in metres.
 const HALF_M: f64 = 60.0;
+/// Height of the hall in metres.
 const HEIGHT_M: f64 = 4.0;
 
-/// Between statues, metres.
+/// Distance between statues in metres.
 const STEP_M: f64 = 1.6;
 
-/// Statues of a row behind the viewer.
+/// Number of statues in a row behind the viewer.
 const ROW: usize = 60;
 
-/// Side of a lamp, metres, and the power of all of them together, in radiance times square metres.
+/// Side length of a lamp in metres.
 const LAMP_M: f64 = 0.5;
+/// Power of all lamps together, in radiance times square metres.
 const POWER: f32 = 8.0;
 
-/// At least so many triangles, those in view included, and so many lamps of the same power together.
+/// Builds a hall of at least `triangles` triangles and with `lamps` lamps, whose total power is
+/// always the same.
 ///
 /// # Errors
-/// [`SceneError::TooLarge`] beyond what the engine's indices can name.
+/// [`SceneError::TooLarge`] if the engine cannot address that many triangles.
 pub fn statue_hall(triangles: usize, lamps: u32) -> Result<Scene, SceneError> {
     let mut b = SceneBuilder::new("statue hall");
     let stone = b.add_material(Material::diffuse("stone", Vec3::new(0.72, 0.7, 0.66)));
@@ -58,13 +62,15 @@ fn hall(b: &mut SceneBuilder, material: MaterialId) {
         [corner(-1.0, 0.0, 1.0), corner(1.0, 0.0, 1.0), corner(1.0, 0.0, -1.0), corner(-1.0, 0.0, -1.0)],
         [corner(-1.0, 1.0, -1.0), corner(1.0, 1.0, -1.0), corner(1.0, 1.0, 1.0), corner(-1.0, 1.0, 1.0)],
     ];
-    quads.into_iter().for_each(|q| b.add_quad(q, Vec2::ONE, material));
-    // The wall behind the statues in view.
+    for corners in quads {
+        b.add_quad(corners, Vec2::ONE, material);
+    }
+    // Wall behind the statues in view.
     let wall = [[-1.0, 0.0], [1.0, 0.0], [1.0, 1.0], [-1.0, 1.0]];
     b.add_quad(wall.map(|[x, y]| DVec3::new(x * HALF_M, y * HEIGHT_M, -6.0)), Vec2::ONE, material);
 }
 
-/// In a row over the statues in view, facing down.
+/// Adds a row of lamps that face down over the statues in view.
 fn add_lamps(b: &mut SceneBuilder, lamps: u32) {
     let radiance = POWER / (lamps.max(1) as f32 * (LAMP_M * LAMP_M) as f32);
     let lamp = b.add_material(Material::emissive("lamp", Vec3::splat(radiance)));

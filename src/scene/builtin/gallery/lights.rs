@@ -1,4 +1,5 @@
-//! Twelve lamps: one emissive quad each, under an opaque housing because a quad emits from both sides.
+//! Twelve lamps. Each is an emissive quad below an opaque housing, because a quad emits from both
+//! sides.
 
 use super::palette::Palette;
 use super::plan::RoomName;
@@ -7,25 +8,25 @@ use crate::scene::builtin::shapes::{Faces, Local, block};
 use crate::scene::{Material, SceneBuilder};
 use glam::{DVec3, Vec3};
 
-/// From a coffer's lid down to the lamp.
+/// Distance from the lid of a coffer down to its lamp.
 const DROP_M: f64 = 0.05;
 const HOUSING_GAP_M: f64 = 0.01;
-/// Wide enough that next to nothing of the upward light slips through the gap on to the coffer: a sliver of a lamp is
-/// pure noise.
+/// How far a housing extends beyond its lamp. Less would let upward light through the gap onto the
+/// coffer, where the visible sliver of the lamp causes noise.
 const HOUSING_MARGIN_M: f64 = 0.12;
 const LID_MARGIN_M: f64 = 0.15;
-/// A neutral white with a trace of warmth.
+/// Colour of the lamps: a slightly warm white.
 const TINT: Vec3 = Vec3::new(1.0, 0.95, 0.87);
 
 /// One lamp in its coffer.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lamp {
     pub(super) room: RoomName,
-    /// x and z of its middle.
+    /// World x and z of the middle.
     pub(super) middle: [f64; 2],
-    /// Edge of the quad along x and z.
+    /// Side lengths of the quad along x and z.
     size: [f64; 2],
-    /// Half the coffer's mouth along x and z.
+    /// Half the opening of the coffer along x and z.
     mouth: [f64; 2],
     radiance: f32,
 }
@@ -60,12 +61,12 @@ impl Lamp {
         self.size.map(|s| s / 2.0 + margin)
     }
 
-    /// The mouth of the coffer as x0, x1, z0, z1.
+    /// Returns the opening of the coffer as x0, x1, z0, z1.
     pub(super) fn coffer(&self) -> [f64; 4] {
         self.around(self.mouth)
     }
 
-    /// The lid of the coffer.
+    /// Returns the lid of the coffer as x0, x1, z0, z1.
     pub(super) fn lid(&self) -> [f64; 4] {
         self.around(self.half_size(LID_MARGIN_M))
     }

@@ -1,4 +1,5 @@
-//! The gallery: six rooms with columns, statues, pictures, a raised platform behind a railing, mirrors and a vitrine.
+//! The gallery: six rooms with columns, statues, paintings, a raised platform behind a railing,
+//! mirrors and a vitrine.
 //!
 //! ```text
 //!        0         10               24         34   x
@@ -21,7 +22,6 @@ mod palette;
 mod pictures;
 mod plan;
 mod rooms;
-
 mod statues;
 mod terrace;
 mod trim;

@@ -6,7 +6,7 @@ use crate::scene::{
 use glam::{Vec2, Vec3};
 use std::path::PathBuf;
 
-/// Every material of the gallery by its use.
+/// The materials of the gallery, named after their use.
 #[derive(Clone, Debug)]
 pub(super) struct Palette {
     pub(super) white: MaterialId,
@@ -82,7 +82,7 @@ impl Palette {
     }
 }
 
-/// Two pictures, shown whole and as studies of their parts.
+/// Adds materials that show two paintings as a whole and in parts.
 fn paintings(b: &mut SceneBuilder) -> Result<Vec<MaterialId>, SceneError> {
     let harbour =
         texture(b, "painting-harbour", include_bytes!("../../../../assets/textures/painting-harbour.png"))?;
@@ -117,7 +117,7 @@ fn texture(b: &mut SceneBuilder, name: &str, png: &[u8]) -> Result<TextureId, Sc
     let texture = decode(png).map_err(|e| SceneError::Read {
         file: PathBuf::from(format!("assets/textures/{name}.png")),
         cause: e.to_string(),
-        remedy: "this file is part of the program; build it again from a fresh checkout".to_owned(),
+        remedy: "the file is part of the program; rebuild the program from a fresh checkout".to_owned(),
     })?;
     Ok(b.add_texture(texture))
 }

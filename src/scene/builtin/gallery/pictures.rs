@@ -1,4 +1,4 @@
-//! Framed pictures on the walls.
+//! Framed paintings on the walls.
 
 use super::palette::Palette;
 use super::plan::{Facing, RoomName};
@@ -6,12 +6,15 @@ use crate::scene::builtin::shapes::{Faces, Local, block};
 use crate::scene::{MaterialId, SceneBuilder};
 use glam::{DVec3, Vec2};
 
-/// A picture by its wall, the middle along it, its size, and its number among the paintings.
+/// A framed painting.
 struct Picture {
     room: RoomName,
     facing: Facing,
+    /// Position of the middle along the wall in metres.
     middle: f64,
+    /// Width and height in metres.
     size: [f64; 2],
+    /// Index into the paintings of the palette.
     painting: usize,
 }
 
@@ -52,7 +55,7 @@ const CANVAS_DEPTH_M: f64 = 0.025;
 pub(super) fn add_to(b: &mut SceneBuilder, p: &Palette) {
     for (i, picture) in PICTURES.iter().enumerate() {
         let side = picture.room.room().side(picture.facing);
-        // The terrace's far wall stands on the platform.
+        // The south wall of the terrace stands on the platform.
         let raised = picture.room == RoomName::Terrace && picture.facing == Facing::South;
         let lift = if raised { super::terrace::PLATFORM_M } else { 0.0 };
         let middle = DVec3::new(picture.middle, EYE_LEVEL_M.max(picture.size[1] / 2.0 + 0.7) + lift, 0.0);
@@ -61,7 +64,8 @@ pub(super) fn add_to(b: &mut SceneBuilder, p: &Palette) {
     }
 }
 
-/// A panel in a frame on a wall, its middle at the frame's zero. The frame's bars cover the panel's edges.
+/// Adds a framed panel to a wall, with its middle at the origin of `wall`. The bars of the frame
+/// cover the edges of the panel.
 pub(super) fn framed(
     b: &mut SceneBuilder,
     wall: &Local,

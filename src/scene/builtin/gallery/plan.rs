@@ -1,30 +1,30 @@
-//! Where things are: rooms, doors, and the sides of rooms that trim and pictures follow.
+//! The floor plan: rooms, doorways, and the sides of rooms that trim and paintings follow.
 
 use crate::scene::builtin::shapes::{Local, Opening};
 use glam::DVec3;
 
-/// Of every wall, metres.
+/// Thickness of every wall in metres.
 pub(super) const WALL_M: f64 = 0.3;
-/// Upper edge of the walls; the roof lies on it.
+/// Height of the upper edge of the walls, which carries the roof.
 pub(super) const WALL_TOP_M: f64 = 5.3;
-/// Lower edge of the walls and underside of the floors.
+/// Height of the lower edge of the walls and of the underside of the floors.
 pub(super) const BASE_M: f64 = -0.3;
-/// Clear width and height of every doorway.
+/// Clear width and height of every doorway in metres.
 pub(super) const DOOR_M: [f64; 2] = [2.4, 2.8];
 
-/// One room between the faces of its walls.
+/// The inside of a room, in world metres.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Room {
-    /// x0, x1, z0, z1.
+    /// Extent as x0, x1, z0, z1.
     pub(super) area: [f64; 4],
-    /// Height of the flat of the ceiling.
+    /// Height of the flat part of the ceiling.
     pub(super) ceiling: f64,
-    /// From there up to the lids of its coffers.
+    /// Height of the lids of the coffers above the flat part of the ceiling.
     pub(super) coffer_rise: f64,
 }
 
-/// The rooms, in the order of [`RoomName`]. The hall's coffers are flat: from deeper ones the lamps would not see the
-/// aisles.
+/// The rooms, in the order of [`RoomName`]. The coffers of the hall are shallow, because deeper
+/// ones would hide the lamps from the aisles.
 pub(super) const ROOMS: [Room; 6] = [
     Room { area: [0.3, 9.85, 0.3, 8.85], ceiling: 4.5, coffer_rise: 0.5 },
     Room { area: [10.15, 23.85, 0.3, 8.85], ceiling: 4.5, coffer_rise: 0.5 },
@@ -54,12 +54,12 @@ impl RoomName {
     }
 }
 
-/// A doorway by the middle of its threshold.
+/// A doorway, given by the middle of its threshold.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Door {
-    /// x and z.
+    /// World x and z.
     pub(super) middle: [f64; 2],
-    /// Whether the wall it is in runs along x.
+    /// True if the wall of the doorway runs along x.
     pub(super) in_wall_along_x: bool,
 }
 
@@ -67,7 +67,7 @@ const fn door(x: f64, z: f64, in_wall_along_x: bool) -> Door {
     Door { middle: [x, z], in_wall_along_x }
 }
 
-/// All doorways. Those of a row of rooms are in line, so that one looks through all three.
+/// All doorways. Those of a row of rooms are aligned, so that all three rooms are visible at once.
 pub(super) const DOORS: [Door; 7] = [
     door(10.0, 4.5, false),
     door(24.0, 4.5, false),
@@ -78,18 +78,18 @@ pub(super) const DOORS: [Door; 7] = [
     door(24.0, 12.6, false),
 ];
 
-/// One side of a room, seen from within: x along it to the right, z into the room.
+/// One side of a room. Seen from inside the room, x runs along it to the right and z into the room.
 #[derive(Clone, Debug)]
 pub(super) struct Side {
-    /// Its frame, standing on the floor.
+    /// Frame with its origin on the floor.
     pub(super) frame: Local,
-    /// Metres along x.
+    /// Length along x in metres.
     pub(super) length: f64,
-    /// Its doorways along x.
+    /// Start and end of each doorway along x.
     pub(super) doors: Vec<[f64; 2]>,
 }
 
-/// Which way one looks to see a side.
+/// The direction in which a viewer in the room faces a side.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Facing {
     North,
@@ -103,7 +103,7 @@ impl Facing {
 }
 
 impl Room {
-    /// Height of the lids of the coffers.
+    /// Returns the height of the lids of the coffers.
     pub(super) fn lid(&self) -> f64 {
         self.ceiling + self.coffer_rise
     }
@@ -122,7 +122,7 @@ impl Room {
     }
 }
 
-/// The stretch of a side that a doorway takes, where it is in that side.
+/// Returns the start and end of a doorway along a side, or `None` if it belongs to another side.
 fn along(frame: &Local, length: f64, door: &Door) -> Option<[f64; 2]> {
     let to_middle = DVec3::new(door.middle[0], 0.0, door.middle[1]) - frame.origin;
     let runs_along_x = frame.x.x != 0.0;
@@ -134,7 +134,8 @@ fn along(frame: &Local, length: f64, door: &Door) -> Option<[f64; 2]> {
     inside.then_some([middle - DOOR_M[0] / 2.0, middle + DOOR_M[0] / 2.0])
 }
 
-/// Doorways as openings of a wall that begins at `from` along its own axis.
+/// Returns the doorways of a wall as openings. The wall runs from `from` to `to` along its axis, at
+/// position `at` across it.
 pub(super) fn openings(from: f64, to: f64, at: f64, wall_along_x: bool) -> Vec<Opening> {
     let mut found: Vec<Opening> = DOORS
         .iter()

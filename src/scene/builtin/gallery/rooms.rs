@@ -1,4 +1,4 @@
-//! The shell: walls, floors, ceilings with splayed coffers, roof.
+//! The shell of the building: walls, floors, ceilings with splayed coffers, and roof.
 
 use super::lights::{LAMPS, Lamp};
 use super::palette::Palette;
@@ -17,7 +17,7 @@ pub(super) fn add_to(b: &mut SceneBuilder, p: &Palette) {
     roof(b, p);
 }
 
-/// Walls along z run through; those along x end at them.
+/// Adds the walls. Those along z are continuous; those along x end at them.
 fn walls(b: &mut SceneBuilder, p: &Palette) {
     let (top, bottom) = ([0.0, 9.0], [9.0, 24.0]);
     along_z(b, p, 0.15, top, [p.outside, p.white]);
@@ -34,7 +34,8 @@ fn walls(b: &mut SceneBuilder, p: &Palette) {
         (23.85, [p.outside; 3], [p.sand, p.white, p.green]),
     ] {
         let outer = z != 9.0;
-        // An outer wall passes behind the ends of the inner ones, whose middle parts its colours.
+        // An outer wall passes behind the ends of the inner walls; its colours change at their
+        // middles.
         let stretches = if outer {
             [[0.3, 10.0], [10.0, 24.0], [24.0, 33.7]]
         } else {
@@ -67,7 +68,7 @@ fn wall(
     Wall { frame, length, height: [BASE_M, WALL_TOP_M], thickness: WALL_M, openings, sides, reveal: p.reveal }
 }
 
-/// The ends of the outer walls along z, flush with the outsides of those along x.
+/// Adds the ends of the outer walls along z, flush with the outer faces of those along x.
 fn outer_ends(b: &mut SceneBuilder, p: &Palette) {
     let (y0, y1) = (BASE_M, WALL_TOP_M);
     for (x0, x1) in [(0.0, 0.3), (33.7, 34.0)] {
@@ -87,7 +88,7 @@ fn floors(b: &mut SceneBuilder, p: &Palette) {
     ceiling(b, [0.0, 34.0, 0.0, 24.0], BASE_M, p.outside);
 }
 
-/// The flat of a ceiling around its coffers, and the coffers.
+/// Adds the flat part of a ceiling, and its coffers.
 fn ceiling_of(b: &mut SceneBuilder, p: &Palette, name: RoomName) {
     let room = name.room();
     let lamps: Vec<&Lamp> = LAMPS.iter().filter(|l| l.room == name).collect();
@@ -100,7 +101,8 @@ fn ceiling_of(b: &mut SceneBuilder, p: &Palette, name: RoomName) {
     }
 }
 
-/// The cells of the grid spanned by an area's and its holes' edges that lie in no hole.
+/// Returns an area without its holes as rectangles: the cells between the lines through all edges
+/// that lie in no hole.
 fn cells_outside(area: [f64; 4], holes: &[[f64; 4]]) -> Vec<[f64; 4]> {
     let cuts = |axis: usize| {
         let mut all: Vec<f64> =
@@ -123,7 +125,7 @@ fn cells_outside(area: [f64; 4], holes: &[[f64; 4]]) -> Vec<[f64; 4]> {
     cells
 }
 
-/// Four splayed sides that catch the lamp's light, and a lid.
+/// Adds four splayed sides, which reflect the light of the lamp, and a lid.
 fn coffer(b: &mut SceneBuilder, p: &Palette, lamp: &Lamp, [low_y, high_y]: [f64; 2]) {
     let (low, high) = (corners(lamp.coffer(), low_y), corners(lamp.lid(), high_y));
     for i in 0..4 {
@@ -133,7 +135,7 @@ fn coffer(b: &mut SceneBuilder, p: &Palette, lamp: &Lamp, [low_y, high_y]: [f64;
     ceiling(b, lamp.lid(), high_y, p.ceiling);
 }
 
-/// Counter-clockwise seen from above.
+/// Returns the corners of a horizontal rectangle, counter-clockwise seen from above.
 fn corners([x0, x1, z0, z1]: [f64; 4], y: f64) -> [DVec3; 4] {
     [[x0, z1], [x1, z1], [x1, z0], [x0, z0]].map(|[x, z]| DVec3::new(x, y, z))
 }

@@ -1,4 +1,4 @@
-//! Where the statues stand, and their plinths.
+//! The positions of the statues, and their plinths.
 
 use super::figures::Figure;
 use super::palette::Palette;
@@ -7,12 +7,15 @@ use crate::scene::builtin::shapes::{Faces, Local, block};
 use crate::scene::{MaterialId, SceneBuilder};
 use glam::DVec3;
 
-/// A statue by its figure, place, floor height, bearing in degrees and plinth height.
+/// A statue on a plinth.
 struct Statue {
     figure: Figure,
     material: MaterialId,
+    /// World position on the floor.
     place: [f64; 3],
+    /// Rotation about the vertical axis in degrees.
     bearing: f64,
+    /// Height of the plinth in metres.
     plinth: f64,
 }
 
@@ -28,7 +31,7 @@ fn collection(p: &Palette) -> Vec<Statue> {
     let statue =
         |figure, material, place, bearing, plinth| Statue { figure, material, place, bearing, plinth };
     vec![
-        // The hall: a pair beside the axis, and in the aisles.
+        // The hall: a pair near the axis, and two in the aisles.
         statue(Figure::Vase, p.ultramarine, [15.3, 0.0, 14.5], 0.0, 0.9),
         statue(Figure::Knot(2, 3), p.terracotta, [18.7, 0.0, 14.5], -20.0, 0.9),
         statue(Figure::Bust, p.plaster, [11.6, 0.0, 20.2], 75.0, 1.05),
@@ -48,7 +51,7 @@ fn collection(p: &Palette) -> Vec<Statue> {
     ]
 }
 
-/// A plinth with base and cap; returns the frame on top of it.
+/// Adds a plinth with base and cap. Returns the frame on top of it.
 fn plinth(b: &mut SceneBuilder, p: &Palette, frame: &Local, height: f64) -> Local {
     const BASE_M: f64 = 0.1;
     const CAP_M: f64 = 0.05;

@@ -1,4 +1,4 @@
-//! The raised platform, its stairs and its railing of thin balusters.
+//! The raised platform with its stairs and its railing of thin balusters.
 
 use super::palette::Palette;
 use super::plan::RoomName;
@@ -8,8 +8,9 @@ use crate::scene::builtin::shapes::surface::{bar, lathe, on_circle};
 use crate::scene::builtin::shapes::{Closing, Grid, Local};
 use glam::{DVec3, Vec2};
 
-/// Height of the platform and z of its edge.
+/// Height of the platform in metres.
 pub(super) const PLATFORM_M: f64 = 0.6;
+/// World z of the edge of the platform.
 pub(super) const EDGE_Z: f64 = 17.4;
 const STAIRS_X: [f64; 2] = [27.8, 30.2];
 const RISER_TREAD_M: [f64; 2] = [0.15, 0.3];
@@ -31,7 +32,7 @@ pub(super) fn add_to(b: &mut SceneBuilder, p: &Palette) {
     railing(b, p, [STAIRS_X[1] + 0.06, x1 - 0.1]);
 }
 
-/// The flight climbs towards +z: its frame is turned by half a turn.
+/// Adds the stairs. They climb towards +z, so their frame is turned by half a turn.
 fn flight(b: &mut SceneBuilder, p: &Palette) {
     let frame = Local { origin: DVec3::new(STAIRS_X[1], 0.0, EDGE_Z), x: DVec3::NEG_X };
     stairs(b, &frame, STAIRS_X[1] - STAIRS_X[0], RISER_TREAD_M, RISERS, p.stone);
@@ -52,7 +53,7 @@ fn railing(b: &mut SceneBuilder, p: &Palette, [x0, x1]: [f64; 2]) {
     bar(b, [at(x0, 0.1), at(x1, 0.1)], 0.012, 12, p.iron);
 }
 
-/// A turned rod, slightly thicker at its knops; it ends inside the hand rail.
+/// Adds a baluster: a lathed rod with two slightly thicker knops that ends inside the hand rail.
 fn baluster(b: &mut SceneBuilder, p: &Palette, foot: DVec3) {
     let [nu, nv] = BALUSTER_CELLS;
     let grid = Grid { nu, nv, u: Closing::Around, v: Closing::Open };

@@ -1,4 +1,4 @@
-//! Skirting boards, architraves around doorways, and coves under the ceilings.
+//! Skirting boards, architraves around doorways, and coves below the ceilings.
 
 use super::palette::Palette;
 use super::plan::{DOOR_M, Facing, RoomName, Side};
@@ -9,7 +9,7 @@ use std::f64::consts::FRAC_PI_2;
 
 const SKIRTING_M: [f64; 2] = [0.14, 0.02];
 const ARCHITRAVE_M: [f64; 2] = [0.14, 0.035];
-/// How far a cove comes out of the wall, and how much it rises: the part of a ceiling that sees the lamps.
+/// Width and height of a cove, which is the part of a ceiling that the lamps light directly.
 const COVE_M: [f64; 2] = [1.2, 0.9];
 const HALL_COVE_M: [f64; 2] = [1.7, 1.0];
 const COVE_CELLS: u32 = 16;
@@ -20,7 +20,9 @@ pub(super) fn add_to(b: &mut SceneBuilder, p: &Palette) {
         for facing in Facing::ALL {
             let side = room.side(facing);
             skirting(b, p, &side, facing);
-            side.doors.iter().for_each(|&door| architrave(b, p, &side, door));
+            for &door in &side.doors {
+                architrave(b, p, &side, door);
+            }
             let size = if name == RoomName::Hall { HALL_COVE_M } else { COVE_M };
             cove(b, p, &side, size, room.ceiling);
         }
@@ -29,7 +31,7 @@ pub(super) fn add_to(b: &mut SceneBuilder, p: &Palette) {
 
 fn skirting(b: &mut SceneBuilder, p: &Palette, side: &Side, facing: Facing) {
     let [height, depth] = SKIRTING_M;
-    // Two boards meet in each corner: those of the long sides run through.
+    // In each corner the board along x is continuous, and the one along z ends at it.
     let inset = if matches!(facing, Facing::East | Facing::West) { depth } else { 0.0 };
     let mut from = inset;
     let mut stretches = Vec::new();
@@ -58,14 +60,15 @@ fn architrave(b: &mut SceneBuilder, p: &Palette, side: &Side, [x0, x1]: [f64; 2]
     let jamb = Faces::ALL.without(Faces::BOTTOM).without(Faces::TOP);
     bar([x0 - width, 0.0], [x0, head], jamb);
     bar([x1, 0.0], [x1 + width, head], jamb);
-    // In two parts with the jambs' width apart, so that no face of the head lies on a jamb.
+    // The head has a part of its own over each jamb, so that no face of it lies on a jamb.
     let ends = Faces::ALL.without(Faces::BOTTOM);
     bar([x0 - width, head], [x0, head + width], ends.without(Faces::RIGHT));
     bar([x0, head], [x1, head + width], Faces::ALL.without(Faces::LEFT).without(Faces::RIGHT));
     bar([x1, head], [x1 + width, head + width], ends.without(Faces::LEFT));
 }
 
-/// A hollow quarter of an ellipse from the wall to the ceiling, mitred in the corners.
+/// Adds a cove: a concave quarter of an ellipse from the wall to the ceiling, mitred in the
+/// corners.
 fn cove(b: &mut SceneBuilder, p: &Palette, side: &Side, [run, rise]: [f64; 2], ceiling: f64) {
     let grid = Grid { nu: 1, nv: COVE_CELLS, u: Closing::Open, v: Closing::Open };
     grid.add_to(b, &side.frame, p.coffer, |u, v| {

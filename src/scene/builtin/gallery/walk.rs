@@ -1,8 +1,8 @@
-//! Saved views, and a walk through all rooms.
+//! The named views, and a camera path through all rooms.
 
 use crate::camera::CameraPath;
 use crate::scene::NamedView;
-use crate::scene::builtin::{view, walk as path};
+use crate::scene::builtin::views::{view, walk as path};
 
 const FOV_Y_DEG: f64 = 60.0;
 const FRAMES: u32 = 300;
@@ -19,9 +19,11 @@ pub(super) fn views() -> Vec<NamedView> {
     ]
 }
 
-/// From the hall through the court, the mirrors, the red room and the vitrine up to the terrace's platform.
+/// Returns a camera path from the hall through the court, the mirror room, the red room and the
+/// vitrine up to the platform of the terrace.
 ///
-/// The eye stays 1.6 m above the floor, also on the stairs. Where it stands still, only the look turns.
+/// The eye stays 1.6 m above the floor, also on the stairs. Where it does not move, only the view
+/// turns.
 pub(super) fn walk() -> CameraPath {
     const EYE: f64 = 1.6;
     const RAISED: f64 = 2.2;

@@ -1,67 +1,69 @@
-//! Boxes in a frame of their own, and what is made of boxes.
+//! Boxes in a local frame, and shapes composed of them.
 
 use crate::scene::{MaterialId, SceneBuilder};
 use glam::{DVec2, DVec3, Vec2};
 
-/// A right-handed frame in the world: where something stands and how it is turned.
+/// A right-handed local frame: the position of an object and its rotation about the vertical axis.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::scene::builtin) struct Local {
-    /// World position of the frame's zero.
-    pub(in crate::scene::builtin) origin: DVec3,
-    /// World direction of the frame's x; y is up and z is `x cross up`.
-    pub(in crate::scene::builtin) x: DVec3,
+pub(crate) struct Local {
+    /// World position of the origin.
+    pub(crate) origin: DVec3,
+    /// World direction of the x axis. The y axis points up and the z axis is `x cross y`.
+    pub(crate) x: DVec3,
 }
 
 impl Local {
-    /// The world itself.
-    pub(in crate::scene::builtin) const WORLD: Self = Self { origin: DVec3::ZERO, x: DVec3::X };
+    /// The world frame.
+    pub(crate) const WORLD: Self = Self { origin: DVec3::ZERO, x: DVec3::X };
 
-    /// Standing at `origin`, unturned.
-    pub(in crate::scene::builtin) fn at(origin: DVec3) -> Self {
+    /// Returns a frame at `origin` with the axes of the world.
+    pub(crate) fn at(origin: DVec3) -> Self {
         Self { origin, x: DVec3::X }
     }
 
-    /// Turned about the vertical, counter-clockwise seen from above.
-    pub(in crate::scene::builtin) fn turned(origin: DVec3, degrees: f64) -> Self {
+    /// Returns a frame turned about the vertical axis, counter-clockwise seen from above.
+    pub(crate) fn turned(origin: DVec3, degrees: f64) -> Self {
         let (sin, cos) = degrees.to_radians().sin_cos();
         Self { origin, x: DVec3::new(cos, 0.0, -sin) }
     }
 
-    /// A direction of the frame in the world.
-    pub(in crate::scene::builtin) fn direction(&self, d: DVec3) -> DVec3 {
+    /// Transforms a direction to the world.
+    pub(crate) fn direction(&self, d: DVec3) -> DVec3 {
         self.x * d.x + DVec3::Y * d.y + self.x.cross(DVec3::Y) * d.z
     }
 
-    /// A point of the frame in the world.
-    pub(in crate::scene::builtin) fn point(&self, p: DVec3) -> DVec3 {
+    /// Transforms a point to the world.
+    pub(crate) fn point(&self, p: DVec3) -> DVec3 {
         self.origin + self.direction(p)
     }
 
-    /// The same frame standing at one of its points.
-    pub(in crate::scene::builtin) fn moved(&self, p: DVec3) -> Self {
+    /// Returns the frame moved to one of its points.
+    pub(crate) fn moved(&self, p: DVec3) -> Self {
         Self { origin: self.point(p), x: self.x }
     }
 }
 
-/// Which faces of a box are there. A face that lies on another body is left out: two faces in one plane would fight.
+/// The faces of a box that exist. Faces that lie on another object are left out, because of two
+/// faces in one plane rounding would choose pixel by pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::scene::builtin) struct Faces(u8);
+pub(crate) struct Faces(u8);
 
 impl Faces {
-    pub(in crate::scene::builtin) const ALL: Self = Self(0x3f);
-    pub(in crate::scene::builtin) const LEFT: Self = Self(1);
-    pub(in crate::scene::builtin) const RIGHT: Self = Self(2);
-    pub(in crate::scene::builtin) const BOTTOM: Self = Self(4);
-    pub(in crate::scene::builtin) const TOP: Self = Self(8);
-    pub(in crate::scene::builtin) const BACK: Self = Self(16);
+    pub(crate) const ALL: Self = Self(0x3f);
+    pub(crate) const LEFT: Self = Self(1);
+    pub(crate) const RIGHT: Self = Self(2);
+    pub(crate) const BOTTOM: Self = Self(4);
+    pub(crate) const TOP: Self = Self(8);
+    pub(crate) const BACK: Self = Self(16);
 
-    /// All these except `other`.
-    pub(in crate::scene::builtin) const fn without(self, other: Self) -> Self {
+    /// Returns these faces except `other`.
+    pub(crate) const fn without(self, other: Self) -> Self {
         Self(self.0 & !other.0)
     }
 }
 
-/// Corners of each face of the unit box, counter-clockwise from outside, the first edge horizontal.
+/// Corners of each face of the unit box, counter-clockwise seen from outside, beginning with a
+/// horizontal edge.
 const FACES: [[[u8; 3]; 4]; 6] = [
     [[0, 0, 0], [0, 0, 1], [0, 1, 1], [0, 1, 0]],
     [[1, 0, 1], [1, 0, 0], [1, 1, 0], [1, 1, 1]],
@@ -71,8 +73,8 @@ const FACES: [[[u8; 3]; 4]; 6] = [
     [[0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]],
 ];
 
-/// A box from corner `low` to corner `high` of a frame; texture coordinates are metres.
-pub(in crate::scene::builtin) fn block(
+/// Adds a box from corner `low` to corner `high` of a frame. Texture coordinates are in metres.
+pub(crate) fn block(
     b: &mut SceneBuilder,
     frame: &Local,
     [low, high]: [DVec3; 2],
@@ -89,8 +91,8 @@ pub(in crate::scene::builtin) fn block(
     }
 }
 
-/// A horizontal rectangle at height `y` that faces up.
-pub(in crate::scene::builtin) fn floor(
+/// Adds a horizontal rectangle at height `y` that faces up.
+pub(crate) fn floor(
     b: &mut SceneBuilder,
     [x0, x1, z0, z1]: [f64; 4],
     y: f64,
@@ -101,8 +103,8 @@ pub(in crate::scene::builtin) fn floor(
     b.add_quad(corners, Vec2::new((x1 - x0) as f32, (z1 - z0) as f32), material);
 }
 
-/// A horizontal rectangle at height `y` that faces down.
-pub(in crate::scene::builtin) fn ceiling(
+/// Adds a horizontal rectangle at height `y` that faces down.
+pub(crate) fn ceiling(
     b: &mut SceneBuilder,
     [x0, x1, z0, z1]: [f64; 4],
     y: f64,
@@ -113,8 +115,9 @@ pub(in crate::scene::builtin) fn ceiling(
     b.add_quad(corners, Vec2::new((x1 - x0) as f32, (z1 - z0) as f32), material);
 }
 
-/// A flight that climbs along the frame's -z against a landing: `risers` of them, the last one the landing's own.
-pub(in crate::scene::builtin) fn stairs(
+/// Adds stairs that climb along -z of the frame to a landing. The last of the `risers` is the edge
+/// of the landing.
+pub(crate) fn stairs(
     b: &mut SceneBuilder,
     frame: &Local,
     width: f64,
@@ -128,7 +131,7 @@ pub(in crate::scene::builtin) fn stairs(
         let high = DVec3::new(width, f64::from(step) * riser, depth);
         let hidden = Faces::ALL.without(Faces::BOTTOM).without(Faces::BACK).without(Faces::TOP);
         block(b, frame, [low, high], hidden, material);
-        // Only the tread in front of the next riser shows.
+        // Only the part of the tread in front of the next riser is visible.
         let tread_low = DVec3::new(0.0, high.y, depth - tread);
         let corners =
             [DVec3::new(0.0, high.y, depth), high, DVec3::new(width, high.y, depth - tread), tread_low];

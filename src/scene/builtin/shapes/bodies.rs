@@ -1,4 +1,4 @@
-//! Round bodies: displaced spheres, knots, a fluted shaft, a gear.
+//! Round bodies: displaced spheres, knots, fluted shafts and gears.
 
 use super::surface::{closed_tube, on_circle};
 use super::{Closing, Grid, Local};
@@ -7,10 +7,11 @@ use glam::{DVec3, Vec2};
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 
-/// A sphere of `20 * 4^levels` nearly equal triangles, each point moved by `displaced` (unit direction to point).
+/// Adds a sphere of `20 * 4^levels` nearly equal triangles. `displaced` maps a unit direction to a
+/// point of the surface.
 ///
-/// Corners are shared, so the body is closed. Normals are the area-weighted means of the faces.
-pub(in crate::scene::builtin) fn icosphere(
+/// Vertices are shared, so the body is closed. Normals are area-weighted means of the face normals.
+pub(crate) fn icosphere(
     b: &mut SceneBuilder,
     frame: &Local,
     levels: u32,
@@ -94,8 +95,9 @@ fn sphere_mesh(levels: u32) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     (directions, faces)
 }
 
-/// The (p, q) torus knot as a tube about the frame's zero; its axis is the frame's z, so that it stands upright.
-pub(in crate::scene::builtin) fn torus_knot(
+/// Adds the (p, q) torus knot as a tube around the origin of the frame. Its axis is z, so it stands
+/// upright.
+pub(crate) fn torus_knot(
     b: &mut SceneBuilder,
     frame: &Local,
     cells: [u32; 2],
@@ -112,8 +114,8 @@ pub(in crate::scene::builtin) fn torus_knot(
     closed_tube(b, frame, cells, |_| tube, curve, material);
 }
 
-/// A torus about the frame's y.
-pub(in crate::scene::builtin) fn torus(
+/// Adds a torus around the y axis of the frame.
+pub(crate) fn torus(
     b: &mut SceneBuilder,
     frame: &Local,
     cells: [u32; 2],
@@ -127,8 +129,9 @@ pub(in crate::scene::builtin) fn torus(
     });
 }
 
-/// A shaft with flutes: hollows of `cells` faces with a flat fillet between them, the arrises sharp.
-pub(in crate::scene::builtin) fn fluted_shaft(
+/// Adds a shaft with flutes, each `cells` faces wide, and flat fillets between them. All edges are
+/// sharp.
+pub(crate) fn fluted_shaft(
     b: &mut SceneBuilder,
     frame: &Local,
     [flutes, cells, rows]: [u32; 3],
@@ -136,18 +139,18 @@ pub(in crate::scene::builtin) fn fluted_shaft(
     height: f64,
     material: MaterialId,
 ) {
-    // Vitruvius, book IV, 3: the fillet takes a quarter of what the flute takes.
+    // Vitruvius, book IV, 3: the width of a fillet is a quarter of that of a flute.
     const FLUTE_SHARE: f64 = 0.8;
     const DEPTH_PER_RADIUS: f64 = 0.075;
     let pitch = 1.0 / f64::from(flutes);
-    // Rows crowd at the ends, where the apses are.
+    // Rows are denser at the ends, where the flutes end in apses.
     let crowded = |v: f64| v - 0.8 * (v * TAU).sin() / TAU;
     for flute in 0..flutes {
         let from = f64::from(flute) * pitch;
         let hollow = Grid { nu: cells, nv: rows, u: Closing::Open, v: Closing::Open };
         hollow.add_to(b, frame, material, |u, v| {
             let v = crowded(v);
-            // The flute runs out in an apse at either end, as hollows cut by a chisel do.
+            // The flute ends in an apse at both ends.
             let apse = (1.0 - ((v - 0.5).abs() * 2.0).powi(24)).max(0.0).sqrt();
             let across = 2.0 * u - 1.0;
             let hollow = DEPTH_PER_RADIUS * (1.0 - across * across).max(0.0).sqrt() * apse;
@@ -162,8 +165,9 @@ pub(in crate::scene::builtin) fn fluted_shaft(
     }
 }
 
-/// A toothed wheel about the frame's z, with a bore: two flat sides and sharp flanks.
-pub(in crate::scene::builtin) fn gear(
+/// Adds a gear around the z axis of the frame: a toothed wheel with a bore, two flat sides and
+/// sharp flanks.
+pub(crate) fn gear(
     b: &mut SceneBuilder,
     frame: &Local,
     teeth: u32,

@@ -1,4 +1,4 @@
-//! Parametric builders: everything an embedded scene is made of.
+//! Parametric shapes for the embedded scenes.
 
 pub(super) mod blocks;
 pub(super) mod bodies;

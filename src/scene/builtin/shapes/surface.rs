@@ -1,36 +1,37 @@
-//! Smooth surfaces over a grid of two parameters.
+//! Smooth surfaces given by a function of two parameters.
 
 use super::Local;
 use crate::scene::{MaterialId, SceneBuilder};
 use glam::{DVec3, Vec2, Vec3};
 
-/// How the two ends of a parameter meet.
+/// How a surface closes along a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::scene::builtin) enum Closing {
-    /// They do not: the surface has an edge there.
+pub(crate) enum Closing {
+    /// The surface has an edge at both ends.
     Open,
-    /// The end is the beginning.
+    /// The end joins the beginning.
     Around,
-    /// Each end is one point.
+    /// Each end is a single point.
     Poles,
 }
 
-/// A grid over u and v in 0..=1. The surface shows its front where `dP/du cross dP/dv` points at the viewer.
+/// A grid over u and v in 0..=1. The front of the surface is the side to which `dP/du cross dP/dv`
+/// points.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::scene::builtin) struct Grid {
-    /// Cells along u.
-    pub(in crate::scene::builtin) nu: u32,
-    /// Cells along v.
-    pub(in crate::scene::builtin) nv: u32,
-    /// How u ends; never poles.
-    pub(in crate::scene::builtin) u: Closing,
-    /// How v ends.
-    pub(in crate::scene::builtin) v: Closing,
+pub(crate) struct Grid {
+    /// Number of cells along u.
+    pub(crate) nu: u32,
+    /// Number of cells along v.
+    pub(crate) nv: u32,
+    /// How the surface closes along u; never with poles.
+    pub(crate) u: Closing,
+    /// How the surface closes along v.
+    pub(crate) v: Closing,
 }
 
 impl Grid {
-    /// Adds the surface `point(u, v)` of a frame, with smooth normals.
-    pub(in crate::scene::builtin) fn add_to(
+    /// Adds the surface `point(u, v)`, given in `frame`, with smooth normals.
+    pub(crate) fn add_to(
         &self,
         b: &mut SceneBuilder,
         frame: &Local,
@@ -42,7 +43,8 @@ impl Grid {
         for j in 0..rows {
             for i in 0..columns {
                 let [i, j] = self.canonical(i, j);
-                // A seam or a pole must be one point to the last bit, or light leaks through it.
+                // The positions along a seam or at a pole must have equal bits, or light would
+                // leak.
                 positions.push(
                     frame.point(point(f64::from(i) / f64::from(self.nu), f64::from(j) / f64::from(self.nv))),
                 );
@@ -62,7 +64,7 @@ impl Grid {
         }
     }
 
-    /// The grid point that stands for this one where several coincide.
+    /// Returns the grid point that represents all those at the same position.
     fn canonical(&self, i: u32, j: u32) -> [u32; 2] {
         let around = |t: u32, n: u32, closing| if closing == Closing::Around { t % n } else { t };
         let at_pole = self.v == Closing::Poles && (j == 0 || j == self.nv);
@@ -93,7 +95,8 @@ impl Grid {
         triangles
     }
 
-    /// Area-weighted means of the faces around each grid point: they need no derivative and no special pole.
+    /// Returns the area-weighted mean of the face normals around each grid point. It needs no
+    /// derivatives and no special case at the poles.
     fn normals(&self, positions: &[DVec3]) -> Vec<Vec3> {
         let columns = self.nu + 1;
         let mut sums = vec![DVec3::ZERO; positions.len()];
@@ -108,8 +111,9 @@ impl Grid {
     }
 }
 
-/// A profile of `[radius, height]` turned about the frame's y, from bottom to top, smooth along its length.
-pub(in crate::scene::builtin) fn lathe(
+/// Adds a surface of revolution around the y axis of the frame. The profile is a list of
+/// `[radius, height]` from bottom to top.
+pub(crate) fn lathe(
     b: &mut SceneBuilder,
     frame: &Local,
     profile: &[[f64; 2]],
@@ -124,14 +128,15 @@ pub(in crate::scene::builtin) fn lathe(
     });
 }
 
-/// Counter-clockwise seen from above, so that a surface that climbs with v shows its outside.
-pub(in crate::scene::builtin) fn on_circle(u: f64, radius: f64, height: f64) -> DVec3 {
+/// Returns the point at the share `u` of a horizontal circle, counter-clockwise seen from above, so
+/// that the front of a surface that rises with v is its outside.
+pub(crate) fn on_circle(u: f64, radius: f64, height: f64) -> DVec3 {
     let (sin, cos) = (u * std::f64::consts::TAU).sin_cos();
     DVec3::new(radius * cos, height, -radius * sin)
 }
 
-/// A round tube of one radius along a closed curve.
-pub(in crate::scene::builtin) fn closed_tube(
+/// Adds a round tube along a closed curve. `radius` depends on the position along the curve.
+pub(crate) fn closed_tube(
     b: &mut SceneBuilder,
     frame: &Local,
     [around, along]: [u32; 2],
@@ -145,7 +150,7 @@ pub(in crate::scene::builtin) fn closed_tube(
         let centre = curve(v);
         let (before, after) = (curve(v - STEP), curve(v + STEP));
         let tangent = (after - before).normalize_or(DVec3::X);
-        // The direction from the curve's overall centre is never along the tangent of the knots used here.
+        // For the curves used here, the direction from the origin is never parallel to the tangent.
         let side = centre.cross(tangent).normalize_or(DVec3::Y);
         let up = tangent.cross(side);
         let (sin, cos) = (u * std::f64::consts::TAU).sin_cos();
@@ -153,8 +158,8 @@ pub(in crate::scene::builtin) fn closed_tube(
     });
 }
 
-/// A straight round bar between two points of the world, closed by flat ends.
-pub(in crate::scene::builtin) fn bar(
+/// Adds a straight round bar between two world positions, closed by flat ends.
+pub(crate) fn bar(
     b: &mut SceneBuilder,
     [from, to]: [DVec3; 2],
     radius: f64,
@@ -177,7 +182,7 @@ pub(in crate::scene::builtin) fn bar(
             .collect();
         for i in 0..rim.len() {
             let (p, q) = (rim[i], rim[(i + 1) % rim.len()]);
-            // The rim runs counter-clockwise seen against the axis.
+            // The rim is counter-clockwise seen from the side to which the bar's axis points.
             b.add_triangle(if end == to { [middle, p, q] } else { [middle, q, p] }, material);
         }
     }

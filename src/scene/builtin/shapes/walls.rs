@@ -1,40 +1,41 @@
-//! Walls with real thickness and openings, without any face inside them.
+//! Walls with thickness and openings, and without faces inside them.
 
 use super::Local;
 use crate::scene::{MaterialId, SceneBuilder};
 use glam::{DVec3, Vec2};
 
-/// A rectangular hole through a wall, in the wall's own metres: along it and up.
+/// A rectangular opening through a wall, in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::scene::builtin) struct Opening {
-    /// Where it begins and ends along the wall.
-    pub(in crate::scene::builtin) along: [f64; 2],
-    /// Sill and head.
-    pub(in crate::scene::builtin) height: [f64; 2],
+pub(crate) struct Opening {
+    /// Start and end along the wall.
+    pub(crate) along: [f64; 2],
+    /// Heights of the lower and the upper edge.
+    pub(crate) height: [f64; 2],
 }
 
-/// A straight wall. Along the frame's x, up its y; its front faces +z.
+/// A straight wall along the x axis of its frame. Its front faces +z.
 #[derive(Clone, Debug)]
-pub(in crate::scene::builtin) struct Wall {
-    /// Frame: x = 0 is the wall's beginning, z = 0 its middle plane.
-    pub(in crate::scene::builtin) frame: Local,
-    /// Metres along x.
-    pub(in crate::scene::builtin) length: f64,
-    /// Lower and upper edge.
-    pub(in crate::scene::builtin) height: [f64; 2],
-    /// Metres along z, half of it on either side.
-    pub(in crate::scene::builtin) thickness: f64,
-    /// In ascending order, not touching each other.
-    pub(in crate::scene::builtin) openings: Vec<Opening>,
-    /// Of the front and of the back.
-    pub(in crate::scene::builtin) sides: [MaterialId; 2],
-    /// Of the insides of the openings.
-    pub(in crate::scene::builtin) reveal: MaterialId,
+pub(crate) struct Wall {
+    /// Frame in which the wall begins at x = 0 and its middle plane is z = 0.
+    pub(crate) frame: Local,
+    /// Length along x in metres.
+    pub(crate) length: f64,
+    /// Heights of the lower and the upper edge.
+    pub(crate) height: [f64; 2],
+    /// Thickness along z in metres.
+    pub(crate) thickness: f64,
+    /// Openings in ascending order. They must not touch each other.
+    pub(crate) openings: Vec<Opening>,
+    /// Materials of the front and of the back.
+    pub(crate) sides: [MaterialId; 2],
+    /// Material of the insides of the openings.
+    pub(crate) reveal: MaterialId,
 }
 
 impl Wall {
-    /// Adds both sides and the reveals. Ends, top and bottom are left out: they lie on other bodies.
-    pub(in crate::scene::builtin) fn add_to(&self, b: &mut SceneBuilder) {
+    /// Adds both sides and the reveals. Ends, top and bottom are left out because they lie on other
+    /// objects.
+    pub(crate) fn add_to(&self, b: &mut SceneBuilder) {
         for [x0, x1, y0, y1] in self.pieces() {
             let z = self.thickness / 2.0;
             let uv = Vec2::new((x1 - x0) as f32, (y1 - y0) as f32);
@@ -52,7 +53,7 @@ impl Wall {
         self.frame.point(DVec3::new(x, y, z))
     }
 
-    /// The wall's face without its openings, as rectangles `[x0, x1, y0, y1]`.
+    /// Returns the face of the wall without its openings, as rectangles `[x0, x1, y0, y1]`.
     fn pieces(&self) -> Vec<[f64; 4]> {
         let [bottom, top] = self.height;
         let mut pieces = Vec::new();
