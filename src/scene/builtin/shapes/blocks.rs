@@ -92,24 +92,14 @@ pub(crate) fn block(
 }
 
 /// Adds a horizontal rectangle at height `y` that faces up.
-pub(crate) fn floor(
-    b: &mut SceneBuilder,
-    [x0, x1, z0, z1]: [f64; 4],
-    y: f64,
-    material: MaterialId,
-) {
+pub(crate) fn floor(b: &mut SceneBuilder, [x0, x1, z0, z1]: [f64; 4], y: f64, material: MaterialId) {
     let corner = |x, z| DVec3::new(x, y, z);
     let corners = [corner(x0, z1), corner(x1, z1), corner(x1, z0), corner(x0, z0)];
     b.add_quad(corners, Vec2::new((x1 - x0) as f32, (z1 - z0) as f32), material);
 }
 
 /// Adds a horizontal rectangle at height `y` that faces down.
-pub(crate) fn ceiling(
-    b: &mut SceneBuilder,
-    [x0, x1, z0, z1]: [f64; 4],
-    y: f64,
-    material: MaterialId,
-) {
+pub(crate) fn ceiling(b: &mut SceneBuilder, [x0, x1, z0, z1]: [f64; 4], y: f64, material: MaterialId) {
     let corner = |x, z| DVec3::new(x, y, z);
     let corners = [corner(x0, z0), corner(x1, z0), corner(x1, z1), corner(x0, z1)];
     b.add_quad(corners, Vec2::new((x1 - x0) as f32, (z1 - z0) as f32), material);
