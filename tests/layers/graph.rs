@@ -6,7 +6,7 @@ use std::path::Path;
 
 /// The files of one crate.
 #[derive(Debug, Default)]
-pub struct Graph {
+pub(super) struct Graph {
     modules: BTreeMap<Vec<String>, Module>,
 }
 
@@ -18,25 +18,25 @@ struct Module {
 
 /// One file's import from another.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Import {
+pub(super) struct Import {
     /// File that imports, relative to the crate's sources.
-    pub from: String,
+    pub(super) from: String,
     /// File that defines the imported item.
-    pub to: String,
+    pub(super) to: String,
     /// Top-level modules that the path names or passes through, each as `layer`.
-    pub layers: BTreeSet<String>,
+    pub(super) layers: BTreeSet<String>,
 }
 
 impl Graph {
     /// Reads all sources below a folder.
-    pub fn read(folder: &Path) -> Self {
+    pub(super) fn read(folder: &Path) -> Self {
         let mut files = Vec::new();
         collect(folder, folder, &mut files);
         Self::new(files.iter().map(|(name, text)| (&**name, &**text)))
     }
 
     /// Takes file names relative to the crate's sources, and their texts.
-    pub fn new<'a>(files: impl IntoIterator<Item = (&'a str, &'a str)>) -> Self {
+    pub(super) fn new<'a>(files: impl IntoIterator<Item = (&'a str, &'a str)>) -> Self {
         let mut graph = Self::default();
         for (file, text) in files {
             let module = Module { file: file.to_owned(), source: Source::parse(text) };
@@ -47,7 +47,7 @@ impl Graph {
 
     /// All imports of one file from another. Files that only declare and re-export are left out:
     /// paths are followed through them.
-    pub fn imports(&self) -> BTreeSet<Import> {
+    pub(super) fn imports(&self) -> BTreeSet<Import> {
         let importing = self.modules.iter().filter(|(_, module)| module.source.has_code);
         importing.flat_map(|(path, module)| self.imports_of(path, module)).collect()
     }
@@ -99,7 +99,7 @@ impl Graph {
 }
 
 /// Groups of files that import each other, directly or through others.
-pub fn circles(imports: &BTreeSet<Import>) -> Vec<Vec<String>> {
+pub(super) fn circles(imports: &BTreeSet<Import>) -> Vec<Vec<String>> {
     let mut targets = BTreeMap::<&str, Vec<&str>>::new();
     for import in imports {
         targets.entry(&import.from).or_default().push(&import.to);

@@ -1,7 +1,7 @@
 //! Arrows against the rules that are still to be mended.
 
 /// Importing and defining file of each, below `src` or `ui/src`. Without these imports no circle is left.
-pub const KNOWN: &[(&str, &str)] = &[
+pub(super) const KNOWN: &[(&str, &str)] = &[
     // experiment
     ("experiment/error_time/mod.rs", "experiment/error_time/pictures.rs"),
     ("experiment/error_time/mod.rs", "experiment/error_time/report.rs"),

@@ -4,18 +4,18 @@ use std::collections::BTreeMap;
 
 /// One source file, as far as its imports go.
 #[derive(Debug, Default)]
-pub struct Source {
+pub(super) struct Source {
     /// Target path of each name that a `use` brings into the module.
-    pub imports: BTreeMap<String, Vec<String>>,
+    pub(super) imports: BTreeMap<String, Vec<String>>,
     /// Every path that the code uses: imports, and paths of two or more segments.
-    pub paths: Vec<Vec<String>>,
+    pub(super) paths: Vec<Vec<String>>,
     /// The file defines something itself, beyond declaring modules and re-exporting names.
-    pub has_code: bool,
+    pub(super) has_code: bool,
 }
 
 impl Source {
     /// Parses the text of a file.
-    pub fn parse(text: &str) -> Self {
+    pub(super) fn parse(text: &str) -> Self {
         let tokens = tokens(text);
         let (mut found, mut exports, mut rest) = (Self::default(), Vec::new(), Vec::new());
         let mut at = 0;
@@ -123,7 +123,7 @@ fn use_leaves(tokens: &[String]) -> Vec<(String, Vec<String>)> {
 }
 
 /// Names, `::` and single signs of a source text.
-pub fn tokens(text: &str) -> Vec<String> {
+pub(super) fn tokens(text: &str) -> Vec<String> {
     let chars: Vec<char> = text.chars().collect();
     let (mut found, mut at) = (Vec::new(), 0);
     while let Some(&c) = chars.get(at) {
