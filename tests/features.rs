@@ -17,7 +17,7 @@ fn pictures(scene: Scene) -> Vec<Vec<Vec3>> {
     let tracer = Tracer::new(Arc::new(scene));
     let [from, to] = [0, 1].map(|frame| tracer.scene().walk.camera(frame, 60).unwrap());
     let mut cache = ReferenceCache::new(tracer.scene(), 1 << 30);
-    let known = cache.known_light();
+    let known = cache.snapshot();
     let lookup = LookupSet::of_snapshot(&known, tracer.epoch());
     let reference = ReferenceFrame::trace_sparse(&tracer, &from, SIZE, &TRACE, &lookup, NEVER).unwrap();
     cache.insert(Arc::new(reference));

@@ -10,6 +10,7 @@ use afterimage::reference::{PlacementPolicy, ReferenceCache, ReferenceFrame};
 use afterimage::scene::{Material, Scene, SceneBuilder, Sky, builtin};
 use afterimage::trace::TraceSettings;
 use afterimage::trace::parallel::NEVER;
+use afterimage::warp::ReferenceSelector;
 use afterimage::{
     Camera, FrameRequest, Mode, RenderSettings, Renderer, Tracer, Walkthrough, WalkthroughSettings,
 };
@@ -240,7 +241,11 @@ fn a_reference_that_is_switched_off_is_as_good_as_gone() {
     assert_eq!((&without.radiance, &without.types), (&removed.radiance, &removed.types));
     assert_ne!(without.radiance, both.radiance);
     let view = View::new(&poses[0], &tracer.scene().frame, SIZE);
-    assert_eq!(cache.select(&view, tracer.epoch(), 8).len(), 1, "nor is it warped");
+    assert_eq!(
+        ReferenceSelector::default().select(&mut cache, &view, tracer.epoch(), 8).len(),
+        1,
+        "nor is it warped"
+    );
     assert!(cache.set_enabled(first, true));
     assert_eq!(exact(&tracer, &poses[1], &cache).radiance, both.radiance);
     cache.remove(first);

@@ -3,7 +3,7 @@
 use crate::rooms::{cuboid, dvec, quad, room_tracer};
 use afterimage::camera::{CameraKey, CameraPath};
 use afterimage::math::Ray;
-use afterimage::reference::placement::{AheadRequest, GREEDY, GRID, OpenSpot, RULES, walkable};
+use afterimage::reference::placement::{GREEDY, GRID, OpenSpot, PrefetchRequest, RULES, walkable};
 use afterimage::reference::{Observation, PlacementPolicy};
 use afterimage::scene::{Material, SceneBuilder};
 use afterimage::{Camera, FrameRequest, Mode, RenderSettings, Tracer, Walkthrough, WalkthroughSettings};
@@ -66,7 +66,9 @@ fn one_can_stand_behind_doors_and_on_stairs_but_not_in_things() {
 #[test]
 fn a_grid_looks_all_around_from_every_place_and_keeps_to_its_number() {
     let tracer = two_rooms();
-    let ahead = |most| (GRID.poses_ahead)(&tracer, &AheadRequest { size: SIZE, fov_y: 1.0, most });
+    let ahead = |most| {
+        (GRID.prefetch_poses)(&tracer, &PrefetchRequest { size: SIZE, fov_y: 1.0, max_references: most })
+    };
     for most in [8, 40, 96] {
         let poses = ahead(most);
         assert!(!poses.is_empty() && poses.len() <= most, "{} of {most}", poses.len());
@@ -86,7 +88,7 @@ fn a_greedy_reference_shows_what_the_next_frames_do_not_know() {
     let seen =
         Observation { camera, previous, open_percent: 30.0, is_sparse: false, was_cut: false, held: 2 };
     // The left third of every picture ahead is open.
-    let mut foresee = |_: &Camera, spots: Option<&mut Vec<OpenSpot>>| {
+    let mut predict_open = |_: &Camera, spots: Option<&mut Vec<OpenSpot>>| {
         let spot = |i: u32| OpenSpot {
             point: Vec2::new((i % 32) as f32 + 0.5, (i / 32) as f32 + 0.5),
             percent: 100.0 / 5184.0,
@@ -97,12 +99,12 @@ fn a_greedy_reference_shows_what_the_next_frames_do_not_know() {
         100.0 / 3.0
     };
     let policy = PlacementPolicy::new(&GREEDY, 5.0);
-    let pose = policy.decide(&seen, SIZE, &tracer, &mut foresee).unwrap();
+    let pose = policy.decide(&seen, SIZE, &tracer, &mut predict_open).unwrap();
     assert!(pose.yaw > camera.yaw, "it looks to the left, where the open pixels are: {pose:?}");
     assert!(sees(&tracer, camera.eye, pose.eye), "it stands in the room");
-    assert_eq!(policy.decide(&seen, SIZE, &tracer, &mut foresee), Some(pose), "and always there");
+    assert_eq!(policy.decide(&seen, SIZE, &tracer, &mut predict_open), Some(pose), "and always there");
     let quiet = Observation { open_percent: 5.0, ..seen };
-    assert_eq!(policy.decide(&quiet, SIZE, &tracer, &mut foresee), None);
+    assert_eq!(policy.decide(&quiet, SIZE, &tracer, &mut predict_open), None);
     let mut known = |_: &Camera, _: Option<&mut Vec<OpenSpot>>| 0.0;
     assert_eq!(policy.decide(&seen, SIZE, &tracer, &mut known), None, "nothing ahead is open");
 }

@@ -7,7 +7,7 @@ use afterimage::reference::placement::{PREDICTIVE, THRESHOLD};
 use afterimage::reference::{PlacementPolicy, ReferenceCache, ReferenceFrame};
 use afterimage::trace::TraceSettings;
 use afterimage::trace::parallel::NEVER;
-use afterimage::warp::WarpBuffer;
+use afterimage::warp::{ReferenceSelector, WarpBuffer};
 use afterimage::{
     Camera, FrameRequest, Mode, RenderSettings, Renderer, Tracer, View, Walkthrough, WalkthroughSettings,
 };
@@ -194,8 +194,8 @@ fn references_of_another_epoch_are_never_selected() {
     let mut cache = ReferenceCache::new(old.scene(), 1 << 30);
     cache.insert(Arc::new(reference(&old, &room_camera())));
     let view = View::new(&room_camera(), &new.scene().frame, SIZE);
-    assert!(cache.select(&view, new.epoch(), 8).is_empty());
-    assert_eq!(cache.select(&view, old.epoch(), 8).len(), 1);
+    assert!(ReferenceSelector::default().select(&mut cache, &view, new.epoch(), 8).is_empty());
+    assert_eq!(ReferenceSelector::default().select(&mut cache, &view, old.epoch(), 8).len(), 1);
     let mut walk = Walkthrough::new(Arc::new(new), WalkthroughSettings::default());
     assert!(walk.insert(reference(&old, &room_camera())).is_none());
 }
@@ -227,7 +227,7 @@ fn selection_takes_the_reference_that_covers_most_first() {
     cache.insert(Arc::new(reference(&tracer, &away)));
     let near = cache.insert(Arc::new(reference(&tracer, &moved(&room_camera(), 0.05, 0.0))));
     let view = View::new(&room_camera(), &tracer.scene().frame, SIZE);
-    let chosen = cache.select(&view, tracer.epoch(), 4);
+    let chosen = ReferenceSelector::default().select(&mut cache, &view, tracer.epoch(), 4);
     assert_eq!(chosen.first().map(|c| c.id), Some(near));
 }
 

@@ -315,7 +315,7 @@ impl Taps {
     }
 }
 
-/// [`crate::reference::light::LightScale::unpack`] for eight words.
+/// [`crate::raster::rgb9e5::Rgb9e5Scale::unpack`] for eight words.
 #[inline(always)]
 fn unpack<S: Simd>(simd: S, word: u32x8<S>, exponent_offset: u32) -> [f32x8<S>; 3] {
     let nine = u32x8::splat(simd, 0x1ff);

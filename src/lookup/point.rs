@@ -9,9 +9,10 @@ use crate::camera::NEAREST_DEPTH;
 use crate::lookup::gather::{EDGE_GAP, MAX_NOISE_SPREAD};
 use crate::lookup::tile_light::{MAX_JUMP, MAX_LOSS, MIN_COVERAGE};
 use crate::math::whole::floor;
+use crate::raster::rgb9e5::Rgb9e5Scale;
 use crate::reference::directory::{Directory, MAX_SLOTS, PackedNormal, SlotMask};
-use crate::reference::light::{LightScale, UNLIT};
-use crate::reference::{CachedReference, KnownLight, ReferenceCache, ReferenceFrame};
+use crate::reference::light::UNLIT;
+use crate::reference::{CachedReference, ReferenceCache, ReferenceFrame, ReferenceSnapshot};
 use crate::trace::SceneEpoch;
 use arrayvec::ArrayVec;
 use glam::{Mat3, Vec3};
@@ -44,7 +45,7 @@ pub(crate) struct LookupReference<'a> {
     pub(crate) light: &'a [u32],
     triangle: &'a [u32],
     normals: &'a [PackedNormal],
-    pub(crate) scale: LightScale,
+    pub(crate) scale: Rgb9e5Scale,
     /// Picture coordinates from an offset from the eye, homogeneous; their third is depth.
     pixel_from_scene: Mat3,
     scene_from_pixel: Mat3,
@@ -212,7 +213,7 @@ impl<'a> LookupSet<'a> {
     }
 
     /// The same references as [`Self::new`], from a snapshot of a cache that another thread may use.
-    pub fn of_snapshot(known: &'a KnownLight, epoch: SceneEpoch) -> Self {
+    pub fn of_snapshot(known: &'a ReferenceSnapshot, epoch: SceneEpoch) -> Self {
         Self::from_parts(known.directory(), known.entries(), epoch)
     }
 

@@ -1,4 +1,4 @@
-//! Pictures as flat buffers, and the way from linear radiance to what a screen or a file shows.
+//! Pictures as flat buffers: colour, pixel types, comparison, and reading and writing files.
 
 #[cfg(any(feature = "import", feature = "pictures"))]
 pub mod atomic_file;
@@ -9,6 +9,7 @@ pub mod load;
 #[cfg(feature = "pictures")]
 pub mod metrics;
 pub mod pixel_types;
+pub mod rgb9e5;
 #[cfg(feature = "pictures")]
 pub mod save;
 #[cfg(feature = "pictures")]

@@ -1,24 +1,25 @@
-//! The picture of how each pixel came to its colour. Told apart by colour-blind people, and in grey.
+//! Pixel types: how each pixel got its colour, how often each type occurs, and how it is shown.
 
 use serde::Serialize;
 
-/// How a pixel came to its colour.
+/// How a pixel got its colour.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[repr(u8)]
 pub enum PixelType {
-    /// Type 3: traced and shaded in full.
+    /// Type 3: no reference holds its light; traced and shaded in full.
     #[default]
     Unseen = 0,
-    /// Type 1: copied, no ray.
+    /// Type 1: its light was reused from references.
     Reused = 1,
-    /// Type 2: first hit known, secondary rays traced.
+    /// Type 2: mirror or glass; secondary rays were traced from the first hit.
     Secondary = 2,
-    /// Type 3, traced and looked up, but the look-up is a guess, so lit with few rays.
+    /// Type 3: its light was looked up, but the result was uncertain, so that it was traced as
+    /// well.
     Uncertain = 3,
 }
 
 impl PixelType {
-    /// The paper's number, 1 to 3.
+    /// The paper's number of the type, 1 to 3.
     pub fn number(self) -> u8 {
         match self {
             Self::Reused => 1,
@@ -26,27 +27,35 @@ impl PixelType {
             Self::Unseen | Self::Uncertain => 3,
         }
     }
+
+    /// Colour of the type in pictures of types: exactly one of [`TYPE_SRGB`], never a blend.
+    pub fn srgb(self) -> [u8; 3] {
+        TYPE_SRGB[usize::from(self.number()) - 1]
+    }
 }
 
-/// The type of each pixel, row-major.
+/// 8-bit sRGB colours of Types 1, 2 and 3. Colour-blind people can distinguish them, also by
+/// brightness.
+pub const TYPE_SRGB: [[u8; 3]; 3] = [[0x00, 0x72, 0xb2], [0xf0, 0xe4, 0x42], [0xd5, 0x5e, 0x00]];
+
+/// Type of each pixel, row-major.
 pub type PixelMap = Vec<PixelType>;
 
-/// Pixels of each type; they sum to the pixel count.
+/// Number of pixels of each type. They add up to the number of pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TypeCounts {
-    /// Type 1.
+    /// Pixels of Type 1.
     pub reused: usize,
-    /// Type 2.
+    /// Pixels of Type 2.
     pub secondary: usize,
-    /// Type 3, traced and shaded.
+    /// Pixels of Type 3 without a look-up result.
     pub unseen: usize,
-    /// Type 3, traced and looked up, then lit with few rays.
+    /// Pixels of Type 3 with an uncertain look-up result.
     pub uncertain: usize,
 }
 
-/// [`TypeCounts`] as percentages, with the names of the command line's contract: types 1 to 3 sum to 100, and gap,
-/// disoccluded and unseen sum to type 3. Uncertain pixels are traced and looked up too, so they are a part of the
-/// disoccluded ones.
+/// [`TypeCounts`] in percent, with the key names of the command line's JSON. Types 1 to 3 add up to
+/// 100; unseen and uncertain add up to Type 3.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[allow(missing_docs, reason = "the names say it")]
 pub struct TypePercentages {
@@ -58,25 +67,27 @@ pub struct TypePercentages {
 }
 
 impl TypeCounts {
-    /// Counts a map.
+    /// Counts the types in a map.
     pub fn of(map: &[PixelType]) -> Self {
         let mut counts = [0usize; 4];
-        map.iter().for_each(|&t| counts[t as usize] += 1);
+        for &pixel in map {
+            counts[pixel as usize] += 1;
+        }
         let [unseen, reused, secondary, uncertain] = counts;
         Self { reused, secondary, unseen, uncertain }
     }
 
-    /// All Type 3.
+    /// Number of pixels of Type 3.
     pub fn type3(&self) -> usize {
         self.unseen + self.uncertain
     }
 
-    /// All pixels.
+    /// Number of all pixels.
     pub fn total(&self) -> usize {
         self.reused + self.secondary + self.type3()
     }
 
-    /// In percent of all pixels; all zero for an empty picture.
+    /// Percentages of all pixels; all zero for an empty picture.
     pub fn percentages(&self) -> TypePercentages {
         let percent = |n: usize| 100.0 * n as f64 / self.total().max(1) as f64;
         TypePercentages {
@@ -86,23 +97,5 @@ impl TypeCounts {
             unseen_percent: percent(self.unseen),
             uncertain_percent: percent(self.uncertain),
         }
-    }
-}
-
-/// Type 1: reused.
-pub const TYPE1_SRGB: [u8; 3] = [0x00, 0x72, 0xb2];
-
-/// Type 2: mirror or glass.
-pub const TYPE2_SRGB: [u8; 3] = [0xf0, 0xe4, 0x42];
-
-/// Type 3: traced.
-pub const TYPE3_SRGB: [u8; 3] = [0xd5, 0x5e, 0x00];
-
-/// The colour of a pixel's type, by the paper's number. Exactly one of three, never a blend.
-pub fn type_color(number: u8) -> [u8; 3] {
-    match number {
-        1 => TYPE1_SRGB,
-        2 => TYPE2_SRGB,
-        _ => TYPE3_SRGB,
     }
 }

@@ -1,7 +1,8 @@
-//! Which references know the light of which part of the scene.
+//! Spatial index of references: for each cell of the scene, which references hold light there.
 //!
-//! The scene is cut into cells; each holds one bit per reference. A surface point then asks only those references that
-//! lit something near it, wherever the viewer stands and however many references there are.
+//! The scene is divided into a grid of cells with one bit per reference. A look-up then visits only
+//! references that lit a surface near its point, wherever the viewer stands and however many
+//! references there are.
 
 use super::ReferenceFrame;
 use crate::math::whole::round;
@@ -9,16 +10,16 @@ use crate::scene::Scene;
 use glam::{UVec3, Vec3};
 use rayon::prelude::*;
 
-/// References a directory tells apart.
+/// Maximum number of references in a directory.
 pub const MAX_SLOTS: usize = 128;
 
-/// Cells at most: 4 MB of bits, which stay in a processor's cache.
+/// Maximum number of cells: 4 MB of bits, which stay in a processor's cache.
 const MAX_CELLS: f32 = (1 << 18) as f32;
 
-/// One bit per reference.
+/// Set of references, one bit per slot.
 pub type SlotMask = u128;
 
-/// For each cell of the scene, the references that lit something in it.
+/// For each cell of the scene, the references that lit a surface in it.
 #[derive(Clone, Debug, Default)]
 pub struct Directory {
     low: Vec3,
@@ -28,35 +29,39 @@ pub struct Directory {
     normals: Vec<PackedNormal>,
 }
 
-/// The normal of a triangle in three bytes, less than half a degree off; its length is off by up to a hundredth.
+/// Unit normal of a triangle in three bytes. Its direction is off by less than half a degree, its
+/// length by up to one percent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PackedNormal([i8; 3]);
 
-/// Cosine of eight degrees: triangles that turn less from one to the next lend each other light.
+/// Minimum cosine between the normals of two triangles that share light: eight degrees.
 pub(crate) const ALIKE_COSINE: f32 = 0.99;
 
 impl PackedNormal {
+    /// No normal.
     pub(crate) const ZERO: Self = Self([0; 3]);
 
     fn of([a, b, c]: [Vec3; 3]) -> Self {
         Self::of_unit((b - a).cross(c - a).normalize_or(Vec3::Y))
     }
 
+    /// Packs a unit vector.
     #[inline(always)]
     pub(crate) fn of_unit(normal: Vec3) -> Self {
         let n = normal * 127.0;
         Self([round(n.x) as i8, round(n.y) as i8, round(n.z) as i8])
     }
 
-    /// True where two triangles are turned alike, whichever way they are wound.
+    /// True if two triangles have similar orientation, within [`ALIKE_COSINE`], regardless of their
+    /// winding.
     #[inline(always)]
     pub(crate) fn is_like(self, other: Self) -> bool {
         let along = self.dot(other);
-        // Lengths are divided out: rounded, they alone would part triangles of one plane.
+        // Divide by the lengths: rounded, they alone would separate triangles of one plane.
         along * along >= ALIKE_COSINE * ALIKE_COSINE * self.dot(self) * other.dot(other)
     }
 
-    /// True where two sides of triangles face alike.
+    /// True if two triangles have similar orientation and face the same way.
     #[inline(always)]
     pub(crate) fn faces_like(self, other: Self) -> bool {
         self.dot(other) > 0.0 && self.is_like(other)
@@ -69,10 +74,10 @@ impl PackedNormal {
 }
 
 impl Directory {
-    /// An empty directory of a scene.
+    /// Creates an empty directory for a scene.
     pub fn new(scene: &Scene) -> Self {
         let [low, high] = scene.bounds_m.map(|p| scene.frame.scene_from_world_f64(p).as_vec3());
-        // A flat scene still has a thickness of one cell.
+        // A flat scene is still one cell thick.
         let extent = (high - low).max(Vec3::splat((high - low).max_element() / 1024.0 + f32::MIN_POSITIVE));
         let cell = (extent.element_product() / (MAX_CELLS / 2.0)).cbrt().max(extent.max_element() / 512.0);
         let dimensions = (extent / cell).floor().as_uvec3() + 1;
@@ -82,12 +87,13 @@ impl Directory {
         Self { low, cells_per_unit: 1.0 / cell, dimensions, masks: vec![0; count], normals }
     }
 
-    /// Of each triangle.
+    /// Packed normal of each triangle.
     pub(crate) fn normals(&self) -> &[PackedNormal] {
         &self.normals
     }
 
-    /// The cell of a point in scene space; points outside belong to the nearest cell.
+    /// Index of the cell that contains a point in scene space. Points outside belong to the nearest
+    /// cell.
     #[inline(always)]
     pub(crate) fn cell_of(&self, position: Vec3) -> u32 {
         self.index(self.coordinates(position))
@@ -103,13 +109,13 @@ impl Directory {
         (at.z * self.dimensions.y + at.y) * self.dimensions.x + at.x
     }
 
-    /// The references that lit something in a cell.
+    /// References that lit a surface in a cell.
     #[inline(always)]
     pub(crate) fn mask(&self, cell: u32) -> SlotMask {
         self.masks[cell as usize]
     }
 
-    /// Enters a reference's lit pixels under a slot.
+    /// Adds a reference's lit pixels to the cells, under a slot.
     pub(crate) fn add(&mut self, frame: &ReferenceFrame, slot: usize) {
         let width = frame.view.size[0].max(1);
         let step = frame.view.scene_from_pixel.x_axis.length();
@@ -120,7 +126,9 @@ impl Directory {
                 let lit = (y * width..(y + 1) * width).filter(|&pixel| frame.has_light(pixel));
                 for pixel in lit.filter(|&pixel| frame.disparity()[pixel as usize] > 0.0) {
                     let position = frame.view.eye + frame.offset_from_eye(pixel);
-                    // A sample may be looked up from as far as the next one. One cell at most: the cost must stay bounded, however coarse the sample.
+                    // A sample may be looked up from as far away as the next sample. The reach is
+                    // limited to one cell, so that the cost stays bounded however coarse the
+                    // samples are.
                     let reach = (step / frame.disparity()[pixel as usize]).min(1.0 / self.cells_per_unit);
                     let reach = Vec3::splat(reach);
                     let touched = [position - reach, position + reach].map(|p| self.coordinates(p));
@@ -137,7 +145,7 @@ impl Directory {
         }
     }
 
-    /// Appends the cells of a box.
+    /// Appends the indices of all cells in a box.
     fn cells_between(&self, [low, high]: [UVec3; 2], cells: &mut Vec<u32>) {
         for z in low.z..=high.z {
             for y in low.y..=high.y {
@@ -146,12 +154,12 @@ impl Directory {
         }
     }
 
-    /// Forgets all slots.
+    /// Removes all references.
     pub(crate) fn clear(&mut self) {
         self.masks.fill(0);
     }
 
-    /// Forgets a slot.
+    /// Removes the reference in a slot.
     pub(crate) fn remove(&mut self, slot: usize) {
         self.masks.par_iter_mut().with_min_len(1 << 14).for_each(|mask| *mask &= !(1 << slot));
     }

@@ -1,12 +1,13 @@
-//! The range of disparities in each tile of a reference: from it the warp knows where a tile can land before it looks
-//! at a pixel.
+//! Range of disparities in each tile of a reference. The forward warp derives from it where a tile
+//! can land, before it looks at any pixel.
 
 use rayon::prelude::*;
 
-/// Width and height of a tile in pixels: wide, because the warp goes along rows; low, so that its target rows are few.
+/// Width and height of a tile in pixels: wide, because the warp proceeds along rows, and low, so
+/// that a tile reaches few target rows.
 pub const TILE: [u32; 2] = [64, 8];
 
-/// The least and greatest usable disparity of each tile, row-major: 8 bytes for 512 pixels.
+/// Smallest and largest usable disparity of each tile, row-major: 8 bytes for 512 pixels.
 #[derive(Clone, Debug, Default)]
 pub struct DisparityTiles {
     columns: usize,
@@ -14,7 +15,7 @@ pub struct DisparityTiles {
 }
 
 impl DisparityTiles {
-    /// Of a row-major picture of disparities, none of them negative.
+    /// Computes the ranges of a row-major picture of disparities, none of them negative.
     pub fn new(disparity: &[f32], size: [u32; 2]) -> Self {
         let [width, height] = size.map(|s| s as usize);
         let [tile_width, tile_height] = TILE.map(|s| s as usize);
@@ -29,18 +30,19 @@ impl DisparityTiles {
         Self { columns, ranges: (0..tiles).into_par_iter().map(range).collect() }
     }
 
-    /// Tiles in a row of them.
+    /// Number of tiles in a row of tiles.
     pub fn columns(&self) -> usize {
         self.columns
     }
 
-    /// Least and greatest disparity by tile, row-major; the first is above the second where no pixel is usable.
+    /// Smallest and largest disparity of each tile, row-major. The smallest is above the largest
+    /// where no pixel is usable.
     pub fn ranges(&self) -> &[[f32; 2]] {
         &self.ranges
     }
 }
 
-/// NaN takes no part: `min` and `max` pass over it.
+/// Returns the range of some disparities. `min` and `max` ignore NaN.
 fn range_of<'a>(disparities: impl Iterator<Item = &'a f32>) -> [f32; 2] {
     let range =
         disparities.fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], &d| [low.min(d), high.max(d)]);

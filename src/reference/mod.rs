@@ -1,4 +1,5 @@
-//! Reference images: what they store, how they are traced, kept, chosen and placed.
+//! Reference images: what they store, how they are kept within a memory budget, and where they are
+//! placed.
 
 pub mod cache;
 pub mod directory;
@@ -7,8 +8,8 @@ pub mod frame;
 pub mod light;
 pub mod placement;
 
-pub use cache::{CachedReference, KnownLight, ReferenceCache, ReferenceId};
+pub use cache::{CachedReference, ReferenceCache, ReferenceId, ReferenceSnapshot};
 pub use directory::Directory;
 pub use disparity_tiles::DisparityTiles;
-pub use frame::ReferenceFrame;
+pub use frame::{ReferenceFrame, settings_of_reference};
 pub use placement::{Observation, PlacementPolicy, PlacementRule};

@@ -4,7 +4,6 @@ use super::bands::Band;
 use super::frame::{Frame, NO_SUPPLIER};
 use crate::raster::color::{ToneMap, srgb8};
 use crate::raster::pixel_types::PixelType;
-use crate::raster::pixel_types::type_color;
 use crate::raster::save::Channel;
 use crate::trace::NO_TRIANGLE;
 use crate::trace::{SurfacePoint, Tracer};
@@ -118,5 +117,5 @@ pub fn types_picture(frame: &Frame) -> Vec<[u8; 3]> {
 
 /// The type of some pixels, in exactly three colours.
 pub fn types_rows(types: &[PixelType]) -> Vec<[u8; 3]> {
-    types.iter().map(|t| type_color(t.number())).collect()
+    types.iter().map(|t| t.srgb()).collect()
 }

@@ -2,7 +2,7 @@
 
 use crate::camera::Camera;
 use crate::reference::ReferenceCache;
-use crate::reference::placement::{AheadRequest, PlacementPolicy};
+use crate::reference::placement::{PlacementPolicy, PrefetchRequest};
 use crate::trace::{SceneEpoch, Tracer};
 
 /// The share of the cache that such references may fill; the rest is for those that frames show to be missing.
@@ -19,7 +19,7 @@ const MAX_AHEAD: usize = 96;
 struct Basis {
     rule: &'static str,
     epoch: SceneEpoch,
-    request: AheadRequest,
+    request: PrefetchRequest,
 }
 
 /// The poses that are still missing.
@@ -40,10 +40,14 @@ impl Ahead {
     ) -> Option<Camera> {
         let pixels = f64::from(size[0]) * f64::from(size[1]);
         let room = CACHE_SHARE * cache.budget_bytes() as f64 / (pixels * BYTES_PER_PIXEL);
-        let request = AheadRequest { size, fov_y: viewer.fov_y, most: (room as usize).clamp(1, MAX_AHEAD) };
+        let request = PrefetchRequest {
+            size,
+            fov_y: viewer.fov_y,
+            max_references: (room as usize).clamp(1, MAX_AHEAD),
+        };
         let basis = Basis { rule: policy.rule.name, epoch: tracer.epoch(), request };
         if self.basis.as_ref() != Some(&basis) {
-            self.missing = (policy.rule.poses_ahead)(tracer, &request);
+            self.missing = (policy.rule.prefetch_poses)(tracer, &request);
             self.basis = Some(basis);
         }
         self.missing.retain(|pose| !cache.entries().iter().any(|e| e.frame.camera == *pose));

@@ -2,7 +2,7 @@
 
 use crate::camera::Camera;
 use crate::lookup::LookupSet;
-use crate::reference::{KnownLight, ReferenceFrame};
+use crate::reference::{ReferenceFrame, ReferenceSnapshot};
 use crate::trace::parallel::Stop;
 use crate::trace::{TraceSettings, Tracer};
 use std::sync::Arc;
@@ -19,7 +19,7 @@ pub struct ReferenceJob {
     /// Samples, bounces, seed.
     pub settings: TraceSettings,
     /// What is known already and need not be lit; `None` lights every pixel, as the paper does.
-    pub known: Option<KnownLight>,
+    pub known: Option<ReferenceSnapshot>,
 }
 
 impl ReferenceJob {

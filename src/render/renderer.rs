@@ -15,7 +15,7 @@ use crate::trace::NO_TRIANGLE;
 use crate::trace::parallel::{Stop, tile_order, trace_missing};
 use crate::trace::{PixelTrace, SurfacePoint, Tracer};
 use crate::warp::WarpBuffer;
-use crate::warp::classify::classify;
+use crate::warp::classify;
 use glam::Vec3;
 use rayon::prelude::*;
 use std::time::Instant;

@@ -8,11 +8,14 @@ use super::{Frame, FrameRequest, Mode, ReferenceJob, References, RenderSettings,
 use crate::camera::{Camera, View};
 use crate::lookup::{LookupSet, open_percent};
 use crate::reference::cache::CachedReference;
-use crate::reference::{Observation, PlacementPolicy, ReferenceCache, ReferenceFrame, ReferenceId};
+use crate::reference::{
+    Observation, PlacementPolicy, ReferenceCache, ReferenceFrame, ReferenceId, settings_of_reference,
+};
 use crate::render::prefetch::Ahead;
 use crate::render::temporal_stability::TemporalStabilityWatch;
+use crate::trace::Tracer;
 use crate::trace::parallel::Stop;
-use crate::trace::{TraceSettings, Tracer};
+use crate::warp::ReferenceSelector;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -52,6 +55,7 @@ impl Default for WalkthroughSettings {
 pub struct Walkthrough {
     tracer: Arc<Tracer>,
     cache: ReferenceCache,
+    selector: ReferenceSelector,
     renderer: Renderer,
     settings: WalkthroughSettings,
     previous: Option<Camera>,
@@ -79,6 +83,7 @@ impl Walkthrough {
         Self {
             tracer,
             cache,
+            selector: ReferenceSelector::default(),
             renderer: Renderer::default(),
             settings,
             previous: None,
@@ -156,7 +161,10 @@ impl Walkthrough {
         let view = View::new(camera, &self.tracer.scene().frame, size);
         let selected = match self.settings.render.mode {
             Mode::Full | Mode::Fast | Mode::Exact => Vec::new(),
-            Mode::Paper => self.cache.select(&view, self.tracer.epoch(), self.settings.max_references),
+            Mode::Paper => {
+                let most = self.settings.max_references;
+                self.selector.select(&mut self.cache, &view, self.tracer.epoch(), most)
+            }
         };
         let select_secs = start.elapsed().as_secs_f64();
         let settings = self.settings.render;
@@ -326,7 +334,7 @@ impl Walkthrough {
         if let Some(pose) = self.wanted_ahead(camera, size) {
             return Some(pose);
         }
-        let (tracer, cache, most) = (&self.tracer, &mut self.cache, self.settings.max_references);
+        let (tracer, cache, most) = (&self.tracer, &self.cache, self.settings.max_references);
         let placement = self.settings.placement;
         let view = |pose: &Camera| View::new(pose, &tracer.scene().frame, size);
         if is_sparse {
@@ -335,8 +343,9 @@ impl Walkthrough {
                 open_percent(tracer, &view(pose), &lookup, spots)
             });
         }
+        let selector = &mut self.selector;
         placement.decide(&seen, size, tracer, &mut |pose, spots| {
-            cache.predict_type3_percent(&view(pose), tracer.epoch(), most, spots)
+            selector.predict_open_percent(cache, &view(pose), tracer.epoch(), most, spots)
         })
     }
 
@@ -363,11 +372,8 @@ impl Walkthrough {
             tracer: Arc::clone(&self.tracer),
             camera,
             size,
-            settings: TraceSettings {
-                seed: trace.seed.wrapping_add(u64::from(self.references_made) << 32),
-                ..trace
-            },
-            known: self.settings.render.mode.looks_up().then(|| self.cache.known_light()),
+            settings: settings_of_reference(&trace, u64::from(self.references_made)),
+            known: self.settings.render.mode.looks_up().then(|| self.cache.snapshot()),
         }
     }
 

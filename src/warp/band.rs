@@ -1,44 +1,46 @@
-//! A band of target rows that one thread fills alone, so that no cell is ever contended.
+//! A band of target rows that one thread fills alone, so that no cell is contended.
 //!
-//! Two steps for some 64 pixels of a source row at a time: where they land, in vectors, into a scratch that stays in
-//! the first cache; then one plain maximum each.
+//! Each group of 64 pixels of a source row takes two steps: their target cells and keys are
+//! computed in vectors, into a scratch buffer that stays in the first-level cache; then each key is
+//! entered with one scalar maximum.
 
 use crate::camera::RowWarp;
-use crate::warp::reach::{Run, Source};
+use crate::warp::source::{Run, Source};
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 use std::ops::Range;
 
-/// The widest vector there is, in f32.
+/// Maximum number of f32 lanes of a vector.
 const MAX_LANES: usize = 16;
 
-/// Pixels between the two steps; a multiple of every vector's width.
+/// Pixels per group, a multiple of every vector width.
 const GROUP: usize = 4 * MAX_LANES;
 
-/// Rows of a target.
+/// Consecutive rows of the target.
 pub(crate) struct Band<'a> {
-    /// The keys of the rows alone, row-major.
+    /// Keys of these rows, row-major.
     pub(crate) keys: &'a mut [u64],
-    /// Which rows of the target.
+    /// Row range in the target.
     pub(crate) rows: Range<u32>,
-    /// The target's, in pixels.
+    /// Width of the target in pixels.
     pub(crate) width: u32,
 }
 
-/// Where samples land, as cells of the band, and with which keys. A sample that lands elsewhere has a key of 0, which
-/// never wins, and some cell.
+/// Target cells, as indices into the band, and keys of a group of samples. A sample that lands
+/// outside the band has the key 0, which never wins, and an arbitrary cell.
 struct Landings {
     cells: [u32; GROUP],
     keys: [u64; GROUP],
 }
 
 impl Band<'_> {
-    /// Leaves the greatest key of each cell, by the instructions of a level; the result does not depend on it.
+    /// Fills each cell with the largest key that lands on it, with the SIMD instructions of a
+    /// level. The result does not depend on the level.
     pub(crate) fn fill(&mut self, level: Level, sources: &[Source<'_>]) {
         dispatch!(level, simd => self.fill_in_vectors(simd, sources));
     }
 
-    /// A row is cleared shortly before its first sample comes: it is in the cache then.
+    /// Clears each row shortly before its first sample arrives, so that it is in the cache by then.
     #[inline(always)]
     fn fill_in_vectors<S: Simd>(&mut self, simd: S, sources: &[Source<'_>]) {
         let mut landings = Landings { cells: [0; GROUP], keys: [0; GROUP] };
@@ -57,6 +59,7 @@ impl Band<'_> {
         self.keys[cleared..].fill(0);
     }
 
+    /// Enters all samples of a run of tiles.
     #[inline(always)]
     fn splat<S: Simd>(&mut self, simd: S, run: &Run<'_>, landings: &mut Landings) {
         for y in run.rows.clone() {
@@ -70,7 +73,7 @@ impl Band<'_> {
         }
     }
 
-    /// Where the pixels from column `x` on land; `id` is the first one's.
+    /// Computes where the pixels from column `x` on land. `id` is the sample of the first one.
     #[inline(always)]
     fn land<S: Simd>(&self, row: &RowWarp<S>, x: u32, id: u32, disparities: &[f32], landings: &mut Landings) {
         let lanes = S::f32s::LEN;
@@ -82,7 +85,7 @@ impl Band<'_> {
         }
     }
 
-    /// [`Self::land`] for one vector's worth, or less at the end of a row.
+    /// [`Self::land`] for one vector, or part of one at the end of a row.
     #[inline(always)]
     fn land_vector<S: Simd>(
         &self,
@@ -95,7 +98,7 @@ impl Band<'_> {
     ) {
         let simd = row.token();
         let (sx, sy, disparity, usable) = row.targets(x, load(simd, disparities));
-        // Tested as floats: casting first would turn NaN into 0 and -0.3 into 0.
+        // Test as floats: a cast would turn NaN and -0.3 into 0.
         let inside = usable
             & sx.simd_ge(0.0)
             & sx.simd_lt(self.width as f32)
@@ -104,14 +107,16 @@ impl Band<'_> {
         let lane = S::u32s::from_fn(simd, |lane| lane as u32);
         let (tx, ty): (S::i32s, S::i32s) = (sx.to_int(), sy.to_int());
         let cell = (ty - self.rows.start as i32) * self.width as i32 + tx;
-        // Elsewhere: not all on one cell, where each would wait for the one before.
+        // Spread samples outside the band over several cells: on one cell, each store would wait
+        // for the one before.
         inside.select(cell.bitcast::<S::u32s>(), lane).store_slice(cells);
         let never = S::u32s::splat(simd, 0);
         let nearness = inside.select(disparity.bitcast::<S::u32s>(), never);
         store_keys(nearness, inside.select(!(lane + id), never), keys);
     }
 
-    /// Of several on one cell the greatest key stays. Without a branch on who wins, which nobody could foretell.
+    /// Keeps the largest key of each cell. A maximum instead of a branch, which the processor could
+    /// not predict.
     #[inline(always)]
     fn keep_nearest(&mut self, landings: &Landings, count: usize) {
         let held = &mut *self.keys;
@@ -123,7 +128,7 @@ impl Band<'_> {
     }
 }
 
-/// Disparities as a vector; NaN, which lands nowhere, where there are too few.
+/// Loads disparities into a vector. Missing ones become NaN, which lands nowhere.
 #[inline(always)]
 fn load<S: Simd>(simd: S, disparities: &[f32]) -> S::f32s {
     if disparities.len() == S::f32s::LEN {
@@ -134,7 +139,7 @@ fn load<S: Simd>(simd: S, disparities: &[f32]) -> S::f32s {
     S::f32s::from_slice(simd, &padded[..S::f32s::LEN])
 }
 
-/// Stores keys of these upper and lower halves.
+/// Stores keys given by their upper and lower halves.
 #[inline(always)]
 fn store_keys<S: Simd, V: SimdBase<S, Element = u32>>(high: V, low: V, keys: &mut [u64]) {
     let halves: &mut [u32] = bytemuck::cast_slice_mut(keys);

@@ -1,12 +1,14 @@
-//! Step 3: what is known of each pixel decides its type.
+//! The paper's step 3: the type of each pixel, by the sample that landed on it.
 //!
-//! Source: the paper, section 3, step 3. Type 3 is split by what is done about it; the paper traces them all.
+//! Source: the paper, section 3, step 3. We differ: pixels of the sky have information (a direction
+//! instead of a point).
 
 use crate::raster::pixel_types::PixelType;
 use crate::reference::ReferenceFrame;
 use crate::warp::WarpBuffer;
 
-/// The type of one pixel, by the sample that landed on it.
+/// Returns Type 1 for a sample without reflections, Type 2 for one with reflections, and Type 3
+/// where no sample landed.
 #[inline]
 pub fn classify(warped: &WarpBuffer, references: &[&ReferenceFrame], pixel: usize) -> PixelType {
     match warped.sample(pixel) {

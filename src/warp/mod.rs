@@ -1,10 +1,19 @@
-//! The paper's steps 1 to 3: references are warped into a view, and every pixel gets its type. Pure functions of
-//! buffers: nothing here traces a ray.
+//! The forward warp of mode `paper`: choice of references, then the paper's steps 1 to 3. Pure
+//! functions of buffers: nothing here traces a ray.
+//!
+//! | File | Paper, section 3 |
+//! |---|---|
+//! | `select` | several references: which of them are warped |
+//! | `splat` | step 1, transform to the new view, and step 2, the nearest sample wins |
+//! | `source`, `band` | how `splat` does it fast: tiles that cannot reach a band are skipped, vectors |
+//! | `classify` | step 3, the type of each pixel |
 
 mod band;
-pub mod classify;
-mod reach;
-pub mod splat;
+mod classify;
+mod select;
+mod source;
+mod splat;
 
 pub use classify::classify;
-pub use splat::{SampleId, WarpBuffer};
+pub use select::ReferenceSelector;
+pub use splat::{MAX_REFERENCE_PIXELS, MAX_REFERENCES, SampleId, WarpBuffer};

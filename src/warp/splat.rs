@@ -1,38 +1,41 @@
-//! Steps 1 and 2: every reference pixel is projected into the new view; of several on one pixel the nearest wins.
+//! The paper's steps 1 and 2: every reference pixel is projected into the new view; where several
+//! land on one pixel, the nearest wins.
 //!
-//! Source: the paper, section 3, steps 1 and 2. We differ: ties go to the lower sample, so that the result does not
-//! depend on the order of threads. The picture is cut into bands of rows and each thread takes one at a time, alone
-//! (`band`); a tile of a reference is looked at for those bands only that it can reach (`reach`).
+//! Source: the paper, section 3, steps 1 and 2. We differ: ties go to the lower sample, so that the
+//! result does not depend on the order of threads. The picture is divided into bands of rows, each
+//! filled by one thread (`band`). A tile of a reference is processed only for those bands that it
+//! can reach (`source`).
 
 use crate::camera::View;
 use crate::reference::ReferenceFrame;
 use crate::warp::band::Band;
-use crate::warp::reach::Source;
+use crate::warp::source::Source;
 use fearless_simd::Level;
 use rayon::prelude::*;
 
-/// References a warp takes at most: their number shares 32 bits with the pixel's.
+/// Maximum number of references in a warp: the reference's number shares 32 bits with the pixel's.
 pub const MAX_REFERENCES: usize = 32;
 
 const PIXEL_BITS: u32 = 27;
 
-/// Pixels a reference may have: 16384 x 8192.
+/// Maximum number of pixels of a reference: 16384 x 8192.
 pub const MAX_REFERENCE_PIXELS: usize = 1 << PIXEL_BITS;
 
-/// Keys of a band at most, 2 MB, so that several references are warped there one after the other from the caches: four
-/// references to 1280x720 take 1.2 to 1.3 ns per pixel in four bands, 2.0 to 2.4 in one. Sixteen bands take 6 to 26 %
-/// more than four, for tiles that reach two.
+/// Maximum number of keys in a band: 2 MB, so that the band stays in the caches while several
+/// references are warped into it. Four references into 1280x720 take 1.2 to 1.3 ns per pixel in
+/// four bands, 2.0 to 2.4 ns in one. Sixteen bands take 6 to 26 % longer than four, because of
+/// tiles that reach two bands.
 const MAX_KEYS_IN_BAND: usize = 1 << 18;
 
-/// Bands for each thread: the parts of a view take unequal times.
+/// Number of bands per thread. More than one, because the parts of a view take unequal times.
 const BANDS_PER_THREAD: usize = 3;
 
-/// A pixel of one of the references of a warp.
+/// A pixel of one of the references in a warp.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SampleId(u32);
 
 impl SampleId {
-    /// Index into the references given to the warp.
+    /// Index of the reference, in the order given to the warp.
     pub fn slot(self) -> usize {
         (self.0 >> PIXEL_BITS) as usize
     }
@@ -43,31 +46,35 @@ impl SampleId {
     }
 }
 
-/// The nearest sample of each target pixel, 8 bytes each: disparity in the upper half, sample in the lower.
+/// Nearest sample of each target pixel, in 8 bytes: disparity in the upper half, sample in the
+/// lower half.
 ///
-/// Disparities are not negative, so their bits order as they do and one integer maximum decides nearness and ties.
+/// Disparities are not negative, so they have the order of their bits. One integer maximum decides
+/// both the nearest sample and ties.
 #[derive(Debug, Default)]
 pub struct WarpBuffer {
     keys: Vec<u64>,
 }
 
 impl WarpBuffer {
-    /// The winning sample of a pixel and its disparity in the new view; `None` where nothing landed.
+    /// Nearest sample of a pixel and its disparity in the new view; `None` where no sample landed.
     #[inline]
     pub fn sample(&self, pixel: usize) -> Option<(SampleId, f32)> {
         let key = self.keys[pixel];
         (key != 0).then(|| (SampleId(!(key as u32)), f32::from_bits((key >> 32) as u32)))
     }
 
-    /// Takes references and a view; leaves the nearest sample per target pixel. Never traces a ray.
+    /// Warps references into a view and keeps the nearest sample of each pixel. Traces no rays.
     ///
     /// # Panics
-    /// With more than [`MAX_REFERENCES`] references or [`MAX_REFERENCE_PIXELS`] pixels in one.
+    /// If there are more than [`MAX_REFERENCES`] references, or one has more than
+    /// [`MAX_REFERENCE_PIXELS`] pixels.
     pub fn warp(&mut self, references: &[&ReferenceFrame], view: &View) {
-        self.warp_at(Level::new(), references, view);
+        self.warp_at(crate::math::simd::level(), references, view);
     }
 
-    /// [`Self::warp`] with the instructions of a level, instead of the best there are: for the tests that compare them.
+    /// [`Self::warp`] with the SIMD instructions of a given level, for tests that compare the
+    /// levels.
     ///
     /// # Panics
     /// As [`Self::warp`].

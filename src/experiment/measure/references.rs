@@ -2,7 +2,7 @@
 
 use crate::camera::Camera;
 use crate::experiment::run::ExperimentContext;
-use crate::reference::{ReferenceCache, ReferenceFrame};
+use crate::reference::{ReferenceCache, ReferenceFrame, settings_of_reference};
 use crate::trace::TraceSettings;
 use std::sync::Arc;
 
@@ -18,7 +18,7 @@ impl References {
     /// Traces every pixel of a reference at each pose, each with a seed of its own. `None` after a stop.
     pub fn trace(context: &ExperimentContext<'_>, poses: &[Camera], trace: &TraceSettings) -> Option<Self> {
         let reference = |(number, pose): (u64, &Camera)| {
-            let settings = TraceSettings { seed: trace.seed.wrapping_add(number << 32), ..*trace };
+            let settings = settings_of_reference(trace, number);
             ReferenceFrame::trace(context.tracer, pose, context.settings.size, &settings, context.stop)
                 .map(Arc::new)
         };

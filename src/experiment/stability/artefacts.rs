@@ -111,7 +111,7 @@ fn behind_percent(tracer: &Tracer, shown: &Frame, right: &Frame) -> f64 {
 /// A picture in mode `exact` with the light of a reference taken elsewhere.
 fn exact(tracer: &Tracer, from: &Camera, here: &Camera) -> Frame {
     let mut cache = ReferenceCache::new(tracer.scene(), 1 << 30);
-    let known = cache.known_light();
+    let known = cache.snapshot();
     let lookup = LookupSet::of_snapshot(&known, tracer.epoch());
     if let Some(lent) = ReferenceFrame::trace_sparse(tracer, from, SIZE, &TRACE, &lookup, NEVER) {
         cache.insert(Arc::new(lent));

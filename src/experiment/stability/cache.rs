@@ -17,6 +17,7 @@ use crate::render::{Frame, FrameRequest, Mode, RenderSettings, Renderer, Walkthr
 use crate::scene::{Material, SceneBuilder};
 use crate::trace::Tracer;
 use crate::trace::parallel::NEVER;
+use crate::warp::ReferenceSelector;
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 use std::time::Instant;
@@ -203,7 +204,9 @@ fn other_epochs(_: &Trial) -> Outcome {
     let lent = reference(&old, &Room::PLAIN.camera(), SIZE);
     let mut cache = ReferenceCache::new(new.scene(), 1 << 30);
     cache.insert(Arc::new(lent.clone()));
-    let mut accepted = cache.select(&view(&new, &Room::PLAIN.camera()), new.epoch(), 8).len();
+    let mut accepted = ReferenceSelector::default()
+        .select(&mut cache, &view(&new, &Room::PLAIN.camera()), new.epoch(), 8)
+        .len();
     accepted += LookupSet::new(&cache, new.epoch()).len();
     accepted += usize::from(Walkthrough::new(new, WalkthroughSettings::default()).insert(lent).is_some());
     Ok(accepted.into())
@@ -285,7 +288,7 @@ fn damaged(mode: Mode) -> Outcome {
 fn looked_up(tracer: &Tracer, share: f32) -> Frame {
     let here = Room::SHINY.camera();
     let mut cache = ReferenceCache::new(tracer.scene(), 1 << 30);
-    let known = cache.known_light();
+    let known = cache.snapshot();
     let lookup = LookupSet::of_snapshot(&known, tracer.epoch());
     let traced = ReferenceFrame::trace_sparse(tracer, &here, SIZE, &TRACE, &lookup, NEVER);
     if let Some(mut lent) = traced {
@@ -332,7 +335,7 @@ fn evicted_in_use(_: &Trial) -> Outcome {
     let camera = Room::PLAIN.camera();
     let mut cache = ReferenceCache::new(tracer.scene(), 1);
     cache.insert(Arc::new(reference(&tracer, &camera, SIZE)));
-    let held = cache.select(&view(&tracer, &camera), tracer.epoch(), 1);
+    let held = ReferenceSelector::default().select(&mut cache, &view(&tracer, &camera), tracer.epoch(), 1);
     let before = paper(&tracer, &camera, &held.iter().map(|r| &*r.frame).collect::<Vec<_>>());
     cache.insert(Arc::new(reference(&tracer, &Room::PLAIN.moved(0.1, 0.0), SIZE)));
     let is_gone = cache.entries().iter().all(|e| e.id != held[0].id);

@@ -1,11 +1,11 @@
-//! What failing memory or a bug elsewhere would do to a reference, done on purpose: to see that it stays where it is.
+//! Simulated memory corruption of a reference, for tests that its effect stays local.
 
 use super::ReferenceFrame;
 use crate::math::key::Key;
 
 impl ReferenceFrame {
-    /// Flips one random bit in the share `share` (0..1) of all pixels, in disparity, triangle, light or count. Returns
-    /// which pixels were hit. For tests of robustness.
+    /// Flips one random bit of disparity, triangle, light or bounce count in a random share (0..1)
+    /// of the pixels. Returns the indices of these pixels. For robustness tests.
     pub fn flip_bits(&mut self, share: f32, seed: u64) -> Vec<u32> {
         let damaged: Vec<u32> = (0..self.view.pixel_count() as u32)
             .filter(|&pixel| Key::of_pixel(seed, pixel).pair()[0] < share)

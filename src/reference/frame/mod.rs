@@ -1,17 +1,19 @@
 //! A reference image.
 //!
-//! Source: the paper, section 3: a reference pixel holds diffuse radiance, the intersection point of its primary ray
-//! and the number of reflections. We differ: the point is stored as disparity (1 / depth) along the pixel's ray,
-//! which is exact relative to the reference's own eye wherever the scene lies and makes a sky pixel a direction
-//! (disparity zero); the triangle is kept, so that a pixel knows its normal and material; and of the diffuse radiance
-//! only the arriving light is stored, so that textures are never resampled. A reference may be sparse: pixels whose
-//! light older references already know are not lit again.
+//! Source: the paper, section 3: a reference pixel holds diffuse radiance, the intersection point
+//! of its primary ray and the number of reflections. We differ: the point is stored as disparity (1
+//! / depth) along the pixel's ray, which is exact relative to the reference's own eye wherever the
+//! scene lies, and turns a sky pixel into a direction (disparity zero). The triangle is stored,
+//! which gives a pixel its normal and material. Of the diffuse radiance only the arriving light is
+//! stored, so that textures are never resampled. A reference may be sparse: pixels whose light
+//! older references hold are not lit again.
 
 mod damage;
 
 use crate::camera::{Camera, NEAREST_DEPTH, View};
+use crate::raster::rgb9e5::Rgb9e5Scale;
 use crate::reference::DisparityTiles;
-use crate::reference::light::{LightScale, UNLIT};
+use crate::reference::light::{UNLIT, pack_light};
 use crate::trace::parallel::{Stop, tile_order, trace_pixels};
 use crate::trace::{
     ILL_CONDITIONED, NO_TRIANGLE, PixelTrace, RayCounts, SceneEpoch, SurfacePoint, TraceSettings, Tracer,
@@ -19,41 +21,49 @@ use crate::trace::{
 use glam::Vec3;
 use std::time::Instant;
 
-/// A traced picture that lends its pixels to other views. Structure of arrays, row-major.
+/// Returns the trace settings of a reference by its number. Each has a seed of its own, so that the
+/// noise of several references is independent. Numbers are added from bit 32 of the seed on; frames
+/// use the seed itself.
+pub fn settings_of_reference(settings: &TraceSettings, number: u64) -> TraceSettings {
+    TraceSettings { seed: settings.seed.wrapping_add(number << 32), ..*settings }
+}
+
+/// A traced picture whose pixels are reused in other views. Structure of arrays, row-major.
 #[derive(Clone, Debug)]
 pub struct ReferenceFrame {
-    /// Where it was taken.
+    /// Camera of the picture, world space.
     pub camera: Camera,
-    /// The same in scene space, with the size.
+    /// The same camera in scene space, with the size in pixels.
     pub view: View,
-    /// The state of the scene it shows.
+    /// State of the scene that the picture shows.
     pub epoch: SceneEpoch,
-    /// What it was traced with.
+    /// Samples, bounces and seed.
     pub settings: TraceSettings,
-    /// Seconds it took.
+    /// Time that tracing took, seconds.
     pub secs: f64,
-    /// Rays it took.
+    /// Rays that tracing took.
     pub rays: RayCounts,
     disparity: Vec<f32>,
     tiles: DisparityTiles,
     triangle: Vec<u32>,
     light: Vec<u32>,
-    light_scale: LightScale,
-    /// Empty where no surface of the scene is specular.
+    light_scale: Rgb9e5Scale,
+    /// Number of specular bounces of each pixel. Empty if no surface of the scene is specular.
     reflections: Vec<u8>,
     lit: usize,
     is_dense: bool,
 }
 
 impl ReferenceFrame {
-    /// Memory per pixel at most: disparity, triangle, light, and in scenes with mirrors or glass a count.
+    /// Maximum memory per pixel in bytes: disparity, triangle, light, and in scenes with mirrors or
+    /// glass a bounce count.
     pub const BYTES_PER_PIXEL: usize =
         size_of::<f32>() + size_of::<u32>() + size_of::<u32>() + size_of::<u8>();
 
-    /// Memory that tracing one takes per pixel, beside what it keeps.
+    /// Additional memory per pixel, in bytes, while a reference is traced.
     pub const TRACING_BYTES_PER_PIXEL: usize = size_of::<Option<PixelTrace>>() + size_of::<u32>();
 
-    /// Traces a reference on the current thread pool, every pixel of it. `None` after a stop.
+    /// Traces every pixel of a reference on the current thread pool. `None` after a stop.
     pub fn trace(
         tracer: &Tracer,
         camera: &Camera,
@@ -83,7 +93,7 @@ impl ReferenceFrame {
         Some(frame)
     }
 
-    /// A reference that knows nothing yet.
+    /// Creates a reference whose pixels hold nothing yet.
     pub(crate) fn empty(tracer: &Tracer, camera: &Camera, view: View, settings: &TraceSettings) -> Self {
         let count = view.pixel_count();
         let features = tracer.scene().features;
@@ -98,21 +108,23 @@ impl ReferenceFrame {
             tiles: DisparityTiles::default(),
             triangle: vec![NO_TRIANGLE; count],
             light: vec![UNLIT; count],
-            light_scale: LightScale::for_largest(1.0),
+            light_scale: Rgb9e5Scale::for_largest(1.0),
             reflections: if features.mirror || features.glass { vec![0; count] } else { Vec::new() },
             lit: 0,
             is_dense: false,
         }
     }
 
-    /// To be called once all hits are stored.
+    /// Computes the disparity ranges of the tiles. To be called once all hits are stored.
     pub(crate) fn bound_tiles(&mut self) {
         self.tiles = DisparityTiles::new(&self.disparity, self.view.size);
     }
 
-    /// Hits on needles are not lent: where they lie is a matter of rounding. Scenes without needles pay nothing.
+    /// Excludes hits on needle-like triangles from reuse: their position depends on rounding.
+    /// Scenes without such triangles skip the test.
     pub(crate) fn forget_ill_conditioned(&mut self, tracer: &Tracer) {
-        /// A triangle this thin is ill-conditioned only when seen within half a degree of its plane.
+        /// Ratio of height to longest side above which a triangle is ill-conditioned only when seen
+        /// within half a degree of its plane.
         const THIN: f64 = 1e-3;
         if tracer.scene().conditioning.thinnest >= THIN {
             return;
@@ -125,15 +137,15 @@ impl ReferenceFrame {
         }
     }
 
-    /// The light of the pixels listed. One whose light is not a number must not be reused: it loses its disparity, and
-    /// no comparison lets a disparity of NaN through.
+    /// Stores the light of the listed pixels. A pixel whose light is not finite must not be reused:
+    /// its disparity becomes NaN, which fails every comparison.
     pub(crate) fn store_lights(&mut self, pixels: &[u32], lights: impl Iterator<Item = Vec3> + Clone) {
         let largest = lights.clone().filter(|l| l.is_finite()).map(Vec3::max_element).fold(0.0, f32::max);
-        self.light_scale = LightScale::for_largest(largest);
+        self.light_scale = Rgb9e5Scale::for_largest(largest);
         for (&pixel, light) in pixels.iter().zip(lights) {
             let pixel = pixel as usize;
             if light.is_finite() {
-                self.light[pixel] = self.light_scale.pack(light);
+                self.light[pixel] = pack_light(self.light_scale, light);
                 self.lit += 1;
             } else {
                 self.disparity[pixel] = f32::NAN;
@@ -141,7 +153,7 @@ impl ReferenceFrame {
         }
     }
 
-    /// Forgets the light of a square of pixels; returns how many had some.
+    /// Discards the light in a square of pixels and returns how many pixels held light.
     pub(crate) fn forget_light(&mut self, [x0, y0]: [u32; 2], side: u32) -> usize {
         let [width, height] = self.view.size;
         let mut forgotten = 0;
@@ -156,7 +168,7 @@ impl ReferenceFrame {
         forgotten
     }
 
-    /// What a pixel sees, by distance and triangle, without its light.
+    /// Stores the hit of a pixel, as distance along its ray and triangle, without light.
     pub(crate) fn store_hit(&mut self, pixel: usize, hit: Option<(f32, u32)>, reflections: u32) {
         match hit {
             None => self.disparity[pixel] = 0.0,
@@ -171,39 +183,41 @@ impl ReferenceFrame {
         }
     }
 
-    /// Memory held, bytes.
+    /// Memory of the picture in bytes.
     pub fn bytes(&self) -> usize {
         self.view.pixel_count() * 12 + self.reflections.len()
     }
 
-    /// Pixels whose light this reference holds.
+    /// Number of pixels whose light is stored.
     pub fn lit(&self) -> usize {
         self.lit
     }
 
-    /// True where every pixel was lit, as the paper's references are.
+    /// True if every pixel was lit, as in the paper's references.
     pub fn is_dense(&self) -> bool {
         self.is_dense
     }
 
-    /// True where a pixel's light is held.
+    /// True if the light of a pixel is stored.
     #[inline(always)]
     pub fn has_light(&self, pixel: u32) -> bool {
         self.light[pixel as usize] != UNLIT
     }
 
-    /// The light arriving at a pixel's surface, as the radiance of a white one; of a pixel that has it.
+    /// Light arriving at the surface of a pixel, as the radiance of a white diffuse surface.
+    /// Meaningful only if [`Self::has_light`].
     #[inline(always)]
     pub fn light(&self, pixel: u32) -> Vec3 {
         self.light_scale.unpack(self.light[pixel as usize])
     }
 
-    /// The stored words and their scale.
-    pub(crate) fn packed_light(&self) -> (&[u32], LightScale) {
+    /// Packed light of all pixels, and the scale to unpack it.
+    pub(crate) fn packed_light(&self) -> (&[u32], Rgb9e5Scale) {
         (&self.light, self.light_scale)
     }
 
-    /// The part of a lit pixel's radiance that does not depend on the viewer.
+    /// Part of a lit pixel's radiance that does not depend on the viewer: emission and diffuse
+    /// reflection, or the sky.
     #[inline(always)]
     pub fn diffuse_radiance(&self, tracer: &Tracer, pixel: u32) -> Vec3 {
         let triangle = self.triangle[pixel as usize];
@@ -222,35 +236,37 @@ impl ReferenceFrame {
         material.emission + albedo * self.light(pixel)
     }
 
-    /// True where a pixel names a triangle of the scene, or the sky: always, unless its memory was damaged.
+    /// True if the stored triangle exists in the scene or is [`NO_TRIANGLE`]: always, unless memory
+    /// was corrupted.
     #[inline(always)]
     pub fn is_sound(&self, tracer: &Tracer, pixel: u32) -> bool {
         let triangle = self.triangle[pixel as usize];
         triangle == NO_TRIANGLE || (triangle as usize) < tracer.scene().triangles.len()
     }
 
-    /// 1 / depth along the viewing axis in scene units; 0 for the sky, NaN for a pixel not to be used.
+    /// Disparity of all pixels: 1 / depth along the viewing axis, per scene unit. 0 for the sky,
+    /// NaN for a pixel that must not be used.
     pub fn disparity(&self) -> &[f32] {
         &self.disparity
     }
 
-    /// The range of disparities in each tile, with which the warp passes over what it cannot need.
+    /// Range of disparities in each tile, by which the warp skips tiles.
     pub fn tiles(&self) -> &DisparityTiles {
         &self.tiles
     }
 
-    /// First triangle met, [`NO_TRIANGLE`] for the sky.
+    /// First triangle hit in each pixel, [`NO_TRIANGLE`] for the sky.
     pub fn triangle(&self) -> &[u32] {
         &self.triangle
     }
 
-    /// Specular bounces of a pixel; saturates at 255, so a mirror's count never wraps to 0.
+    /// Number of specular bounces of a pixel. Saturates at 255, so that it never wraps to 0.
     #[inline(always)]
     pub fn reflections(&self, pixel: u32) -> u8 {
         self.reflections.get(pixel as usize).copied().unwrap_or(0)
     }
 
-    /// The stored intersection point of a pixel relative to the reference's eye; meaningless for the sky.
+    /// Hit point of a pixel relative to the reference's eye, scene space. Meaningless for the sky.
     pub fn offset_from_eye(&self, pixel: u32) -> Vec3 {
         self.view.direction_of_pixel(pixel) / self.disparity[pixel as usize]
     }

@@ -1,13 +1,13 @@
-//! Never: references are those that the viewer asks for.
+//! Rule `none`: no reference is placed automatically, only at the user's request.
 
-use super::PlacementRule;
+use super::rule::PlacementRule;
 
-/// See the module.
+/// Rule that never places a reference.
 pub const NONE: PlacementRule = PlacementRule {
     name: "none",
     about: "only when asked for",
     has_threshold: false,
-    poses_ahead: PlacementRule::none_ahead,
+    prefetch_poses: PlacementRule::no_prefetch,
     decide: |_| None,
-    keeps: |_, _| false,
+    keeps_frame: |_, _| false,
 };

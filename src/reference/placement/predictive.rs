@@ -1,38 +1,39 @@
-//! Where the viewer will be, when too much is open; while the viewer moves, only where the reference is worth the frame
-//! it costs.
+//! Rule `predictive`: a reference at the pose that the viewer will have a few frames from now, when
+//! too many pixels are open. While the viewer moves, only where the reference saves more than it
+//! costs.
 
-use super::{PlacementRule, SPARSE_WORTH_PERCENT, Situation};
+use super::extrapolate::pose_after;
+use super::rule::{MIN_OPEN_PERCENT_SPARSE, PlacementRule, Situation};
 use crate::camera::Camera;
-use crate::reference::placement::extrapolate::ahead;
 
-/// See the module.
+/// Rule that places references at the extrapolated pose.
 pub const PREDICTIVE: PlacementRule = PlacementRule {
     name: "predictive",
     about: "ahead on your way",
     has_threshold: true,
-    poses_ahead: PlacementRule::none_ahead,
+    prefetch_poses: PlacementRule::no_prefetch,
     decide,
-    keeps: |lit_percent, percent| lit_percent > percent.min(SPARSE_WORTH_PERCENT),
+    keeps_frame: |lit_percent, percent| lit_percent > percent.min(MIN_OPEN_PERCENT_SPARSE),
 };
 
-/// How many frames ahead a predicted reference stands. On the gallery's walk (a quarter of a metre a frame) 3 to 6
-/// frames need the fewest references for the same Type 3, 8 and 12 up to half as many again.
+/// Number of frames that the pose is extrapolated by. On the gallery's walk (a quarter of a metre
+/// per frame) 3 to 6 frames need the fewest references for the same Type 3; 8 and 12 need up to
+/// half as many again.
 const FRAMES_AHEAD: f64 = 4.0;
 
 fn decide(now: &mut Situation<'_>) -> Option<Camera> {
-    let (seen, worth) = (now.seen, now.seen.worth_percent(now.percent));
-    if !seen.is_sparse && seen.open_percent <= now.percent {
+    if now.is_covered() {
         return None;
     }
-    // The next frames would be cut there as well.
-    if seen.is_sparse && seen.was_cut && seen.open_percent > worth {
+    let (seen, worthwhile) = (now.seen, now.seen.worthwhile_percent(now.percent));
+    if now.needs_reference_here() {
         return Some(seen.camera);
     }
     if !seen.is_still() && (seen.is_sparse || seen.held > 0) {
-        let ahead = ahead(seen, now.tracer, FRAMES_AHEAD);
-        if (now.foresee)(&ahead, None) > worth {
-            return Some(ahead);
+        let pose = pose_after(seen, now.tracer, FRAMES_AHEAD);
+        if (now.predict_open)(&pose, None) > worthwhile {
+            return Some(pose);
         }
     }
-    (!seen.is_sparse && seen.open_percent > worth).then_some(seen.camera)
+    (!seen.is_sparse && seen.open_percent > worthwhile).then_some(seen.camera)
 }

@@ -1,20 +1,20 @@
-//! Where the viewer is, when too much is open: the paper's rule.
+//! Rule `threshold`, the paper's: a reference at the viewer's pose when too many pixels are open.
 
-use super::{PlacementRule, Situation};
+use super::rule::{PlacementRule, Situation};
 use crate::camera::Camera;
 
-/// See the module.
+/// Rule that places a reference at the viewer's pose above a percentage of open pixels.
 pub const THRESHOLD: PlacementRule = PlacementRule {
     name: "threshold",
     about: "where you are",
     has_threshold: true,
-    poses_ahead: PlacementRule::none_ahead,
+    prefetch_poses: PlacementRule::no_prefetch,
     decide,
-    keeps: |lit_percent, percent| lit_percent > percent,
+    keeps_frame: |lit_percent, percent| lit_percent > percent,
 };
 
 fn decide(now: &mut Situation<'_>) -> Option<Camera> {
-    // What a frame of a mode with sparse references had to light itself it keeps.
+    // With sparse references the frame itself is kept instead: see `keeps_frame`.
     let is_wanted = !now.seen.is_sparse && now.seen.open_percent > now.percent;
     is_wanted.then_some(now.seen.camera)
 }

@@ -14,7 +14,7 @@ use afterimage::reference::ReferenceFrame;
 use afterimage::render::aov::Aov;
 use afterimage::render::bands::Background;
 use afterimage::trace::TraceSettings;
-use afterimage::warp::splat::MAX_REFERENCES;
+use afterimage::warp::MAX_REFERENCES;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use glam::DVec3;

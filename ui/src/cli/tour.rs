@@ -17,7 +17,7 @@ use afterimage::reference::PlacementPolicy;
 use afterimage::reference::placement::RULES;
 use afterimage::render::aov::{display_picture, types_picture};
 use afterimage::render::bands::Background;
-use afterimage::warp::splat::MAX_REFERENCES;
+use afterimage::warp::MAX_REFERENCES;
 use afterimage::{Frame, WalkthroughSettings};
 use clap::Args;
 use clap::builder::PossibleValuesParser;

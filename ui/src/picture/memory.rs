@@ -3,7 +3,7 @@
 
 use afterimage::reference::ReferenceFrame;
 use afterimage::render::Renderer;
-use afterimage::warp::splat::MAX_REFERENCE_PIXELS;
+use afterimage::warp::MAX_REFERENCE_PIXELS;
 
 /// Maximum number of pixels of a picture: 16384 squared.
 const MAX_PIXELS: u64 = 1 << 28;

@@ -3,8 +3,8 @@
 use super::*;
 use afterimage::FrameRequest;
 use afterimage::Mode;
+use afterimage::raster::rgb9e5;
 use afterimage::render::render_antialiased;
-use afterimage_ui::window::rendering::exchange::rgb9e5;
 use afterimage_ui::window::state::Compare;
 use egui::{Key, Modifiers};
 
@@ -30,7 +30,7 @@ fn the_full_tracers_picture_converges_is_measured_and_is_dropped_by_motion() {
     let passes = full.stats.refined.of;
     let tracer = afterimage::Tracer::new(small_room());
     let truth = render_antialiased(&FrameRequest::new(&tracer, &frame.camera, frame.size, &render), passes);
-    let expected: Vec<u32> = truth.radiance.iter().map(|c| rgb9e5(*c)).collect();
+    let expected: Vec<u32> = truth.radiance.iter().map(|c| rgb9e5::pack(*c)).collect();
     assert!(full.radiance == expected, "it is the anti-aliased picture of the full tracer");
     let (_, error) = state.comparison.error.expect("a measure");
     assert!((10.0..60.0).contains(&error.psnr_db) && (0.0..0.5).contains(&error.flip_mean), "{error:?}");

@@ -3,12 +3,13 @@
 use crate::window::app::App;
 use crate::window::app::event::AppEvent;
 use crate::window::gpu::projection::Projection;
-use crate::window::rendering::exchange::{PublishedFrame, rgb9e5_decoded, supplier_byte};
+use crate::window::rendering::exchange::{PublishedFrame, supplier_byte};
 use crate::window::rendering::plan::Plan;
 use crate::window::rendering::render_thread::{ReferenceRadiance, RenderCommand};
 use crate::window::state::{InspectCommand, Inspection, PixelFacts, ReferenceView, Snap, Work};
 use afterimage::raster::color;
 use afterimage::raster::pixel_types::PixelType;
+use afterimage::raster::rgb9e5;
 use afterimage::reference::ReferenceId;
 use afterimage::trace::Probe;
 use egui::{Context, PointerButton, Response};
@@ -166,7 +167,7 @@ fn pixel_facts(frame: &PublishedFrame, [x, y]: [f64; 2], aspect: f64) -> Option<
         at,
         kind: pixel_type(*frame.types.get(pixel)?),
         supplier: supplier(frame, byte),
-        radiance: rgb9e5_decoded(*frame.radiance.get(pixel)?),
+        radiance: rgb9e5::unpack(*frame.radiance.get(pixel)?),
     })
 }
 

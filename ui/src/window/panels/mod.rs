@@ -22,14 +22,16 @@ pub mod report;
 pub mod views;
 
 use super::state::{AppState, Command};
+use afterimage::raster::pixel_types::TYPE_SRGB;
 use egui::{Color32, RichText, Ui};
 
 /// Type 1, 2 and 3, told apart by colour-blind people; Type 3 is also hatched.
-pub const TYPE_COLORS: [Color32; 3] = [
-    Color32::from_rgb(0x00, 0x72, 0xB2),
-    Color32::from_rgb(0xF0, 0xE4, 0x42),
-    Color32::from_rgb(0xD5, 0x5E, 0x00),
-];
+pub const TYPE_COLORS: [Color32; 3] = [type_color(0), type_color(1), type_color(2)];
+
+const fn type_color(index: usize) -> Color32 {
+    let [r, g, b] = TYPE_SRGB[index];
+    Color32::from_rgb(r, g, b)
+}
 
 /// A pixel that the last frame did not see, filled from beside it until the next one; as in present.wgsl.
 pub const FILLED_COLOR: Color32 = Color32::from_rgb(0xCC, 0x79, 0xA7);

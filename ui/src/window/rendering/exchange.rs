@@ -4,9 +4,9 @@ use crate::window::rendering::depth_ranges::DepthRanges;
 use afterimage::Camera;
 use afterimage::camera::SceneFrame;
 use afterimage::raster::color::metered_exposure_ev;
+use afterimage::raster::rgb9e5;
 use afterimage::reference::{ReferenceCache, ReferenceId};
 use afterimage::render::frame::{Frame, FrameStats, NO_SUPPLIER};
-use glam::Vec3;
 use rayon::prelude::*;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
@@ -94,7 +94,7 @@ impl PublishedFrame {
         (self.camera, self.size, self.stats) = (frame.camera, frame.view.size, frame.stats);
         self.scene_frame = *scene;
         self.depth_ranges.fill(&frame.disparity, self.size);
-        frame.radiance.par_iter().map(|&c| rgb9e5(c)).collect_into_vec(&mut self.radiance);
+        frame.radiance.par_iter().map(|&c| rgb9e5::pack(c)).collect_into_vec(&mut self.radiance);
         self.types.clear();
         self.types.extend(frame.types.iter().map(|&t| t as u8));
         self.suppliers.clear();
@@ -125,28 +125,6 @@ impl PublishedFrame {
 /// The byte that stands for a reference in [`PublishedFrame::suppliers`].
 pub fn supplier_byte(id: ReferenceId) -> u8 {
     (id.0 % u32::from(SUPPLIED_BY_NONE)) as u8
-}
-
-/// Three channels of nine bits with a common exponent of five bits (EXT_texture_shared_exponent): a third of the
-/// memory traffic of f32 at a relative error below 1/512 of the brightest channel.
-pub fn rgb9e5(color: Vec3) -> u32 {
-    const LARGEST: f32 = 65408.0;
-    let c = color.to_array().map(|v| if v.is_nan() { 0.0 } else { v.clamp(0.0, LARGEST) });
-    let largest = c[0].max(c[1]).max(c[2]);
-    let floor_log2 = ((largest.to_bits() >> 23) as i32 - 127).max(-16);
-    let mut exponent = floor_log2 + 16;
-    let scale = |exponent: i32| f32::from_bits(((127 + 24 - exponent) as u32) << 23);
-    if (largest * scale(exponent) + 0.5) as u32 == 512 {
-        exponent += 1;
-    }
-    let [r, g, b] = c.map(|v| (v * scale(exponent) + 0.5) as u32);
-    r | g << 9 | b << 18 | (exponent as u32) << 27
-}
-
-/// The colour that [`rgb9e5`] packed.
-pub fn rgb9e5_decoded(packed: u32) -> Vec3 {
-    let scale = 2f32.powi((packed >> 27) as i32 - 24);
-    Vec3::from_array([0, 9, 18].map(|at| (packed >> at & 511) as f32 * scale))
 }
 
 /// Three frames: one is written, one is ready, one is shown.
@@ -192,23 +170,6 @@ pub(crate) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn shared_exponent_keeps_colour() {
-        for c in [
-            Vec3::ONE,
-            Vec3::new(0.001, 0.5, 0.25),
-            Vec3::new(1000.0, 3.0, 0.9999),
-            Vec3::splat(0.99999),
-            Vec3::splat(1e-5),
-        ] {
-            let error = (rgb9e5_decoded(rgb9e5(c)) - c).abs().max_element();
-            assert!(error <= c.max_element() / 511.0 + 6e-8, "{c} became {}", rgb9e5_decoded(rgb9e5(c)));
-        }
-        assert_eq!(rgb9e5_decoded(rgb9e5(Vec3::ZERO)), Vec3::ZERO);
-        assert_eq!(rgb9e5_decoded(rgb9e5(Vec3::new(-1.0, f32::NAN, 0.0))), Vec3::ZERO);
-        assert_eq!(rgb9e5_decoded(rgb9e5(Vec3::splat(f32::INFINITY))), Vec3::splat(65408.0));
-    }
 
     #[test]
     fn the_newest_frame_is_taken_and_the_others_are_used_again() {

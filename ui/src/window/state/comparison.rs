@@ -1,9 +1,10 @@
 //! The picture against the full tracer's: what is shown of it, how far it is and how much they differ.
 
 use super::quality::Quality;
-use crate::window::rendering::exchange::{PublishedFrame, rgb9e5_decoded};
+use crate::window::rendering::exchange::PublishedFrame;
 use afterimage::raster::color::srgb8;
 use afterimage::raster::metrics::{CompareError, error_picture, flip_map, psnr_db};
+use afterimage::raster::rgb9e5;
 use glam::Vec3;
 
 /// What is shown of the comparison while its key is not held.
@@ -78,7 +79,7 @@ pub fn difference(
     quality: &Quality,
 ) -> Result<(PictureError, Vec<[u8; 3]>), CompareError> {
     let shown = |packed: &u32| {
-        let [r, g, b] = srgb8(rgb9e5_decoded(*packed), quality.exposure_ev, quality.tone_map).map(f32::from);
+        let [r, g, b] = srgb8(rgb9e5::unpack(*packed), quality.exposure_ev, quality.tone_map).map(f32::from);
         Vec3::new(r, g, b) / 255.0
     };
     let [picture, full] = [picture, full].map(|p| p.iter().map(shown).collect::<Vec<Vec3>>());
@@ -90,18 +91,17 @@ pub fn difference(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::window::rendering::exchange::rgb9e5;
     use afterimage::WalkthroughSettings;
     use afterimage::raster::metrics::PSNR_OF_EQUALS_DB;
 
     #[test]
     fn equal_pictures_do_not_differ_and_a_spot_is_found() {
         let quality = Quality::new(WalkthroughSettings::default());
-        let mut picture = vec![rgb9e5(Vec3::splat(0.3)); 32 * 32];
+        let mut picture = vec![rgb9e5::pack(Vec3::splat(0.3)); 32 * 32];
         let full = picture.clone();
         let (error, map) = difference(&picture, &full, [32, 32], &quality).unwrap();
         assert_eq!((error.psnr_db, error.flip_mean), (PSNR_OF_EQUALS_DB, 0.0));
-        picture[16 * 32 + 16] = rgb9e5(Vec3::new(4.0, 0.0, 0.0));
+        picture[16 * 32 + 16] = rgb9e5::pack(Vec3::new(4.0, 0.0, 0.0));
         let (error, marked) = difference(&picture, &full, [32, 32], &quality).unwrap();
         assert!(error.psnr_db < 40.0 && error.flip_mean > 1e-3);
         assert!(marked[16 * 32 + 16] != map[16 * 32 + 16] && marked[0] == map[0]);

@@ -1,4 +1,5 @@
-//! Which target rows each tile of a reference can reach: a band passes over the tiles that cannot reach it.
+//! A reference as the source of a warp: which target rows each of its tiles can reach. A band skips
+//! tiles that cannot reach it.
 
 use crate::camera::PixelWarp;
 use crate::camera::View;
@@ -7,38 +8,38 @@ use crate::reference::disparity_tiles::TILE;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Tiles a thread takes at a time, some 50 ns each.
+/// Minimum number of tiles per task; a tile takes about 50 ns.
 const MIN_TILES: usize = 128;
 
-/// A reference, as the warp into one view sees it.
+/// A reference, prepared for the warp into one view.
 pub(crate) struct Source<'a> {
-    /// From its pixels to the target's.
+    /// Warp from pixels of the reference to pixels of the target.
     pub(crate) warp: PixelWarp,
     reference: &'a ReferenceFrame,
     first_id: u32,
-    /// Target rows of each tile, row-major; empty where it cannot be seen.
+    /// Target rows that each tile can reach, row-major. Empty if the tile is not visible.
     spans: Vec<Range<u32>>,
 }
 
-/// The tiles of some pixel rows of a source.
+/// A row of tiles.
 pub(crate) struct TileRow<'a> {
     source: &'a Source<'a>,
     index: u32,
     spans: &'a [Range<u32>],
 }
 
-/// Neighbouring tiles of a row of them.
+/// Neighbouring tiles of a row, as a rectangle of pixels.
 pub(crate) struct Run<'a> {
-    /// Theirs.
+    /// Reference that the tiles belong to.
     pub(crate) source: &'a Source<'a>,
-    /// Pixel rows.
+    /// Pixel rows in the reference.
     pub(crate) rows: Range<u32>,
-    /// Pixel columns.
+    /// Pixel columns in the reference.
     pub(crate) columns: Range<u32>,
 }
 
 impl<'a> Source<'a> {
-    /// Takes a reference, the view to warp it to and the sample of its first pixel.
+    /// Prepares a reference for the warp into `view`. `first_id` is the sample of its first pixel.
     pub(crate) fn new(reference: &'a ReferenceFrame, view: &View, first_id: u32) -> Self {
         let warp = PixelWarp::new(&reference.view, view);
         let ranges = reference.tiles().ranges();
@@ -55,25 +56,25 @@ impl<'a> Source<'a> {
         Self { warp, reference, first_id, spans }
     }
 
-    /// Top to bottom.
+    /// All rows of tiles, from top to bottom.
     pub(crate) fn tile_rows(&self) -> impl Iterator<Item = TileRow<'_>> {
         let rows = self.spans.chunks(self.reference.tiles().columns().max(1));
         rows.zip(0..).map(|(spans, index)| TileRow { source: self, index, spans })
     }
 
-    /// The sample of the first pixel of a row.
+    /// Sample of the first pixel in row `y`.
     pub(crate) fn first_id_of_row(&self, y: u32) -> u32 {
         self.first_id + y * self.reference.view.size[0]
     }
 }
 
 impl<'a> TileRow<'a> {
-    /// The end of the rows of a band that any tile can reach.
+    /// End of the rows of a band that any of the tiles can reach.
     pub(crate) fn last_row_in(&self, band: &Range<u32>) -> u32 {
         self.spans.iter().map(|span| span.end.min(band.end)).max().unwrap_or(0)
     }
 
-    /// The tiles that can reach a band, neighbours together.
+    /// Tiles that can reach a band, with neighbours combined into runs.
     pub(crate) fn runs_in(&self, band: &Range<u32>) -> impl Iterator<Item = Run<'a>> {
         let meets = |span: &Range<u32>| span.start < band.end && band.start < span.end;
         let size = self.source.reference.view.size;
@@ -94,7 +95,7 @@ impl<'a> TileRow<'a> {
 }
 
 impl Run<'_> {
-    /// Of its pixels in a row.
+    /// Disparities of the run's pixels in row `y` of the reference.
     #[inline(always)]
     pub(crate) fn disparities(&self, y: u32) -> &[f32] {
         let row = y as usize * self.source.reference.view.size[0] as usize;
@@ -103,12 +104,14 @@ impl Run<'_> {
     }
 }
 
+/// Returns the pixels of a tile along one axis.
 fn pixels_of_tile(size: u32, axis: usize, tile: u32) -> Range<u32> {
     let side = TILE[axis];
     tile * side..((tile + 1) * side).min(size)
 }
 
-/// Rows of the picture in which samples of a tile may land: more than necessary, never fewer.
+/// Returns the target rows in which samples of a tile may land. Conservative: it may return too
+/// many, never too few.
 fn target_rows(warp: &PixelWarp, view: &View, x: [u32; 2], y: [u32; 2], disparity: [f32; 2]) -> Range<u32> {
     if disparity[0] > disparity[1] {
         return 0..0;
@@ -119,7 +122,7 @@ fn target_rows(warp: &PixelWarp, view: &View, x: [u32; 2], y: [u32; 2], disparit
     if is_outside {
         return 0..0;
     }
-    // The casts saturate. NaN, from numbers beyond all bounds, must not hide a row.
+    // The casts saturate. A bound of NaN, from an overflow, must not exclude a row.
     let end = if down[1].is_nan() { height } else { (down[1] as u32).saturating_add(1).min(height) };
     (down[0] as u32).min(end)..end
 }
