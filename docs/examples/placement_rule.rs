@@ -17,10 +17,10 @@ static EVERY_HALF_METRE: PlacementRule = PlacementRule {
     about: "after every half metre",
     has_threshold: false,
     // No reference is traced before the walk begins.
-    poses_ahead: |_tracer, _request| Vec::new(),
+    prefetch_poses: |_tracer, _request| Vec::new(),
     decide,
     // Frames of the walk itself are never kept as references.
-    keeps: |_lit_percent, _threshold_percent| false,
+    keeps_frame: |_lit_percent, _threshold_percent| false,
 };
 
 /// Returns the pose of the next reference, or `None`: the viewer's own pose where he crossed a multiple of 0.5 m in x
