@@ -72,6 +72,7 @@
 //!
 //! `docs/` in the repository holds the architecture, the algorithm, the measured results, and runnable examples.
 
+pub mod bsdf;
 pub mod camera;
 #[cfg(feature = "experiments")]
 pub mod experiment;

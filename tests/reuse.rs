@@ -147,7 +147,7 @@ fn type_counts_sum_and_a_mirror_is_never_type_1() {
         assert!((p.type1_percent + p.type2_percent + p.type3_percent - 100.0).abs() < 1e-9);
         for (t, &triangle) in frame.types.iter().zip(&frame.triangle) {
             if *t == PixelType::Reused {
-                assert!(!tracer.scene().material_of(triangle).is_specular(), "a mirror was copied");
+                assert!(!tracer.scene().material_of(triangle).is_view_dependent(), "a mirror was copied");
             }
         }
         assert!(frame.radiance.iter().all(|r| r.is_finite() && r.min_element() >= 0.0));

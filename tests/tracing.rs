@@ -2,8 +2,7 @@
 
 use crate::rooms::{cuboid, dvec, quad, room_camera, room_tracer};
 use afterimage::scene::{Light, Material, MaterialKind, SceneBuilder, SolidSide};
-use afterimage::trace::specular::{fresnel_dielectric, truncation_bound};
-use afterimage::trace::{RayCounts, TraceSettings};
+use afterimage::trace::{RayCounts, TraceSettings, truncation_bound};
 use afterimage::{Camera, FrameRequest, Mode, RenderSettings, Renderer, Tracer, View};
 use glam::Vec3;
 use std::sync::Arc;
@@ -125,20 +124,6 @@ fn a_point_light_falls_with_the_square_of_the_distance() {
         let got = radiance_at(f64::from(h));
         assert!((got / expected(h) - 1.0).abs() < 1e-3, "{h} m: {got} for {}", expected(h));
     }
-}
-
-#[test]
-fn fresnel_keeps_energy_and_knows_total_reflection() {
-    for i in 0..=1000 {
-        let cos = i as f32 / 1000.0;
-        for eta in [1.0 / 1.5, 1.5, 2.4, 1.0] {
-            let r = fresnel_dielectric(cos, eta);
-            assert!((0.0..=1.0).contains(&r), "cos {cos}, eta {eta}: {r}");
-        }
-    }
-    assert_eq!(fresnel_dielectric(0.5, 2.4), 1.0);
-    assert!((fresnel_dielectric(1.0, 1.0 / 1.5) - 0.04).abs() < 1e-6);
-    assert_eq!(fresnel_dielectric(0.7, 1.0), 0.0);
 }
 
 #[test]

@@ -205,7 +205,7 @@ impl Override {
             (Some(Kind::Diffuse), _) | (None, MaterialKind::Diffuse) => MaterialKind::Diffuse,
         };
         // What becomes a mirror or glass was matte in the file only because OBJ could not say better.
-        let became_specular = material.is_specular() && was == MaterialKind::Diffuse;
+        let became_specular = material.is_view_dependent() && was == MaterialKind::Diffuse;
         let kept = if became_specular { Vec3::ZERO } else { material.diffuse };
         material.diffuse = self.diffuse.unwrap_or(kept);
         material.emission = self.emission.unwrap_or(material.emission);

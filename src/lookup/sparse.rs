@@ -74,7 +74,7 @@ impl ReferenceFrame {
         let view = View::new(camera, &tracer.scene().frame, size);
         let mut frame = Self::empty(tracer, camera, view, settings);
         for (pixel, hit) in hits.enumerate() {
-            let specular = hit.is_some_and(|(_, t)| tracer.scene().material_of(t).is_specular());
+            let specular = hit.is_some_and(|(_, t)| tracer.scene().material_of(t).is_view_dependent());
             frame.store_hit(pixel, hit, u32::from(specular));
         }
         frame.forget_ill_conditioned(tracer);
@@ -237,7 +237,7 @@ impl SeenTile {
             let (x, y) = (self.corner[0] + i as u32 % 8, self.corner[1] + i as u32 / 8);
             if x < width && y < height {
                 let hit = (self.triangle[i] != u32::MAX).then_some((self.t[i], self.triangle[i]));
-                let specular = hit.is_some_and(|(_, t)| tracer.scene().material_of(t).is_specular());
+                let specular = hit.is_some_and(|(_, t)| tracer.scene().material_of(t).is_view_dependent());
                 frame.store_hit((y * width + x) as usize, hit, u32::from(specular));
             }
         }

@@ -118,19 +118,20 @@ impl<'a> Finish<'a> {
     /// The specular radiance of a pixel's first surface, with the light of all that it mirrors or lets through looked up.
     fn specular(&self, point: &SurfacePoint, ray: &Ray, hit: &Hit, pixel: u32, spent: &mut Spent) -> Vec3 {
         let tracer = self.tracer;
-        if !tracer.is_specular(point) {
+        if !tracer.is_view_dependent(point) {
             return Vec3::ZERO;
         }
         let (key, distance) = (Key::of_pixel(self.settings.seed, pixel), distance(ray, hit));
         let most_points = spent.points.len() + MAX_POINTS;
         let mut secondary = 0;
-        let (radiance, _) = tracer.follow_specular(point, ray.direction, &mut secondary, |next, link| {
-            let key = Tracer::specular_key(key, link.number);
-            let seen = Seen { pixel, distance: distance + link.length, share: link.share, key };
-            let radiance = self.diffuse(next, &seen, spent);
-            spent.points.truncate(most_points);
-            radiance
-        });
+        let (radiance, _) =
+            tracer.follow_specular(point, ray.direction, key, &mut secondary, |next, vertex| {
+                let (share, key) = (vertex.share, vertex.key);
+                let seen = Seen { pixel, distance: distance + vertex.length, share, key };
+                let radiance = self.diffuse(next, &seen, spent);
+                spent.points.truncate(most_points);
+                radiance
+            });
         spent.rays.secondary += secondary;
         radiance
     }

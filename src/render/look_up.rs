@@ -280,7 +280,7 @@ fn write_pixel(
             PixelType::Unseen
         } else if is_known && mode == Mode::Exact && light.is_guess(ray) {
             PixelType::Uncertain
-        } else if material.is_specular() {
+        } else if material.is_view_dependent() {
             PixelType::Secondary
         } else {
             PixelType::Reused

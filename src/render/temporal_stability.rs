@@ -91,7 +91,7 @@ impl TemporalStabilityWatch {
                     continue;
                 }
                 let material = &scene.materials[scene.triangle_materials[triangle as usize].0 as usize];
-                let is_plain = !material.is_specular() && material.diffuse_texture.is_none();
+                let is_plain = !material.is_view_dependent() && material.diffuse_texture.is_none();
                 self.points.push(Point {
                     pixel: [x as u32, y as u32],
                     disparity: frame.disparity[at],

@@ -75,8 +75,8 @@ impl Material {
         Self { kind: MaterialKind::Glass { eta, transmittance }, ..Self::diffuse(name, Vec3::ZERO) }
     }
 
-    /// True if the material has a specular part, which must be traced for each view.
-    pub fn is_specular(&self) -> bool {
+    /// True if part of the radiance depends on the viewer, so that it must be traced for each view.
+    pub fn is_view_dependent(&self) -> bool {
         !matches!(self.kind, MaterialKind::Diffuse)
     }
 
@@ -93,6 +93,16 @@ impl Material {
     /// True if no light can pass: the material is not glass and has no alpha texture.
     pub fn is_opaque(&self) -> bool {
         self.alpha_texture.is_none() && !self.is_glass()
+    }
+
+    /// Largest reflectance of a mirror over all angles and channels; 0 for other materials.
+    pub fn max_mirror_reflectance(&self) -> f32 {
+        match self.kind {
+            // At grazing angles the Fresnel reflectance is 1.
+            MaterialKind::Mirror { fresnel: true, .. } => 1.0,
+            MaterialKind::Mirror { reflectance, .. } => reflectance.max_element(),
+            MaterialKind::Diffuse | MaterialKind::Glass { .. } => 0.0,
+        }
     }
 
     /// True if the surface emits light.

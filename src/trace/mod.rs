@@ -1,27 +1,35 @@
 //! The ordinary ray tracer, kept simple because it is the truth that reuse is measured against.
 //!
-//! [`Tracer::pixel`] is the whole of it: a primary ray ([`primary`]), the light a surface scatters to every side
-//! ([`diffuse`]), the light it mirrors or lets through ([`specular`]).
+//! | module | contents |
+//! |---|---|
+//! | [`bvh`] | the bounding volume hierarchy: one ray, a tile of primary rays, a bundle of shadow rays |
+//! | `tracer`, `surface` | a scene with its hierarchy, and the surface points that its rays hit |
+//! | `lights` | sampling of light sources and what passes on the way to them |
+//! | `path` | the radiance of a pixel: diffuse light, bounces, mirrors and glass |
+//! | `primary_tile`, `probe` | the primary rays of a tile, and rays that measure the model |
+//! | `indoor_start` | the start view of a model of rooms that has none of its own |
+//! | [`parallel`] | tracing many pixels on all threads |
+//!
+//! [`Tracer::pixel`] traces one pixel in full.
 
 pub mod bvh;
-pub mod diffuse;
-mod indoors;
-pub mod lights;
+mod indoor_start;
+mod lights;
 pub mod parallel;
-pub mod pixel;
-pub mod primary;
+mod path;
 mod primary_tile;
 mod probe;
-pub mod specular;
+mod ray_counts;
+mod settings;
 mod surface;
+mod tracer;
 
-pub use bvh::{BUNDLE_RAYS, Bvh, Hit, RayBundle, RayTile, TILE_RAYS, TILE_SIDE, TileHits};
-pub use lights::grid::{LightCuts, LightGrid};
-pub use pixel::{PixelTrace, RayCounts, TraceSettings};
-pub use primary::{SceneEpoch, Tracer};
+pub use bvh::{BUNDLE_RAYS, Bvh, Hit, NO_TRIANGLE, RayBundle, RayTile, TILE_RAYS, TILE_SIDE, TileHits};
+pub use lights::{LightCuts, LightGrid};
+pub use path::{MAX_BOUNCES, PathVertex, PixelTrace, truncation_bound};
 pub use primary_tile::primary_tile;
 pub use probe::Probe;
+pub use ray_counts::RayCounts;
+pub use settings::TraceSettings;
 pub use surface::{ILL_CONDITIONED, SurfacePoint};
-
-/// The triangle of a sky pixel.
-pub const NO_TRIANGLE: u32 = u32::MAX;
+pub use tracer::{SceneEpoch, Tracer};

@@ -3,7 +3,6 @@
 use super::bvh::{RayTile, TILE_RAYS, TILE_SIDE, TileHits};
 use super::{Hit, Tracer};
 use crate::camera::View;
-use crate::scene::MaterialKind;
 use glam::Vec3;
 
 impl Tracer {
@@ -34,7 +33,7 @@ impl Tracer {
 
     fn is_clear_glass(&self, triangle: u32) -> bool {
         let material = self.scene().material_of(triangle);
-        matches!(material.kind, MaterialKind::Glass { .. }) && material.diffuse == Vec3::ZERO
+        material.is_glass() && material.diffuse == Vec3::ZERO
     }
 }
 

@@ -1,5 +1,7 @@
 //! A point on a surface: everything that shading asks of it.
 
+use crate::bsdf::{Bsdf, Facing, Scatter, albedo};
+use crate::math::Ray;
 use crate::math::ray::offset_from_surface;
 use crate::scene::{MaterialId, Scene, SolidSide};
 use glam::{Vec2, Vec3};
@@ -73,26 +75,31 @@ impl SurfacePoint {
         offset_from_surface(self.position, -self.geometric_normal, self.magnitude)
     }
 
-    /// Diffuse reflectance here.
+    /// Diffuse reflectance, per channel.
     pub fn albedo(&self, scene: &Scene) -> Vec3 {
-        let material = &scene.materials[self.material.0 as usize];
-        match material.diffuse_texture {
-            None => material.diffuse,
-            Some(map) => {
-                let uv = self.uv * map.scale + map.offset;
-                material.diffuse * scene.textures[map.texture.0 as usize].color(uv)
-            }
-        }
+        albedo(&scene.materials[self.material.0 as usize], &scene.textures, || self.uv)
     }
 
-    /// How the viewer's side relates to a solid of glass: `None` for a thin sheet, else whether light that passes
-    /// from the viewer's side enters the body.
-    pub fn enters_solid(&self, scene: &Scene) -> Option<bool> {
-        match scene.solids[self.triangle as usize] {
-            SolidSide::Thin => None,
-            SolidSide::InsideBehind => Some(self.is_front),
-            SolidSide::InsideInFront => Some(!self.is_front),
-        }
+    /// The viewer's side of the surface, as scattering needs it.
+    pub fn facing(&self, scene: &Scene) -> Facing {
+        let enters_solid = match scene.solids.get(self.triangle as usize) {
+            None | Some(SolidSide::Thin) => None,
+            Some(SolidSide::InsideBehind) => Some(self.is_front),
+            Some(SolidSide::InsideInFront) => Some(!self.is_front),
+        };
+        let Self { geometric_normal, shading_normal, .. } = *self;
+        Facing { geometric_normal, shading_normal, enters_solid }
+    }
+
+    /// The viewer-dependent lobe of the surface.
+    pub fn bsdf<'a>(&self, scene: &'a Scene) -> Bsdf<'a> {
+        Bsdf { material: &scene.materials[self.material.0 as usize], facing: self.facing(scene) }
+    }
+
+    /// The ray of a path that continues as `scatter` says.
+    pub fn scattered_ray(&self, scatter: &Scatter) -> Ray {
+        let origin = if scatter.is_transmitted { self.origin_behind() } else { self.origin_in_front() };
+        Ray::new(origin, scatter.direction)
     }
 }
 

@@ -175,7 +175,7 @@ fn never_copied(_: &Trial) -> Outcome {
     for (forward, turn) in [(0.0, 0.0), (0.2, 0.1), (1.0, -0.3)] {
         let shown = paper(&tracer, &Room::SHINY.moved(forward, turn), &[&lent[0], &lent[1]]);
         let is_wrong = |(kind, &t): (&PixelType, &u32)| {
-            *kind == PixelType::Reused && t != u32::MAX && tracer.scene().material_of(t).is_specular()
+            *kind == PixelType::Reused && t != u32::MAX && tracer.scene().material_of(t).is_view_dependent()
         };
         wrong += shown.types.iter().zip(&shown.triangle).filter(|&pair| is_wrong(pair)).count();
     }

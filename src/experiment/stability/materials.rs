@@ -6,6 +6,7 @@ use super::bench::{
 };
 use super::case::{Case, Measured, Outcome, Trial};
 use super::geometry::imported;
+use crate::bsdf::fresnel_dielectric;
 use crate::camera::{Camera, View};
 use crate::experiment::run::ExperimentError;
 use crate::math::Ray;
@@ -13,8 +14,7 @@ use crate::math::key::Key;
 use crate::raster::color::{ToneMap, display_linear, metered_exposure_ev};
 use crate::render::{Frame, Mode};
 use crate::scene::{Encoding, Material, MaterialId, MaterialKind, SceneBuilder, Sky, Texture, TextureRef};
-use crate::trace::specular::{MAX_BOUNCES, fresnel_dielectric, truncation_bound};
-use crate::trace::{PixelTrace, RayCounts, TraceSettings, Tracer};
+use crate::trace::{MAX_BOUNCES, PixelTrace, RayCounts, TraceSettings, Tracer, truncation_bound};
 use glam::{DVec3, Vec2, Vec3};
 
 pub(super) const CASES: &[Case] = &[

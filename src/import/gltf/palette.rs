@@ -302,7 +302,7 @@ impl Painter<'_> {
         let opacity = look.opacity * if varies { 1.0 } else { flat };
         match (look.alpha, look.base_use) {
             (Alpha::Opaque, _) => None,
-            (Alpha::Blend, _) if material.is_specular() => None,
+            (Alpha::Blend, _) if material.is_view_dependent() => None,
             (Alpha::Mask { cutoff }, Some(used)) if varies => {
                 material.alpha_texture = self.mask(used, cutoff / opacity, builder);
                 None

@@ -10,6 +10,7 @@
 
 mod damage;
 
+use crate::bsdf::albedo;
 use crate::camera::{Camera, NEAREST_DEPTH, View};
 use crate::raster::rgb9e5::Rgb9e5Scale;
 use crate::reference::DisparityTiles;
@@ -226,13 +227,10 @@ impl ReferenceFrame {
         }
         let scene = tracer.scene();
         let material = scene.material_of(triangle);
-        let albedo = match material.diffuse_texture {
-            None => material.diffuse,
-            Some(_) => {
-                let offset = self.offset_from_eye(pixel);
-                SurfacePoint::from_position(scene, triangle, self.view.eye + offset, offset).albedo(scene)
-            }
-        };
+        let albedo = albedo(material, &scene.textures, || {
+            let offset = self.offset_from_eye(pixel);
+            SurfacePoint::from_position(scene, triangle, self.view.eye + offset, offset).uv
+        });
         material.emission + albedo * self.light(pixel)
     }
 

@@ -2,16 +2,14 @@
 
 use super::cluster::cluster;
 use super::fold::Fold;
-use super::{Bvh, Child};
+use super::node::{Child, MAX_DEPTH};
+use super::tree::Bvh;
 use fearless_simd::Level;
 use glam::Vec3;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use rayon::prelude::*;
-
-/// Inner levels a traversal can hold.
-pub(super) const MAX_DEPTH: usize = 80;
 
 /// The share of nodes put elsewhere in a round: rays of the gallery visit 1 to 4 % fewer nodes than after a twentieth.
 const REINSERTED: f32 = 0.2;

@@ -12,22 +12,17 @@
 //! they are many, triangles are culled by the planes through the origin and their edges, and tested against eight rays at a time. Testing
 //! each triangle that the bundle may meet against all rays was slower than single rays are.
 
-use super::cone::{Beam, Cone, Lanes, lane_values};
+use super::cone::{Beam, Cone, Lanes};
+use super::hit::Hit;
+use super::node::{Child, Node};
 use super::packet::{ShearedRay, TrianglePacket};
+use super::ray_bundle::{BUNDLE_RAYS, MIN_RAYS, RayBundle, lane_values};
 use super::rays8::{LANES, SeenTriangle, Shear8};
 use super::slab::FAR_SLACK;
 use super::traverse::{Occluder, STACK, any_in_packet};
-use super::{Bvh, Child, Hit, Node};
-use crate::math::Ray;
+use super::tree::Bvh;
 use arrayvec::ArrayVec;
 use fearless_simd::{Simd, SimdBase, SimdMask, dispatch, f32x4, f32x8};
-use glam::Vec3;
-
-/// Rays of a bundle at most.
-pub const BUNDLE_RAYS: usize = 2 * LANES;
-
-/// Fewer rays are traced one at a time.
-pub const MIN_RAYS: usize = 3;
 
 /// A leaf that at most so many rays reach is tested a ray at a time: four triangles in one step, where the other way takes two steps a
 /// triangle. Not tuned.
@@ -37,63 +32,6 @@ const FEW_RAYS: u32 = 4;
 /// and a bundle that finds many small boxes finds most of them in the gaps. On pictures of the gallery 32 took a tenth less time than never to
 /// look, 0 and 16 a twentieth.
 const NODES_UNLOOKED: u32 = 32;
-
-/// Rays from one origin.
-#[derive(Clone, Debug)]
-pub struct RayBundle {
-    pub(super) origin: Vec3,
-    pub(super) directions: [[f32; BUNDLE_RAYS]; 3],
-    pub(super) t_max: [f32; BUNDLE_RAYS],
-    pub(super) len: usize,
-}
-
-impl RayBundle {
-    /// No rays yet.
-    pub fn new(origin: Vec3) -> Self {
-        Self { origin, directions: [[0.0; BUNDLE_RAYS]; 3], t_max: [0.0; BUNDLE_RAYS], len: 0 }
-    }
-
-    /// Where its rays start.
-    pub fn origin(&self) -> Vec3 {
-        self.origin
-    }
-
-    /// Rays in it.
-    pub fn len(&self) -> usize {
-        self.len
-    }
-
-    /// True where there are none.
-    pub fn is_empty(&self) -> bool {
-        self.len == 0
-    }
-
-    /// Adds a ray; its origin is the bundle's.
-    ///
-    /// # Panics
-    /// Where there are [`BUNDLE_RAYS`] already.
-    #[inline(always)]
-    pub fn push(&mut self, direction: Vec3, t_max: f32) {
-        let [dx, dy, dz] = &mut self.directions;
-        (dx[self.len], dy[self.len], dz[self.len]) = direction.into();
-        self.t_max[self.len] = t_max;
-        self.len += 1;
-    }
-
-    /// The rays.
-    pub fn rays(&self) -> impl Iterator<Item = Ray> {
-        (0..self.len).map(|ray| self.ray(ray))
-    }
-
-    /// One of the rays.
-    pub fn ray(&self, ray: usize) -> Ray {
-        Ray { origin: self.origin, direction: self.direction(ray), t_max: self.t_max[ray] }
-    }
-
-    fn direction(&self, ray: usize) -> Vec3 {
-        Vec3::from(self.directions.each_ref().map(|of_axis| of_axis[ray]))
-    }
-}
 
 impl Bvh {
     /// Bit per ray of a bundle before whose end lies some triangle for which `accept(ray, hit)` holds. It is asked once for each ray

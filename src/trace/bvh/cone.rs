@@ -1,7 +1,7 @@
 //! What bounds the rays of a bundle: a box of directions for the boxes of nodes, a pyramid for triangles.
 
-use super::Node;
-use super::bundle::{BUNDLE_RAYS, RayBundle};
+use super::node::Node;
+use super::ray_bundle::{RayBundle, lane_values};
 use super::rays8::{LANES, Shear8};
 use super::slab::{FAR_SLACK, TINY};
 use super::vectors::{cross, dot, sub};
@@ -181,12 +181,6 @@ impl Beam {
 #[inline(always)]
 fn extent<S: Simd>(v: &[f32x4<S>; 3]) -> f32x4<S> {
     v[0].abs() + v[1].abs() + v[2].abs()
-}
-
-// Here and elsewhere no closure returns vectors: such a one is not compiled for the level that is dispatched to.
-#[inline(always)]
-pub(super) fn lane_values<S: Simd>(simd: S, from: &[f32; BUNDLE_RAYS], half: usize) -> f32x8<S> {
-    f32x8::from_slice(simd, &from[half * LANES..(half + 1) * LANES])
 }
 
 #[inline(always)]

@@ -4,10 +4,10 @@
 //! section 3.1: of all ways to fold, the one that costs a random ray least, found from the leaves up. We differ: a
 //! leaf of four triangles costs no more than one of a single triangle, for a packet tests four at a time.
 
+use super::node::{Child, Node, WIDTH};
 use super::packet::TrianglePacket;
-use super::{Bvh, Child, Node, WIDTH};
+use super::tree::Bvh;
 use glam::Vec3;
-use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 
 /// The time of testing a packet of triangles, in that of testing a node. From a half to three, rays visit the same
@@ -97,7 +97,7 @@ impl<'a> Fold<'a> {
         Self { tree, ways: plan(tree), corners, bvh }
     }
 
-    /// Folds the subtree at `index`. The machine stack holds at most [`super::build::MAX_DEPTH`] calls.
+    /// Folds the subtree at `index`. The machine stack holds at most [`super::node::MAX_DEPTH`] calls.
     pub(super) fn child(&mut self, index: u32) -> Child {
         let ways = &self.ways[index as usize];
         if ways.children_left == 0 {
@@ -106,7 +106,7 @@ impl<'a> Fold<'a> {
         let mut members = Vec::with_capacity(WIDTH);
         self.halve(index, WIDTH, ways.children_left, &mut members);
         let slot = self.reserve_node();
-        let mut node = EMPTY_NODE;
+        let mut node = Node::EMPTY;
         for (lane, &member) in members.iter().enumerate() {
             let child = self.child(member);
             node.set(lane, child, self.tree.nodes[member as usize].aabb());
@@ -132,7 +132,7 @@ impl<'a> Fold<'a> {
 
     /// Parents stand before their children, so that a walk down reads memory forwards.
     fn reserve_node(&mut self) -> usize {
-        self.bvh.nodes.push(EMPTY_NODE);
+        self.bvh.nodes.push(Node::EMPTY);
         self.bvh.nodes.len() - 1
     }
 
@@ -156,22 +156,6 @@ impl<'a> Fold<'a> {
             packet.set(lane, triangle, self.corners[triangle as usize]);
         }
         self.bvh.packets.push(packet);
-        Child(Child::LEAF | (self.bvh.packets.len() - 1) as u32)
-    }
-}
-
-/// Boxes that no ray meets.
-const EMPTY_NODE: Node = {
-    let (low, high) = ([f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]);
-    Node { bounds: [low, high, low, high, low, high], children: [Child::ABSENT; WIDTH] }
-};
-
-impl Node {
-    fn set(&mut self, lane: usize, child: Child, aabb: &Aabb) {
-        self.children[lane] = child;
-        for axis in 0..3 {
-            self.bounds[2 * axis][lane] = aabb.min[axis];
-            self.bounds[2 * axis + 1][lane] = aabb.max[axis];
-        }
+        Child::leaf(self.bvh.packets.len() - 1)
     }
 }

@@ -5,7 +5,7 @@
 //! cannot pass between them. Where a sign is exactly zero it is decided in f64, as in the paper. We differ: the
 //! corners are tested four triangles at a time, and winding is not swapped with the axes (both sides are hit).
 
-use super::Hit;
+use super::hit::{Hit, NO_TRIANGLE};
 use crate::math::Ray;
 use fearless_simd::{f32x4, prelude::*};
 use glam::Vec3;
@@ -105,7 +105,7 @@ pub(super) fn intersect_triangle(
 
 impl TrianglePacket {
     /// Lanes of NaN corners are never hit.
-    pub(super) const EMPTY: Self = Self { corners: [[[f32::NAN; 4]; 3]; 3], triangles: [u32::MAX; 4] };
+    pub(super) const EMPTY: Self = Self { corners: [[[f32::NAN; 4]; 3]; 3], triangles: [NO_TRIANGLE; 4] };
 
     pub(super) fn set(&mut self, lane: usize, triangle: u32, corners: [Vec3; 3]) {
         self.triangles[lane] = triangle;

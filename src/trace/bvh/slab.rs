@@ -3,7 +3,7 @@
 //! Source: Ize, "Robust BVH Ray Traversal", JCGT 2013: the far distance is widened by the rounding error of its own
 //! computation, so that no box is missed whose content is hit.
 
-use super::{Node, WIDTH};
+use super::node::{Node, WIDTH};
 use crate::math::Ray;
 use fearless_simd::{f32x8, prelude::*};
 

@@ -7,11 +7,13 @@
 //! Source: frustum traversal as in Reshetov, Soupikov, Hurley, "Multi-Level Ray Tracing Algorithm", SIGGRAPH 2005. We
 //! differ: one level, and triangles are culled by the planes through the eye and their edges as well.
 
-use super::packet::TrianglePacket;
+use super::hit::{Hit, NO_TRIANGLE};
+use super::node::{Child, Node};
+use super::packet::{TrianglePacket, largest_axis};
 use super::rays8::{LANES, SeenTriangle, Shear8};
 use super::traverse::{STACK, nearest_first};
+use super::tree::Bvh;
 use super::vectors::{cross, dot, sub};
-use super::{Bvh, Child, Hit, Node};
 use crate::math::Ray;
 use arrayvec::ArrayVec;
 use fearless_simd::{Simd, SimdBase, SimdMask, dispatch, f32x4, f32x8, prelude::*, u32x8};
@@ -51,7 +53,7 @@ impl RayTile {
 pub struct TileHits {
     /// Distance along each ray; infinite where nothing is met.
     pub t: [f32; TILE_RAYS],
-    /// Triangle met; `u32::MAX` for none.
+    /// Triangle met; `NO_TRIANGLE` for none.
     pub triangle: [u32; TILE_RAYS],
     /// Barycentric weights of the second corner.
     pub b1: [f32; TILE_RAYS],
@@ -63,7 +65,7 @@ impl TileHits {
     /// Nothing met.
     pub const NONE: Self = Self {
         t: [f32::INFINITY; TILE_RAYS],
-        triangle: [u32::MAX; TILE_RAYS],
+        triangle: [NO_TRIANGLE; TILE_RAYS],
         b1: [0.0; TILE_RAYS],
         b2: [0.0; TILE_RAYS],
     };
@@ -71,7 +73,12 @@ impl TileHits {
     /// What one of the rays meets.
     pub fn hit(&self, ray: usize) -> Option<Hit> {
         let triangle = self.triangle[ray];
-        (triangle != u32::MAX).then(|| Hit { t: self.t[ray], triangle, b1: self.b1[ray], b2: self.b2[ray] })
+        (triangle != NO_TRIANGLE).then(|| Hit {
+            t: self.t[ray],
+            triangle,
+            b1: self.b1[ray],
+            b2: self.b2[ray],
+        })
     }
 }
 
@@ -145,7 +152,7 @@ impl TileShear {
         let [dx, dy, dz] = &tile.directions;
         for ray in 0..TILE_RAYS {
             let d = [dx[ray], dy[ray], dz[ray]];
-            let axis = super::packet::largest_axis(d);
+            let axis = largest_axis(d);
             let inverse = 1.0 / d[axis];
             shear.largest[ray] = axis as u8;
             shear.x[ray] = d[(axis + 1) % 3] * inverse;

@@ -1,9 +1,10 @@
 //! Walks the tree along a ray.
 
-use super::build::MAX_DEPTH;
+use super::hit::{Hit, NO_TRIANGLE};
+use super::node::{Child, MAX_DEPTH, Node, WIDTH};
 use super::packet::{ShearedRay, TrianglePacket, intersect_triangle};
 use super::slab::SlabRay;
-use super::{Bvh, Child, Hit, Node, WIDTH};
+use super::tree::Bvh;
 use crate::math::Ray;
 use arrayvec::ArrayVec;
 use fearless_simd::{Simd, dispatch};
@@ -55,7 +56,7 @@ impl Bvh {
             return None;
         }
         let (slab, sheared) = (SlabRay::new(simd, ray), ShearedRay::new(simd, ray));
-        let mut best = Hit { t: ray.t_max, triangle: u32::MAX, b1: 0.0, b2: 0.0 };
+        let mut best = Hit { t: ray.t_max, triangle: NO_TRIANGLE, b1: 0.0, b2: 0.0 };
         let mut stack = ArrayVec::<(Child, f32), STACK>::new();
         let mut next = self.root;
         while next != Child::NONE {
@@ -77,7 +78,7 @@ impl Bvh {
                 }
             }
         }
-        (best.triangle != u32::MAX).then_some(best)
+        (best.triangle != NO_TRIANGLE).then_some(best)
     }
 
     /// Children are visited as they come: two rays of three are not blocked and visit them all, and no order by area
@@ -168,7 +169,7 @@ fn closest_in_packet(
         let hit = hits.hit(mask.trailing_zeros() as usize, packet);
         let nearer = hit.t < best.t || (hit.t == best.t && hit.triangle < best.triangle);
         // An end of the ray is no hit: `best.triangle` is MAX until something nearer than the end is found.
-        let at_end = best.triangle == u32::MAX && hit.t == best.t;
+        let at_end = best.triangle == NO_TRIANGLE && hit.t == best.t;
         if nearer && !at_end && accept(&hit) {
             *best = hit;
         }

@@ -9,7 +9,7 @@
 use crate::math::Ray;
 use crate::math::key::Key;
 use crate::math::sampling::lattice;
-use crate::scene::{Light, MaterialKind, Scene, point_on_mesh};
+use crate::scene::{Light, Scene, point_on_mesh};
 use crate::trace::Bvh;
 use glam::{UVec3, Vec3};
 use std::sync::OnceLock;
@@ -147,11 +147,7 @@ impl Region {
         let from = self.low + Vec3::new(x, y, z) * self.size;
         let Some(to) = point_on(&scene.lights[light as usize], key.with(2).pair()) else { return true };
         // Textured cut-outs and glass let light through: they never hide a lamp for good.
-        let opaque = |triangle: u32| {
-            let material = scene.material_of(triangle);
-            material.alpha_texture.is_none() && !matches!(material.kind, MaterialKind::Glass { .. })
-        };
-        !bvh.any(&Ray::segment(from, to), |hit| opaque(hit.triangle))
+        !bvh.any(&Ray::segment(from, to), |hit| scene.material_of(hit.triangle).is_opaque())
     }
 }
 

@@ -1,6 +1,10 @@
-//! Light arriving from the scene's light sources: points on them, what passes on the way, and which can matter where.
+//! Sampling of the scene's light sources: which of them matter where (`grid`), points on them
+//! (`sample`, `quad`), what passes on the way (`shadow`), and the irradiance that arrives (`direct`).
 
-pub(crate) mod grid;
-pub(crate) mod quad;
-pub(crate) mod sample;
-pub(crate) mod shadow;
+mod direct;
+mod grid;
+mod quad;
+mod sample;
+mod shadow;
+
+pub use grid::{LightCuts, LightGrid};

@@ -1,10 +1,10 @@
 //! One light as a surface point sees it: where its sample points are and what each would bring.
 
+use super::quad::{Points, Quad, sample_quad};
 use crate::math::Ray;
 use crate::math::sampling::{cosine_hemisphere, frame_around, lattice, uniform_cone};
 use crate::scene::{Light, Scene, point_on_mesh};
 use crate::trace::bvh::{BUNDLE_RAYS, MIN_RAYS, RayBundle};
-use crate::trace::lights::quad::{Points, Quad, sample_quad};
 use crate::trace::surface::SurfacePoint;
 use glam::Vec3;
 use std::f32::consts::PI;

@@ -4,8 +4,8 @@ use super::failure::Failure;
 use super::flags::Flags;
 use super::output;
 use super::scene::{Loaded, load, place};
-use afterimage::scene::{Light, MaterialKind, Scene};
-use afterimage::trace::specular::truncation_bound;
+use afterimage::scene::{Light, Material, Scene};
+use afterimage::trace::truncation_bound;
 use clap::Args;
 use serde_json::{Value, json};
 
@@ -66,13 +66,7 @@ fn light_kinds(scene: &Scene) -> Vec<(&'static str, usize)> {
 /// The largest reflectance of all mirrors, and a bound on the radiance that is lost by ending chains of
 /// mirrors early, relative to the largest radiance reflected; `None` if it is unbounded.
 fn mirrors(scene: &Scene) -> (f32, Option<f32>) {
-    let reflectance = |m: &afterimage::scene::Material| match m.kind {
-        // At grazing angles the Fresnel reflectance is 1.
-        MaterialKind::Mirror { fresnel: true, .. } => 1.0,
-        MaterialKind::Mirror { reflectance, .. } => reflectance.max_element(),
-        _ => 0.0,
-    };
-    let r = scene.materials.iter().map(reflectance).fold(0.0, f32::max);
+    let r = scene.materials.iter().map(Material::max_mirror_reflectance).fold(0.0, f32::max);
     let bound = if r > 0.0 { truncation_bound(r, 1.0) } else { 0.0 };
     (r, bound.is_finite().then_some(bound))
 }

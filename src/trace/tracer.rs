@@ -1,11 +1,12 @@
 //! The tracer: a scene with its hierarchy, and the rays that ask it questions.
 
-use super::bvh::{Bvh, Hit};
+use super::bvh::{Bvh, Hit, NO_TRIANGLE};
+use super::lights::LightGrid;
 use super::surface::{SurfacePoint, interpolate_uv};
+use crate::bsdf::albedo;
 use crate::camera::View;
 use crate::math::Ray;
-use crate::scene::Scene;
-use crate::trace::lights::grid::LightGrid;
+use crate::scene::{Material, Scene};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -138,7 +139,7 @@ impl Tracer {
 
     /// Where a ray meets a triangle, whatever else it meets: the same bits as [`Self::closest`] has for it.
     pub fn hit_on_triangle(&self, ray: &Ray, triangle: u32) -> Option<Hit> {
-        (triangle != u32::MAX)
+        (triangle != NO_TRIANGLE)
             .then(|| self.bvh.on_triangle(ray, triangle, self.scene.corners(triangle)))
             .flatten()
     }
@@ -146,14 +147,18 @@ impl Tracer {
     /// Diffuse reflectance where a triangle was hit.
     #[inline(always)]
     pub fn albedo(&self, hit: &Hit) -> Vec3 {
-        let material = self.scene.material_of(hit.triangle);
-        match material.diffuse_texture {
-            None => material.diffuse,
-            Some(map) => {
-                let uv = interpolate_uv(&self.scene, hit.triangle, [hit.b1, hit.b2]) * map.scale + map.offset;
-                material.diffuse * self.scene.textures[map.texture.0 as usize].color(uv)
-            }
-        }
+        let uv = || interpolate_uv(&self.scene, hit.triangle, [hit.b1, hit.b2]);
+        albedo(self.scene.material_of(hit.triangle), &self.scene.textures, uv)
+    }
+
+    /// Material of a surface point.
+    pub(super) fn material(&self, point: &SurfacePoint) -> &Material {
+        &self.scene.materials[point.material.0 as usize]
+    }
+
+    /// True where part of the radiance of a surface depends on the viewer, so that it must be traced.
+    pub fn is_view_dependent(&self, point: &SurfacePoint) -> bool {
+        self.material(point).is_view_dependent()
     }
 
     /// The surface point of a hit.

@@ -1,0 +1,75 @@
+//! Rays from one origin, stored by component.
+
+use super::rays8::LANES;
+use crate::math::Ray;
+use fearless_simd::{Simd, SimdBase, f32x8};
+use glam::Vec3;
+
+/// Rays of a bundle at most.
+pub const BUNDLE_RAYS: usize = 2 * LANES;
+
+/// Fewer rays are traced one at a time.
+pub const MIN_RAYS: usize = 3;
+
+/// Rays from one origin.
+#[derive(Clone, Debug)]
+pub struct RayBundle {
+    pub(super) origin: Vec3,
+    pub(super) directions: [[f32; BUNDLE_RAYS]; 3],
+    pub(super) t_max: [f32; BUNDLE_RAYS],
+    pub(super) len: usize,
+}
+
+impl RayBundle {
+    /// No rays yet.
+    pub fn new(origin: Vec3) -> Self {
+        Self { origin, directions: [[0.0; BUNDLE_RAYS]; 3], t_max: [0.0; BUNDLE_RAYS], len: 0 }
+    }
+
+    /// Where its rays start.
+    pub fn origin(&self) -> Vec3 {
+        self.origin
+    }
+
+    /// Rays in it.
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// True where there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// Adds a ray; its origin is the bundle's.
+    ///
+    /// # Panics
+    /// Where there are [`BUNDLE_RAYS`] already.
+    #[inline(always)]
+    pub fn push(&mut self, direction: Vec3, t_max: f32) {
+        let [dx, dy, dz] = &mut self.directions;
+        (dx[self.len], dy[self.len], dz[self.len]) = direction.into();
+        self.t_max[self.len] = t_max;
+        self.len += 1;
+    }
+
+    /// The rays.
+    pub fn rays(&self) -> impl Iterator<Item = Ray> {
+        (0..self.len).map(|ray| self.ray(ray))
+    }
+
+    /// One of the rays.
+    pub fn ray(&self, ray: usize) -> Ray {
+        Ray { origin: self.origin, direction: self.direction(ray), t_max: self.t_max[ray] }
+    }
+
+    fn direction(&self, ray: usize) -> Vec3 {
+        Vec3::from(self.directions.each_ref().map(|of_axis| of_axis[ray]))
+    }
+}
+
+// Here and elsewhere no closure returns vectors: such a one is not compiled for the level that is dispatched to.
+#[inline(always)]
+pub(super) fn lane_values<S: Simd>(simd: S, from: &[f32; BUNDLE_RAYS], half: usize) -> f32x8<S> {
+    f32x8::from_slice(simd, &from[half * LANES..(half + 1) * LANES])
+}

@@ -1,0 +1,65 @@
+//! Irradiance that arrives straight from the lights (next-event estimation).
+//!
+//! Every light that matters at the point (`grid`) and is not behind the surface gets stratified
+//! shadow rays of its own.
+
+use super::quad::Points;
+use super::sample::{add_samples, is_behind, sample_count};
+use crate::math::key::Key;
+use crate::trace::{BUNDLE_RAYS, RayBundle, RayCounts, SurfacePoint, Tracer};
+use glam::Vec3;
+
+impl Tracer {
+    /// Returns the irradiance that arrives straight from the lights, by `samples` shadow rays each.
+    pub fn irradiance(&self, point: &SurfacePoint, samples: u32, key: Key, rays: &mut RayCounts) -> Vec3 {
+        self.irradiance_through(point, samples, key, |bundle, clamped, passed| {
+            rays.shadow += bundle.len() as u64;
+            rays.clamped += clamped;
+            self.transmittances(bundle, passed);
+        })
+    }
+
+    /// Appends to `bundles` the shadow rays that [`Self::irradiance`] traces, in its order.
+    pub fn shadow_bundles(&self, point: &SurfacePoint, samples: u32, key: Key, bundles: &mut Vec<RayBundle>) {
+        self.irradiance_through(point, samples, key, |bundle, _, _| bundles.push(bundle.clone()));
+    }
+
+    /// Sums the irradiance of all lights. `trace` receives each bundle of shadow rays with the number
+    /// of its rays whose irradiance was bounded, and writes the share of light that passes along each.
+    #[inline(always)]
+    fn irradiance_through(
+        &self,
+        point: &SurfacePoint,
+        samples: u32,
+        key: Key,
+        mut trace: impl FnMut(&RayBundle, u64, &mut [Vec3; BUNDLE_RAYS]),
+    ) -> Vec3 {
+        let origin = point.origin_in_front();
+        let (mut total, mut passed) = (Vec3::ZERO, [Vec3::ZERO; BUNDLE_RAYS]);
+        for &index in self.lights_at(point.position) {
+            // Skip a light that lies wholly behind the surface.
+            let light = &self.scene().lights[index as usize];
+            if is_behind(light, point) {
+                continue;
+            }
+            let count = sample_count(light, samples);
+            let shift = key.with(index).pair();
+            let mut sum = Vec3::ZERO;
+            for first in (0..count).step_by(BUNDLE_RAYS) {
+                // Sample points on the light.
+                let mut bundle = RayBundle::new(origin);
+                let mut unblocked = [Vec3::ZERO; BUNDLE_RAYS];
+                let range = first..count.min(first + BUNDLE_RAYS as u32);
+                let points = Points { range, count, shift };
+                let clamped = add_samples(self.scene(), light, point, points, &mut bundle, &mut unblocked);
+                // Trace the shadow rays and add what arrives.
+                trace(&bundle, clamped, &mut passed);
+                for (unblocked, passed) in unblocked.iter().zip(&passed).take(bundle.len()) {
+                    sum += *unblocked * *passed;
+                }
+            }
+            total += sum / count as f32;
+        }
+        total
+    }
+}

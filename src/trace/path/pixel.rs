@@ -1,0 +1,109 @@
+//! One pixel of a picture, and of a reference image.
+
+use super::specular::PathVertex;
+use crate::camera::View;
+use crate::math::Ray;
+use crate::math::key::Key;
+use crate::trace::{Hit, RayCounts, SurfacePoint, TraceSettings, Tracer};
+use glam::Vec3;
+
+/// A traced pixel. Light and radiance are linear Rec. 709.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PixelTrace {
+    /// Light arriving at the first surface, as the radiance of a white one; zero for the sky.
+    pub light: Vec3,
+    /// Radiance of the pixel.
+    pub radiance: Vec3,
+    /// First surface; `None` for the sky.
+    pub hit: Option<Hit>,
+    /// Specular bounces of the longest branch; 0 where the first surface has no viewer-dependent part.
+    pub reflections: u32,
+}
+
+impl Tracer {
+    /// Traces a pixel in full.
+    pub fn pixel(
+        &self,
+        view: &View,
+        pixel: u32,
+        settings: &TraceSettings,
+        rays: &mut RayCounts,
+    ) -> PixelTrace {
+        self.pixel_with(view, pixel, settings, rays, |point, direction, key, rays| {
+            self.specular_radiance(point, direction, settings, key, rays)
+        })
+    }
+
+    /// Traces what a reference image stores: the diffuse part, the first hit, and how often light is
+    /// reflected or refracted on its way to the eye. Surfaces after the first are not shaded.
+    pub fn reference_pixel(
+        &self,
+        view: &View,
+        pixel: u32,
+        settings: &TraceSettings,
+        rays: &mut RayCounts,
+    ) -> PixelTrace {
+        self.pixel_with(view, pixel, settings, rays, |point, direction, key, rays| {
+            let unshaded = |_: &SurfacePoint, _| Vec3::ZERO;
+            (Vec3::ZERO, self.follow_specular(point, direction, key, &mut rays.secondary, unshaded).1)
+        })
+    }
+
+    /// Traces a pixel whose viewer-dependent radiance and number of bounces `specular` returns.
+    fn pixel_with(
+        &self,
+        view: &View,
+        pixel: u32,
+        settings: &TraceSettings,
+        rays: &mut RayCounts,
+        specular: impl FnOnce(&SurfacePoint, Vec3, Key, &mut RayCounts) -> (Vec3, u32),
+    ) -> PixelTrace {
+        let key = Key::of_pixel(settings.seed, pixel);
+        rays.primary += 1;
+        let ray = Self::primary_ray(view, pixel);
+        let (mut traced, point) = self.shade_hit(&ray, self.closest(&ray), settings, key, rays);
+        if let Some(point) = point.filter(|point| self.is_view_dependent(point)) {
+            let (radiance, reflections) = specular(&point, ray.direction, key, rays);
+            traced.radiance += radiance;
+            traced.reflections = reflections;
+        }
+        traced
+    }
+
+    /// Returns the viewer-dependent radiance of a surface point seen along `direction`, and the
+    /// bounces of its longest branch.
+    pub fn specular_radiance(
+        &self,
+        point: &SurfacePoint,
+        direction: Vec3,
+        settings: &TraceSettings,
+        key: Key,
+        rays: &mut RayCounts,
+    ) -> (Vec3, u32) {
+        let mut secondary = 0;
+        let shade = |next: &SurfacePoint, vertex: PathVertex| {
+            self.diffuse_radiance(next, vertex.share, settings, vertex.key, rays)
+        };
+        let (radiance, bounces) = self.follow_specular(point, direction, key, &mut secondary, shade);
+        rays.secondary += secondary;
+        (radiance, bounces)
+    }
+
+    /// Returns the diffuse part of what a primary ray hit, and the surface point; no point for the sky.
+    pub(crate) fn shade_hit(
+        &self,
+        ray: &Ray,
+        hit: Option<Hit>,
+        settings: &TraceSettings,
+        key: Key,
+        rays: &mut RayCounts,
+    ) -> (PixelTrace, Option<SurfacePoint>) {
+        let Some(hit) = hit else {
+            let sky = self.sky(ray.direction);
+            return (PixelTrace { light: Vec3::ZERO, radiance: sky, hit: None, reflections: 0 }, None);
+        };
+        let point = self.surface(ray, &hit);
+        let [radiance, light] = self.diffuse_radiance_and_light(&point, 1.0, settings, key, rays);
+        (PixelTrace { light, radiance, hit: Some(hit), reflections: 0 }, Some(point))
+    }
+}
