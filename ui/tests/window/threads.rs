@@ -6,9 +6,8 @@ use afterimage::reference::placement::NONE;
 use afterimage::render::render_antialiased;
 use afterimage::{Camera, FrameRequest, Mode, Tracer, WalkthroughSettings};
 use afterimage_ui::window::rendering::exchange::PublishedFrame;
-use afterimage_ui::window::rendering::render_thread::{
-    Message, Picture, RenderCommand, RenderRequest, RenderThread,
-};
+use afterimage_ui::window::rendering::render_thread::RenderThread;
+use afterimage_ui::window::rendering::request::{Message, Picture, RenderCommand, RenderRequest};
 use crossbeam_channel::{Receiver, unbounded};
 use glam::DVec3;
 use std::sync::Arc;

@@ -1,62 +1,64 @@
-//! The picture in the middle of the window: its room, what lies over it, and the newest frame in it.
+//! The viewport: its place in the window, what is drawn over it, and the newest frame.
 
-use crate::window::app::App;
+use crate::window::app::comparison::overlay;
 use crate::window::gpu::presentation::Presentation;
 use crate::window::gpu::timewarp::Reprojection;
 use crate::window::gpu::viewport;
 use crate::window::panels;
+use crate::window::state::AppState;
 
-/// Where there is no picture yet.
+/// Colour of the viewport before the first frame.
 const EMPTY: egui::Color32 = egui::Color32::from_gray(24);
 
-/// Where the picture is to be drawn.
-pub(crate) struct Canvas {
+/// Place in the window where the frame is drawn.
+pub(super) struct Canvas {
     painter: egui::Painter,
     shape: egui::layers::ShapeIdx,
     rect: egui::Rect,
 }
 
-impl App {
-    /// Takes the viewport's room; its picture is drawn once it is known where the camera goes in this very frame.
-    pub(crate) fn viewport(&mut self, ui: &mut egui::Ui) -> (egui::Response, Canvas) {
+impl Canvas {
+    /// Allocates the rest of the window and draws the figures over it. The frame is drawn later, when the
+    /// pose of this update is known.
+    pub(super) fn allocate(ui: &mut egui::Ui, state: &mut AppState) -> (egui::Response, Self) {
         let rect = ui.available_rect_before_wrap();
         let response = ui.allocate_rect(rect, egui::Sense::click_and_drag());
-        self.viewport = Some(response.id);
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "3D viewport"));
         let points_to_pixels = ui.ctx().pixels_per_point();
-        self.viewport_size =
+        state.viewport_size =
             [rect.width(), rect.height()].map(|points| (points * points_to_pixels).round() as u32);
-        let canvas =
-            Canvas { painter: ui.painter().clone(), shape: ui.painter().add(egui::Shape::Noop), rect };
-        panels::overlay::show(ui, rect, &self.state);
+        let canvas = Self { painter: ui.painter().clone(), shape: ui.painter().add(egui::Shape::Noop), rect };
+        panels::overlay::show(ui, rect, state);
         let inner = rect.shrink(10.0);
-        if self.state.options.shows_statistics && inner.is_positive() {
-            ui.scope_builder(egui::UiBuilder::new().max_rect(inner), |ui| panels::hud::show(ui, &self.state));
+        if state.options.shows_statistics && inner.is_positive() {
+            ui.scope_builder(egui::UiBuilder::new().max_rect(inner), |ui| panels::hud::show(ui, state));
         }
-        if self.state.navigation.shows_hint && self.state.loading.is_none() && inner.is_positive() {
+        if state.navigation.shows_hint && state.loading.is_none() && inner.is_positive() {
             panels::hud::hint(ui, rect);
         }
         (response, canvas)
     }
 
-    /// Draws the newest frame, as it is seen from where the camera is by now. It covers the whole room.
-    pub(crate) fn draw(&self, canvas: Canvas) {
-        let shape = if self.graphics.is_some() && self.state.frame.is_some() && canvas.rect.is_positive() {
-            let points_to_pixels = canvas.painter.ctx().pixels_per_point();
-            let presentation = Presentation { overlay: self.overlay(), ..self.state.presentation() };
-            viewport::shape(canvas.rect, points_to_pixels, presentation, self.reprojection())
+    /// Draws the newest frame as it is seen from the current pose. `first_generation` is that of the scene.
+    pub(super) fn draw(self, state: &AppState, has_graphics: bool, first_generation: u64) {
+        let shape = if has_graphics && state.frame.is_some() && self.rect.is_positive() {
+            let points_to_pixels = self.painter.ctx().pixels_per_point();
+            let presentation = Presentation { overlay: overlay(&state.comparison), ..state.presentation() };
+            viewport::shape(self.rect, points_to_pixels, presentation, reprojection(state, first_generation))
         } else {
-            egui::Shape::rect_filled(canvas.rect, 0.0, EMPTY)
+            egui::Shape::rect_filled(self.rect, 0.0, EMPTY)
         };
-        canvas.painter.set(canvas.shape, shape);
+        self.painter.set(self.shape, shape);
     }
+}
 
-    /// The way from the newest frame to the camera; `None` at rest, and for frames of a scene that was left.
-    fn reprojection(&self) -> Option<Reprojection> {
-        let (frame, camera) = (self.state.frame.as_ref()?, self.state.navigation.fly.camera());
-        let is_elsewhere = frame.camera != *camera && frame.generation >= self.scene_since;
-        let nearest = frame.depth_ranges.nearest();
-        is_elsewhere
-            .then(|| Reprojection::new(&frame.camera, camera, &frame.scene_frame, frame.size, nearest))
+/// Returns how the newest frame is reprojected to the camera; `None` where it has the same pose, and for
+/// frames of an older scene.
+fn reprojection(state: &AppState, first_generation: u64) -> Option<Reprojection> {
+    let (frame, camera) = (state.frame.as_ref()?, state.navigation.fly.camera());
+    if frame.camera == *camera || frame.generation < first_generation {
+        return None;
     }
+    let nearest = frame.depth_ranges.nearest();
+    Some(Reprojection::new(&frame.camera, camera, &frame.scene_frame, frame.size, nearest))
 }

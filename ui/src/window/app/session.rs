@@ -1,185 +1,84 @@
-//! A session as a file: the scene, where one stands in it, views, path and settings. Keys that this version does not know
-//! are kept when it is saved again.
+//! The open scene: everything about it that panels do not read.
 
-use crate::cli::flags;
-use crate::window::input::playback::Playback;
-use crate::window::state::{AppState, SavedView};
-use afterimage::camera::CameraPath;
-use afterimage::{Camera, Mode};
-use serde::{Deserialize, Serialize};
-use std::path::Path;
+use crate::window::app::autosave::Autosave;
+use crate::window::app::session_file::SessionFile;
+use crate::window::input::walking::Obstacles;
+use crate::window::rendering::request::RenderRequest;
+use afterimage::scene::SceneEdit;
+use afterimage::{Camera, Tracer};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
 use toml::Table;
 
-/// How session files end.
-pub const EXTENSION: &str = "afterimage-session.toml";
+/// The renderer counts as moving for this time after the last motion: a drag pauses between two events.
+pub(super) const MOTION_TIME: Duration = Duration::from_millis(250);
 
-/// What this program writes and reads.
-const VERSION: i64 = 1;
-
-/// All that is kept of a session.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Session {
-    version: i64,
-    /// `builtin:NAME` or a path.
-    pub scene: String,
-    mode: Mode,
-    samples: u32,
-    bounces: u32,
-    exposure_ev: f32,
-    tone_map: String,
-    /// Where one stands.
-    pub camera: Camera,
-    #[serde(default)]
-    views: Vec<View>,
-    /// Where the user's own keys lie.
-    #[serde(default)]
-    path: Option<CameraPath>,
-    /// What other versions wrote.
-    #[serde(flatten)]
-    other: Table,
+/// The open scene, its edits, and what has been sent to the renderer.
+pub(super) struct Session {
+    /// The scene with its ray tracer; `None` before the first scene.
+    pub(super) obstacles: Option<Obstacles>,
+    /// Materials and daylight of the scene that is being rendered.
+    pub(super) rendered_edit: Option<SceneEdit>,
+    /// Generation of the first frame of the scene.
+    pub(super) first_generation: u64,
+    /// The first complete frame sets the exposure, because a model has just been opened.
+    pub(super) is_metering: bool,
+    /// Applied when the scene that is being loaded is shown.
+    pub(super) arrival: Arrival,
+    /// The unsaved changes are given up in favour of the scene that is being loaded.
+    pub(super) discards_edits: bool,
+    /// The window may close, even with unsaved changes.
+    pub(super) may_close: bool,
+    /// File of the session, where it has one.
+    pub(super) file: Option<PathBuf>,
+    /// Keys of the file that this version does not know.
+    pub(super) unknown_keys: Table,
+    pub(super) autosave: Autosave,
+    /// The request that was sent last.
+    pub(super) sent: Option<RenderRequest>,
+    /// Time of the last motion.
+    pub(super) moved: Instant,
 }
 
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-struct View {
-    name: String,
-    #[serde(default)]
-    key: Option<u8>,
-    camera: Camera,
-}
-
-/// True for the names of sessions.
-pub fn is_session(path: &Path) -> bool {
-    path.file_name().is_some_and(|name| name.to_string_lossy().ends_with(&format!(".{EXTENSION}")))
+/// Where to go when the scene that is being loaded is shown.
+#[derive(Default)]
+pub(super) struct Arrival {
+    /// Pose of the camera; takes precedence over `view`.
+    pub(super) camera: Option<Camera>,
+    /// Name of a saved view.
+    pub(super) view: Option<String>,
+    /// Vertical field of view in degrees.
+    pub(super) fov_y_deg: Option<f64>,
+    /// Exposure in stops.
+    pub(super) exposure_ev: Option<f32>,
+    /// Expected hash of the scene: that of the picture that leads to it.
+    pub(super) scene_hash: Option<String>,
+    /// A session to be restored, and its file.
+    pub(super) session: Option<(SessionFile, PathBuf)>,
 }
 
 impl Session {
-    /// Of what is shown; `None` without a scene. `other` is what a loaded session had beside.
-    pub fn of(state: &AppState, other: &Table) -> Option<Self> {
-        let (scene, quality) = (state.scene.as_ref()?, &state.quality);
-        let view = |v: &SavedView| View { name: v.name.clone(), key: v.key, camera: v.camera };
-        let render = &quality.walk.render;
-        Some(Self {
-            version: VERSION,
-            scene: scene.source.label(),
-            mode: render.mode,
-            samples: render.trace.samples,
-            bounces: render.trace.bounces,
-            exposure_ev: quality.exposure_ev,
-            tone_map: quality.tone_map.name().to_owned(),
-            camera: *state.navigation.fly.camera(),
-            views: scene.views.iter().map(view).collect(),
-            path: state.navigation.playback.is_own.then(|| state.navigation.playback.path.clone()),
-            other: other.clone(),
-        })
-    }
-
-    /// As a file.
-    ///
-    /// # Errors
-    /// Where it cannot be expressed.
-    pub fn text(&self) -> Result<String, String> {
-        toml::to_string(self).map_err(|error| format!("the session cannot be written: {error}"))
-    }
-
-    /// From a file.
-    ///
-    /// # Errors
-    /// A message for people, with file and line.
-    pub fn parse(text: &str, path: &Path) -> Result<Self, String> {
-        let name = path.display();
-        let table: Table = text.parse().map_err(|error| crate::settings::broken(path, text, &error))?;
-        match table.get("version").and_then(toml::Value::as_integer) {
-            Some(VERSION) => {}
-            Some(newer) if newer > VERSION => {
-                return Err(format!(
-                    "{name} was saved by a newer program (version {newer} of the format, this one reads {VERSION}); \
-                     use that program, or save the session anew"
-                ));
-            }
-            _ => {
-                return Err(format!("{name} is no session of this program: it has no version that is known"));
-            }
-        }
-        let session: Self =
-            toml::from_str(text).map_err(|error| crate::settings::broken(path, text, &error))?;
-        let cameras = session.views.iter().map(|v| &v.camera).chain([&session.camera]);
-        if !cameras.into_iter().all(Camera::is_valid) || session.scene.is_empty() {
-            return Err(format!("{name}: a pose in it is impossible, or no scene is named"));
-        }
-        Ok(session)
-    }
-
-    /// Brings back all but the scene, which must be the one that is shown.
-    pub fn restore(&self, state: &mut AppState) -> Table {
-        let quality = &mut state.quality;
-        quality.walk.render.mode = self.mode;
-        quality.walk.render.trace.samples = self.samples.max(1);
-        quality.walk.render.trace.bounces = self.bounces;
-        quality.exposure_ev = self.exposure_ev;
-        quality.tone_map = flags::named(&self.tone_map).unwrap_or(quality.tone_map);
-        state.navigation.fly.jump_to(self.camera);
-        if let Some(scene) = &mut state.scene {
-            let view = |v: &View| SavedView { name: v.name.clone(), key: v.key, camera: v.camera };
-            scene.views = self.views.iter().map(view).collect();
-            state.navigation.view_index = 0;
-        }
-        if let Some(path) = &self.path {
-            state.navigation.playback = Playback { is_own: true, ..Playback::of_scene(path.clone()) };
-        }
-        self.other.clone()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use glam::DVec3;
-
-    fn session() -> Session {
-        let camera = Camera::look_at(DVec3::new(0.1, 1.6, 1.0 / 3.0), DVec3::ZERO, 60.0);
-        let path = CameraPath::still(&camera);
-        Session {
-            version: VERSION,
-            scene: "builtin:gallery".to_owned(),
-            mode: Mode::Exact,
-            samples: 4,
-            bounces: 1,
-            exposure_ev: -0.5,
-            tone_map: "linear".to_owned(),
-            camera,
-            views: vec![View { name: "r\u{e4}um \"1\"".to_owned(), key: Some(2), camera }],
-            path: Some(path),
-            other: Table::new(),
+    /// A session without a scene.
+    pub(super) fn new(arrival: Arrival) -> Self {
+        Self {
+            obstacles: None,
+            rendered_edit: None,
+            first_generation: 0,
+            is_metering: false,
+            arrival,
+            discards_edits: false,
+            may_close: false,
+            file: None,
+            unknown_keys: Table::new(),
+            autosave: Autosave::default(),
+            sent: None,
+            moved: Instant::now(),
         }
     }
 
-    fn parse(text: &str) -> Result<Session, String> {
-        Session::parse(text, Path::new("a.afterimage-session.toml"))
-    }
-
-    #[test]
-    fn a_session_comes_back_bit_for_bit_and_keeps_what_it_does_not_know() {
-        let text = session().text().unwrap();
-        assert_eq!(parse(&text), Ok(session()));
-        let newer = format!("guests = 3\n{text}\n[weather]\nrain = true\n");
-        let read = parse(&newer).unwrap();
-        assert_eq!(read.camera, session().camera);
-        let again = read.text().unwrap();
-        assert!(again.contains("guests = 3") && again.contains("[weather]"), "{again}");
-    }
-
-    #[test]
-    fn other_versions_and_broken_files_are_said() {
-        let text = session().text().unwrap();
-        let error = |text: &str| parse(text).unwrap_err();
-        assert!(error(&text.replace("version = 1", "version = 2")).contains("newer program"));
-        assert!(error("hello = 1").contains("no session"));
-        assert!(error("version = 1\nscene =\n").contains("line 2"));
-        assert!(
-            error(&text.replace("samples = 4", "samples = 'many'"))
-                .contains("a.afterimage-session.toml, line")
-        );
-        assert!(error(&text.replace("yaw = ", "yaw = nan # ")).contains("impossible"));
-        assert!(is_session(Path::new("x/a.afterimage-session.toml")) && !is_session(Path::new("a.toml")));
+    /// Returns the tracer of the scene that is shown.
+    pub(super) fn tracer(&self) -> Option<&Arc<Tracer>> {
+        self.obstacles.as_ref().map(Obstacles::tracer)
     }
 }

@@ -1,162 +1,167 @@
-//! Commands as deeds: the only place where a panel's or a key's wish changes anything.
+//! Applies commands: dispatches those of a part of the window to its handler, and handles the others.
 
-use crate::picture::pose_text::pose_flags;
 use crate::settings::{self, Theme};
-use crate::window::app::App;
-use crate::window::app::event::AppEvent;
+use crate::window::app::inspect::handle_inspect;
+use crate::window::app::navigation::handle_navigation;
+use crate::window::app::open_scene::{
+    cancel_loading, handle_answer, open_new, open_path, open_session, reload,
+};
+use crate::window::app::persistence::{forget_recent, save_session};
+use crate::window::app::pictures::handle_picture;
+use crate::window::app::scene_edits::handle_edit;
+use crate::window::app::services::{AppEvent, Services};
+use crate::window::app::session::Session;
 use crate::window::input::fly_camera::ViewChange;
-use crate::window::rendering::render_thread::RenderCommand;
-use crate::window::rendering::scene_loading::SceneSource;
-use crate::window::state::{Appearance, Command, Compare};
-use egui::{Context, ViewportCommand};
+use crate::picture::pose_text::pose_flags;
+use crate::window::rendering::request::RenderCommand;
+use crate::window::rendering::task::{TaskError, spawn_task};
+use crate::window::state::{AppState, Appearance, Command, Compare, FileCommand};
+use egui::ViewportCommand;
 
-impl App {
-    /// Does what was asked for.
-    pub(crate) fn apply(&mut self, ctx: &Context, command: Command) {
-        let state = &mut self.state;
-        match command {
-            Command::Open(source) => self.open_anew(source),
-            Command::OpenPath(path) => self.open_path(path),
-            Command::Browse => self.browse(),
-            Command::CancelLoading => self.cancel_loading(),
-            Command::Reload => self.reload(),
-            Command::SetPathText(text) => state.files.path_text = text,
-            Command::SetQuality(quality) => state.quality = quality,
-            Command::SetOptions(options) => {
-                state.options = options;
-                state.navigation.fly.set_view_change(options.view_change);
-            }
-            Command::SetSpeed(speed) => state.navigation.fly.set_speed(speed),
-            Command::SetFovDegrees(degrees) => state.navigation.fly.set_fov_degrees(degrees),
-            Command::EaseTo(camera) => state.navigation.fly.ease_to(camera),
-            Command::Navigate(moving) => self.move_on(moving),
-            Command::Edit(editing) => self.edit(editing),
-            Command::Inspect(seeing) => self.look_closer(seeing),
-            Command::Say(text) => state.info(text),
-            Command::Level => state.navigation.fly.level(),
-            Command::ChangeFov(steps) => state.navigation.fly.change_fov(steps),
-            Command::AskToClear => state.dialogs.asks_to_clear = true,
-            Command::KeepReferences => state.dialogs.asks_to_clear = false,
-            Command::Clear => {
-                state.dialogs.asks_to_clear = false;
-                self.threads.send(RenderCommand::Clear);
-            }
-            Command::AddReference => {
-                drop(self.threads.send(RenderCommand::AddReference(*self.state.navigation.fly.camera())))
-            }
-            Command::Remove(id) => drop(self.threads.send(RenderCommand::Remove(id))),
-            Command::Answer(answer) => self.answer(ctx, answer),
-            Command::Quit => ctx.send_viewport_cmd(ViewportCommand::Close),
-            Command::Picture(command) => self.picture(command),
-            Command::Files(command) => self.keep(command),
-            Command::SetAppearance(appearance) => self.set_appearance(ctx, appearance),
-            Command::ShowSettings(is_shown) => state.dialogs.shows_settings = is_shown,
-            Command::CopyPose => {
-                let flags = pose_flags(state.navigation.fly.camera());
-                state.info(format!("copied {flags}"));
-                ctx.copy_text(flags);
-            }
-            Command::Compare(shows, split) => {
-                (state.comparison.shows, state.comparison.split) = (shows, split)
-            }
-            Command::CopyText(text) => ctx.copy_text(text),
-            Command::Dismiss(id) => state.notices.retain(|n| n.id != id),
-            Command::FullScreen => {
-                let is_full = ctx.input(|i| i.viewport().fullscreen.unwrap_or(false));
-                ctx.send_viewport_cmd(ViewportCommand::Fullscreen(!is_full));
-            }
-            Command::Escape => self.escape(ctx),
+/// Applies a command of a panel or a key.
+pub(super) fn apply(state: &mut AppState, session: &mut Session, services: &mut Services, command: Command) {
+    match command {
+        Command::Open(source) => open_new(state, session, services, source),
+        Command::OpenPath(path) => open_path(state, session, services, path),
+        Command::Browse => browse(services),
+        Command::CancelLoading => cancel_loading(session, services),
+        Command::Reload => reload(state, services),
+        Command::Navigate(command) => handle_navigation(state, services, command),
+        Command::Edit(command) => handle_edit(state, session, services, command),
+        Command::Inspect(command) => handle_inspect(state, services, command),
+        Command::Picture(command) => handle_picture(state, session, services, command),
+        Command::Files(command) => handle_files(state, session, services, command),
+        Command::Answer(answer) => handle_answer(state, session, services, answer),
+        Command::SetAppearance(appearance) => set_appearance(state, services, appearance),
+        Command::AddReference => {
+            services.render.send(RenderCommand::AddReference(*state.navigation.fly.camera()));
         }
-        // What a command changed is shown, though no event may follow.
-        ctx.request_repaint();
-    }
-
-    /// Changes the looks of the window, and keeps them for the next start.
-    fn set_appearance(&mut self, ctx: &Context, appearance: Appearance) {
-        let changes = appearance.changes(&self.state.appearance);
-        self.show_appearance(ctx, appearance);
-        let Some(path) = self.request.settings_file.clone() else { return };
-        self.in_background("afterimage-settings", move || {
-            let write = |(name, value)| settings::write(&path, name, value).map_err(|e| e.to_string());
-            AppEvent::Kept(changes.into_iter().try_for_each(write))
-        });
-    }
-
-    /// Makes the window appearance so.
-    pub(crate) fn show_appearance(&mut self, ctx: &Context, appearance: Appearance) {
-        ctx.set_theme(match appearance.theme {
-            Theme::System => egui::ThemePreference::System,
-            Theme::Dark => egui::ThemePreference::Dark,
-            Theme::Light => egui::ThemePreference::Light,
-        });
-        ctx.set_zoom_factor(appearance.ui_scale);
-        if appearance.has_reduced_motion != self.state.appearance.has_reduced_motion {
-            let change = if appearance.has_reduced_motion { ViewChange::AtOnce } else { ViewChange::Eased };
-            self.state.options.view_change = change;
-            self.state.navigation.fly.set_view_change(change);
+        Command::Remove(id) => {
+            services.render.send(RenderCommand::Remove(id));
         }
-        self.state.appearance = appearance;
-    }
-
-    /// Does something slow on a thread of its own.
-    pub(crate) fn in_background(&mut self, name: &str, work: impl FnOnce() -> AppEvent + Send + 'static) {
-        let (news, wake) = (self.news.0.clone(), self.wake.clone());
-        let work = move || {
-            // The window may be gone.
-            let _ = news.send(work());
-            wake();
-        };
-        if let Err(error) = std::thread::Builder::new().name(name.to_owned()).spawn(work) {
-            self.state.error(format!("a thread cannot be started: {error}"));
-        }
-    }
-
-    /// Leaves what is open, the last opened first; never quits.
-    fn escape(&mut self, ctx: &Context) {
-        let state = &mut self.state;
-        if state.dialogs.asks_to_clear {
+        Command::Clear => {
             state.dialogs.asks_to_clear = false;
-        } else if state.options.shows_help {
-            state.options.shows_help = false;
-        } else if state.comparison.shows != Compare::Off {
-            state.comparison.shows = Compare::Off;
-        } else if state.dialogs.shows_settings {
-            state.dialogs.shows_settings = false;
-        } else if state.picture.is_open {
-            state.picture.is_open = false;
-        } else if state.selection.reference_view.take().is_some() {
-        } else if state.selection.measure.is_on {
-            state.selection.measure.is_on = false;
-        } else if state.selection.inspection.take().is_some() {
-        } else if state.notices.pop().is_none() && ctx.input(|i| i.viewport().fullscreen.unwrap_or(false)) {
-            ctx.send_viewport_cmd(ViewportCommand::Fullscreen(false));
+            services.render.send(RenderCommand::Clear);
         }
+        Command::Quit => services.ctx.send_viewport_cmd(ViewportCommand::Close),
+        Command::FullScreen => set_full_screen(services, !is_full_screen(services)),
+        Command::Escape => escape(state, services),
+        Command::CopyPose => {
+            let flags = pose_flags(state.navigation.fly.camera());
+            state.info(format!("copied {flags}"));
+            services.ctx.copy_text(flags);
+        }
+        Command::CopyText(text) => services.ctx.copy_text(text),
+        command => set(state, command),
     }
+    // The window shows the change, even if no event follows.
+    services.ctx.request_repaint();
+}
 
-    /// Asks for a file on a thread of its own: the system's dialog blocks.
-    fn browse(&mut self) {
-        if std::mem::replace(&mut self.is_browsing, true) {
-            return;
+/// Applies a command that only changes the state.
+fn set(state: &mut AppState, command: Command) {
+    let fly = &mut state.navigation.fly;
+    match command {
+        Command::SetPathText(text) => state.files.path_text = text,
+        Command::SetQuality(quality) => state.quality = quality,
+        Command::SetOptions(options) => {
+            state.options = options;
+            fly.set_view_change(options.view_change);
         }
-        let (news, wake) = (self.news.0.clone(), self.wake.clone());
-        let work = move || {
-            let dialog = rfd::FileDialog::new()
-                .set_title("Open a model, a session or a picture")
-                .add_filter("Models, sessions, pictures", &["obj", "gltf", "glb", "toml", "png", "exr"]);
-            // The window may be gone.
-            let _ = news.send(AppEvent::Chosen(dialog.pick_file()));
-            wake();
-        };
-        if let Err(error) = std::thread::Builder::new().name("afterimage-dialog".to_owned()).spawn(work) {
-            self.is_browsing = false;
-            self.state.error(format!("the file dialog cannot be started: {error}"));
-        }
+        Command::SetSpeed(speed) => fly.set_speed(speed),
+        Command::SetFovDegrees(degrees) => fly.set_fov_degrees(degrees),
+        Command::ChangeFov(steps) => fly.change_fov(steps),
+        Command::EaseTo(camera) => fly.ease_to(camera),
+        Command::Level => fly.level(),
+        Command::Say(text) => state.info(text),
+        Command::AskToClear => state.dialogs.asks_to_clear = true,
+        Command::KeepReferences => state.dialogs.asks_to_clear = false,
+        Command::ShowSettings(is_shown) => state.dialogs.shows_settings = is_shown,
+        Command::Compare(shows, split) => (state.comparison.shows, state.comparison.split) = (shows, split),
+        Command::Dismiss(id) => state.notices.retain(|n| n.id != id),
+        command => unreachable!("{command:?} has a handler"),
     }
 }
 
-impl App {
-    /// What is being loaded, if anything.
-    pub fn loading(&self) -> Option<&SceneSource> {
-        self.loader.as_ref().map(crate::window::rendering::scene_loading::Loader::source)
+fn handle_files(state: &mut AppState, session: &mut Session, services: &mut Services, command: FileCommand) {
+    match command {
+        FileCommand::SaveSession => save_session(state, session, services),
+        FileCommand::Recover => {
+            if let Some(path) = state.files.recovery.take() {
+                open_session(state, session, services, path);
+            }
+        }
+        FileCommand::DiscardRecovery => {
+            if let Some(path) = state.files.recovery.take() {
+                // If this fails, the session is offered again with the next start.
+                let _ = std::fs::remove_file(path);
+            }
+        }
+        FileCommand::ForgetRecent => forget_recent(state, services),
+    }
+}
+
+/// Changes the appearance of the window, and writes the changes to the settings file.
+fn set_appearance(state: &mut AppState, services: &mut Services, appearance: Appearance) {
+    let changes = appearance.changes(&state.appearance);
+    show_appearance(state, services, appearance);
+    let Some(path) = services.launch.settings_file.clone() else { return };
+    services.spawn("settings", move || {
+        let write = |(name, value)| settings::write(&path, name, value);
+        changes.into_iter().try_for_each(write).map_err(TaskError::failed)?;
+        Ok(AppEvent::Kept)
+    });
+}
+
+/// Changes the appearance of the window.
+pub(super) fn show_appearance(state: &mut AppState, services: &Services, appearance: Appearance) {
+    services.ctx.set_theme(match appearance.theme {
+        Theme::System => egui::ThemePreference::System,
+        Theme::Dark => egui::ThemePreference::Dark,
+        Theme::Light => egui::ThemePreference::Light,
+    });
+    services.ctx.set_zoom_factor(appearance.ui_scale);
+    if appearance.has_reduced_motion != state.appearance.has_reduced_motion {
+        let change = if appearance.has_reduced_motion { ViewChange::AtOnce } else { ViewChange::Eased };
+        state.options.view_change = change;
+        state.navigation.fly.set_view_change(change);
+    }
+    state.appearance = appearance;
+}
+
+fn is_full_screen(services: &Services) -> bool {
+    services.ctx.input(|i| i.viewport().fullscreen.unwrap_or(false))
+}
+
+fn set_full_screen(services: &Services, is_full: bool) {
+    services.ctx.send_viewport_cmd(ViewportCommand::Fullscreen(is_full));
+}
+
+/// Closes what is open, the last opened first; never quits.
+fn escape(state: &mut AppState, services: &Services) {
+    let is_set = |flag: &mut bool| std::mem::take(flag);
+    let has_closed = is_set(&mut state.dialogs.asks_to_clear)
+        || is_set(&mut state.options.shows_help)
+        || std::mem::take(&mut state.comparison.shows) != Compare::Off
+        || is_set(&mut state.dialogs.shows_settings)
+        || is_set(&mut state.picture.is_open)
+        || state.selection.reference_view.take().is_some()
+        || is_set(&mut state.selection.measure.is_on)
+        || state.selection.inspection.take().is_some()
+        || state.notices.pop().is_some();
+    if !has_closed && is_full_screen(services) {
+        set_full_screen(services, false);
+    }
+}
+
+/// Asks for a file in the background: the system's dialog blocks its thread.
+fn browse(services: &mut Services) {
+    if services.file_dialog.is_none() {
+        services.file_dialog = Some(spawn_task("dialog", services.wake.clone(), |_| {
+            let dialog = rfd::FileDialog::new()
+                .set_title("Open a model, a session or a picture")
+                .add_filter("Models, sessions, pictures", &["obj", "gltf", "glb", "toml", "png", "exr"]);
+            Ok(dialog.pick_file())
+        }));
     }
 }

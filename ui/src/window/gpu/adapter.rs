@@ -1,8 +1,8 @@
 //! The graphics card: made ready, and watched.
 
 use crate::window::gpu::viewport;
-use crate::window::rendering::exchange::locked;
-use crate::window::rendering::render_thread::Wake;
+use crate::window::rendering::lock::locked;
+use crate::window::rendering::task::Wake;
 use egui_wgpu::RenderState;
 use std::sync::{Arc, Mutex};
 

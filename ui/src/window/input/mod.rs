@@ -1,9 +1,10 @@
-//! Keys, pointer and walks as motion and commands.
+//! Keys, pointer and camera paths, turned into motion and commands.
 
-pub mod aim;
+pub(crate) mod aim;
+pub(crate) mod commands;
 pub mod fly_camera;
+pub(crate) mod inspect;
 pub mod keymap;
-pub mod navigation;
 pub mod playback;
-pub mod pointer;
+pub(crate) mod pointer;
 pub mod walking;

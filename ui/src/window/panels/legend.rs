@@ -1,6 +1,6 @@
 //! What the colours of the heatmap mean, and its switches.
 
-use super::super::state::{AppState, Command, Options};
+use super::super::state::{AppState, Command};
 use super::{TYPE_NAMES, swatch};
 use crate::window::gpu::presentation::{Coloring, Heatmap};
 use crate::window::input::keymap::{Action, keys_of};
@@ -26,7 +26,7 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     ui.checkbox(&mut options.has_outline, "Outline Type 3")
         .on_hover_text(format!("Key {}", keys_of(Action::ToggleOutline)));
     if options != state.options {
-        commands.push(Command::SetOptions(shown(options, &state.options)));
+        commands.push(Command::SetOptions(options.with_visible_colors(&state.options)));
     }
     ui.weak(meaning(state.quality.walk.render.mode));
     let types = state.frame.as_ref().map(|f| f.stats.types);
@@ -73,10 +73,4 @@ fn meaning(mode: Mode) -> &'static str {
         Mode::Exact | Mode::Fast => "Every surface is met by a ray; what is reused is the light on it",
         Mode::Full => "full: nothing is reused, every pixel is traced",
     }
-}
-
-/// Who asks for another colouring wants to see it.
-pub fn shown(wanted: Options, before: &Options) -> Options {
-    let is_unseen = wanted.coloring != before.coloring && wanted.heatmap == Heatmap::Off;
-    Options { heatmap: if is_unseen { Heatmap::Blend } else { wanted.heatmap }, ..wanted }
 }

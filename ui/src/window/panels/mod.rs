@@ -97,7 +97,7 @@ fn collapsing(ui: &mut Ui, header: egui::CollapsingHeader, contents: impl FnOnce
 pub fn thumbnail(ui: &mut Ui, state: &AppState, camera: &afterimage::Camera) {
     let (rect, _) = ui.allocate_exact_size(egui::vec2(72.0, 45.0), egui::Sense::hover());
     ui.painter().rect_filled(rect, 3.0, Color32::from_gray(70));
-    if let Some(texture) = state.thumbnails.as_ref().and_then(|t| t.of(camera)) {
+    if let Some(texture) = state.thumbnails.of(camera) {
         egui::Image::new(texture).corner_radius(3.0).paint_at(ui, rect);
     }
 }

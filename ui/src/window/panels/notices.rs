@@ -1,7 +1,8 @@
 //! Messages, loading and questions over the viewport.
 
 use super::super::state::{AppState, Command, Notice, Severity};
-use crate::window::rendering::scene_loading::{Progress, SceneSource};
+use crate::window::rendering::scene_loading::SceneSource;
+use crate::window::rendering::task::Progress;
 use egui::{Align2, Color32, ProgressBar, Rect, RichText, Ui};
 
 /// Shows what there is to say, at the bottom of the viewport: the figures have the top.

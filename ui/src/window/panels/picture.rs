@@ -1,10 +1,9 @@
 //! How pictures are saved, and the one that is being saved.
 
-use super::super::state::{
-    AppState, Command, Exporting, PictureCommand, PictureFormat, PictureSettings, PictureSize,
-};
+use super::super::state::{AppState, Command, PictureCommand, PictureFormat, PictureSettings, PictureSize};
 use crate::picture::LONGEST_SIDE;
 use crate::window::input::keymap::{Action, keys_of};
+use crate::window::rendering::task::Progress;
 use afterimage::Mode;
 use afterimage::render::bands::Background;
 use egui::{Align2, Color32, DragValue, ProgressBar, Rect, RichText, Ui};
@@ -157,16 +156,17 @@ fn buttons(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
 }
 
 /// Shows how far saving is, at the top of the viewport: messages have the bottom.
-pub fn progress(ctx: &egui::Context, viewport: Rect, exporting: &Exporting, commands: &mut Vec<Command>) {
+pub fn progress(ctx: &egui::Context, viewport: Rect, exporting: &Progress, commands: &mut Vec<Command>) {
     let at = viewport.center_top() + egui::vec2(0.0, 12.0);
     let area = egui::Area::new(egui::Id::unique("exporting")).fixed_pos(at).pivot(Align2::CENTER_TOP);
     area.order(egui::Order::Foreground).show(ctx, |ui| {
         super::hud::ground().show(ui, |ui| {
             ui.set_width(340.0);
-            ui.label(RichText::new(format!("Saving: {}", exporting.what)).color(Color32::WHITE));
+            ui.label(RichText::new(format!("Saving: {}", exporting.phase)).color(Color32::WHITE));
             ui.horizontal(|ui| {
-                let text = format!("{:.0} %", exporting.part * 100.0);
-                ui.add(ProgressBar::new(exporting.part).text(text).desired_width(250.0));
+                let part = exporting.fraction.unwrap_or(0.0);
+                let text = format!("{:.0} %", part * 100.0);
+                ui.add(ProgressBar::new(part).text(text).desired_width(250.0));
                 if ui.button("Cancel saving").clicked() {
                     commands.push(Command::Picture(PictureCommand::Cancel));
                 }

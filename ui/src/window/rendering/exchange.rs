@@ -1,6 +1,7 @@
 //! Finished frames on their way from the render thread to the window, without waiting and without allocating.
 
 use crate::window::rendering::depth_ranges::DepthRanges;
+use crate::window::rendering::lock::locked;
 use afterimage::Camera;
 use afterimage::camera::SceneFrame;
 use afterimage::raster::color::metered_exposure_ev;
@@ -8,7 +9,7 @@ use afterimage::raster::rgb9e5;
 use afterimage::reference::{ReferenceCache, ReferenceId};
 use afterimage::render::frame::{Frame, FrameStats, NO_SUPPLIER};
 use rayon::prelude::*;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::Mutex;
 use std::time::Instant;
 
 /// The supplier byte of a pixel that no reference supplied.
@@ -160,11 +161,6 @@ impl Exchange {
         slots.spare.extend(shown.replace(newest));
         true
     }
-}
-
-/// Locks; a thread that panicked meanwhile has left nothing half-written that matters here.
-pub(crate) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 #[cfg(test)]

@@ -1,13 +1,17 @@
-//! What runs beside the window: the threads that make frames, references, comparisons and thumbnails, and what they exchange with it.
+//! Everything that runs beside the window's thread: rendering, references, background tasks, and the data
+//! that they exchange with the window.
 
-pub mod comparison;
 pub mod depth_ranges;
 pub mod exchange;
-pub mod full_trace;
+pub(crate) mod full_trace;
+pub(crate) mod lock;
 pub mod plan;
-pub mod references;
+pub(crate) mod pool;
+mod references;
 pub mod render_thread;
 pub mod request;
 pub mod scene_loading;
+mod shared;
+pub mod task;
 pub mod thumbnails;
-pub mod worker;
+mod worker;

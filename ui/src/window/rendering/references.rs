@@ -1,6 +1,7 @@
-//! The thread that traces references while the window goes on.
+//! The thread that traces references while frames are rendered.
 
-use crate::window::rendering::render_thread::{give_way, panic_text};
+use crate::window::rendering::pool::background_pool;
+use crate::window::rendering::task::panic_text;
 use afterimage::ReferenceJob;
 use afterimage::reference::ReferenceFrame;
 use crossbeam_channel::{Receiver, Sender, unbounded};
@@ -12,15 +13,15 @@ use std::thread::JoinHandle;
 
 /// A reference to be traced.
 #[derive(Debug)]
-pub(crate) struct Job {
-    pub(crate) reference: ReferenceJob,
-    /// Ends it early; its result is then nobody's.
-    pub(crate) cancel: Arc<AtomicBool>,
+pub(super) struct Job {
+    pub(super) reference: ReferenceJob,
+    /// Ends tracing early; the outcome is then [`Outcome::Cancelled`].
+    pub(super) cancel: Arc<AtomicBool>,
 }
 
-/// What became of a job.
+/// Result of a job.
 #[derive(Debug)]
-pub(crate) enum Outcome {
+pub(super) enum Outcome {
     Traced(Box<ReferenceFrame>),
     Cancelled,
     Panicked(String),
@@ -29,17 +30,12 @@ pub(crate) enum Outcome {
 /// Starts the thread with a pool of its own. It ends when the sender is dropped.
 ///
 /// # Errors
-/// Where the system gives no more threads.
-pub(crate) fn start(
+/// Where the system refuses to start the threads.
+pub(super) fn start(
     threads: usize,
     deliver: impl Fn(Outcome) + Send + 'static,
 ) -> io::Result<(Sender<Job>, JoinHandle<()>)> {
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .thread_name(|i| format!("reference-{i}"))
-        .start_handler(|_| give_way())
-        .build()
-        .map_err(io::Error::other)?;
+    let pool = background_pool("reference", threads)?;
     let (sender, jobs) = unbounded();
     let name = "afterimage-reference".to_owned();
     let handle = std::thread::Builder::new().name(name).spawn(move || serve(&pool, &jobs, &deliver))?;

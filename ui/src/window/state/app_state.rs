@@ -17,7 +17,8 @@ use super::work::Work;
 use crate::window::gpu::presentation::{Overlay, Presentation};
 use crate::window::rendering::exchange::PublishedFrame;
 use crate::window::rendering::plan::{Plan, PlanView};
-use crate::window::rendering::scene_loading::{Progress, SceneSource};
+use crate::window::rendering::scene_loading::SceneSource;
+use crate::window::rendering::task::Progress;
 use crate::window::rendering::thumbnails::Thumbnails;
 use afterimage::{Camera, WalkthroughSettings};
 use std::collections::VecDeque;
@@ -49,6 +50,8 @@ pub struct AppState {
     pub notices: Vec<Notice>,
     /// Open questions and dialogs.
     pub dialogs: Dialogs,
+    /// Width and height of the viewport in pixels.
+    pub viewport_size: [u32; 2],
     /// Time between two updates of the window while it is busy, in milliseconds, smoothed.
     pub window_ms: f32,
     /// Name of the graphics adapter where it is a software rasteriser.
@@ -63,8 +66,8 @@ pub struct AppState {
     pub selection: Selection,
     /// The plan of the floor.
     pub plan: PlanState,
-    /// Small pictures of views and references; `None` before the threads are started.
-    pub thumbnails: Option<Thumbnails>,
+    /// Small pictures of views and references.
+    pub thumbnails: Thumbnails,
     /// Settings and progress of saved pictures.
     pub picture: PictureState,
     /// Theme and scale of the window.
@@ -122,6 +125,7 @@ impl AppState {
             history: VecDeque::new(),
             notices: Vec::new(),
             dialogs: Dialogs::default(),
+            viewport_size: [0, 0],
             window_ms: 0.0,
             software_adapter: None,
             comparison: Comparison::default(),
@@ -129,7 +133,7 @@ impl AppState {
             sun: SunControls::default(),
             selection: Selection::default(),
             plan: PlanState::default(),
-            thumbnails: None,
+            thumbnails: Thumbnails::default(),
             picture: PictureState::default(),
             appearance: Appearance::default(),
             files: FileState::default(),
@@ -146,6 +150,12 @@ impl AppState {
             tone_map: self.quality.tone_map,
             overlay: Overlay::None,
         }
+    }
+
+    /// Returns width divided by height of the viewport.
+    pub fn aspect(&self) -> f64 {
+        let [width, height] = self.viewport_size.map(f64::from);
+        width / height.max(1.0)
     }
 
     /// Returns what the renderer is doing, with its progress.

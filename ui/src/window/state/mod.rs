@@ -27,7 +27,7 @@ pub use history::{HISTORY, Sample};
 pub use navigation::Navigation;
 pub use notices::{Notice, Severity};
 pub use options::Options;
-pub use picture::{Exporting, PictureCommand, PictureFormat, PictureSettings, PictureSize, PictureState};
+pub use picture::{PictureCommand, PictureFormat, PictureSettings, PictureSize, PictureState};
 pub use quality::{Quality, WINDOW_SAMPLES};
 pub use scene::{SavedView, SceneInfo};
 pub use selection::{Inspection, Measure, PixelFacts, ReferenceView, Selection, Snap, SnapKind};

@@ -38,3 +38,12 @@ impl Default for Options {
         }
     }
 }
+
+impl Options {
+    /// Shows the heatmap where its colouring has changed: the user wants to see it.
+    #[must_use]
+    pub fn with_visible_colors(self, before: &Self) -> Self {
+        let is_hidden = self.coloring != before.coloring && self.heatmap == Heatmap::Off;
+        Self { heatmap: if is_hidden { Heatmap::Blend } else { self.heatmap }, ..self }
+    }
+}

@@ -1,5 +1,6 @@
 //! How pictures are saved, and the one that is being made.
 
+use crate::window::rendering::task::Progress;
 use afterimage::Mode;
 use afterimage::render::bands::Background;
 use std::path::PathBuf;
@@ -56,15 +57,6 @@ impl Default for PictureSettings {
     }
 }
 
-/// What is being saved, and how far it is.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Exporting {
-    /// In words.
-    pub what: String,
-    /// The part that is done, 0..1.
-    pub part: f32,
-}
-
 /// Pictures, as the panels see them.
 #[derive(Clone, Debug, Default)]
 pub struct PictureState {
@@ -75,7 +67,7 @@ pub struct PictureState {
     /// The dialog is open.
     pub is_open: bool,
     /// What is being saved.
-    pub exporting: Option<Exporting>,
+    pub exporting: Option<Progress>,
     /// How to make a film of the last sequence.
     pub film_command: Option<String>,
 }

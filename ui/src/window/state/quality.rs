@@ -1,6 +1,5 @@
 //! What decides how good a picture is, how long it takes and how it is developed.
 
-use crate::window::export::screenshot::Development;
 use afterimage::WalkthroughSettings;
 use afterimage::raster::color::ToneMap;
 
@@ -27,10 +26,5 @@ impl Quality {
     pub fn new(walk: WalkthroughSettings) -> Self {
         let tone_map = ToneMap::default();
         Self { walk, render_scale: 0.5, budget_ms: 100.0, exposure_ev: 0.0, tone_map }
-    }
-
-    /// How pictures are developed.
-    pub fn development(&self) -> Development {
-        Development { exposure_ev: self.exposure_ev, tone_map: self.tone_map }
     }
 }

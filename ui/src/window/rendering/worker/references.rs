@@ -1,89 +1,81 @@
-//! References: when one is asked for, and what becomes of it.
+//! Tracing references: when one is requested, and what is done with its outcome.
 
+use super::owner::{RequestedPose, Running, Worker};
 use crate::window::rendering::references::{Job, Outcome};
-use crate::window::rendering::render_thread::Message;
-use crate::window::rendering::worker::Worker;
+use crate::window::rendering::request::Message;
+use afterimage::reference::cache::CachedReference;
 use afterimage::{Camera, Walkthrough};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-/// Where a reference stands, and its size.
-pub(crate) type RequestedPose = (Camera, [u32; 2]);
-
-/// A reference in the making.
-pub(crate) struct Running {
-    cancel: Arc<AtomicBool>,
-    place: RequestedPose,
-}
-
 impl Worker {
-    pub(crate) fn take_in(&mut self, outcome: Outcome) {
-        let job = self.job.take();
-        let was_cancelled = job.as_ref().is_none_or(|job| job.cancel.load(Ordering::Acquire));
+    /// Inserts a reference that was traced into the cache, or notes why there is none.
+    pub(super) fn take_reference(&mut self, outcome: Outcome) {
+        let running = self.running.take().filter(|r| !r.cancel.load(Ordering::Acquire));
         self.shared.is_adding.store(false, Ordering::Release);
-        match outcome {
-            Outcome::Traced(frame) if !was_cancelled => {
-                let id = self.walk.as_mut().and_then(|walk| walk.insert(*frame));
-                self.added.extend(id.map(|id| (id, Instant::now())));
-                if let Some(walk) = &self.walk {
+        match (outcome, running) {
+            (Outcome::Traced(frame), Some(_)) => {
+                if let Some(walk) = &mut self.walk {
+                    let id = walk.insert(*frame);
+                    self.added.extend(id.map(|id| (id, Instant::now())));
                     self.added.retain(|(id, _)| walk.cache().entries().iter().any(|e| e.id == *id));
                 }
             }
-            Outcome::Panicked(text) => {
-                self.refused.extend(job.filter(|_| !was_cancelled).map(|job| job.place));
-                self.say(Message::Failed(format!("tracing a reference failed: {text}")))
+            (Outcome::Panicked(text), running) => {
+                self.refused.extend(running.map(|r| r.pose));
+                self.send(Message::Failed(format!("tracing a reference failed: {text}")));
             }
-            Outcome::Traced(_) | Outcome::Cancelled => {}
+            (Outcome::Traced(_) | Outcome::Cancelled, _) => {}
         }
         (self.wake)();
     }
 
-    /// Starts the reference that was asked for or that the policy wants, unless one is in the making.
-    pub(crate) fn request_reference(&mut self) {
-        if self.job.is_some() || !self.can_render() {
+    /// Starts to trace the reference that the user has added or that the policy wants, unless one is
+    /// being traced.
+    pub(super) fn request_reference(&mut self) {
+        if self.running.is_some() || !self.can_render() {
             return;
         }
-        // What a frame that is gone on with lights is kept: no reference need light it again.
-        let goes_on = self.can_resume(self.shared.generation.load(Ordering::Acquire));
+        // While a frame is being resumed, its light is kept, so a reference need not trace it again.
+        let is_resuming = self.can_resume(self.shared.generation.load(Ordering::Acquire));
         let (Some(walk), Some(request)) = (&mut self.walk, self.request) else { return };
-        let wanted = || {
-            let camera = wanted(walk, request.size).filter(|_| !goes_on)?;
-            (!self.refused.contains(&(camera, request.size))).then_some(camera)
+        let by_policy = || {
+            let pose: RequestedPose = (wanted(walk, request.size)?, request.size);
+            (!is_resuming && !self.refused.contains(&pose)).then_some(pose.0)
         };
-        let Some(camera) = self.asked.take().or_else(wanted) else { return };
+        let Some(camera) = self.added_by_user.take().or_else(by_policy) else { return };
         let cancel = Arc::new(AtomicBool::new(false));
         let job = Job { reference: walk.reference_job(camera, request.size), cancel: cancel.clone() };
         if self.jobs.send(job).is_ok() {
-            self.job = Some(Running { cancel, place: (camera, request.size) });
+            self.running = Some(Running { cancel, pose: (camera, request.size) });
             self.shared.is_adding.store(true, Ordering::Release);
             (self.wake)();
         }
     }
 
-    /// The outcome still arrives and is then dropped.
-    pub(crate) fn cancel_reference(&mut self) {
-        self.asked = None;
-        if let Some(job) = &self.job {
-            job.cancel.store(true, Ordering::Release);
+    /// Cancels the reference that is being traced. Its outcome still arrives and is then dropped.
+    pub(super) fn cancel_reference(&mut self) {
+        self.added_by_user = None;
+        if let Some(running) = &self.running {
+            running.cancel.store(true, Ordering::Release);
         }
     }
 }
 
-/// The pose at which the policy wants a reference, unless there already is one in use of just that pose: a view whose Type 3
-/// stays high all the same would ask for it for ever. One that is switched off is as good as gone, and replaced.
+/// Returns the pose at which the policy wants a reference. A pose that has one already is left out: where
+/// Type 3 stays high in spite of it, the policy would choose that pose again and again. A disabled
+/// reference does not count and is replaced.
 fn wanted(walk: &Walkthrough, size: [u32; 2]) -> Option<Camera> {
     let camera = walk.wanted_reference()?;
-    let is_same = |e: &afterimage::reference::cache::CachedReference| {
-        e.is_enabled && e.frame.camera == camera && e.frame.view.size == size
-    };
+    let is_same = |e: &CachedReference| e.is_enabled && e.frame.camera == camera && e.frame.view.size == size;
     (!walk.cache().entries().iter().any(is_same)).then_some(camera)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::window::rendering::render_thread::RenderRequest;
+    use crate::window::rendering::request::RenderRequest;
     use afterimage::reference::PlacementPolicy;
     use afterimage::reference::placement::THRESHOLD;
     use afterimage::scene::{Material, SceneBuilder};
@@ -121,12 +113,12 @@ mod tests {
     }
 
     #[test]
-    fn a_reference_that_failed_is_not_asked_for_again_until_settings_change() {
+    fn a_reference_that_failed_is_not_requested_again_until_settings_change() {
         let (mut worker, sent, said) = worker();
         worker.render(0);
         worker.request_reference();
         assert_eq!(sent.try_iter().count(), 1, "the first view has no reference");
-        worker.take_in(Outcome::Panicked("a bug".to_owned()));
+        worker.take_reference(Outcome::Panicked("a bug".to_owned()));
         assert!(matches!(said.try_recv(), Ok(Message::Failed(text)) if text.contains("a bug")));
         worker.request_reference();
         worker.render(0);
@@ -147,8 +139,8 @@ mod tests {
         let trace_one = |worker: &mut Worker| {
             worker.request_reference();
             let job = sent.try_recv().ok()?;
-            let frame = job.reference.trace(&|| false).expect("nobody stops it");
-            worker.take_in(Outcome::Traced(Box::new(frame)));
+            let frame = job.reference.trace(&|| false).expect("it is not stopped");
+            worker.take_reference(Outcome::Traced(Box::new(frame)));
             worker.render(0);
             Some(())
         };

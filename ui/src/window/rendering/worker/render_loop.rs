@@ -1,19 +1,20 @@
-//! Frames: begun, gone on with, refined, shown.
+//! Frames: rendered, resumed, refined and shown.
 
+use super::owner::Worker;
 use crate::window::rendering::exchange::PublishedFrame;
-use crate::window::rendering::render_thread::Message;
-use crate::window::rendering::worker::{Worker, panic_text};
+use crate::window::rendering::request::Message;
+use crate::window::rendering::task::panic_text;
 use afterimage::Walkthrough;
 use afterimage::trace::parallel::Stop;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-/// A picture that is gone on with, and one at rest, is shown anew after so long: often enough to be seen converging,
-/// seldom enough that drawing it is little beside tracing it. Whatever changes ends the work at once.
+/// A frame that is resumed or refined is shown at this interval: often enough to see it converge, and
+/// rarely enough that drawing takes little time compared to tracing. Any change ends the work at once.
 const SLICE_TIME: Duration = Duration::from_millis(200);
 
-/// What a slice of going on has come to.
+/// Result of a slice of work on a frame.
 struct Slice {
     is_shown: bool,
     is_refinement: bool,
@@ -21,17 +22,9 @@ struct Slice {
 }
 
 impl Worker {
-    pub(crate) fn render(&mut self, generation: u64) {
+    /// Renders the requested frame, up to its budget, and shows it.
+    pub(super) fn render(&mut self, generation: u64) {
         let (Some(walk), Some(request)) = (&mut self.walk, self.request) else { return };
-        let start = Instant::now();
-        let shared = &*self.shared;
-        let stop = || {
-            let is_useless = shared.quit.load(Ordering::Relaxed) || shared.abandon.load(Ordering::Relaxed);
-            match request.budget {
-                Some(budget) => is_useless || start.elapsed() >= budget,
-                None => shared.is_useless(generation),
-            }
-        };
         if *walk.settings() != request.settings {
             walk.set_settings(request.settings);
             self.refused.clear();
@@ -39,91 +32,88 @@ impl Worker {
         if request.is_compared {
             walk.drop_refinement();
         }
-        let mut published = shared.exchange.spare();
-        let added = &self.added;
-        let made = catch_unwind(AssertUnwindSafe(|| {
-            self.pool.install(|| {
-                walk.render(&request.camera, request.size, &stop);
-                if request.budget.is_none() && shared.is_useless(generation) {
-                    return None;
-                }
-                published.fill(walk.frame(), &walk.tracer().scene().frame, walk.used(), generation);
-                published.list(walk.cache(), walk.used(), added);
-                Some(published)
-            })
-        }));
-        self.rendered = Some(generation);
+        let (shared, start) = (self.shared.clone(), Instant::now());
         shared.frames_rendered.fetch_add(1, Ordering::AcqRel);
-        self.publish(made);
+        self.rendered = Some(generation);
+        let stop = || match request.budget {
+            Some(budget) => shared.is_abandoned() || start.elapsed() >= budget,
+            None => shared.is_stale(generation),
+        };
+        self.show(generation, |walk| {
+            walk.render(&request.camera, request.size, &stop);
+            let is_shown = request.budget.is_some() || !shared.is_stale(generation);
+            Slice { is_shown, is_refinement: false, has_converged: false }
+        });
     }
 
-    /// Goes on for a while with the last frame, which was cut at the budget.
-    pub(crate) fn resume(&mut self, generation: u64) {
-        self.go_on(generation, |walk, stop| {
+    /// Resumes the last frame, which was cut at its budget, for a slice of time.
+    pub(super) fn resume(&mut self, generation: u64) {
+        self.show_slice(generation, |walk, stop| {
             walk.resume(stop);
             let is_complete = walk.frame().stats.is_complete;
             Slice { is_shown: true, is_refinement: !is_complete, has_converged: false }
         });
     }
 
-    /// Goes on with the picture of the last frame for a while. What panics is not tried again.
-    pub(crate) fn refine(&mut self, generation: u64) {
-        let slice = self.go_on(generation, |walk, stop| {
+    /// Refines the last frame for a slice of time. After a panic it is not tried again.
+    pub(super) fn refine(&mut self, generation: u64) {
+        let slice = self.show_slice(generation, |walk, stop| {
             let state = walk.refine(stop);
             Slice { is_shown: state.of > 0, is_refinement: true, has_converged: state.is_complete }
         });
         self.converged = slice.is_none_or(|slice| slice.has_converged).then_some(generation);
     }
 
-    /// Works on the last frame for a slice of time and shows how far it is, unless nobody wants it any more. `None` after
-    /// a panic.
-    fn go_on(
+    /// Works on the last frame for a slice of time, and shows it unless it has become stale.
+    fn show_slice(
         &mut self,
         generation: u64,
         work: impl FnOnce(&mut Walkthrough, Stop<'_>) -> Slice + Send,
     ) -> Option<Slice> {
-        let walk = self.walk.as_mut()?;
-        let start = Instant::now();
-        let shared = &*self.shared;
-        let is_useless = || shared.is_useless(generation);
-        let stop = || is_useless() || start.elapsed() >= SLICE_TIME;
-        let mut published = shared.exchange.spare();
-        let added = &self.added;
-        let made = catch_unwind(AssertUnwindSafe(|| {
-            self.pool.install(|| {
-                let slice = work(walk, &stop);
-                if is_useless() || !slice.is_shown {
-                    return (slice, None);
-                }
-                published.fill(walk.frame(), &walk.tracer().scene().frame, walk.used(), generation);
-                published.list(walk.cache(), walk.used(), added);
-                published.is_refinement = slice.is_refinement;
-                (slice, Some(published))
-            })
-        }));
-        let (slice, made) = match made {
-            Ok((slice, published)) => (Some(slice), Ok(published)),
-            Err(panic) => (None, Err(panic)),
-        };
-        self.publish(made);
-        slice
+        let (shared, start) = (self.shared.clone(), Instant::now());
+        self.show(generation, |walk| {
+            let slice = work(walk, &|| shared.is_stale(generation) || start.elapsed() >= SLICE_TIME);
+            Slice { is_shown: slice.is_shown && !shared.is_stale(generation), ..slice }
+        })
     }
 
-    /// Shows what was made. After a panic the walk begins anew.
-    fn publish(&mut self, made: std::thread::Result<Option<PublishedFrame>>) {
-        match made {
-            Ok(Some(published)) if !self.shared.abandon.load(Ordering::Acquire) => {
-                self.shared.exchange.publish(published);
-            }
-            Ok(_) => {}
-            Err(panic) => {
-                // Its buffers may be half-written; the scene is not.
-                if let (Some(walk), Some(request)) = (&mut self.walk, self.request) {
-                    *walk = Walkthrough::new(walk.tracer().clone(), request.settings).progressive();
+    /// Works on the walkthrough and publishes its frame. Returns `None` after a panic; the walkthrough then
+    /// starts again, because its buffers may be half written.
+    fn show(
+        &mut self,
+        generation: u64,
+        work: impl FnOnce(&mut Walkthrough) -> Slice + Send,
+    ) -> Option<Slice> {
+        let (walk, added, pool) = (self.walk.as_mut()?, &self.added, &self.pool);
+        let mut published = self.shared.exchange.spare();
+        let done = catch_unwind(AssertUnwindSafe(|| {
+            pool.install(|| {
+                let slice = work(walk);
+                if slice.is_shown {
+                    published.fill(walk.frame(), &walk.tracer().scene().frame, walk.used(), generation);
+                    published.list(walk.cache(), walk.used(), added);
+                    published.is_refinement = slice.is_refinement;
                 }
-                let text = panic_text(&*panic);
-                self.say(Message::Failed(format!("rendering failed: {text}")));
+                (slice, published)
+            })
+        }));
+        match done {
+            Ok((slice, published)) => {
+                self.publish(published, slice.is_shown);
+                Some(slice)
             }
+            Err(panic) => {
+                let settings = self.request.map_or(*walk.settings(), |r| r.settings);
+                *walk = Walkthrough::new(walk.tracer().clone(), settings).progressive();
+                self.send(Message::Failed(format!("rendering failed: {}", panic_text(&*panic))));
+                None
+            }
+        }
+    }
+
+    fn publish(&self, frame: PublishedFrame, is_shown: bool) {
+        if is_shown && !self.shared.abandon.load(Ordering::Acquire) {
+            self.shared.exchange.publish(frame);
         }
         (self.wake)();
     }

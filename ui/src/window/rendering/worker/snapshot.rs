@@ -1,13 +1,14 @@
-//! What others ask for of the walk: its picture, and what its references hold.
+//! Pictures and references that are sent to the window.
 
-use crate::window::rendering::render_thread::{Message, Picture, ReferenceRadiance};
-use crate::window::rendering::worker::Worker;
+use super::owner::Worker;
+use crate::window::rendering::request::{Message, Picture, ReferenceRadiance};
 use afterimage::Walkthrough;
 use afterimage::reference::{ReferenceFrame, ReferenceId};
 use std::sync::Arc;
 
 impl Worker {
-    pub(crate) fn send_picture(&mut self) {
+    /// Sends the picture that was asked for, once the frame is complete.
+    pub(super) fn send_picture(&mut self) {
         let Some(walk) = self.walk.as_ref().filter(|_| self.wants_picture) else { return };
         let frame = walk.frame();
         let is_paused = self.request.is_some_and(|w| w.is_paused);
@@ -15,7 +16,7 @@ impl Worker {
             return;
         }
         self.wants_picture = false;
-        self.say(Message::Picture(Picture {
+        self.send(Message::Picture(Picture {
             size: frame.view.size,
             radiance: frame.radiance.clone(),
             scene: walk.tracer().scene().clone(),
@@ -25,11 +26,10 @@ impl Worker {
             refined: frame.stats.refined,
             references: useful_references(walk),
         }));
-        (self.wake)();
     }
 
-    /// Hands out what a reference holds: what does not depend on the viewer.
-    pub(crate) fn send_reference(&self, id: ReferenceId) {
+    /// Sends the light that a reference holds: the part that does not depend on the direction of view.
+    pub(super) fn send_reference(&self, id: ReferenceId) {
         let Some(walk) = &self.walk else { return };
         let entry = walk.cache().entries().iter().find(|e| e.id == id);
         let radiance = entry.map(|entry| {
@@ -39,12 +39,11 @@ impl Worker {
         });
         let (camera, size) =
             entry.map_or((walk.frame().camera, [0, 0]), |e| (e.frame.camera, e.frame.view.size));
-        self.say(Message::Reference(ReferenceRadiance { id, camera, size, radiance }));
-        (self.wake)();
+        self.send(Message::Reference(ReferenceRadiance { id, camera, size, radiance }));
     }
 }
 
-/// What another picture of the same view can be made from.
+/// Returns the references from which the view can be rendered again.
 fn useful_references(walk: &Walkthrough) -> Vec<Arc<ReferenceFrame>> {
     let is_used = |id| walk.settings().render.mode.looks_up() || walk.used().contains(&id);
     walk.cache().entries().iter().filter(|e| is_used(e.id)).map(|e| Arc::clone(&e.frame)).collect()

@@ -1,0 +1,167 @@
+//! Commands about saved pictures and picture sequences.
+
+use crate::picture::sequence::Sequence;
+use crate::picture::{LONGEST_SIDE, PictureJob, Shows};
+use crate::window::app::services::Services;
+use crate::window::app::session::Session;
+use crate::window::export::pictures::{Exported, save_picture, save_sequence, spawn_export};
+use crate::window::rendering::request::{Picture, RenderCommand};
+use crate::window::rendering::task::{TaskError, TaskHandle, take_result};
+use crate::window::state::{AppState, PictureCommand, PictureFormat, PictureSize};
+use afterimage::reference::ReferenceFrame;
+use afterimage::render::aov::Aov;
+use afterimage::render::bands::Background;
+use afterimage::{Camera, Mode, RenderSettings, Tracer};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Applies a command.
+pub(super) fn handle_picture(
+    state: &mut AppState,
+    session: &Session,
+    services: &mut Services,
+    command: PictureCommand,
+) {
+    let picture = &mut state.picture;
+    let saved = match command {
+        PictureCommand::Save => save(state, session, services, None),
+        PictureCommand::SaveWithoutBackground => save(state, session, services, Some(Background::LeftOut)),
+        PictureCommand::SaveSequence => sequence(state, session, services),
+        PictureCommand::ShowDialog(is_open) => return picture.is_open = is_open,
+        PictureCommand::Set(settings) => return picture.settings = settings,
+        PictureCommand::SetFolderText(text) => {
+            let trimmed = text.trim();
+            picture.settings.folder = (!trimmed.is_empty()).then(|| PathBuf::from(trimmed));
+            return picture.folder_text = text;
+        }
+        PictureCommand::Cancel => return cancel(state, services),
+    };
+    if let Err(message) = saved {
+        state.error(message);
+    }
+}
+
+fn cancel(state: &mut AppState, services: &mut Services) {
+    if let Some(export) = services.export.take() {
+        export.cancel_and_wait();
+        state.info("saving was cancelled");
+    }
+}
+
+/// Returns the picture of a view with the settings of the dialog.
+fn job(state: &AppState, camera: Camera, background: Background) -> Result<PictureJob, String> {
+    let settings = &state.picture.settings;
+    let size = match settings.size {
+        PictureSize::Viewport => state.viewport_size.map(|side| side.clamp(1, LONGEST_SIDE)),
+        PictureSize::Pixels(size) => size,
+    };
+    if size.iter().any(|side| !(1..=LONGEST_SIDE).contains(side)) {
+        return Err(format!("a picture is from 1 to {LONGEST_SIDE} pixels wide and high"));
+    }
+    let (quality, mut render) = (&state.quality, state.quality.walk.render);
+    render.trace.samples = settings.samples.unwrap_or(render.trace.samples);
+    render.mode = if background == Background::LeftOut { Mode::Full } else { settings.mode };
+    Ok(PictureJob {
+        scene_name: state.scene.as_ref().map(|s| s.source.label()).ok_or("there is no scene yet")?,
+        camera,
+        size,
+        settings: render,
+        antialias: (render.mode == Mode::Full && settings.antialias > 1).then_some(settings.antialias),
+        background,
+        exposure_ev: quality.exposure_ev,
+        tone_map: quality.tone_map,
+    })
+}
+
+/// Saves the current view. Modes that reuse references first ask the render thread for them.
+fn save(
+    state: &AppState,
+    session: &Session,
+    services: &mut Services,
+    background: Option<Background>,
+) -> Result<(), String> {
+    let background = background.unwrap_or(state.picture.settings.background);
+    let job = job(state, *state.navigation.fly.camera(), background)?;
+    if job.settings.mode == Mode::Full {
+        return export_picture(state, session, services, job, Vec::new());
+    }
+    services.render.send(RenderCommand::Picture);
+    Ok(())
+}
+
+/// Saves a picture whose references have arrived from the render thread.
+pub(super) fn save_from_references(
+    state: &mut AppState,
+    session: &Session,
+    services: &mut Services,
+    picture: Picture,
+) {
+    let job = job(state, picture.camera, Background::Shown);
+    let saved = job.and_then(|job| export_picture(state, session, services, job, picture.references));
+    if let Err(message) = saved {
+        state.error(message);
+    }
+}
+
+fn export_picture(
+    state: &AppState,
+    session: &Session,
+    services: &mut Services,
+    job: PictureJob,
+    references: Vec<Arc<ReferenceFrame>>,
+) -> Result<(), String> {
+    job.check(&references).map_err(|error| error.to_string())?;
+    let shows = match state.picture.settings.format {
+        PictureFormat::Png => Shows::Display,
+        PictureFormat::Exr => Shows::Linear(Aov::ALL.to_vec()),
+    };
+    let destination = services.destination(state);
+    start(session, services, move |tracer, task| {
+        save_picture(&job, tracer, &references, &destination, &shows, task)
+    })
+}
+
+/// Saves the camera path. Every picture of the sequence is traced in full.
+fn sequence(state: &AppState, session: &Session, services: &mut Services) -> Result<(), String> {
+    let walk = state.navigation.playback.path.clone();
+    if walk.keyframes.len() < 2 {
+        return Err("a sequence needs a camera path of two keys or more; K adds one at your pose".to_owned());
+    }
+    let settings = &state.picture.settings;
+    let job = job(state, *state.navigation.fly.camera(), settings.background)?;
+    let full = RenderSettings { mode: Mode::Full, ..job.settings };
+    let antialias = Some(settings.antialias).filter(|n| *n > 1);
+    let sequence = Sequence { job: PictureJob { settings: full, antialias, ..job }, walk };
+    let destination = services.destination(state);
+    start(session, services, move |tracer, task| save_sequence(&sequence, tracer, &destination, task))
+}
+
+/// Starts an export, unless one is running.
+fn start(
+    session: &Session,
+    services: &mut Services,
+    work: impl FnOnce(&Tracer, &TaskHandle) -> Result<Exported, TaskError> + Send + 'static,
+) -> Result<(), String> {
+    if services.export.is_some() {
+        return Err("a picture is being saved; wait for it, or cancel it".to_owned());
+    }
+    if let Some(tracer) = session.tracer().cloned() {
+        let export = spawn_export(services.threads, services.wake.clone(), move |task| work(&tracer, task));
+        services.export = Some(export);
+    }
+    Ok(())
+}
+
+/// Shows the progress of an export, and its result.
+pub(super) fn poll_export(state: &mut AppState, services: &mut Services) {
+    let result = take_result(&mut services.export);
+    state.picture.exporting = services.export.as_ref().map(|export| export.progress());
+    match result {
+        Some(Ok(exported)) => {
+            state.picture.film_command = exported.film_command;
+            state.info(exported.text);
+        }
+        Some(Err(TaskError::Failed(text))) => state.error(text),
+        Some(Err(TaskError::Cancelled)) | None => {}
+    }
+}

@@ -1,0 +1,87 @@
+//! Threads, tasks and the graphics adapter.
+
+use crate::picture::restore::PictureView;
+use crate::window::export::destination::Destination;
+use crate::window::export::pictures::Exported;
+use crate::window::rendering::full_trace::FullTrace;
+use crate::window::rendering::plan::Plan;
+use crate::window::rendering::render_thread::RenderThread;
+use crate::window::rendering::scene_loading::Loading;
+use crate::window::rendering::task::{Task, TaskError, Wake, spawn_task};
+use crate::window::request::WindowRequest;
+use crate::window::state::{AppState, Pair, PictureError};
+use afterimage::Tracer;
+use afterimage::scene::SceneEdit;
+use egui_wgpu::RenderState;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex};
+
+/// Result of a small task whose progress is not shown.
+pub(super) enum AppEvent {
+    /// A file was saved.
+    Saved(PathBuf),
+    /// The session was saved.
+    SavedSession(PathBuf),
+    /// Something was saved that is not reported.
+    Kept,
+    /// The view of a picture was read.
+    PictureView(PictureView),
+    /// Materials and daylight were saved beside the scene, or could not be.
+    SavedEdit(Box<SceneEdit>, Result<PathBuf, String>),
+}
+
+/// The scene is being rebuilt with other materials or daylight.
+pub(super) struct PendingEdit {
+    pub(super) edit: SceneEdit,
+    pub(super) task: Task<Arc<Tracer>>,
+}
+
+/// A picture that was compared with the full tracer's.
+pub(super) struct Measurement {
+    pub(super) pair: Pair,
+    pub(super) size: [u32; 2],
+    pub(super) error: PictureError,
+    /// Error map as sRGB.
+    pub(super) map: Vec<[u8; 3]>,
+}
+
+/// Threads, tasks and the graphics adapter.
+pub(super) struct Services {
+    /// What the window was started with.
+    pub(super) launch: WindowRequest,
+    pub(super) ctx: egui::Context,
+    pub(super) wake: Wake,
+    pub(super) render: RenderThread,
+    /// Number of threads that render.
+    pub(super) threads: usize,
+    pub(super) graphics: Option<RenderState>,
+    /// Messages of the graphics adapter that are not shown yet.
+    pub(super) graphics_errors: Arc<Mutex<Vec<String>>>,
+    pub(super) loading: Option<Loading>,
+    pub(super) edit: Option<PendingEdit>,
+    pub(super) export: Option<Task<Exported>>,
+    pub(super) full_trace: Option<FullTrace>,
+    pub(super) measurement: Option<Task<Measurement>>,
+    pub(super) plan: Option<Task<Plan>>,
+    pub(super) file_dialog: Option<Task<Option<PathBuf>>>,
+    /// Ends when the files of the scene have changed.
+    pub(super) watch: Option<Task<PathBuf>>,
+    pub(super) tasks: Vec<Task<AppEvent>>,
+}
+
+impl Services {
+    /// Runs a small task; its event is applied with the next update of the window.
+    pub(super) fn spawn(
+        &mut self,
+        name: &str,
+        work: impl FnOnce() -> Result<AppEvent, TaskError> + Send + 'static,
+    ) {
+        self.tasks.push(spawn_task(name, self.wake.clone(), |_| work()));
+    }
+
+    /// Returns where new pictures, walks and sessions are saved.
+    pub(super) fn destination(&self, state: &AppState) -> Destination {
+        let chosen = state.picture.settings.folder.clone().or_else(|| self.launch.pictures.clone());
+        Destination::new(chosen, state.scene.as_ref().map_or("scene", |s| &s.name))
+    }
+}

@@ -1,0 +1,150 @@
+//! Keys, the clipboard and dropped files as commands.
+
+use crate::window::gpu::presentation::{Coloring, Heatmap};
+use crate::window::input::aim;
+use crate::window::input::fly_camera::MoveMode;
+use crate::window::input::inspect::probe_at;
+use crate::window::input::keymap::{Action, Attention, Pressed};
+use crate::window::input::pointer::Input;
+use crate::window::input::walking::Obstacles;
+use crate::window::state::{
+    AppState, Command, Compare, EditCommand, FileCommand, InspectCommand, NavigationCommand, Options,
+    PictureCommand,
+};
+use egui::{Context, Event};
+
+/// One press changes the exposure by half a stop.
+const EXPOSURE_STEP_EV: f32 = 0.5;
+
+/// Returns the commands of keys that were pressed and of files that were dropped since the last update.
+pub(crate) fn key_commands(
+    state: &AppState,
+    input: &mut Input,
+    obstacles: Option<&Obstacles>,
+    ctx: &Context,
+) -> Vec<Command> {
+    let is_typing = ctx.text_edit_focused() || state.is_asking();
+    let (events, dropped) = ctx.input(|i| (i.raw.events.clone(), i.raw.dropped_files.clone()));
+    let has_control = ctx.memory(|m| m.focused().is_some_and(|id| Some(id) != input.viewport));
+    let attention = match (is_typing, has_control) {
+        (true, _) => Attention::Text,
+        (false, true) => Attention::Control,
+        (false, false) => Attention::View,
+    };
+    let pressed = input.keyboard.update(&events, attention);
+    let mut commands: Vec<Command> =
+        pressed.into_iter().filter_map(|p| command_of(state, input, obstacles, p)).collect();
+    if !is_typing {
+        commands.extend(events.iter().filter_map(clipboard_command));
+    }
+    if let Some(file) = dropped.first().filter(|f| !f.path().as_os_str().is_empty()) {
+        commands.push(Command::OpenPath(file.path().to_owned()));
+    }
+    commands
+}
+
+fn command_of(
+    state: &AppState,
+    input: &Input,
+    obstacles: Option<&Obstacles>,
+    Pressed { action, chord }: Pressed,
+) -> Option<Command> {
+    let (o, mut q) = (state.options, state.quality);
+    Some(match action {
+        Action::ToggleWalk => {
+            Command::Navigate(NavigationCommand::SetMoveMode(match state.navigation.fly.move_mode() {
+                MoveMode::Fly => MoveMode::Walk,
+                MoveMode::Walk => MoveMode::Fly,
+            }))
+        }
+        Action::Focus => focus(state, input, obstacles),
+        Action::FrameAll => {
+            let bounds = obstacles?.tracer().scene().bounds_m;
+            Command::EaseTo(aim::framing(bounds, state.navigation.fly.camera(), state.aspect()))
+        }
+        Action::Undo => Command::Edit(EditCommand::Undo),
+        Action::Redo => Command::Edit(EditCommand::Redo),
+        Action::Measure => Command::Inspect(InspectCommand::ToggleMeasure),
+        Action::AddPathKey => Command::Navigate(NavigationCommand::AddPathKey),
+        Action::PlayPath => Command::Navigate(NavigationCommand::PlayPath),
+        Action::SaveView => Command::Navigate(NavigationCommand::SaveView(chord as u8 + 1)),
+        Action::NextView => Command::Navigate(NavigationCommand::StepView(1)),
+        Action::PreviousView => Command::Navigate(NavigationCommand::StepView(-1)),
+        Action::GoToView => Command::Navigate(NavigationCommand::GoToKey(chord as u8 + 1)),
+        Action::Level => Command::Level,
+        Action::NarrowFov => Command::ChangeFov(-1.0),
+        Action::WidenFov => Command::ChangeFov(1.0),
+        Action::DarkerExposure | Action::BrighterExposure | Action::ResetExposure => {
+            q.exposure_ev = match action {
+                Action::DarkerExposure => q.exposure_ev - EXPOSURE_STEP_EV,
+                Action::BrighterExposure => q.exposure_ev + EXPOSURE_STEP_EV,
+                _ => state.default_quality.exposure_ev,
+            };
+            Command::SetQuality(q)
+        }
+        Action::CompareSplit => toggled(state, Compare::Split),
+        Action::CompareErrors => toggled(state, Compare::Errors),
+        Action::AddReference => Command::AddReference,
+        Action::ClearCache => Command::AskToClear,
+        Action::Open => Command::Browse,
+        Action::SaveSession => Command::Files(FileCommand::SaveSession),
+        Action::Quit => Command::Quit,
+        Action::Reload => Command::Reload,
+        Action::Screenshot => Command::Picture(PictureCommand::Save),
+        Action::ScreenshotWithoutBackground => Command::Picture(PictureCommand::SaveWithoutBackground),
+        Action::SaveSequence => Command::Picture(PictureCommand::SaveSequence),
+        Action::FullScreen => Command::FullScreen,
+        Action::Escape => Command::Escape,
+        _ => Command::SetOptions(switched(o, action)?),
+    })
+}
+
+/// Shows a comparison, or hides it where it is shown already.
+fn toggled(state: &AppState, wanted: Compare) -> Command {
+    let comparison = &state.comparison;
+    let shows = if comparison.shows == wanted { Compare::Off } else { wanted };
+    Command::Compare(shows, comparison.split)
+}
+
+/// Looks at the point under the cursor.
+fn focus(state: &AppState, input: &Input, obstacles: Option<&Obstacles>) -> Command {
+    let at = input.cursor.unwrap_or([0.0, 0.0]);
+    match obstacles.and_then(|obstacles| probe_at(state, obstacles, at)) {
+        Some(probe) => Command::EaseTo(aim::focused_on(&probe, state.navigation.fly.camera())),
+        None => Command::Say("there is nothing under the cursor to look at".to_owned()),
+    }
+}
+
+fn clipboard_command(event: &Event) -> Option<Command> {
+    match event {
+        Event::Copy => Some(Command::CopyPose),
+        Event::Paste(text) => Some(Command::Navigate(NavigationCommand::PastePose(text.clone()))),
+        _ => None,
+    }
+}
+
+fn switched(o: Options, action: Action) -> Option<Options> {
+    Some(match action {
+        Action::CycleHeatmap => Options {
+            heatmap: match o.heatmap {
+                Heatmap::Off => Heatmap::Blend,
+                Heatmap::Blend => Heatmap::Only,
+                Heatmap::Only => Heatmap::Off,
+            },
+            ..o
+        },
+        Action::ToggleByReference => {
+            let coloring = match o.coloring {
+                Coloring::ByType => Coloring::ByReference,
+                Coloring::ByReference => Coloring::ByType,
+            };
+            Options { coloring, ..o }.with_visible_colors(&o)
+        }
+        Action::ToggleOutline => Options { has_outline: !o.has_outline, ..o },
+        Action::Pause => Options { is_paused: !o.is_paused, ..o },
+        Action::Help => Options { shows_help: !o.shows_help, ..o },
+        Action::TogglePanels => Options { shows_panels: !o.shows_panels, ..o },
+        Action::ToggleStatistics => Options { shows_statistics: !o.shows_statistics, ..o },
+        _ => return None,
+    })
+}
