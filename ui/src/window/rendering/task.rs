@@ -183,7 +183,7 @@ mod tests {
     #[test]
     fn progress_wakes_the_window_and_cancelling_ends_the_work() {
         let (ring, bell) = crossbeam_channel::unbounded();
-        let wake: Wake = Arc::new(move || drop(ring.send(())));
+        let wake: Wake = Arc::new(move || assert!(ring.send(()).is_ok()));
         let task = spawn_task::<()>("d", wake, |task| {
             (0..1000).for_each(|_| task.report("half", 0.5));
             loop {
