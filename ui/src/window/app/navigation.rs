@@ -1,10 +1,10 @@
 //! Commands about views, camera paths and the way the camera moves.
 
+use crate::picture::pose_text::pose_of_flags;
 use crate::window::app::services::{AppEvent, Services};
 use crate::window::export::destination::Destination;
 use crate::window::input::fly_camera::MoveMode;
 use crate::window::input::playback::Recording;
-use crate::picture::pose_text::pose_of_flags;
 use crate::window::rendering::task::TaskError;
 use crate::window::state::{AppState, NavigationCommand, SavedView};
 use afterimage::camera::CameraPath;

@@ -1,5 +1,6 @@
 //! Applies commands: dispatches those of a part of the window to its handler, and handles the others.
 
+use crate::picture::pose_text::pose_flags;
 use crate::settings::{self, Theme};
 use crate::window::app::inspect::handle_inspect;
 use crate::window::app::navigation::handle_navigation;
@@ -12,7 +13,6 @@ use crate::window::app::scene_edits::handle_edit;
 use crate::window::app::services::{AppEvent, Services};
 use crate::window::app::session::Session;
 use crate::window::input::fly_camera::ViewChange;
-use crate::picture::pose_text::pose_flags;
 use crate::window::rendering::request::RenderCommand;
 use crate::window::rendering::task::{TaskError, spawn_task};
 use crate::window::state::{AppState, Appearance, Command, Compare, FileCommand};
