@@ -1,8 +1,8 @@
 //! Afterimage: interactive ray tracing that reuses reference images.
 //!
-//! Diffuse radiance does not depend on the viewer: light that was computed for a surface point once is right from
-//! every other viewpoint as well. A *reference* is a picture whose light is kept for reuse. The default mode,
-//! [`Mode::Exact`], makes a frame like this:
+//! Diffuse radiance does not depend on the viewer: light that was computed for a surface point once
+//! is right from every other viewpoint as well. A *reference* is a picture whose light is kept for
+//! reuse. The default mode, [`Mode::Exact`], makes a frame like this:
 //!
 //! ```text
 //! Camera -> a primary ray per pixel        -> the surface point that the pixel shows
@@ -13,9 +13,10 @@
 //!        -> Frame                          -> PlacementPolicy: where the next reference should be
 //! ```
 //!
-//! [`Mode::Fast`] takes the light of the single best reference and checks nothing. [`Mode::Full`] is the ordinary ray
-//! tracer, the truth that the others are measured against. [`Mode::Paper`] is the published algorithm, kept unchanged
-//! for comparison. It has no primary rays but warps references into the new view:
+//! [`Mode::Fast`] takes the light of the single best reference and checks nothing. [`Mode::Full`]
+//! is the ordinary ray tracer, the truth that the others are measured against. [`Mode::Paper`] is
+//! the published algorithm, kept unchanged for comparison. It has no primary rays but warps
+//! references into the new view:
 //!
 //! ```text
 //! Camera -> ReferenceCache::select         -> the references that know most of this view
@@ -26,8 +27,9 @@
 //! ```
 //!
 //! # The bare engine
-//! Without default features the crate is the engine alone: scenes built in code, the tracer, references, all modes.
-//! A [`Walkthrough`] owns the cache of references and renders frame after frame:
+//! Without default features the crate is the engine alone: scenes built in code, the tracer,
+//! references, all modes. A [`Walkthrough`] owns the cache of references and renders frame after
+//! frame:
 //!
 //! ```
 //! use afterimage::scene::{Material, SceneBuilder};
@@ -59,18 +61,21 @@
 //! # Ok::<(), afterimage::scene::SceneError>(())
 //! ```
 //!
-//! The lower level is as public: [`Renderer`] makes one frame from references of your own, [`Tracer`] traces single
-//! pixels. Embedded scenes come from [`scene::builtin::build`].
+//! The lower level is as public: [`Renderer`] makes one frame from references of your own,
+//! [`Tracer`] traces single pixels. Embedded scenes come from [`scene::builtin::build`].
 //!
 //! # Features
 //! All three are on by default.
 //!
 //! - `import`: the module `import` (OBJ, glTF, textures, settings files) and walks from JSON
-//! - `pictures`: PNG and OpenEXR files, pictures of a frame's data (`render::aov`), the metrics PSNR, SSIM and FLIP,
-//!   and the embedded scene `gallery`, whose textures are PNG. The other embedded scenes are always there.
-//! - `experiments`: the module `experiment`, which measures all this; brings `import` and `pictures`
+//! - `pictures`: PNG and OpenEXR files, pictures of a frame's data (`render::aov`), the metrics
+//!   PSNR, SSIM and FLIP, and the embedded scene `gallery`, whose textures are PNG. The other
+//!   embedded scenes are always there.
+//! - `experiments`: the module `experiment`, which measures all this; brings `import` and
+//!   `pictures`
 //!
-//! `docs/` in the repository holds the architecture, the algorithm, the measured results, and runnable examples.
+//! `docs/` in the repository holds the architecture, the algorithm, the measured results, and
+//! runnable examples.
 
 pub mod bsdf;
 pub mod camera;

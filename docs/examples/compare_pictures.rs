@@ -1,6 +1,7 @@
 //! Compares two pictures: one with few samples against one with many.
 //!
-//! `cargo run --release -p afterimage --example compare_pictures -- [A B]`, with two PNG or OpenEXR files or none.
+//! `cargo run --release -p afterimage --example compare_pictures -- [A B]`, with two PNG or OpenEXR
+//! files or none.
 
 #![allow(clippy::print_stdout, reason = "an example reports on the terminal")]
 
@@ -36,7 +37,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         return Err(format!("the sizes differ: {:?} and {:?}", picture.size, truth.size).into());
     }
 
-    // PSNR, SSIM and FLIP compare what a screen shows (sRGB, clipped at 1), relMSE compares linear light.
+    // PSNR, SSIM and FLIP compare what a screen shows (sRGB, clipped at 1), relMSE compares linear
+    // light.
     let (shown, shown_truth) = (picture.display(), truth.display());
     println!("PSNR   {:.2} dB (999 for equal pictures)", psnr_db(&shown, &shown_truth));
     println!("SSIM   {:.4} (1 for equal pictures)", ssim(&shown, &shown_truth, truth.size));

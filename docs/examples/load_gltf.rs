@@ -1,6 +1,7 @@
 //! Loads a model (glTF or OBJ), prints what is in it and what was doubtful.
 //!
-//! `cargo run --release -p afterimage --example load_gltf -- [MODEL]`; without a model, a triangle that it writes itself.
+//! `cargo run --release -p afterimage --example load_gltf -- [MODEL]`; without a model, a triangle
+//! that it writes itself.
 
 #![allow(clippy::print_stdout, reason = "an example reports on the terminal")]
 
@@ -28,8 +29,8 @@ fn written_triangle() -> std::io::Result<PathBuf> {
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let path = std::env::args_os().nth(1).map_or_else(written_triangle, |path| Ok(PathBuf::from(path)))?;
 
-    // The defaults ask the file for its unit and its up axis, and open no file outside the model's folder. The
-    // closure gets each phase with its progress from 0 to 1; `false` cancels.
+    // The defaults ask the file for its unit and its up axis, and open no file outside the model's
+    // folder. The closure gets each phase with its progress from 0 to 1; `false` cancels.
     let scene = load(Path::new(&path), &ImportOptions::default(), &|phase, part| {
         if part == 1.0 {
             println!("done: {}", phase.label());
@@ -42,7 +43,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for material in &scene.materials {
         println!("material '{}': {}", material.name, material.kind_name());
     }
-    // Damaged parts never stop an import that leaves something to show. Here the material 7 does not exist.
+    // Damaged parts never stop an import that leaves something to show. Here the material 7 does
+    // not exist.
     for warning in &scene.warnings {
         println!("{}, line {}: {}", warning.file, warning.line, warning.message);
     }

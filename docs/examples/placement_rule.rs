@@ -1,4 +1,5 @@
-//! A placement rule of one's own: a new reference after every half metre. Needs none of the crate's features.
+//! A placement rule of one's own: a new reference after every half metre. Needs none of the crate's
+//! features.
 //!
 //! `cargo run --release -p afterimage --example placement_rule`
 
@@ -11,7 +12,8 @@ use afterimage::trace::parallel::NEVER;
 use afterimage::{Tracer, Walkthrough, WalkthroughSettings};
 use std::sync::Arc;
 
-/// A rule is data: a name and three functions. It has no state, so that a walk can be repeated exactly.
+/// A rule is data: a name and three functions. It has no state, so that a walk can be repeated
+/// exactly.
 static EVERY_HALF_METRE: PlacementRule = PlacementRule {
     name: "every-half-metre",
     about: "after every half metre",
@@ -23,8 +25,8 @@ static EVERY_HALF_METRE: PlacementRule = PlacementRule {
     keeps_frame: |_lit_percent, _threshold_percent| false,
 };
 
-/// Returns the pose of the next reference, or `None`: the viewer's own pose where he crossed a multiple of 0.5 m in x
-/// or z since the last frame, or where there is no reference yet.
+/// Returns the pose of the next reference, or `None`: the viewer's own pose where he crossed a
+/// multiple of 0.5 m in x or z since the last frame, or where there is no reference yet.
 fn decide(now: &mut Situation<'_>) -> Option<Camera> {
     let cell = |camera: &Camera| [camera.eye.x, camera.eye.z].map(|metres| (metres / 0.5).floor() as i64);
     let is_new_cell = cell(&now.seen.camera) != cell(&now.seen.previous);

@@ -27,7 +27,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     settings.render.trace.samples = 16;
     settings.render.trace.bounces = 1;
 
-    // The cache is still empty, so that every pixel is traced. `NEVER`: no other thread can stop this frame.
+    // The cache is still empty, so that every pixel is traced. `NEVER`: no other thread can stop
+    // this frame.
     let size = [400, 400];
     let mut walk = Walkthrough::new(tracer, settings);
     let frame = walk.render(&camera, size, NEVER);

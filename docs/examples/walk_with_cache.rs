@@ -1,4 +1,5 @@
-//! Walks through a scene and prints how much of each frame is reused. Needs none of the crate's features.
+//! Walks through a scene and prints how much of each frame is reused. Needs none of the crate's
+//! features.
 //!
 //! `cargo run --release -p afterimage --example walk_with_cache`
 
@@ -22,8 +23,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let camera = scene.walk.camera(index, FRAMES).ok_or("the scene's walk has no key frames")?;
         let frame = walk.render(&camera, SIZE, NEVER);
 
-        // Default mode `exact`: every pixel has a primary ray. Its light is looked up in references (reused), or
-        // computed where no reference has it (unseen).
+        // Default mode `exact`: every pixel has a primary ray. Its light is looked up in references
+        // (reused), or computed where no reference has it (unseen).
         let percent = frame.stats.types.percentages();
         println!(
             "frame {index:2}: {:5.1} % of the pixels newly lit, {:4.1} ms, {} references in {} kB",
@@ -33,8 +34,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             walk.cache().bytes() / 1024
         );
 
-        // The placement policy may want a reference from another pose. An interactive program traces it on another
-        // thread and inserts it when it is finished.
+        // The placement policy may want a reference from another pose. An interactive program
+        // traces it on another thread and inserts it when it is finished.
         if let Some(pose) = walk.wanted_reference() {
             let job = walk.reference_job(pose, SIZE);
             if let Some(reference) = job.trace(NEVER) {

@@ -1,6 +1,7 @@
-//! Opening files that a model names: only regular files, only inside the scene's folder, never more than a limit.
+//! Opening the files that a model names: only regular files, only inside the scene's folder, never
+//! more than a limit.
 
-use crate::import::{Phase, Steps};
+use super::progress::{Phase, Steps};
 use crate::scene::SceneError;
 use std::fs::File;
 use std::io::Read;
@@ -8,24 +9,32 @@ use std::path::{Component, Path, PathBuf};
 
 /// The folder that a scene's files must lie in.
 #[derive(Clone, Debug)]
-pub(crate) struct Jail {
-    /// Canonical.
-    pub(crate) folder: PathBuf,
-    /// The user trusts this model with other folders too.
-    pub(crate) allow_outside: bool,
+pub(super) struct Jail {
+    /// Canonical path.
+    pub(super) folder: PathBuf,
+    /// The user allows files outside the folder.
+    pub(super) allow_outside: bool,
 }
 
-/// Why a candidate is not opened.
+/// Why a path is not opened.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Refusal {
+pub(super) enum Refusal {
     Missing,
     Outside,
     NotAFile,
 }
 
+/// Why a file is not used, and what the user can do.
+#[derive(Debug, thiserror::Error)]
+#[error("{cause}; {remedy}")]
+pub(super) struct FileError {
+    pub(super) cause: String,
+    pub(super) remedy: String,
+}
+
 impl Jail {
-    /// The canonical path of a regular file that may be opened. Opens nothing itself.
-    pub(crate) fn admit(&self, candidate: &Path) -> Result<PathBuf, Refusal> {
+    /// Returns the canonical path of a regular file that may be opened. Opens nothing itself.
+    pub(super) fn admit(&self, candidate: &Path) -> Result<PathBuf, Refusal> {
         if !self.may_look_at(candidate) {
             return Err(Refusal::Outside);
         }
@@ -37,48 +46,45 @@ impl Jail {
         if is_file { Ok(real) } else { Err(Refusal::NotAFile) }
     }
 
-    /// False for a path that leaves the folder by its very letters. It is not even asked whether it exists: on some
-    /// systems asking for `\\server\share` already sends the user's credentials there.
-    pub(crate) fn may_look_at(&self, candidate: &Path) -> bool {
+    /// False for a path whose text alone leaves the folder. The system is not asked whether it
+    /// exists: on some systems that question about `\\server\share` already sends the user's
+    /// credentials there.
+    fn may_look_at(&self, candidate: &Path) -> bool {
         self.allow_outside || without_dots(candidate).is_some_and(|p| p.starts_with(&self.folder))
     }
 
-    /// The path as people should see it: relative to the scene's folder where it lies inside.
-    pub(crate) fn shown(&self, path: &Path) -> String {
+    /// Returns the path for messages: relative to the scene's folder where it lies inside.
+    pub(super) fn shown(&self, path: &Path) -> String {
         path.strip_prefix(&self.folder).unwrap_or(path).display().to_string()
     }
 }
 
-/// The path with `.` and `..` worked out by letters alone; `None` where it climbs above the root.
+/// Resolves `.` and `..` in the text of a path; `None` where it climbs above the root.
 fn without_dots(path: &Path) -> Option<PathBuf> {
     let mut clean = PathBuf::new();
     for part in path.components() {
         match part {
             Component::CurDir => {}
-            Component::ParentDir => {
-                if !clean.pop() {
-                    return None;
-                }
-            }
+            Component::ParentDir if clean.pop() => {}
+            Component::ParentDir => return None,
             other => clean.push(other),
         }
     }
     Some(clean)
 }
 
-/// A regular file's bytes, at most `limit`. The error is a cause and a remedy.
-pub(crate) fn read_limited(path: &Path, limit: u64) -> Result<Vec<u8>, (String, String)> {
-    let steps = Steps { progress: &|_, _| true };
-    match read_in_steps(path, limit, &steps) {
-        Err(SceneError::Read { cause, remedy, .. }) => Err((cause, remedy)),
-        Err(other) => Err((other.to_string(), "try again".to_owned())),
-        Ok(bytes) => Ok(bytes),
-    }
+/// Reads a regular file of at most `limit` bytes.
+pub(super) fn read_limited(path: &Path, limit: u64) -> Result<Vec<u8>, FileError> {
+    read_in_steps(path, limit, &Steps { progress: &|_, _| true }).map_err(|error| match error {
+        SceneError::Read { cause, remedy, .. } => FileError { cause, remedy },
+        other => FileError { cause: other.to_string(), remedy: "try again".to_owned() },
+    })
 }
 
-/// A regular file's bytes, at most `limit`, read in steps between which the user may cancel.
-pub(crate) fn read_in_steps(path: &Path, limit: u64, steps: &Steps) -> Result<Vec<u8>, SceneError> {
-    /// Small enough that a slow disk does not delay a cancel.
+/// Reads a regular file of at most `limit` bytes, in steps between which the user can cancel.
+pub(super) fn read_in_steps(path: &Path, limit: u64, steps: &Steps) -> Result<Vec<u8>, SceneError> {
+    /// Bytes between two looks at the progress: few enough that a slow disk does not delay a
+    /// cancellation.
     const STEP_BYTES: u64 = 4 << 20;
     let failed = |cause: String, remedy: &str| SceneError::Read {
         file: path.to_owned(),

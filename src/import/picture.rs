@@ -1,6 +1,7 @@
-//! One picture file to texels, within limits: pictures come from strangers, and decoders have panicked before.
+//! Decoding one picture file into texels, within limits. Pictures come from unknown sources, and
+//! decoders have panicked on some.
 
-use crate::import::Limits;
+use super::options::Limits;
 use crate::raster::color::{linear_from_srgb, srgb_from_linear};
 use crate::scene::{Encoding, Texture};
 use glam::Vec3;
@@ -9,48 +10,66 @@ use std::io::Cursor;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
-/// A picture as textures are made from it.
+/// A decoded picture.
 #[derive(Clone, Debug)]
-pub(crate) struct Picture {
+pub(super) struct Picture {
     /// sRGB colours; alpha as in the file.
-    pub(crate) texture: Texture,
-    /// Its alpha says something.
-    pub(crate) alpha_varies: bool,
+    pub(super) texture: Texture,
+    /// True where alpha is not the same in all texels.
+    pub(super) alpha_varies: bool,
 }
 
-/// Takes a file's bytes and its name, for formats without a signature; returns its width and height without decoding.
-pub(crate) fn dimensions(bytes: &[u8], path: &Path, limits: &Limits) -> Result<[u32; 2], String> {
-    let (width, height) = guarded(|| reader(bytes, path, limits)?.into_dimensions().map_err(text))?;
+/// Why a picture is not used.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum PictureError {
+    #[error("{0}")]
+    Unreadable(String),
+    #[error("its data: address cannot be read")]
+    DataAddress,
+    #[error(transparent)]
+    Decode(#[from] image::ImageError),
+    #[error("the decoder failed on it")]
+    DecoderPanicked,
+    #[error("it is empty")]
+    Empty,
+    #[error("{width} x {height} is too large; at most {side} on a side and {megabytes} MB")]
+    TooLarge { width: u32, height: u32, side: u32, megabytes: u64 },
+    #[error("all textures together exceed {megabytes} MB")]
+    AllTooLarge { megabytes: u64 },
+}
+
+/// Takes a file's bytes, and its name for formats without a signature; returns width and height
+/// without decoding.
+pub(super) fn dimensions(bytes: &[u8], path: &Path, limits: &Limits) -> Result<[u32; 2], PictureError> {
+    let (width, height) = guarded(|| Ok(reader(bytes, path, limits)?.into_dimensions()?))?;
     let decoded = u64::from(width) * u64::from(height) * bytes_per_texel(bytes, path);
     if width == 0 || height == 0 {
-        return Err("it is empty".to_owned());
+        return Err(PictureError::Empty);
     }
     // Not every decoder keeps the limits it is given, so they are checked here as well.
     if width.max(height) > limits.texture_side || decoded > limits.texture_bytes {
-        return Err(format!(
-            "{width} x {height} is too large; at most {} on a side and {} MB",
-            limits.texture_side,
-            limits.texture_bytes >> 20
-        ));
+        let (side, megabytes) = (limits.texture_side, limits.texture_bytes >> 20);
+        return Err(PictureError::TooLarge { width, height, side, megabytes });
     }
     Ok([width, height])
 }
 
-/// Takes a file's bytes; returns its texels. [`dimensions`] must have accepted it.
-pub(crate) fn decode(bytes: &[u8], path: &Path, limits: &Limits) -> Result<Picture, String> {
-    let image = guarded(|| reader(bytes, path, limits)?.decode().map_err(text))?;
+/// Takes a file's bytes, which [`dimensions`] must have accepted; returns the picture.
+pub(super) fn decode(bytes: &[u8], path: &Path, limits: &Limits) -> Result<Picture, PictureError> {
+    let image = guarded(|| Ok(reader(bytes, path, limits)?.decode()?))?;
     let rgba = match image {
         DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_) => from_float(&image.into_rgba32f()),
         other => other.into_rgba8(),
     };
     let [width, height] = [rgba.width(), rgba.height()];
     let texels: Vec<[u8; 4]> = rgba.pixels().map(|p| p.0).collect();
-    let first = texels.first().ok_or("it is empty")?[3];
+    let first = texels.first().ok_or(PictureError::Empty)?[3];
     let alpha_varies = texels.iter().any(|t| t[3] != first);
     Ok(Picture { texture: Texture { width, height, texels, encoding: Encoding::Srgb }, alpha_varies })
 }
 
-/// Float pictures are linear and may hold anything; what is not a number becomes black.
+/// Converts a float picture, which is linear and unbounded, to 8-bit sRGB. Values that are not
+/// finite become black.
 fn from_float(image: &Rgba32FImage) -> image::RgbaImage {
     let byte = |x: f32| (x * 255.0 + 0.5) as u8; // saturates; NaN is 0
     let convert = |c: f32| byte(srgb_from_linear(if c.is_finite() { c.clamp(0.0, 1.0) } else { 0.0 }));
@@ -64,12 +83,12 @@ fn reader<'a>(
     bytes: &'a [u8],
     path: &Path,
     limits: &Limits,
-) -> Result<ImageReader<Cursor<&'a [u8]>>, String> {
+) -> Result<ImageReader<Cursor<&'a [u8]>>, PictureError> {
     let mut reader = ImageReader::new(Cursor::new(bytes));
     if let Ok(format) = ImageFormat::from_path(path) {
         reader.set_format(format);
     }
-    let mut reader = reader.with_guessed_format().map_err(|e| e.to_string())?;
+    let mut reader = reader.with_guessed_format().map_err(image::ImageError::IoError)?;
     let mut allowed = image::Limits::default();
     allowed.max_image_width = Some(limits.texture_side);
     allowed.max_image_height = Some(limits.texture_side);
@@ -83,16 +102,12 @@ fn bytes_per_texel(bytes: &[u8], path: &Path) -> u64 {
     if matches!(format, Ok(ImageFormat::Hdr)) { 16 } else { 4 }
 }
 
-fn text(error: image::ImageError) -> String {
-    error.to_string()
+fn guarded<T>(work: impl FnOnce() -> Result<T, PictureError>) -> Result<T, PictureError> {
+    catch_unwind(AssertUnwindSafe(work)).unwrap_or(Err(PictureError::DecoderPanicked))
 }
 
-fn guarded<T>(work: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
-    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|_| Err("the decoder failed on it".to_owned()))
-}
-
-/// The colour that marks a missing texture, on a checker so that it is seen on any surface.
-pub(crate) fn checker() -> Texture {
+/// The picture shown for a missing texture: a magenta checker, which is seen on any surface.
+pub(super) fn checker() -> Texture {
     const SIDE: u32 = 8;
     let texel =
         |i: u32| if (i % SIDE + i / SIDE).is_multiple_of(2) { [255, 0, 255, 255] } else { [96, 96, 96, 255] };
@@ -100,8 +115,8 @@ pub(crate) fn checker() -> Texture {
     Texture { width: SIDE, height: SIDE, texels, encoding: Encoding::Srgb }
 }
 
-/// A texture whose alpha is the picture's brightness, for coverage stored as a grey picture.
-pub(crate) fn coverage(picture: &Texture) -> Texture {
+/// Returns a texture whose alpha is the luma of the picture, for coverage stored as a grey picture.
+pub(super) fn coverage(picture: &Texture) -> Texture {
     let luminance = |[r, g, b, _]: [u8; 4]| {
         (0.2126 * f32::from(r) + 0.7152 * f32::from(g) + 0.0722 * f32::from(b) + 0.5) as u8
     };
@@ -109,26 +124,28 @@ pub(crate) fn coverage(picture: &Texture) -> Texture {
     Texture { texels, encoding: Encoding::Linear, ..*picture }
 }
 
-/// The picture with another alpha.
-pub(crate) fn with_alpha(picture: &Texture, alpha: impl Fn(u8) -> u8) -> Texture {
+/// Returns the picture with its alpha mapped.
+pub(super) fn with_alpha(picture: &Texture, alpha: impl Fn(u8) -> u8) -> Texture {
     let texels = picture.texels.iter().map(|&[r, g, b, a]| [r, g, b, alpha(a)]).collect();
     Texture { texels, ..*picture }
 }
 
-/// The mean linear colour of an sRGB picture.
-pub(crate) fn mean_color(picture: &Texture) -> Vec3 {
+/// Returns the mean linear colour of an sRGB picture.
+pub(super) fn mean_color(picture: &Texture) -> Vec3 {
     mean(picture, |byte| linear_from_srgb(byte as f32 / 255.0))
 }
 
-/// The mean of a picture whose numbers are no colours.
-pub(crate) fn mean_linear(picture: &Texture) -> Vec3 {
+/// Returns the mean of a picture whose values are not colours, in 0 to 1.
+pub(super) fn mean_linear(picture: &Texture) -> Vec3 {
     mean(picture, |byte| byte as f32 / 255.0)
 }
 
 fn mean(picture: &Texture, decode: impl Fn(usize) -> f32) -> Vec3 {
     let mut counts = [[0u64; 256]; 3];
     for texel in &picture.texels {
-        (0..3).for_each(|channel| counts[channel][texel[channel] as usize] += 1);
+        for channel in 0..3 {
+            counts[channel][texel[channel] as usize] += 1;
+        }
     }
     let mean = |counts: [u64; 256]| {
         let sum: f64 = (0..256).map(|i| counts[i] as f64 * f64::from(decode(i))).sum();

@@ -1,32 +1,33 @@
-//! Polygons to triangles: quads by their better diagonal, everything longer by ear clipping in the polygon's plane.
+//! Triangulating polygons: quads by the better diagonal, longer ones by ear clipping in the plane
+//! of the polygon.
 
 use earcut::Earcut;
 use glam::DVec3;
 
-/// How well a polygon could be filled.
+/// Result of a triangulation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Filled {
+pub(super) enum Filled {
     Whole,
     NoArea,
-    /// Its triangles do not add up to its area: it crosses itself.
+    /// The triangles do not add up to the area of the polygon: it crosses itself.
     Crossed,
 }
 
-/// Reused from polygon to polygon.
-pub(crate) struct Filler {
+/// Triangulator with buffers that are reused from polygon to polygon.
+pub(super) struct Filler {
     earcut: Earcut<f64>,
     indices: Vec<u32>,
-    /// The last polygon's triangles, as indices into its corners, wound as the polygon is.
-    pub(crate) triangles: Vec<[u32; 3]>,
+    /// Triangles of the last polygon, as indices into its corners, with its winding.
+    pub(super) triangles: Vec<[u32; 3]>,
 }
 
 impl Filler {
-    pub(crate) fn new() -> Self {
+    pub(super) fn new() -> Self {
         Self { earcut: Earcut::new(), indices: Vec::new(), triangles: Vec::new() }
     }
 
-    /// Takes the corners of a polygon, at least three; leaves its triangles in `triangles`.
-    pub(crate) fn fill(&mut self, corners: &[DVec3]) -> Filled {
+    /// Triangulates a polygon of at least three corners; the result is in `triangles`.
+    pub(super) fn fill(&mut self, corners: &[DVec3]) -> Filled {
         self.triangles.clear();
         match corners {
             [_, _, _] => self.triangles.push([0, 1, 2]),
@@ -43,7 +44,8 @@ impl Filler {
     }
 
     fn clip_ears(&mut self, corners: &[DVec3]) -> Filled {
-        // Relative to a corner, so that a polygon far from the origin keeps its digits.
+        // Coordinates relative to a corner keep their digits where the polygon is far from the
+        // origin.
         let local = |p: &DVec3| *p - corners[0];
         let doubled_area = newell(corners);
         let Some(normal) = doubled_area.try_normalize() else { return Filled::NoArea };
@@ -57,7 +59,8 @@ impl Filler {
             filled += signed.abs();
             self.triangles.push(if signed < 0.0 { [t[0], t[2], t[1]] } else { [t[0], t[1], t[2]] });
         }
-        /// Rounding and slightly bent polygons stay far below; a crossing rarely does.
+        /// Relative difference of areas. Rounding and slightly bent polygons stay far below; a
+        /// crossing rarely does.
         const TOLERANCE: f64 = 1e-2;
         match (filled - doubled_area.length()).abs() <= TOLERANCE * doubled_area.length() {
             _ if self.triangles.is_empty() => Filled::NoArea,
@@ -67,8 +70,9 @@ impl Filler {
     }
 }
 
-/// The two triangles of a quad by a diagonal that leaves both on its front, the first one where both do: right for
-/// convex quads and for concave ones alike.
+/// Splits a quad along a diagonal that leaves both triangles facing its front; along the first
+/// diagonal where both do. This is right for convex and concave quads. `None` where neither
+/// diagonal does.
 fn quad(p: &[DVec3], normal: DVec3) -> Option<[[u32; 3]; 2]> {
     let faces_front = |t: &[u32; 3]| {
         let [a, b, c] = t.map(|i| p[i as usize]);
@@ -78,7 +82,7 @@ fn quad(p: &[DVec3], normal: DVec3) -> Option<[[u32; 3]; 2]> {
     splits.into_iter().find(|both| both.iter().all(faces_front))
 }
 
-/// Newell's normal: twice the area long, right for any flat polygon, convex or not.
+/// Returns Newell's normal: its length is twice the area, for any flat polygon, convex or not.
 fn newell(corners: &[DVec3]) -> DVec3 {
     let origin = corners[0];
     let edges = corners.windows(2).map(|w| (w[0] - origin).cross(w[1] - origin));

@@ -1,40 +1,42 @@
-//! Finding a file that a model names: exporters write paths of another machine, in another case, with another ending.
+//! Searching the files that a model names. Exporters write paths of another machine, in another
+//! case, with another extension.
 
-use crate::import::files::{Jail, Refusal};
+use super::files::{Jail, Refusal};
 use std::collections::HashMap;
 use std::ffi::OsString;
 use std::path::{Component, Path, PathBuf};
 
-/// Folders beside a model where textures usually lie.
+/// Folders beside a model in which textures usually are.
 const DEFAULT_FOLDERS: [&str; 4] = ["textures", "maps", "images", "tex"];
-/// Endings tried where the named one does not exist: exporters name the format they read, not the one they wrote.
-const ENDINGS: [&str; 6] = ["png", "jpg", "jpeg", "tga", "bmp", "hdr"];
+/// Extensions tried where a file does not exist: exporters name the format that they read, not the
+/// one they wrote.
+const EXTENSIONS: [&str; 6] = ["png", "jpg", "jpeg", "tga", "bmp", "hdr"];
 
-/// The outcome of a search.
+/// Result of a search.
 #[derive(Debug)]
-pub(crate) struct Found {
-    /// Canonical; may be opened.
-    pub(crate) file: Option<PathBuf>,
-    /// Every path tried, as people should see it.
-    pub(crate) tried: Vec<String>,
-    /// Some of them exist or point outside the scene's folder.
-    pub(crate) outside: bool,
+pub(super) struct Found {
+    /// Canonical path of a file that may be opened.
+    pub(super) file: Option<PathBuf>,
+    /// Every path tried, for messages.
+    pub(super) tried: Vec<String>,
+    /// True where one of them is outside the scene's folder.
+    pub(super) outside: bool,
 }
 
-/// Searches, and remembers folders' contents.
-pub(crate) struct Finder {
-    pub(crate) jail: Jail,
-    /// Of folders: lower-case name -> name, for folders that may be read.
+/// Searches files, and remembers the contents of folders.
+pub(super) struct Finder {
+    pub(super) jail: Jail,
+    /// For each folder that may be read: lower-case name -> name.
     listings: HashMap<PathBuf, HashMap<String, OsString>>,
 }
 
 impl Finder {
-    pub(crate) fn new(jail: Jail) -> Self {
+    pub(super) fn new(jail: Jail) -> Self {
         Self { jail, listings: HashMap::new() }
     }
 
-    /// Finds a material library beside the model.
-    pub(crate) fn library(&mut self, name: &str) -> Found {
+    /// Finds a material library or a buffer beside the model.
+    pub(super) fn library(&mut self, name: &str) -> Found {
         let folder = self.jail.folder.clone();
         let given = portable(name);
         let mut candidates = vec![folder.join(&given)];
@@ -42,21 +44,27 @@ impl Finder {
         self.first_of(candidates, &[])
     }
 
-    /// Finds a texture: as given from the library's folder and the model's, by base name in both, in the usual
-    /// folders below both; each in any case and with another ending.
-    pub(crate) fn texture(&mut self, name: &str, library_folder: &Path) -> Found {
+    /// Finds a texture: by its path from the folders of the library and of the model, by its base
+    /// name in both, then in the usual folders below both. Case is ignored, and other extensions
+    /// are tried.
+    pub(super) fn texture(&mut self, name: &str, library_folder: &Path) -> Found {
         let given = portable(name);
         let folders = [library_folder.to_owned(), self.jail.folder.clone()];
         let mut candidates = Vec::new();
-        folders.iter().for_each(|f| push_new(&mut candidates, f.join(&given)));
-        folders.iter().for_each(|f| push_new(&mut candidates, f.join(base(&given))));
-        for folder in &folders {
-            DEFAULT_FOLDERS.iter().for_each(|u| push_new(&mut candidates, folder.join(u).join(base(&given))));
+        for name in [given.as_str(), base(&given)] {
+            for folder in &folders {
+                push_new(&mut candidates, folder.join(name));
+            }
         }
-        self.first_of(candidates, &ENDINGS)
+        for folder in &folders {
+            for usual in DEFAULT_FOLDERS {
+                push_new(&mut candidates, folder.join(usual).join(base(&given)));
+            }
+        }
+        self.first_of(candidates, &EXTENSIONS)
     }
 
-    fn first_of(&mut self, candidates: Vec<PathBuf>, endings: &[&str]) -> Found {
+    fn first_of(&mut self, candidates: Vec<PathBuf>, extensions: &[&str]) -> Found {
         let mut found = Found { file: None, tried: Vec::new(), outside: false };
         for candidate in &candidates {
             found.tried.push(self.jail.shown(candidate));
@@ -65,15 +73,15 @@ impl Finder {
                 Err(refusal) => found.outside |= refusal == Refusal::Outside,
             }
         }
-        // Only now: an exact name anywhere is better than another ending nearby.
+        // Only now: an exact name anywhere is better than another extension nearby.
         for candidate in candidates {
-            let other = endings.iter().find_map(|e| self.one(&candidate.with_extension(e)).ok());
+            let other = extensions.iter().find_map(|e| self.one(&candidate.with_extension(e)).ok());
             if other.is_some() {
                 return Found { file: other, ..found };
             }
         }
-        if !endings.is_empty() {
-            found.tried.push(format!("the same with the endings {}", endings.join(", ")));
+        if !extensions.is_empty() {
+            found.tried.push(format!("the same with the extensions {}", extensions.join(", ")));
         }
         found
     }
@@ -88,7 +96,8 @@ impl Finder {
         }
     }
 
-    /// The path as the folders spell it, each part below the jail looked up without regard to case.
+    /// Returns the path as the folders spell it, with each part below the jail looked up regardless
+    /// of case.
     fn in_any_case(&mut self, candidate: &Path) -> Option<PathBuf> {
         let below = candidate.strip_prefix(&self.jail.folder).ok()?.to_owned();
         let mut path = self.jail.folder.clone();
@@ -116,7 +125,7 @@ impl Finder {
         let listing = self.listings.entry(real).or_insert_with_key(|real| {
             let mut names: Vec<OsString> =
                 std::fs::read_dir(real).into_iter().flatten().flatten().map(|e| e.file_name()).collect();
-            // Of two names that differ in case only, always the same one.
+            // Of two names that differ only in case, the choice is always the same.
             names.sort_by(|a, b| b.cmp(a));
             names.into_iter().map(|n| (n.to_string_lossy().to_lowercase(), n)).collect()
         });
@@ -130,7 +139,7 @@ fn push_new(candidates: &mut Vec<PathBuf>, candidate: PathBuf) {
     }
 }
 
-/// A path as written on any system, with `/` between its parts.
+/// Returns a path that was written on any system with `/` between its parts.
 fn portable(name: &str) -> String {
     let name = name.strip_prefix("file://").unwrap_or(name);
     name.replace('\\', "/")

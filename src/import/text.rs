@@ -1,22 +1,24 @@
-//! Bytes to text, and text to logical lines: the repairs that every text file of a model needs.
+//! Decoding bytes into text, and text into logical lines: repairs that every text file of a model
+//! needs.
 
 use encoding_rs::{Encoding, GB18030, UTF_16BE, UTF_16LE, WINDOWS_1252};
 use std::borrow::Cow;
 
-/// Longest line looked at. A longer one is a binary file or an attack.
-pub(crate) const LINE_BYTES: usize = 16 << 20;
+/// Maximum length of a line in bytes. A longer one is a binary file or an attack.
+pub(super) const LINE_BYTES: usize = 16 << 20;
 
-/// A file's text.
+/// Text of a file.
 #[derive(Debug)]
-pub(crate) struct Decoded {
-    /// As UTF-8, without a byte order mark.
-    pub(crate) text: String,
-    /// The encoding, where it had to be guessed.
-    pub(crate) guessed: Option<&'static str>,
+pub(super) struct Decoded {
+    /// The text, without a byte order mark.
+    pub(super) text: String,
+    /// Name of the encoding where it was guessed.
+    pub(super) guessed: Option<&'static str>,
 }
 
-/// Takes a file's bytes; returns its text. Never fails: the last resort, Windows-1252, gives every byte a meaning.
-pub(crate) fn decode(mut bytes: Vec<u8>) -> Decoded {
+/// Decodes the bytes of a file. Never fails: the last resort, Windows-1252, gives every byte a
+/// meaning.
+pub(super) fn decode(mut bytes: Vec<u8>) -> Decoded {
     if let Some((encoding, _)) = Encoding::for_bom(&bytes).filter(|(e, _)| *e == UTF_16LE || *e == UTF_16BE) {
         let (text, _) = encoding.decode_with_bom_removal(&bytes);
         return Decoded { text: text.into_owned(), guessed: None };
@@ -30,6 +32,11 @@ pub(crate) fn decode(mut bytes: Vec<u8>) -> Decoded {
     }
 }
 
+/// Returns the warning about a text whose encoding was guessed.
+pub(super) fn guessed(encoding: &str) -> String {
+    format!("the text is not UTF-8; it was read as {encoding}")
+}
+
 fn decode_legacy(bytes: &[u8]) -> Decoded {
     let chinese = GB18030.decode_without_bom_handling_and_without_replacement(bytes);
     if let Some(text) = chinese.filter(|_| looks_chinese(bytes)) {
@@ -39,8 +46,9 @@ fn decode_legacy(bytes: &[u8]) -> Decoded {
     Decoded { text: text.into_owned(), guessed: Some("Windows-1252") }
 }
 
-/// Nearly every Western text is also valid GB18030 ("Tür" holds a valid pair). What tells them apart: Chinese
-/// characters are mostly two bytes above 0x80, accented letters stand alone among ASCII.
+/// True where a text that is valid GB18030 is probably Chinese. Nearly every Western text is valid
+/// GB18030 as well ("Tür" holds a valid pair). But Chinese characters are mostly two bytes above
+/// 0x80, and accented letters stand alone among ASCII.
 fn looks_chinese(bytes: &[u8]) -> bool {
     let (mut pairs, mut singles, mut i) = (0usize, 0usize, 0);
     while i < bytes.len() {
@@ -53,30 +61,31 @@ fn looks_chinese(bytes: &[u8]) -> bool {
     pairs > singles
 }
 
-/// A logical line: continuations joined, line end removed.
+/// A logical line: continuations are joined, the line end is removed.
 #[derive(Debug)]
-pub(crate) struct Line<'a> {
-    /// Number of its first physical line in the file, from 1.
-    pub(crate) number: u64,
-    /// The text. Longer than [`LINE_BYTES`] only where the line is too long to be taken seriously.
-    pub(crate) text: Cow<'a, str>,
+pub(super) struct Line<'a> {
+    /// Number of its first physical line in the file, counted from 1.
+    pub(super) number: u64,
+    /// Text of the line. More than [`LINE_BYTES`] mean that the line is too long to be read.
+    pub(super) text: Cow<'a, str>,
 }
 
-/// The logical lines of a text. A line ends at LF, CR LF or a lone CR; `\` before the end continues it.
+/// Iterator over the logical lines of a text. A line ends at LF, CR LF or a lone CR; `\` before the
+/// end continues it.
 #[derive(Clone, Debug)]
-pub(crate) struct Lines<'a> {
+pub(super) struct Lines<'a> {
     rest: &'a str,
     next_number: u64,
 }
 
 impl<'a> Lines<'a> {
-    /// The lines of `text`, whose first has number `first`.
-    pub(crate) fn new(text: &'a str, first: u64) -> Self {
+    /// Returns the lines of `text`, the first of which has the number `first`.
+    pub(super) fn new(text: &'a str, first: u64) -> Self {
         Self { rest: text, next_number: first }
     }
 
-    /// The number that the next line would have.
-    pub(crate) fn next_number(&self) -> u64 {
+    /// Returns the number that the next line has.
+    pub(super) fn next_number(&self) -> u64 {
         self.next_number
     }
 
@@ -127,8 +136,9 @@ fn line_end(bytes: &[u8]) -> Option<usize> {
     bytes.iter().position(|&b| b == b'\n' || b == b'\r')
 }
 
-/// A backslash at the end continues numbers (`f 1 2 3\`) or stands after a blank. In a comment or after a letter it is
-/// the end of a Windows folder name, and joining would swallow the next line.
+/// True where a backslash at the end of a line continues it: after a digit (`f 1 2 3\`) or a blank.
+/// In a comment or after a letter it is the end of a Windows folder name, and joining would lose
+/// the next line.
 fn continues(line: &str) -> bool {
     let Some(before) = line.strip_suffix('\\') else { return false };
     let joins = before.bytes().last().is_none_or(|b| b.is_ascii_whitespace() || b.is_ascii_digit());
@@ -136,7 +146,7 @@ fn continues(line: &str) -> bool {
 }
 
 /// Cuts a text into pieces of about `bytes` at line ends that are not continued.
-pub(crate) fn pieces(mut text: &str, bytes: usize) -> Vec<&str> {
+pub(super) fn pieces(mut text: &str, bytes: usize) -> Vec<&str> {
     let mut found = Vec::new();
     while text.len() > bytes {
         let mut at = bytes;
@@ -156,7 +166,7 @@ pub(crate) fn pieces(mut text: &str, bytes: usize) -> Vec<&str> {
     found
 }
 
-/// Never between CR and LF, and never after a backslash, whether it continues the line or not.
+/// False between CR and LF, and after a backslash, whether it continues the line or not.
 fn may_cut(text: &[u8], after: usize) -> bool {
     let inside_crlf = text[after - 1] == b'\r' && text.get(after) == Some(&b'\n');
     let line = text[..after].strip_suffix(b"\n").unwrap_or(&text[..after]);
@@ -164,8 +174,9 @@ fn may_cut(text: &[u8], after: usize) -> bool {
     !inside_crlf && !line.ends_with(b"\\")
 }
 
-/// The keyword of a line and what follows it, both trimmed; empty keyword for a blank line or a comment.
-pub(crate) fn keyword(line: &str) -> (&str, &str) {
+/// Splits a line into its keyword and the rest, both trimmed. The keyword of a blank line or a
+/// comment is empty.
+pub(super) fn keyword(line: &str) -> (&str, &str) {
     let line = line.trim_ascii_start();
     if line.starts_with('#') {
         return ("", "");
@@ -175,22 +186,23 @@ pub(crate) fn keyword(line: &str) -> (&str, &str) {
     (key, rest.trim_ascii())
 }
 
-/// A number, even one with a comment stuck to it (`1.5#left`). `None` also for NaN and infinities, which some C
-/// libraries print as `1.#QNAN`.
-pub(crate) fn number(token: &str) -> Option<f64> {
+/// Parses a finite number, even one with a comment attached (`1.5#left`). NaN and infinities, which
+/// some C libraries print as `1.#QNAN`, are `None`.
+pub(super) fn number(token: &str) -> Option<f64> {
     let before_comment = || token.split_once('#').map(|(n, _)| n).filter(|n| !n.ends_with('.'));
     let parsed = token.parse::<f64>().ok().or_else(|| before_comment()?.parse().ok());
     parsed.filter(|n| n.is_finite())
 }
 
-/// A name as written: quotes stripped. A comment is kept, since `wood #2` is a name; see [`without_comment`].
-pub(crate) fn name(rest: &str) -> &str {
+/// Returns a name without its quotes. A comment is kept, because `wood #2` is a name; see
+/// [`without_comment`].
+pub(super) fn name(rest: &str) -> &str {
     let quoted = rest.strip_prefix('"').and_then(|r| r.split_once('"')).map(|(inside, _)| inside);
     quoted.unwrap_or(rest).trim()
 }
 
-/// A name up to a `#` that follows a blank.
-pub(crate) fn without_comment(name: &str) -> &str {
+/// Returns a name up to a `#` that follows a blank.
+pub(super) fn without_comment(name: &str) -> &str {
     let cut = name.match_indices('#').find(|(at, _)| name[..*at].ends_with([' ', '\t']));
     cut.map_or(name, |(at, _)| name[..at].trim_end())
 }

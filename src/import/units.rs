@@ -1,9 +1,8 @@
-//! What a number in the file means: the length unit and the axis that points up.
+//! The meaning of coordinates in a file: the length unit, and the axis that points up.
 
-use crate::import::obj::Model;
 use glam::{DVec3, Vec3};
 
-/// The length that the number 1 stands for in a model.
+/// Length unit of a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {
     /// 0.001 m.
@@ -21,7 +20,7 @@ pub enum Unit {
 impl Unit {
     const ALL: [Self; 5] = [Self::Millimetre, Self::Centimetre, Self::Metre, Self::Inch, Self::Foot];
 
-    /// Metres per unit.
+    /// Returns the length of the unit in metres.
     pub fn metres(self) -> f64 {
         match self {
             Self::Millimetre => 0.001,
@@ -32,7 +31,7 @@ impl Unit {
         }
     }
 
-    /// The abbreviation used on the command line and in a scene's `.afterimage.toml`.
+    /// Returns the abbreviation that the command line and `.afterimage.toml` files use.
     pub fn name(self) -> &'static str {
         match self {
             Self::Millimetre => "mm",
@@ -44,26 +43,42 @@ impl Unit {
     }
 }
 
-impl std::str::FromStr for Unit {
-    type Err = String;
+/// Error of parsing a word that must be one of a few.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("'{word}' is not {expected}; use one of {allowed}")]
+pub struct UnknownWord {
+    /// The word found.
+    pub word: String,
+    /// What it should be, with its article.
+    pub expected: &'static str,
+    /// The words that are allowed.
+    pub allowed: &'static str,
+}
 
-    fn from_str(text: &str) -> Result<Self, String> {
+impl std::str::FromStr for Unit {
+    type Err = UnknownWord;
+
+    fn from_str(text: &str) -> Result<Self, UnknownWord> {
         let found = Self::ALL.into_iter().find(|u| u.name().eq_ignore_ascii_case(text.trim()));
-        found.ok_or_else(|| format!("'{text}' is no unit; there are mm, cm, m, in, ft"))
+        found.ok_or_else(|| UnknownWord {
+            word: text.to_owned(),
+            expected: "a length unit",
+            allowed: "mm, cm, m, in, ft",
+        })
     }
 }
 
-/// The axis of a model that points up.
+/// Axis of a model that points up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Up {
-    /// +Y, as most OBJ files have it.
+    /// +Y, as in most OBJ files.
     PlusY,
-    /// +Z, as CAD and BIM programs have it.
+    /// +Z, as in CAD and BIM programs.
     PlusZ,
 }
 
 impl Up {
-    /// The spelling used on the command line and in a scene's `.afterimage.toml`.
+    /// Returns the spelling that the command line and `.afterimage.toml` files use.
     pub fn name(self) -> &'static str {
         match self {
             Self::PlusY => "+Y",
@@ -71,7 +86,7 @@ impl Up {
         }
     }
 
-    pub(crate) fn world_from_model(self, p: DVec3) -> DVec3 {
+    pub(super) fn world_from_model(self, p: DVec3) -> DVec3 {
         match self {
             Self::PlusY => p,
             Self::PlusZ => DVec3::new(p.x, p.z, -p.y),
@@ -80,22 +95,23 @@ impl Up {
 }
 
 impl std::str::FromStr for Up {
-    type Err = String;
+    type Err = UnknownWord;
 
-    fn from_str(text: &str) -> Result<Self, String> {
+    fn from_str(text: &str) -> Result<Self, UnknownWord> {
         match text.trim().trim_start_matches('+').to_ascii_lowercase().as_str() {
             "y" => Ok(Self::PlusY),
             "z" => Ok(Self::PlusZ),
-            _ => Err(format!("'{text}' is no up axis; there are +Y and +Z")),
+            _ => Err(UnknownWord { word: text.to_owned(), expected: "an up axis", allowed: "+Y, +Z" }),
         }
     }
 }
 
-/// How many of a file's first lines may declare its unit.
+/// Number of lines at the start of a file that may declare its unit.
 const HEADER_LINES: usize = 64;
 
-/// The unit that a comment at the head of the file declares (`# Units: millimeters`), as several exporters write.
-pub(crate) fn declared(text: &str) -> Option<Unit> {
+/// Returns the unit that a comment at the start of the file declares (`# Units: millimeters`), as
+/// several exporters write.
+pub(super) fn declared(text: &str) -> Option<Unit> {
     let header = text.lines().take(HEADER_LINES).filter_map(|l| l.trim_start().strip_prefix('#'));
     header.map(str::to_ascii_lowercase).find_map(|comment| {
         let (_, after) = comment.split_once("unit")?;
@@ -113,79 +129,85 @@ pub(crate) fn declared(text: &str) -> Option<Unit> {
     })
 }
 
-/// A unit nobody gave, and what to tell the user about it.
-pub(crate) struct Guess {
-    pub(crate) unit: Unit,
-    pub(crate) said: Option<String>,
+/// A unit that the user did not give, with a message about it.
+pub(super) struct Guess {
+    pub(super) unit: Unit,
+    pub(super) message: Option<String>,
 }
 
-/// Beyond this many units across, metres are doubtful: the largest buildings are about a kilometre long.
+/// Units across beyond which metres are doubtful: the largest buildings are about a kilometre long.
 const DOUBTFUL_LARGE: f64 = 2_000.0;
-/// Beyond this many, metres would be a country and millimetres a house.
+/// Units across beyond which metres would make a country and millimetres a house.
 const SURELY_MILLIMETRES: f64 = 50_000.0;
-/// Below this many, nobody can walk in it.
+/// Units across below which metres make a model too small to walk in.
 const DOUBTFUL_SMALL: f64 = 0.5;
 
-/// Takes what the file declares and how many units it is across; returns the unit to use.
-pub(crate) fn guess(declared: Option<Unit>, across: f64, how_to_say: &str) -> Guess {
+/// Guesses the unit from what the file declares and from its size in units. `how_to_set` ends every
+/// message.
+pub(super) fn guess(declared: Option<Unit>, across: f64, how_to_set: &str) -> Guess {
     if let Some(unit) = declared {
-        let said =
-            format!("the file's header says that lengths are in {}; that is used. {how_to_say}", unit.name());
-        return Guess { unit, said: (unit != Unit::Metre).then_some(said) };
+        let message =
+            format!("the file's header declares the unit {}, which is used. {how_to_set}", unit.name());
+        return Guess { unit, message: (unit != Unit::Metre).then_some(message) };
     }
-    let metre = |said| Guess { unit: Unit::Metre, said };
+    let metre = |message| Guess { unit: Unit::Metre, message };
     if across > SURELY_MILLIMETRES {
-        let said = format!(
-            "the model is {across:.0} units across, which is taken as millimetres ({:.1} m). {how_to_say}",
+        let message = format!(
+            "the model is {across:.0} units across, which is taken as millimetres ({:.1} m). {how_to_set}",
             across * Unit::Millimetre.metres()
         );
-        return Guess { unit: Unit::Millimetre, said: Some(said) };
+        return Guess { unit: Unit::Millimetre, message: Some(message) };
     }
     if across > DOUBTFUL_LARGE {
         return metre(Some(format!(
             "the model is {across:.0} m across if its unit is the metre, which is used; in mm it would be {:.1} m, in \
-             cm {:.0} m. {how_to_say}",
+             cm {:.0} m. {how_to_set}",
             across * Unit::Millimetre.metres(),
             across * Unit::Centimetre.metres()
         )));
     }
     if across < DOUBTFUL_SMALL {
         return metre(Some(format!(
-            "the model is only {across:.3} m across if its unit is the metre, which is used. {how_to_say}"
+            "the model is only {across:.3} m across if its unit is the metre, which is used. {how_to_set}"
         )));
     }
     metre(None)
 }
 
-/// Diagonal of the box round all vertices, in the file's units; zero where there are none.
-pub(crate) fn across(model: &Model) -> f64 {
-    let mut finite = model.positions.iter().filter(|p| p.is_finite());
+/// Returns the diagonal of the bounding box of all finite positions, in the file's units; zero
+/// where there are none.
+pub(super) fn across(positions: &[DVec3]) -> f64 {
+    let mut finite = positions.iter().filter(|p| p.is_finite());
     let Some(first) = finite.next() else { return 0.0 };
     let (low, high) = finite.fold((*first, *first), |(low, high), p| (low.min(*p), high.max(*p)));
     (high - low).length()
 }
 
-/// Turns a model's positions and normals into the world's: metres, +Y up.
-pub(crate) fn to_world(model: &mut Model, unit: Unit, up: Up) -> Vec<DVec3> {
-    let mut positions = std::mem::take(&mut model.positions);
+/// Converts positions and normals to world space: metres, +Y up.
+pub(super) fn to_world(positions: &mut [DVec3], normals: &mut [Vec3], unit: Unit, up: Up) {
     if up != Up::PlusY {
-        positions.iter_mut().for_each(|p| *p = up.world_from_model(*p));
-        model.normals.iter_mut().for_each(|n| *n = up.world_from_model(n.as_dvec3()).as_vec3());
+        for p in &mut *positions {
+            *p = up.world_from_model(*p);
+        }
+        for n in normals {
+            *n = up.world_from_model(n.as_dvec3()).as_vec3();
+        }
     }
     if unit != Unit::Metre {
         // Dividing by 1000 rounds once; multiplying by 0.001 would round twice.
         let per_metre = (1.0 / unit.metres()).round();
         let exact = (per_metre * unit.metres() - 1.0).abs() < 1e-12;
         let scale = |p: DVec3| if exact { p / per_metre } else { p * unit.metres() };
-        positions.iter_mut().for_each(|p| *p = scale(*p));
+        for p in positions {
+            *p = scale(*p);
+        }
     }
-    positions
 }
 
-/// True where a model that is taken as +Y up looks as if it lay on its side: by far the most area faces along Z, and
-/// it is flatter along Z than along both other axes.
-pub(crate) fn looks_z_up(positions_m: &[DVec3], triangles: &[[u32; 3]]) -> bool {
-    /// Floors and ceilings of a building show this many times the area of the walls across one axis.
+/// True where a model taken as +Y up seems to lie on its side: by far the most area faces along Z,
+/// and the model is flatter along Z than along both other axes.
+pub(super) fn looks_z_up(positions_m: &[DVec3], triangles: &[[u32; 3]]) -> bool {
+    /// Ratio of the area of floors and ceilings of a building to that of the walls across one axis.
     const CLEARLY: f32 = 2.0;
     let mut facing = Vec3::ZERO;
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);

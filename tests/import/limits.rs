@@ -83,7 +83,7 @@ fn folders_missing_files_and_other_formats_are_errors_with_a_remedy() {
     let folder = Folder::with_obj(TRIANGLE).add("model.fbx", "Kaydara FBX Binary").add("deep.obj/x", "");
     let error = |name: &str| load(&folder.path(name), &folder.options, &|_, _| true).unwrap_err().to_string();
     assert!(error("nothing.obj").contains("check the path"));
-    assert!(error("model.fbx").contains("export the model as .glb, .gltf or .obj"));
+    assert!(error("model.fbx").contains("export the model as one of .obj, .gltf, .glb"));
     assert!(error("deep.obj").contains("folder"));
 }
 

@@ -67,7 +67,7 @@ fn a_line_that_cannot_be_read_costs_only_itself() {
         assert_eq!(material(&scene, "a").diffuse.to_array(), [0.25, 0.5, 0.75], "{line}");
         let (file, number, message) = warning(&scene, "cannot be read");
         assert_eq!((file, number), ("scene.mtl", 11), "{line}");
-        assert!(message.contains("it was skipped"), "{message}");
+        assert!(message.contains("; skipped"), "{message}");
     }
 }
 
@@ -76,10 +76,7 @@ fn bad_lines_are_merged() {
     let scene = load("Kd a\nKs b\nKe c\n");
     let (_, line, message) = warning(&scene, "cannot be read");
     assert_eq!(line, 10);
-    assert_eq!(
-        message,
-        "3 lines have values that cannot be read, first in line 10 (kd a); they were skipped"
-    );
+    assert_eq!(message, "3 lines with values that cannot be read, first in line 10 (kd a); skipped");
 }
 
 #[test]
@@ -152,9 +149,9 @@ fn an_exporter_that_calls_everything_a_mirror_is_not_believed() {
     assert_eq!(material(&scene, "a").kind, MaterialKind::Diffuse);
     assert_eq!(material(&scene, "a").diffuse, Vec3::splat(0.6));
     assert!(matches!(material(&scene, "f").kind, MaterialKind::Mirror { .. }), "the dark one is one");
-    let (_, line, message) = warning(&scene, "claim to mirror");
+    let (_, line, message) = warning(&scene, "declared as mirror");
     assert_eq!(line, 1);
-    assert!(message.starts_with("5 materials"), "{message}");
+    assert!(message.starts_with("5 bright, opaque materials"), "{message}");
     // One more honest material, and the rest are taken at their word.
     let scene = Folder::with_mtl(&names, mtl + "newmtl honest\n").load();
     assert!(matches!(material(&scene, "a").kind, MaterialKind::Glass { .. }));

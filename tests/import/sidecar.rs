@@ -107,7 +107,7 @@ fn bad_values_are_ignored_one_by_one() {
         "'unit' must be a text",
         "'sideways' is no up axis",
         "'eye' in [start] must be three numbers",
-        "'wood' is no kind",
+        "'wood' is not a kind",
         "'diffuse' in [[material]] must be a colour",
         "'eta' in [[material]]",
         "[[view]] needs eye",

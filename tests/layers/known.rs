@@ -30,13 +30,6 @@ pub(super) const KNOWN: &[(&str, &str)] = &[
     ("experiment/throughput/mod.rs", "experiment/throughput/feature_speed.rs"),
     ("experiment/throughput/mod.rs", "experiment/throughput/stage_speed.rs"),
     ("experiment/throughput/mod.rs", "experiment/throughput/warp_speed.rs"),
-    // import
-    ("import/files.rs", "import/mod.rs"),
-    ("import/mod.rs", "import/gltf/mod.rs"),
-    ("import/mod.rs", "import/materials.rs"),
-    ("import/mod.rs", "import/obj.rs"),
-    ("import/mod.rs", "import/weld.rs"),
-    ("import/units.rs", "import/obj.rs"),
     // lookup
     ("lookup/gather.rs", "lookup/point.rs"),
     ("lookup/tile_light.rs", "lookup/view.rs"),

@@ -1,11 +1,12 @@
-//! Accessors: numbers in buffers, read one by one where they lie. Nothing is allocated for what a file merely claims.
+//! Accessors: numbers in buffers, read one by one in place. Nothing is allocated for sizes that a
+//! file only claims.
 
-use crate::import::gltf::buffers::Buffers;
-use crate::import::gltf::document::{Document, Fault, Found, List};
-use crate::import::gltf::schema;
-use crate::import::report::Trouble;
+use super::buffers::Buffers;
+use super::document::{Document, Found, List};
+use super::schema;
+use crate::import::trouble::Trouble;
 
-/// How a number is stored.
+/// Storage type of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Component {
     I8,
@@ -37,10 +38,10 @@ impl Component {
         }
     }
 
-    /// The number at the front of `bytes`; zero where there are too few.
+    /// Returns the number at the start of `bytes`; zero where there are too few.
     fn read(self, bytes: &[u8], normalized: bool) -> f32 {
-        // The specification's equations for normalised integers.
-        let scaled = |value: f32, most: f32| if normalized { (value / most).max(-1.0) } else { value };
+        // The equations of the specification for normalised integers.
+        let scaled = |value: f32, max: f32| if normalized { (value / max).max(-1.0) } else { value };
         match (self, bytes) {
             (Self::I8, &[a, ..]) => scaled(f32::from(a as i8), 127.0),
             (Self::U8, &[a, ..]) => scaled(f32::from(a), 255.0),
@@ -52,7 +53,7 @@ impl Component {
         }
     }
 
-    /// The index at the front of `bytes`.
+    /// Returns the index at the start of `bytes`; `u32::MAX` where there is none.
     fn read_index(self, bytes: &[u8]) -> u32 {
         match (self, bytes) {
             (Self::U8, &[a, ..]) => a.into(),
@@ -63,7 +64,7 @@ impl Component {
     }
 }
 
-/// Elements of a buffer at even distances. Checked when made: every element lies inside.
+/// Elements of a buffer at equal distances. The constructor checks that every element lies inside.
 #[derive(Clone, Copy, Debug)]
 struct Elements<'a> {
     bytes: &'a [u8],
@@ -76,7 +77,7 @@ impl<'a> Elements<'a> {
     }
 }
 
-/// Numbers that replace some of the others.
+/// Elements that replace some of the others.
 #[derive(Debug)]
 struct Sparse<'a> {
     count: usize,
@@ -86,7 +87,7 @@ struct Sparse<'a> {
 }
 
 impl<'a> Sparse<'a> {
-    /// The replacement of an element; the file's indices increase.
+    /// Returns the replacement of an element, by binary search: the indices in a file increase.
     fn find(&self, index: u32) -> Option<&'a [u8]> {
         let (mut low, mut high) = (0, self.count);
         while low < high {
@@ -101,20 +102,20 @@ impl<'a> Sparse<'a> {
     }
 }
 
-/// An accessor whose every element can be read.
+/// An accessor, all elements of which can be read.
 #[derive(Debug)]
-pub(crate) struct Accessor<'a> {
-    pub(crate) count: usize,
+pub(super) struct Accessor<'a> {
+    pub(super) count: usize,
     component: Component,
     normalized: bool,
-    /// `None`: all zero but for the sparse ones.
+    /// `None` where all elements are zero except the sparse ones.
     elements: Option<Elements<'a>>,
     sparse: Option<Sparse<'a>>,
 }
 
 impl<'a> Accessor<'a> {
-    /// Takes an accessor's number and the shape it must have (`VEC3`).
-    pub(crate) fn open(document: &Document, buffers: &'a Buffers, index: usize, shape: &str) -> Found<Self> {
+    /// Opens an accessor by its index. Its type must be `shape`, for example `VEC3`.
+    pub(super) fn open(document: &Document, buffers: &'a Buffers, index: usize, shape: &str) -> Found<Self> {
         let json: schema::Accessor = document.item(List::Accessors, index)?;
         let fault = |trouble, detail: &str| document.fault(List::Accessors, index, trouble, detail);
         let component = Component::of(json.component_type)
@@ -147,15 +148,16 @@ impl<'a> Accessor<'a> {
         replaced.or_else(|| Some(self.elements.as_ref()?.at(index as usize))).unwrap_or(&[])
     }
 
-    /// An element as numbers; zero beyond the last.
-    pub(crate) fn vector<const N: usize>(&self, index: u32) -> [f32; N] {
+    /// Returns an element as numbers; zero beyond the last.
+    pub(super) fn vector<const N: usize>(&self, index: u32) -> [f32; N] {
         let bytes = self.bytes(index);
         let number = |i: usize| bytes.get(i * self.component.bytes()..).unwrap_or(&[]);
         std::array::from_fn(|i| self.component.read(number(i), self.normalized))
     }
 
-    /// An element as an index; one that no vertex has where it is not an index at all.
-    pub(crate) fn index(&self, index: u32) -> u32 {
+    /// Returns an element as an index; an index that no vertex has where the element is not an
+    /// index.
+    pub(super) fn index(&self, index: u32) -> u32 {
         match (&self.elements, &self.sparse) {
             (None, None) => 0,
             _ => self.component.read_index(self.bytes(index)),
@@ -172,7 +174,7 @@ fn width(shape: &str) -> usize {
     }
 }
 
-/// The elements of a view, or `None` where they do not lie inside it.
+/// Returns the elements of a view, or `None` where they do not lie inside it.
 fn elements<'a>(
     document: &Document,
     buffers: &'a Buffers,
@@ -180,7 +182,7 @@ fn elements<'a>(
     offset: u64,
     size: usize,
     count: usize,
-) -> Result<Option<Elements<'a>>, Fault> {
+) -> Found<Option<Elements<'a>>> {
     let (bytes, stride) = buffers.view(document, view)?;
     let stride = stride.unwrap_or(size);
     let inside = || {

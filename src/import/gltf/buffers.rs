@@ -1,23 +1,26 @@
-//! Buffers: in the file itself, in a `data:` address, or in a file beside it; all together within a budget.
+//! Buffers: in the file itself, in a `data:` address, or in a file beside it; all together within a
+//! limit.
 
-use crate::import::gltf::document::{Document, Found, List};
-use crate::import::gltf::schema;
-use crate::import::gltf::uri;
-use crate::import::report::{Tally, Trouble};
+use super::document::{Document, Found, List};
+use super::{schema, uri};
+use crate::import::files;
+use crate::import::options::Limits;
+use crate::import::progress::{Phase, Steps};
+use crate::import::report::Tally;
 use crate::import::search::Finder;
-use crate::import::{Limits, Phase, Steps, files};
+use crate::import::trouble::Trouble;
 use crate::scene::SceneError;
 use std::borrow::Cow;
 
-/// The bytes of all buffers.
-pub(crate) struct Buffers<'t> {
-    /// `None` where one could not be had; that was noted.
+/// Bytes of all buffers.
+pub(super) struct Buffers<'t> {
+    /// `None` for a buffer that could not be read, which was counted as a trouble.
     buffers: Vec<Option<Cow<'t, [u8]>>>,
 }
 
 impl<'t> Buffers<'t> {
-    /// Reads them all.
-    pub(crate) fn read(
+    /// Reads all buffers of a document.
+    pub(super) fn read(
         document: &Document<'t>,
         finder: &mut Finder,
         limits: &Limits,
@@ -35,8 +38,8 @@ impl<'t> Buffers<'t> {
         Ok(Self { buffers })
     }
 
-    /// The bytes of a view, and its stride where it has one.
-    pub(crate) fn view(&self, document: &Document, index: usize) -> Found<(&[u8], Option<usize>)> {
+    /// Returns the bytes of a view, and its stride where it has one.
+    pub(super) fn view(&self, document: &Document, index: usize) -> Found<(&[u8], Option<usize>)> {
         let view: schema::BufferView = document.item(List::BufferViews, index)?;
         let fault = |trouble, detail: &str| document.fault(List::BufferViews, index, trouble, detail);
         let Some(buffer) = self.buffers.get(view.buffer) else {
@@ -75,8 +78,7 @@ fn buffer<'t>(
         let trouble = if found.outside { Trouble::BUFFER_OUTSIDE } else { Trouble::BUFFER_MISSING };
         return Err(fault(trouble, &detail));
     };
-    let bytes =
-        files::read_limited(&file, *left).map_err(|(cause, _)| fault(Trouble::BUFFER_MISSING, &cause))?;
+    let bytes = files::read_limited(&file, *left).map_err(|e| fault(Trouble::BUFFER_MISSING, &e.cause))?;
     *left -= bytes.len() as u64;
     Ok(Cow::Owned(bytes))
 }

@@ -1,37 +1,38 @@
-//! A glTF file's bytes to its JSON and its binary part; items of the JSON by list and number.
+//! The JSON and the binary part of a glTF file; items of the JSON by list and index.
 
-use crate::import::gltf::schema::Root;
-use crate::import::report::{Tally, Trouble, quote};
+use super::schema::Root;
+use crate::import::report::{Tally, quote};
+use crate::import::trouble::Trouble;
 use crate::scene::SceneError;
 use serde::Deserialize;
 use serde_json::value::RawValue;
 use std::path::Path;
 
-/// A trouble with one item.
+/// A trouble with one item, and its place.
 #[derive(Debug)]
-pub(crate) struct Fault {
-    pub(crate) trouble: Trouble,
-    /// Byte in the JSON, to name the line.
-    pub(crate) at: usize,
-    pub(crate) detail: String,
+pub(super) struct Fault {
+    pub(super) trouble: Trouble,
+    /// Byte in the JSON, from which the line is counted.
+    pub(super) at: usize,
+    pub(super) detail: String,
 }
 
-/// An item, or what is wrong with it.
-pub(crate) type Found<T> = Result<T, Fault>;
+/// An item, or the trouble with it.
+pub(super) type Found<T> = Result<T, Fault>;
 
-/// A glTF file, taken apart.
-pub(crate) struct Document<'t> {
+/// A glTF file, split into its parts.
+pub(super) struct Document<'t> {
     text: &'t str,
-    /// In a binary file the JSON has no lines that a person could look up.
+    /// True for `.glb`: its JSON has no lines that a user could look up.
     is_binary: bool,
-    pub(crate) root: Root<'t>,
-    /// The binary part of a `.glb`.
-    pub(crate) bin: Option<&'t [u8]>,
+    pub(super) root: Root<'t>,
+    /// Binary part of a `.glb`.
+    pub(super) bin: Option<&'t [u8]>,
 }
 
-/// A list of the root, by its name in the JSON.
+/// A list of items in the root of the JSON.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum List {
+pub(super) enum List {
     Scenes,
     Nodes,
     Meshes,
@@ -64,8 +65,8 @@ impl List {
 }
 
 impl<'t> Document<'t> {
-    /// Takes a file's bytes.
-    pub(crate) fn parse(bytes: &'t [u8], file: &Path) -> Result<Self, SceneError> {
+    /// Parses the bytes of a file.
+    pub(super) fn parse(bytes: &'t [u8], file: &Path) -> Result<Self, SceneError> {
         let is_binary = bytes.starts_with(b"glTF");
         let (json, bin) = if is_binary { split(bytes, file)? } else { (bytes, None) };
         let json = json.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(json);
@@ -80,7 +81,7 @@ impl<'t> Document<'t> {
             Some(version) if !version.starts_with("2.") => Err(SceneError::Read {
                 file: file.to_owned(),
                 cause: format!(
-                    "it is glTF {}, only glTF 2.0 is read",
+                    "it is glTF {}, only glTF 2.0 is supported",
                     version.chars().take(20).collect::<String>()
                 ),
                 remedy: "export the model as glTF 2.0".to_owned(),
@@ -105,8 +106,8 @@ impl<'t> Document<'t> {
         }
     }
 
-    /// An item by its number.
-    pub(crate) fn item<T: Deserialize<'t>>(&self, list: List, index: usize) -> Found<T> {
+    /// Parses an item by its index.
+    pub(super) fn item<T: Deserialize<'t>>(&self, list: List, index: usize) -> Found<T> {
         let items = self.list(list);
         let Some(raw) = items.get(index) else {
             let detail = format!("{}[{index}] of {}", list.name(), items.len());
@@ -115,8 +116,8 @@ impl<'t> Document<'t> {
         self.read(raw, || format!("{}[{index}]", list.name()))
     }
 
-    /// A part that is still text. `name` is for messages.
-    pub(crate) fn read<T: Deserialize<'t>>(
+    /// Parses a part that is still text. `name` is for messages.
+    pub(super) fn read<T: Deserialize<'t>>(
         &self,
         raw: &'t RawValue,
         name: impl FnOnce() -> String,
@@ -127,21 +128,21 @@ impl<'t> Document<'t> {
         })
     }
 
-    /// A fault of an item.
-    pub(crate) fn fault(&self, list: List, index: usize, trouble: Trouble, detail: &str) -> Fault {
+    /// Returns a trouble with an item.
+    pub(super) fn fault(&self, list: List, index: usize, trouble: Trouble, detail: &str) -> Fault {
         let at = self.list(list).get(index).map_or(0, |raw| self.at(raw));
         let colon = if detail.is_empty() { "" } else { ": " };
         Fault { trouble, at, detail: format!("{}[{index}]{colon}{detail}", list.name()) }
     }
 
-    /// Where in the text a part of it stands.
-    pub(crate) fn at(&self, part: &RawValue) -> usize {
+    /// Returns the byte at which a part of the text starts.
+    pub(super) fn at(&self, part: &RawValue) -> usize {
         (part.get().as_ptr() as usize).saturating_sub(self.text.as_ptr() as usize)
     }
 
-    /// Counts a fault.
-    pub(crate) fn note(&self, fault: Fault, tally: &mut Tally) {
-        // Lines are counted only for the first fault of a kind: a file may have a million.
+    /// Counts a trouble.
+    pub(super) fn note(&self, fault: Fault, tally: &mut Tally) {
+        // Lines are counted only for the first trouble of a kind: a file may have a million.
         let line = if self.is_binary || tally.has(fault.trouble) { 0 } else { self.line(fault.at) };
         tally.add(fault.trouble, line, || fault.detail);
     }
@@ -164,14 +165,15 @@ fn broken(file: &Path, line: u64, cause: String) -> SceneError {
     }
 }
 
-/// What the parser says, without the place in the part it was given.
+/// Returns the message of the parser without the line and column, which are those of the part it
+/// was given.
 fn without_place(error: &serde_json::Error) -> String {
     let text = error.to_string();
     quote(text.rsplit_once(" at line ").map_or(text.as_str(), |(said, _)| said))
 }
 
-/// The JSON and the binary part of a `.glb`. A length that is not there is cut to what is: what is missing will be
-/// missed where it is used.
+/// Splits a `.glb` into its JSON and its binary part. A chunk that is cut short keeps the bytes
+/// that are there: data that is missing is reported where it is used.
 fn split<'t>(bytes: &'t [u8], file: &Path) -> Result<(&'t [u8], Option<&'t [u8]>), SceneError> {
     let failed = |cause: String| SceneError::Read {
         file: file.to_owned(),
@@ -181,7 +183,7 @@ fn split<'t>(bytes: &'t [u8], file: &Path) -> Result<(&'t [u8], Option<&'t [u8]>
     match word(bytes, 4) {
         Some(2) => {}
         Some(version) => {
-            return Err(failed(format!("it is binary glTF version {version}, only version 2 is read")));
+            return Err(failed(format!("it is binary glTF version {version}, only version 2 is supported")));
         }
         None => return Err(failed("it ends inside its header".to_owned())),
     }
@@ -190,7 +192,7 @@ fn split<'t>(bytes: &'t [u8], file: &Path) -> Result<(&'t [u8], Option<&'t [u8]>
     Ok((json, chunk(bytes, 20 + json.len(), b"BIN\0")))
 }
 
-/// A little-endian number.
+/// Returns the little-endian number at a byte.
 fn word(bytes: &[u8], at: usize) -> Option<u32> {
     Some(u32::from_le_bytes(bytes.get(at..at.checked_add(4)?)?.try_into().ok()?))
 }

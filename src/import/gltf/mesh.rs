@@ -1,36 +1,36 @@
-//! Meshes to triangles: each primitive is understood once and written once for every place it has.
+//! Meshes as triangles: each primitive is read once, and added once for every node that places it.
 
-use crate::import::gltf::accessor::Accessor;
-use crate::import::gltf::buffers::Buffers;
-use crate::import::gltf::document::{Document, Fault, Found, List};
-use crate::import::gltf::nodes::Placement;
-use crate::import::gltf::palette::Palette;
-use crate::import::gltf::schema;
-use crate::import::gltf::schema::Primitive;
-use crate::import::report::{Tally, Trouble};
-use crate::import::{Phase, Steps};
+use super::accessor::Accessor;
+use super::buffers::Buffers;
+use super::document::{Document, Fault, Found, List};
+use super::nodes::Placement;
+use super::palette::Palette;
+use super::schema::{self, Primitive};
+use crate::import::progress::{Phase, Steps};
+use crate::import::report::Tally;
+use crate::import::trouble::Trouble;
 use crate::scene::{MaterialId, SceneBuilder, SceneError};
 use glam::{DMat3, DMat4, DVec3, Vec2, Vec3};
 
-/// Vertices between two looks at whether anybody still waits.
+/// Number of vertices between two checks for a cancellation.
 const STEP_VERTICES: usize = 1 << 16;
 
-/// Writes meshes into a builder.
-pub(crate) struct Mesher<'a, 't> {
-    pub(crate) document: &'a Document<'t>,
-    pub(crate) buffers: &'a Buffers<'t>,
-    pub(crate) palette: Palette,
-    pub(crate) builder: &'a mut SceneBuilder,
-    pub(crate) tally: &'a mut Tally,
-    pub(crate) steps: &'a Steps<'a>,
-    /// Most vertices, and most triangles, of all places together.
-    pub(crate) limit: usize,
+/// Adds meshes to a builder.
+pub(super) struct Mesher<'a, 't> {
+    pub(super) document: &'a Document<'t>,
+    pub(super) buffers: &'a Buffers<'t>,
+    pub(super) palette: Palette,
+    pub(super) builder: &'a mut SceneBuilder,
+    pub(super) tally: &'a mut Tally,
+    pub(super) steps: &'a Steps<'a>,
+    /// Maximum number of vertices, and of triangles, of all instances together.
+    pub(super) limit: usize,
 }
 
-/// A primitive in its mesh's own space.
+/// A primitive in the space of its mesh.
 struct Local {
     positions: Vec<Vec3>,
-    /// Zero where the face normal is meant.
+    /// Unit vectors; zero where the face normal applies.
     normals: Vec<Vec3>,
     uvs: Vec<Vec2>,
     triangles: Vec<[u32; 3]>,
@@ -38,8 +38,8 @@ struct Local {
 }
 
 impl<'a> Mesher<'a, '_> {
-    /// Takes the places of meshes, sorted by mesh.
-    pub(crate) fn add_all(&mut self, placements: &[Placement]) -> Result<(), SceneError> {
+    /// Adds the instances of all meshes, sorted by mesh.
+    pub(super) fn add_all(&mut self, placements: &[Placement]) -> Result<(), SceneError> {
         let mut done = 0;
         for places in placements.chunk_by(|a, b| a.mesh == b.mesh) {
             self.steps.at(Phase::Building, done as f32 / placements.len() as f32)?;
@@ -82,7 +82,7 @@ impl<'a> Mesher<'a, '_> {
         self.document.note(Fault { trouble, at, detail }, self.tally);
     }
 
-    /// What one primitive is. The outer error ends the import, the inner one costs the primitive.
+    /// Reads a primitive. The outer error ends the import; the inner one loses only the primitive.
     fn local(
         &mut self,
         primitive: &Primitive,
@@ -127,7 +127,7 @@ impl<'a> Mesher<'a, '_> {
         Ok(Ok(self.vertices(primitive, &positions, triangles, material, uv_set)))
     }
 
-    /// The vertex of every corner in the order of the file.
+    /// Returns the vertex of every corner in the order of the file.
     fn corners(
         &mut self,
         primitive: &Primitive,
@@ -152,7 +152,8 @@ impl<'a> Mesher<'a, '_> {
         Ok(Ok(corners))
     }
 
-    /// The vertices that the triangles use, and no others: exporters like one large buffer for many primitives.
+    /// Returns only the vertices that the triangles use: exporters often write one large buffer for
+    /// many primitives.
     fn vertices(
         &mut self,
         primitive: &Primitive,
@@ -167,7 +168,9 @@ impl<'a> Mesher<'a, '_> {
         let (low, high) = (used.first().copied().unwrap_or(0), used.last().copied().unwrap_or(0));
         let is_whole = used.len() as u64 == u64::from(high - low) + 1;
         let place = |v: u32| if is_whole { v - low } else { used.binary_search(&v).unwrap_or(0) as u32 };
-        triangles.iter_mut().for_each(|t| *t = t.map(place));
+        for t in &mut triangles {
+            *t = t.map(place);
+        }
         let normals = self.optional(primitive.attributes.normal, "VEC3");
         let uv_index = match uv_set {
             0 => primitive.attributes.texcoord_0,
@@ -175,7 +178,7 @@ impl<'a> Mesher<'a, '_> {
         };
         let uvs = self.optional(uv_index, "VEC2");
         let normal = |v: u32| normals.as_ref().map_or(Vec3::ZERO, |n| Vec3::from_array(n.vector(v)));
-        // glTF counts v downwards from the top of a picture.
+        // In glTF, v grows downwards from the top of a picture.
         let uv = |v: u32| uvs.as_ref().map_or(Vec2::ZERO, |uv| up(uv.vector(v)));
         Local {
             positions: used.iter().map(|&v| Vec3::from_array(positions.vector(v))).collect(),
@@ -186,7 +189,7 @@ impl<'a> Mesher<'a, '_> {
         }
     }
 
-    /// An attribute without which the primitive is still worth showing.
+    /// Opens an attribute without which the primitive can still be shown.
     fn optional(&mut self, index: Option<usize>, shape: &str) -> Option<Accessor<'a>> {
         let opened = Accessor::open(self.document, self.buffers, index?, shape);
         opened.map_err(|fault| self.document.note(fault, self.tally)).ok()
@@ -207,7 +210,8 @@ impl<'a> Mesher<'a, '_> {
     fn bake(&mut self, local: &Local, world: &DMat4) -> Result<(), SceneError> {
         let base = self.builder.positions.len() as u32;
         let linear = DMat3::from_mat4(*world);
-        // Normals turn with the inverse transpose; its scale does not matter, its sign is the winding's.
+        // Normals transform with the inverse transpose, here as cofactors: their scale does not
+        // matter, and their sign is that of the winding.
         let mirrored = linear.determinant() < 0.0;
         let cofactors = DMat3::from_cols(
             linear.y_axis.cross(linear.z_axis),
@@ -237,7 +241,7 @@ impl<'a> Mesher<'a, '_> {
             return Ok(());
         }
         let name = self.builder.name.clone();
-        Err(SceneError::TooLarge { name, what: "vertices at all their places", count, limit: self.limit })
+        Err(SceneError::TooLarge { name, what: "vertices of all instances", count, limit: self.limit })
     }
 
     fn no_memory(&self, count: usize) -> SceneError {
@@ -249,23 +253,22 @@ impl<'a> Mesher<'a, '_> {
     }
 }
 
-/// A texture coordinate with v upwards; zero where it is not finite.
+/// Returns a texture coordinate with v upwards; zero where it is not finite.
 fn up([u, v]: [f32; 2]) -> Vec2 {
     let up = Vec2::new(u, 1.0 - v);
     if up.is_finite() { up } else { Vec2::ZERO }
 }
 
-/// The triangles of a list (4), a strip (5) or a fan (6). Corners that do not make a whole triangle are left out.
+/// Returns the triangles of a list (mode 4), a strip (5) or a fan (6). Corners that do not make a
+/// whole triangle are left out.
 fn triangles_of(mode: u32, corners: &[u32]) -> Vec<[u32; 3]> {
     match mode {
         4 => corners.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect(),
         5 => {
-            // Every second triangle of a strip is wound the other way round.
+            // Every second triangle of a strip has the opposite winding.
             let strip = corners.windows(3).enumerate();
             strip.map(|(i, t)| if i % 2 == 0 { [t[0], t[1], t[2]] } else { [t[0], t[2], t[1]] }).collect()
         }
-        _ => {
-            corners.windows(2).skip(1).map(|t| [t[0], t[1], corners[0]]).map(|[b, c, a]| [a, b, c]).collect()
-        }
+        _ => corners.windows(2).skip(1).map(|t| [corners[0], t[0], t[1]]).collect(),
     }
 }

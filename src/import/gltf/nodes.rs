@@ -1,37 +1,33 @@
-//! The tree of nodes to meshes, lights and cameras at their places in the world. No recursion: a file may be as deep
-//! as it likes, or go in circles.
+//! Walking the tree of nodes: meshes, lights and cameras with their world transforms. There is no
+//! recursion, because a file may be arbitrarily deep or contain circles.
 
+use super::document::{Document, Found, List};
+use super::schema::{self, Node};
 use crate::camera::Camera;
-use crate::import::gltf::document::{Document, Found, List};
-use crate::import::gltf::schema;
-use crate::import::gltf::schema::Node;
-use crate::import::report::{Tally, Trouble};
-use crate::import::{Phase, Steps};
-use crate::scene::Sun;
-use crate::scene::is_valid_position;
-use crate::scene::{NamedView, SceneBuilder, SceneError};
+use crate::import::options::Limits;
+use crate::import::progress::{Phase, Steps};
+use crate::import::report::Tally;
+use crate::import::trouble::Trouble;
+use crate::scene::{NamedView, SceneBuilder, SceneError, Sun, is_valid_position};
 use glam::{DMat4, DQuat, DVec3, Vec3};
 
-/// Radiances and intensities beyond this are mistakes, and overflow in sums.
-pub(crate) const BRIGHTEST: f64 = 1e9;
-
-/// A mesh at a place.
+/// An instance of a mesh.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Placement {
-    pub(crate) mesh: usize,
-    pub(crate) world_from_mesh: DMat4,
+pub(super) struct Placement {
+    pub(super) mesh: usize,
+    pub(super) world_from_mesh: DMat4,
 }
 
-/// Takes the document and where its origin lies in the world; gives the builder lights and views, and returns the
-/// meshes' places, sorted by mesh.
-pub(crate) fn walk(
+/// Walks the nodes of a document. Adds lights and views to the builder, and returns the instances
+/// of meshes, sorted by mesh.
+pub(super) fn walk(
     document: &Document,
     world_from_root: DMat4,
     builder: &mut SceneBuilder,
     tally: &mut Tally,
     steps: &Steps,
 ) -> Result<Vec<Placement>, SceneError> {
-    /// Nodes between two looks at whether anybody still waits.
+    /// Number of nodes between two reports of progress.
     const STEP_NODES: usize = 4096;
     let mut walker = Walker { document, builder, tally, placements: Vec::new() };
     let mut seen = vec![false; document.root.nodes.len()];
@@ -66,7 +62,8 @@ struct Walker<'a, 't> {
 }
 
 impl Walker<'_, '_> {
-    /// The nodes that the shown scene begins with; without a scene, those that are nobody's children.
+    /// Returns the root nodes of the scene that is shown; without a scene, the nodes without a
+    /// parent.
     fn roots(&mut self) -> Vec<usize> {
         let root = &self.document.root;
         if root.scenes.is_empty() {
@@ -86,12 +83,15 @@ impl Walker<'_, '_> {
         let mut is_child = vec![false; count];
         for index in 0..count {
             let Ok(node) = self.document.item::<Node>(List::Nodes, index) else { continue };
-            node.children.iter().filter(|c| **c < count).for_each(|c| is_child[*c] = true);
+            for child in node.children.into_iter().filter(|child| *child < count) {
+                is_child[child] = true;
+            }
         }
         (0..count).filter(|i| !is_child[*i]).collect()
     }
 
-    /// Puts nodes on the stack, the first one on top. A node has one parent; one that is met again is left out.
+    /// Pushes nodes on the stack, the first one on top. A node has one parent; a node that was
+    /// visited already is left out.
     fn open(&mut self, nodes: &[usize], parent: DMat4, seen: &mut [bool], open: &mut Vec<(usize, DMat4)>) {
         let first = open.len();
         for &node in nodes {
@@ -143,7 +143,8 @@ impl Walker<'_, '_> {
         }
     }
 
-    /// A camera as a saved view: it looks along its -Z; what it is rolled by is lost, and so is its aspect.
+    /// Converts a camera, which looks along its -Z, to a saved view. Its roll and its aspect ratio
+    /// are lost.
     fn view(&self, index: usize, node: &Node, world: DMat4) -> Found<NamedView> {
         let camera: schema::Camera = self.document.item(List::Cameras, index)?;
         let fault = |trouble| self.document.fault(List::Cameras, index, trouble, "");
@@ -156,7 +157,8 @@ impl Walker<'_, '_> {
         Ok(NamedView { name, camera: Camera::look_at(eye, eye - back, degrees) })
     }
 
-    /// Candela and lux are taken as radiant intensity and irradiance, as nits are taken as radiance.
+    /// Adds a light. Candela and lux are taken as radiant intensity and irradiance, as nits are
+    /// taken as radiance.
     fn light(&mut self, index: usize, world: DMat4) -> Found<()> {
         let light: schema::Light = self.document.item(List::Lights, index)?;
         let note =
@@ -164,7 +166,7 @@ impl Walker<'_, '_> {
         let strength = light.intensity.unwrap_or(1.0);
         let color = DVec3::from_array(light.color.unwrap_or([1.0; 3])) * strength;
         let (at, back) = (world.w_axis.truncate(), world.z_axis.truncate().try_normalize());
-        let is_possible = color.min_element() >= 0.0 && color.max_element() <= BRIGHTEST;
+        let is_possible = color.min_element() >= 0.0 && color.max_element() <= f64::from(Limits::RADIANCE);
         if !is_possible || !is_valid_position(at) {
             return Err(note(Trouble::LIGHT));
         }

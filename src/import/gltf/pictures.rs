@@ -1,24 +1,27 @@
-//! Images: found beside the file, in a buffer or in a `data:` address, and decoded like all others.
+//! Images: found beside the file, in a buffer or in a `data:` address, and decoded.
 
-use crate::import::decoding::decode_all;
-use crate::import::gltf::buffers::Buffers;
-use crate::import::gltf::document::{Document, Found, List};
-use crate::import::gltf::{schema, uri};
-use crate::import::picture::Picture;
-use crate::import::report::{Tally, Trouble};
+use super::buffers::Buffers;
+use super::document::{Document, Found, List};
+use super::{schema, uri};
+use crate::import::decoding::{self, decode_all};
+use crate::import::files;
+use crate::import::options::Limits;
+use crate::import::picture::{Picture, PictureError};
+use crate::import::progress::Steps;
+use crate::import::report::Tally;
 use crate::import::search::Finder;
-use crate::import::{Limits, Steps, files};
+use crate::import::trouble::Trouble;
 use crate::scene::SceneError;
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-/// Decoded images by their number in the file.
-pub(crate) struct Pictures {
+/// Decoded images by their index in the file.
+pub(super) struct Pictures {
     pictures: HashMap<usize, Picture>,
 }
 
-/// Where an image's bytes are.
+/// Source of the bytes of an image.
 enum Source<'a, 't> {
     File(PathBuf),
     Bytes(&'a [u8]),
@@ -26,8 +29,9 @@ enum Source<'a, 't> {
 }
 
 impl Pictures {
-    /// Takes the numbers of the images that are needed. One that cannot be had is noted and left out.
-    pub(crate) fn read(
+    /// Reads the images of these indices. An image that cannot be read is counted as a trouble and
+    /// left out.
+    pub(super) fn read(
         images: &[usize],
         document: &Document,
         buffers: &Buffers,
@@ -47,17 +51,22 @@ impl Pictures {
         let mut pictures = HashMap::new();
         for ((image, _), picture) in sources.iter().zip(decoded) {
             match picture {
-                Ok(picture) => drop(pictures.insert(*image, picture)),
+                Ok(picture) => {
+                    pictures.insert(*image, picture);
+                }
                 Err(cause) => {
-                    document.note(document.fault(List::Images, *image, Trouble::PICTURE, &cause), tally);
+                    document.note(
+                        document.fault(List::Images, *image, Trouble::PICTURE, &cause.to_string()),
+                        tally,
+                    );
                 }
             }
         }
         Ok(Self { pictures })
     }
 
-    /// An image, where it could be read.
-    pub(crate) fn get(&self, image: usize) -> Option<&Picture> {
+    /// Returns an image where it could be read.
+    pub(super) fn get(&self, image: usize) -> Option<&Picture> {
         self.pictures.get(&image)
     }
 }
@@ -84,16 +93,17 @@ fn source<'a, 't>(
     }
 }
 
-fn bytes_of<'s>(source: &'s Source, limits: &Limits) -> Result<(Cow<'s, [u8]>, &'s Path), String> {
+fn bytes_of<'s>(source: &'s Source, limits: &Limits) -> Result<decoding::File<'s>, PictureError> {
     let unnamed = Path::new("");
     match source {
         Source::File(path) => {
-            let bytes = files::read_limited(path, limits.texture_bytes).map_err(|(cause, _)| cause)?;
+            let bytes = files::read_limited(path, limits.texture_bytes)
+                .map_err(|error| PictureError::Unreadable(error.cause))?;
             Ok((Cow::Owned(bytes), path))
         }
         Source::Bytes(bytes) => Ok((Cow::Borrowed(*bytes), unnamed)),
         Source::Data(uri) => {
-            let bytes = uri::data(uri).flatten().ok_or("its data: address cannot be read")?;
+            let bytes = uri::data(uri).flatten().ok_or(PictureError::DataAddress)?;
             Ok((Cow::Owned(bytes), unnamed))
         }
     }

@@ -1,13 +1,14 @@
-//! The addresses that a glTF file may name: `data:` with base64, and files, with `%20` for what an address may not hold.
+//! The addresses in a glTF file: `data:` with base64, and file names with sequences like `%20`.
 
-/// The bytes of a `data:` address; `None` where it is none, `Some(None)` where it cannot be read.
-pub(crate) fn data(uri: &str) -> Option<Option<Vec<u8>>> {
+/// Returns the bytes of a `data:` address; `None` for another address, `Some(None)` where it cannot
+/// be decoded.
+pub(super) fn data(uri: &str) -> Option<Option<Vec<u8>>> {
     let rest = uri.strip_prefix("data:")?;
     let encoded = rest.split_once(',').filter(|(kind, _)| kind.ends_with(";base64"));
     Some(encoded.and_then(|(_, encoded)| base64(encoded)))
 }
 
-/// Takes base64 with or without padding; blanks are passed over.
+/// Decodes base64 with or without padding. White space is ignored.
 fn base64(text: &str) -> Option<Vec<u8>> {
     let mut bytes = Vec::new();
     bytes.try_reserve_exact(text.len() / 4 * 3 + 3).ok()?;
@@ -31,8 +32,8 @@ fn base64(text: &str) -> Option<Vec<u8>> {
     Some(bytes)
 }
 
-/// The file that an address means: `%` sequences decoded, those that make no sense left as they are.
-pub(crate) fn file_name(uri: &str) -> String {
+/// Returns the file name of an address: `%` sequences are decoded, invalid ones stay as they are.
+pub(super) fn file_name(uri: &str) -> String {
     let bytes = uri.as_bytes();
     let hex = |at: usize| char::from(*bytes.get(at)?).to_digit(16);
     let (mut decoded, mut at) = (Vec::with_capacity(bytes.len()), 0);

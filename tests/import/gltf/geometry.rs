@@ -74,7 +74,7 @@ fn points_and_lines_are_no_surfaces() {
     }
     let scene = model.load();
     assert_square(&scene);
-    assert!(warning(&scene, "no surfaces").2.starts_with("4 "));
+    assert!(warning(&scene, "without a surface").2.starts_with("4 "));
 }
 
 #[test]

@@ -1,18 +1,18 @@
-//! Textures of materials: found, decoded two at a time within a budget, and hung on the materials.
+//! Textures of OBJ materials: found, decoded, and assigned to the materials.
 
-use crate::import::mtl::{MapSpec, MtlMaterial};
-use crate::import::picture;
-use crate::import::picture::Picture;
+use super::mtl::{MapSpec, MtlMaterial};
+use crate::import::context::Import;
+use crate::import::options::Limits;
+use crate::import::picture::{self, Picture, PictureError};
+use crate::import::progress::Steps;
 use crate::import::search::{Finder, Found};
 use crate::import::text::without_comment;
-use crate::import::{Limits, Steps};
 use crate::import::{decoding, files};
-use crate::scene::{SceneBuilder, SceneError, TextureId, TextureRef};
-use glam::Vec3;
+use crate::scene::{SceneBuilder, SceneError, Texture, TextureId, TextureRef};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-/// What a texture is for.
+/// Use of a texture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Purpose {
     Color,
@@ -20,54 +20,53 @@ enum Purpose {
     Glow,
 }
 
-/// A texture that a material asks for.
+/// A texture that a material names.
 struct Request<'a> {
-    /// Index into the builder's materials.
+    /// Index of the material in the builder.
     material: usize,
     purpose: Purpose,
     spec: &'a MapSpec,
     library: usize,
 }
 
-/// A material library, as messages and searches need it.
+/// A material library: what messages and searches need of it.
 #[derive(Clone, Debug)]
-pub(crate) struct Library {
-    pub(crate) shown: String,
-    pub(crate) folder: PathBuf,
+pub(super) struct Library {
+    /// Path for messages.
+    pub(super) shown: String,
+    pub(super) folder: PathBuf,
 }
 
-/// Takes the materials as written, beside those of the builder with the same index (`None` where the library does not
-/// define it); adds their textures to the builder.
-pub(crate) fn attach(
+/// Adds the textures of materials as written, which have the indices of the builder's materials.
+/// `None` stands for a material that no library defines.
+pub(super) fn attach(
     written: &[Option<&MtlMaterial>],
     libraries: &[Library],
-    finder: &mut Finder,
-    limits: &Limits,
-    builder: &mut SceneBuilder,
-    steps: &Steps,
+    import: &mut Import,
 ) -> Result<(), SceneError> {
+    let Import { finder, builder, options, steps, .. } = import;
     let requests = requests(written);
-    let mut hanger = Hanger { libraries, builder, decoded: HashMap::new(), checker: None, missing: 0 };
+    let mut painter = Painter { libraries, builder, decoded: HashMap::new(), checker: None, missing: 0 };
     let mut file_of: HashMap<(&str, usize), Option<PathBuf>> = HashMap::new();
     for request in &requests {
         let key = (request.spec.file.as_str(), request.library);
         file_of.entry(key).or_insert_with(|| {
             let found = find(finder, request.spec, &libraries[request.library].folder);
             if found.file.is_none() {
-                hanger.warn_missing(request, &found);
+                painter.warn_missing(request, &found);
             }
             found.file
         });
     }
-    if hanger.missing > MISSING_SAID {
-        let message = format!("{} textures in all were not found", hanger.missing);
-        hanger.builder.warn(&libraries[requests[0].library].shown, 0, message);
+    if painter.missing > MAX_MISSING_SHOWN {
+        let message = format!("{} textures in all were not found", painter.missing);
+        painter.builder.warn(&libraries[requests[0].library].shown, 0, message);
     }
     let files: Vec<Option<&PathBuf>> =
         requests.iter().map(|r| file_of[&(r.spec.file.as_str(), r.library)].as_ref()).collect();
-    hanger.decoded = decode_all(&files, limits, steps)?;
+    painter.decoded = decode_all(&files, &options.limits, steps)?;
     for (request, file) in requests.iter().zip(files) {
-        hanger.hang(request, file.map(PathBuf::as_path));
+        painter.assign(request, file.map(PathBuf::as_path));
     }
     Ok(())
 }
@@ -96,9 +95,9 @@ fn find(finder: &mut Finder, spec: &MapSpec, folder: &Path) -> Found {
     found
 }
 
-/// A decoded picture, and the textures made from it so far.
+/// A decoded picture, and the textures that were made from it.
 struct Decoded {
-    picture: Result<Picture, String>,
+    picture: Result<Picture, PictureError>,
     color: Option<TextureId>,
     coverage: Option<TextureId>,
     reported: bool,
@@ -114,7 +113,8 @@ fn decode_all(
     unique.dedup();
     let read = |i: usize| {
         let path: &Path = unique[i];
-        let bytes = files::read_limited(path, limits.texture_bytes).map_err(|(cause, _)| cause)?;
+        let bytes = files::read_limited(path, limits.texture_bytes)
+            .map_err(|error| PictureError::Unreadable(error.cause))?;
         Ok((bytes.into(), path))
     };
     let pictures = decoding::decode_all(unique.len(), limits, steps, read)?;
@@ -122,23 +122,24 @@ fn decode_all(
     Ok(unique.into_iter().cloned().zip(pictures.into_iter().map(fresh)).collect())
 }
 
-/// Hangs decoded pictures on materials.
-struct Hanger<'a> {
+/// Assigns decoded pictures to materials.
+struct Painter<'a> {
     libraries: &'a [Library],
     builder: &'a mut SceneBuilder,
     decoded: HashMap<PathBuf, Decoded>,
     checker: Option<TextureId>,
-    /// Textures that were not found.
+    /// Number of textures that were not found.
     missing: usize,
 }
 
-/// Textures that were not found, each said with every path tried, before the rest is only counted.
-const MISSING_SAID: usize = 100;
+/// Maximum number of textures that are reported as missing with every path tried; others are only
+/// counted.
+const MAX_MISSING_SHOWN: usize = 100;
 
-impl Hanger<'_> {
+impl Painter<'_> {
     fn warn_missing(&mut self, request: &Request, found: &Found) {
         self.missing += 1;
-        if self.missing > MISSING_SAID {
+        if self.missing > MAX_MISSING_SHOWN {
             return;
         }
         let Request { purpose, spec, material, library } = request;
@@ -157,31 +158,31 @@ impl Hanger<'_> {
         self.builder.warn(&self.libraries[*library].shown, spec.line, message);
     }
 
-    fn hang(&mut self, request: &Request, file: Option<&Path>) {
+    fn assign(&mut self, request: &Request, file: Option<&Path>) {
         let mut decoded = file.and_then(|f| self.decoded.remove_entry(f));
         match &mut decoded {
             Some((_, Decoded { picture: Ok(picture), color, coverage, .. })) => {
-                self.hang_picture(request, picture, color, coverage);
+                self.assign_picture(request, picture, color, coverage);
             }
             Some((path, Decoded { picture: Err(cause), reported, .. })) => {
                 if !std::mem::replace(reported, true) {
                     self.warn_unreadable(request, path, cause);
                 }
-                self.hang_checker(request);
+                self.assign_checker(request);
             }
-            None => self.hang_checker(request),
+            None => self.assign_checker(request),
         }
         self.decoded.extend(decoded);
     }
 
-    fn hang_picture(
+    fn assign_picture(
         &mut self,
         request: &Request,
         picture: &Picture,
         color: &mut Option<TextureId>,
         coverage: &mut Option<TextureId>,
     ) {
-        let mut with = |slot: &mut Option<TextureId>, make: &dyn Fn() -> crate::scene::Texture| {
+        let mut with = |slot: &mut Option<TextureId>, make: &dyn Fn() -> Texture| {
             let texture = *slot.get_or_insert_with(|| self.builder.add_texture(make()));
             TextureRef { texture, scale: request.spec.scale, offset: request.spec.offset }
         };
@@ -205,13 +206,13 @@ impl Hanger<'_> {
         }
     }
 
-    fn warn_unreadable(&mut self, request: &Request, path: &Path, cause: &str) {
+    fn warn_unreadable(&mut self, request: &Request, path: &Path, cause: &PictureError) {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let message = format!("texture '{name}' cannot be used: {cause}; {}", instead(request.purpose));
         self.builder.warn(&self.libraries[request.library].shown, request.spec.line, message);
     }
 
-    fn hang_checker(&mut self, request: &Request) {
+    fn assign_checker(&mut self, request: &Request) {
         if request.purpose != Purpose::Color {
             return;
         }
@@ -227,9 +228,4 @@ fn instead(purpose: Purpose) -> &'static str {
         Purpose::Coverage => "the surface is shown without holes",
         Purpose::Glow => "the surface glows evenly",
     }
-}
-
-/// What a material emits before its texture is known: with a texture alone, the texture's colours.
-pub(crate) fn emission_before_texture(m: &MtlMaterial) -> Vec3 {
-    m.emission.unwrap_or(if m.map_emission.is_some() { Vec3::ONE } else { Vec3::ZERO })
 }

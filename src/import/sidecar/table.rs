@@ -1,53 +1,57 @@
-//! Reading values out of a TOML table with messages that name line, key and remedy.
+//! Reading values from a TOML table, with messages that name line, key and remedy.
 
+use crate::import::units::UnknownWord;
 use crate::scene::is_valid_position;
 use glam::{DVec3, Vec3};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// What was doubtful in a sidecar file: line and message.
-pub(crate) struct Notes<'a> {
+/// Messages about a settings file.
+pub(super) struct Notes<'a> {
     text: &'a str,
-    pub(crate) said: Vec<(u64, String)>,
-    /// Further ones that were only counted.
-    pub(crate) more: u64,
+    /// Line, counted from 1, and message.
+    pub(super) messages: Vec<(u64, String)>,
+    /// Number of further messages, which are only counted.
+    pub(super) more: u64,
 }
 
-/// Notes on one file: more tell nobody anything, and each costs a count of the lines before it.
-const MAX_NOTES: usize = 100;
+/// Maximum number of messages about one file: more do not help, and each costs a count of the lines
+/// before it.
+const MAX_MESSAGES: usize = 100;
 
 impl<'a> Notes<'a> {
-    pub(crate) fn new(text: &'a str) -> Self {
-        Self { text, said: Vec::new(), more: 0 }
+    pub(super) fn new(text: &'a str) -> Self {
+        Self { text, messages: Vec::new(), more: 0 }
     }
 
-    /// Notes something about the text from byte `at`.
-    pub(crate) fn add(&mut self, at: usize, message: String) {
-        if self.said.len() < MAX_NOTES {
-            self.said.push((self.line(at), message));
+    /// Adds a message about the text at byte `at`.
+    pub(super) fn add(&mut self, at: usize, message: String) {
+        if self.messages.len() < MAX_MESSAGES {
+            self.messages.push((self.line(at), message));
         } else {
             self.more += 1;
         }
     }
 
-    pub(crate) fn line(&self, at: usize) -> u64 {
+    pub(super) fn line(&self, at: usize) -> u64 {
         let before = &self.text.as_bytes()[..at.min(self.text.len())];
         before.iter().filter(|b| **b == b'\n').count() as u64 + 1
     }
 }
 
-/// A table of a sidecar file.
+/// A table of a settings file.
 #[derive(Clone, Copy)]
-pub(crate) struct Section<'t> {
+pub(super) struct Section<'t> {
     table: &'t DeTable<'t>,
-    /// For messages: `[sun]`; empty for the top of the file.
+    /// Name for messages, like `[sun]`; empty for the top of the file.
     name: &'static str,
     at: usize,
 }
 
 impl<'t> Section<'t> {
-    /// Takes a table; notes keys it does not know, with the likeliest meaning.
-    pub(crate) fn new(
+    /// Takes a table. Adds a message for each key that is not in `known`, with the likeliest
+    /// meaning.
+    pub(super) fn new(
         table: &'t DeTable<'t>,
         name: &'static str,
         at: usize,
@@ -63,12 +67,13 @@ impl<'t> Section<'t> {
         Self { table, name, at }
     }
 
-    /// Where the section starts, for messages about it as a whole.
-    pub(crate) fn at(&self) -> usize {
+    /// Returns the byte at which the section starts, for messages about it as a whole.
+    pub(super) fn at(&self) -> usize {
         self.at
     }
 
-    /// A value by its key, as `read` understands it; one it does not understand is noted.
+    /// Returns the value of a key as `read` converts it. Adds a message where `read` returns
+    /// `None`.
     fn value<T>(
         &self,
         key: &str,
@@ -85,7 +90,7 @@ impl<'t> Section<'t> {
         found
     }
 
-    pub(crate) fn number(
+    pub(super) fn number(
         &self,
         key: &str,
         range: std::ops::RangeInclusive<f64>,
@@ -95,16 +100,20 @@ impl<'t> Section<'t> {
         self.value(key, &expected, notes, |v| number(v).filter(|n| range.contains(n)))
     }
 
-    pub(crate) fn flag(&self, key: &str, notes: &mut Notes) -> Option<bool> {
+    pub(super) fn flag(&self, key: &str, notes: &mut Notes) -> Option<bool> {
         self.value(key, "true or false", notes, DeValue::as_bool)
     }
 
-    pub(crate) fn text(&self, key: &str, notes: &mut Notes) -> Option<&'t str> {
+    pub(super) fn text(&self, key: &str, notes: &mut Notes) -> Option<&'t str> {
         self.value(key, "a text in quotes", notes, DeValue::as_str)
     }
 
-    /// A text with a meaning of its own; the error of `FromStr` says what there is.
-    pub(crate) fn word<T: std::str::FromStr<Err = String>>(&self, key: &str, notes: &mut Notes) -> Option<T> {
+    /// Returns a text, parsed. The error of `FromStr` lists what is allowed.
+    pub(super) fn word<T: std::str::FromStr<Err = UnknownWord>>(
+        &self,
+        key: &str,
+        notes: &mut Notes,
+    ) -> Option<T> {
         let word = self.text(key, notes)?;
         let parsed = word.parse();
         if let Err(error) = &parsed {
@@ -114,7 +123,7 @@ impl<'t> Section<'t> {
         parsed.ok()
     }
 
-    pub(crate) fn point(&self, key: &str, notes: &mut Notes) -> Option<DVec3> {
+    pub(super) fn point(&self, key: &str, notes: &mut Notes) -> Option<DVec3> {
         self.value(key, "three numbers, like [1.0, 2.0, 3.0]", notes, |v| {
             let [x, y, z] =
                 v.as_array()?.iter().map(|n| number(n.get_ref())).collect::<Option<Vec<_>>>()?[..]
@@ -125,14 +134,14 @@ impl<'t> Section<'t> {
         })
     }
 
-    /// A colour or radiance: one number for grey, or three, none negative, none above `most`.
-    pub(crate) fn color(&self, key: &str, most: f32, notes: &mut Notes) -> Option<Vec3> {
-        let expected = if most <= 1.0 {
+    /// Returns a colour or radiance: one number for grey, or three, each from 0 to `max`.
+    pub(super) fn color(&self, key: &str, max: f32, notes: &mut Notes) -> Option<Vec3> {
+        let expected = if max <= 1.0 {
             "a colour of three numbers from 0 to 1, like [0.8, 0.8, 0.8]"
         } else {
             "a colour of three numbers from 0, like [0.8, 0.8, 0.8]"
         };
-        let allowed = |c: &Vec3| c.is_finite() && c.min_element() >= 0.0 && c.max_element() <= most;
+        let allowed = |c: &Vec3| c.is_finite() && c.min_element() >= 0.0 && c.max_element() <= max;
         self.value(key, expected, notes, |v| match v.as_array() {
             None => number(v).map(|grey| Vec3::splat(grey as f32)).filter(allowed),
             Some(array) => {
@@ -143,8 +152,8 @@ impl<'t> Section<'t> {
         })
     }
 
-    /// A table below this one.
-    pub(crate) fn section(
+    /// Returns a table in this one.
+    pub(super) fn section(
         &self,
         key: &str,
         name: &'static str,
@@ -156,8 +165,8 @@ impl<'t> Section<'t> {
         Some(Section::new(table, name, at, known, notes))
     }
 
-    /// A list of tables below this one.
-    pub(crate) fn sections(
+    /// Returns a list of tables in this one.
+    pub(super) fn sections(
         &self,
         key: &str,
         name: &'static str,
@@ -183,8 +192,8 @@ fn number(value: &DeValue) -> Option<f64> {
     digits.parse().ok().filter(|n: &f64| n.is_finite())
 }
 
-/// "did you mean ...?" where something is close, else all there is.
-pub(crate) fn suggestion(word: &str, known: &[&str]) -> String {
+/// Returns "did you mean ...?" where a known word is similar, else the list of known words.
+pub(super) fn suggestion(word: &str, known: &[&str]) -> String {
     let distance = |k: &&&str| edit_distance(&word.to_lowercase(), &k.to_lowercase());
     match known.iter().min_by_key(distance) {
         Some(best) if distance(&best) <= word.chars().count().max(best.len()).div_ceil(2).min(3) => {
@@ -195,7 +204,7 @@ pub(crate) fn suggestion(word: &str, known: &[&str]) -> String {
     }
 }
 
-/// Levenshtein's distance.
+/// Returns the Levenshtein distance in characters.
 fn edit_distance(a: &str, b: &str) -> usize {
     let b: Vec<char> = b.chars().collect();
     let mut row: Vec<usize> = (0..=b.len()).collect();

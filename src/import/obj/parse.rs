@@ -1,13 +1,15 @@
-//! The OBJ reader: text to positions, normals, texture coordinates and faces, in pieces and in parallel.
+//! Parsing OBJ text into positions, normals, texture coordinates and faces, in pieces and in
+//! parallel.
 //!
-//! Why not `tobj`: one bad index or a bare `f` makes it give up the whole file without a line number, and it takes
-//! `l` for a face. Reading around that needs every line rewritten first, which costs more than reading it here.
-//! `tobj` remains the independent second opinion in the tests.
+//! Why not the crate `tobj`: for one bad index or a bare `f` it rejects the whole file without a
+//! line number, and it reads `l` as a face. Avoiding that means rewriting every line first, which
+//! costs more than parsing it here. `tobj` is the independent second opinion in the tests.
 
-use crate::import::obj_piece::{Corner, Counts, Face, NONE, Piece, Reader, count};
+use super::piece::{Corner, Counts, Face, NONE, Piece, Reader, count};
+use crate::import::options::Limits;
+use crate::import::progress::{Phase, Steps};
 use crate::import::report::Tally;
 use crate::import::text;
-use crate::import::{Limits, Phase, Steps};
 use crate::scene::SceneError;
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
@@ -15,27 +17,29 @@ use std::collections::HashMap;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Text per unit of parallel work: some 16,000 lines, so that a cancel is noticed within milliseconds.
+/// Bytes of text per unit of parallel work: about 16,000 lines, so that a cancellation is noticed
+/// within milliseconds.
 const PIECE_BYTES: usize = 512 << 10;
 
-/// A whole OBJ file.
+/// Contents of an OBJ file.
 #[derive(Debug, Default)]
-pub(crate) struct Model {
-    /// As written; not finite where a vertex was refused.
-    pub(crate) positions: Vec<DVec3>,
-    /// Unit length, or zero.
-    pub(crate) normals: Vec<Vec3>,
-    pub(crate) uvs: Vec<Vec2>,
+pub(super) struct Model {
+    /// Positions as written, later in world metres; not finite where a vertex was refused.
+    pub(super) positions: Vec<DVec3>,
+    /// Unit vectors, or zero.
+    pub(super) normals: Vec<Vec3>,
+    pub(super) uvs: Vec<Vec2>,
     pieces: Vec<Piece>,
-    /// Names used by faces, in the order of use; the first is empty where faces come before any `usemtl`.
-    pub(crate) material_names: Vec<String>,
-    /// `mtllib` lines: number and operand.
-    pub(crate) libraries: Vec<(u64, String)>,
-    pub(crate) tally: Tally,
+    /// Material names in the order of their first use by a face. A name is empty for faces before
+    /// any `usemtl`.
+    pub(super) material_names: Vec<String>,
+    /// `mtllib` lines: line number and operand.
+    pub(super) libraries: Vec<(u64, String)>,
+    pub(super) tally: Tally,
 }
 
-/// Takes the text of an OBJ file; returns what it says. Troubles of single lines are counted, never fatal.
-pub(crate) fn parse(text: &str, file: &Path, limits: &Limits, steps: &Steps) -> Result<Model, SceneError> {
+/// Parses the text of an OBJ file. Troubles of single lines are counted and never fatal.
+pub(super) fn parse(text: &str, file: &Path, limits: &Limits, steps: &Steps) -> Result<Model, SceneError> {
     let texts = text::pieces(text, PIECE_BYTES);
     let counts: Vec<Counts> = texts.par_iter().map(|t| count(t, steps)).collect::<Result<_, _>>()?;
     let mut total = Counts::default();
@@ -78,13 +82,13 @@ fn within(what: &'static str, count: usize, limit: usize, file: &Path) -> Result
     Err(SceneError::TooLarge { name: file.display().to_string(), what, count, limit })
 }
 
-/// A face as the welder takes it.
+/// A face.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Polygon<'a> {
-    pub(crate) line: u64,
+pub(super) struct Polygon<'a> {
+    pub(super) line: u64,
     /// Index into [`Model::material_names`].
-    pub(crate) material: u32,
-    pub(crate) corners: &'a [Corner],
+    pub(super) material: u32,
+    pub(super) corners: &'a [Corner],
 }
 
 impl Model {
@@ -107,13 +111,13 @@ impl Model {
         model
     }
 
-    /// Number of polygons.
-    pub(crate) fn face_count(&self) -> usize {
+    /// Returns the number of polygons.
+    pub(super) fn face_count(&self) -> usize {
         self.pieces.iter().map(|p| p.faces.len()).sum()
     }
 
-    /// The polygons in the order of the file.
-    pub(crate) fn faces(&self) -> impl Iterator<Item = Polygon<'_>> {
+    /// Returns the polygons in the order of the file.
+    pub(super) fn faces(&self) -> impl Iterator<Item = Polygon<'_>> {
         self.pieces.iter().flat_map(|piece| {
             let mut start = 0;
             let runs = piece.runs.iter().scan(0, |from, &(to, material)| {
@@ -131,7 +135,8 @@ impl Model {
     }
 }
 
-/// Gives names their numbers while the pieces go by; a piece starts with the material that the last one ended with.
+/// Numbers the material names, piece by piece. A piece starts with the material that the piece
+/// before it ended with.
 #[derive(Default)]
 struct MaterialRuns {
     current: String,
@@ -140,7 +145,8 @@ struct MaterialRuns {
 }
 
 impl MaterialRuns {
-    /// Consecutive faces of one material: the end of the run, and the material.
+    /// Returns the runs of consecutive faces of one material: the end of each run, and the
+    /// material.
     fn runs_of(&mut self, piece: &mut Piece) -> Vec<(usize, u32)> {
         let mut runs = Vec::new();
         let mut start = 0;
@@ -155,7 +161,7 @@ impl MaterialRuns {
 
     fn close(&mut self, faces: std::ops::Range<usize>, runs: &mut Vec<(usize, u32)>) {
         if faces.is_empty() {
-            return; // a material that no face uses costs nothing
+            return; // a material that no face uses gets no number
         }
         let next = self.names.len() as u32;
         let number = *self.number_of.entry(self.current.clone()).or_insert_with(|| {

@@ -1,28 +1,25 @@
-//! Corners to shared vertices, polygons to triangles: from the file's three lists to the scene's one.
+//! Welding corners into shared vertices and splitting polygons into triangles: an OBJ file indexes
+//! three lists, a scene one.
 
-use crate::import::obj::{Model, Polygon};
-use crate::import::obj_piece::{Corner, NONE};
+use super::parse::{Model, Polygon};
+use super::piece::{Corner, NONE};
 use crate::import::polygon::{Filled, Filler};
-use crate::import::report::Trouble;
-use crate::import::{Phase, Steps};
+use crate::import::progress::{Phase, Steps};
+use crate::import::trouble::Trouble;
 use crate::scene::{MaterialId, SceneBuilder, SceneError};
-use glam::{DVec3, Vec2, Vec3};
+use glam::{Vec2, Vec3};
 
-/// Corners of faces between two looks at the progress.
+/// Number of corners between two reports of progress.
 const STEP_CORNERS: usize = 1 << 16;
 
-/// Takes a model and its positions in world metres; fills the builder's vertices and triangles. Material numbers
-/// stay the model's. The builder must not hold vertices yet.
-pub(crate) fn build(
-    model: &mut Model,
-    positions_m: &[DVec3],
-    builder: &mut SceneBuilder,
-    steps: &Steps,
-) -> Result<(), SceneError> {
+/// Adds the vertices and triangles of a model, whose positions are world metres, to a builder
+/// without vertices. Material numbers are those of the model.
+pub(super) fn build(model: &mut Model, builder: &mut SceneBuilder, steps: &Steps) -> Result<(), SceneError> {
     let mut tally = std::mem::take(&mut model.tally);
+    let positions_m = &model.positions;
     let face_count = model.face_count();
     reserve(builder, face_count, positions_m.len())?;
-    let mut welder = Welder::new(model, positions_m);
+    let mut welder = Welder::new(model);
     let mut filler = Filler::new();
     let mut corners_m = Vec::new();
     let mut since = STEP_CORNERS;
@@ -63,28 +60,28 @@ fn reserve(builder: &mut SceneBuilder, faces: usize, vertices: usize) -> Result<
     })
 }
 
-/// A vertex made of a position, and the next one made of the same position.
+/// A vertex: its texture coordinate and normal, and the next vertex of the same position.
 struct Variant {
     uv: u32,
     normal: u32,
     next: u32,
 }
 
-/// Finds vertices again by their three indices. Per position a chain of its variants: no hashing, and the vertices
-/// come in the order of their first use.
+/// Finds vertices by their three indices, in a chain per position: this needs no hashing, and
+/// vertices are ordered by first use.
 struct Welder<'a> {
     model: &'a Model,
-    positions_m: &'a [DVec3],
     newest: Vec<u32>,
     variants: Vec<Variant>,
 }
 
 impl<'a> Welder<'a> {
-    /// Real models share a position among a few normals; a file made to be slow gets unshared vertices instead.
-    const LONGEST_CHAIN: usize = 64;
+    /// Maximum length of a chain. In real models a few normals share a position; a file made to be
+    /// slow gets unshared vertices instead.
+    const MAX_CHAIN: usize = 64;
 
-    fn new(model: &'a Model, positions_m: &'a [DVec3]) -> Self {
-        Self { model, positions_m, newest: vec![NONE; positions_m.len()], variants: Vec::new() }
+    fn new(model: &'a Model) -> Self {
+        Self { model, newest: vec![NONE; model.positions.len()], variants: Vec::new() }
     }
 
     fn add(&mut self, face: &Polygon, triangles: &[[u32; 3]], builder: &mut SceneBuilder) {
@@ -97,7 +94,7 @@ impl<'a> Welder<'a> {
     fn vertex(&mut self, corner: Corner, builder: &mut SceneBuilder) -> u32 {
         let first = self.newest[corner.position as usize];
         let mut at = first;
-        for _ in 0..Self::LONGEST_CHAIN {
+        for _ in 0..Self::MAX_CHAIN {
             if at == NONE {
                 break;
             }
@@ -110,7 +107,7 @@ impl<'a> Welder<'a> {
         self.variants.push(Variant { uv: corner.uv, normal: corner.normal, next: first });
         let normal = self.model.normals.get(corner.normal as usize).copied().unwrap_or(Vec3::ZERO);
         let uv = self.model.uvs.get(corner.uv as usize).copied().unwrap_or(Vec2::ZERO);
-        let vertex = builder.add_vertex(self.positions_m[corner.position as usize], normal, uv);
+        let vertex = builder.add_vertex(self.model.positions[corner.position as usize], normal, uv);
         self.newest[corner.position as usize] = vertex;
         vertex
     }

@@ -1,64 +1,68 @@
-//! A piece of an OBJ file's text, line by line.
+//! Parsing one piece of OBJ text, line by line.
 
-use crate::import::report::{Tally, Trouble};
-use crate::import::text;
-use crate::import::text::Lines;
-use crate::import::{Limits, Phase, Steps};
+use crate::import::options::Limits;
+use crate::import::progress::{Phase, Steps};
+use crate::import::report::Tally;
+use crate::import::text::{self, Lines};
+use crate::import::trouble::Trouble;
 use crate::scene::SceneError;
 use glam::{DVec3, Vec2, Vec3};
 use std::path::Path;
 
-/// No texture coordinate, or no normal.
-pub(crate) const NONE: u32 = u32::MAX;
+/// Index that stands for no texture coordinate or no normal.
+pub(super) const NONE: u32 = u32::MAX;
 
-/// A longer face is hardly one that a modelling program wrote. One of 4096 corners that crosses itself everywhere takes
-/// 0.14 s to fill, one of 65,536 took 11 s: nobody could cancel meanwhile.
+/// Maximum number of corners of a face. Modelling programs hardly write longer ones. A face of 4096
+/// corners that crosses itself everywhere takes 0.14 s to triangulate; one of 65,536 took 11 s,
+/// without a chance to cancel.
 const FACE_CORNERS: usize = 4096;
 
-/// A corner of a face: indices from 0 into the whole file's lists.
+/// A corner of a face: indices into the lists of the whole file, from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Corner {
-    pub(crate) position: u32,
-    pub(crate) uv: u32,
-    pub(crate) normal: u32,
+pub(super) struct Corner {
+    pub(super) position: u32,
+    pub(super) uv: u32,
+    pub(super) normal: u32,
 }
 const _: () = assert!(size_of::<Corner>() == 12);
 
-/// A polygon: where its corners end in its piece's list, and its line, counted from the piece's first.
+/// A polygon: the end of its corners in the list of its piece, and its line, counted from the first
+/// line of the piece.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Face {
-    pub(crate) end: u32,
-    pub(crate) line: u32,
+pub(super) struct Face {
+    pub(super) end: u32,
+    pub(super) line: u32,
 }
 
-/// What one piece of the text says.
+/// Contents of one piece of the text.
 #[derive(Debug, Default)]
-pub(crate) struct Piece {
-    pub(crate) first_line: u64,
-    pub(crate) positions: Vec<DVec3>,
-    pub(crate) normals: Vec<Vec3>,
-    pub(crate) uvs: Vec<Vec2>,
-    pub(crate) corners: Vec<Corner>,
-    pub(crate) faces: Vec<Face>,
-    /// `usemtl`: the number of faces before it, and the name.
-    pub(crate) switches: Vec<(usize, String)>,
-    /// The same once the pieces are joined: the end of a run of faces, and its material's number.
-    pub(crate) runs: Vec<(usize, u32)>,
-    pub(crate) libraries: Vec<(u64, String)>,
-    pub(crate) tally: Tally,
+pub(super) struct Piece {
+    pub(super) first_line: u64,
+    pub(super) positions: Vec<DVec3>,
+    pub(super) normals: Vec<Vec3>,
+    pub(super) uvs: Vec<Vec2>,
+    pub(super) corners: Vec<Corner>,
+    pub(super) faces: Vec<Face>,
+    /// `usemtl` lines: the number of faces before each, and the name.
+    pub(super) switches: Vec<(usize, String)>,
+    /// The same after the pieces are joined: the end of each run of faces, and the number of its
+    /// material.
+    pub(super) runs: Vec<(usize, u32)>,
+    pub(super) libraries: Vec<(u64, String)>,
+    pub(super) tally: Tally,
 }
 
-/// How much a text holds.
+/// Numbers of lines and vertex attributes in a text.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Counts {
-    pub(crate) lines: u64,
-    pub(crate) positions: usize,
-    pub(crate) uvs: usize,
-    pub(crate) normals: usize,
+pub(super) struct Counts {
+    pub(super) lines: u64,
+    pub(super) positions: usize,
+    pub(super) uvs: usize,
+    pub(super) normals: usize,
 }
 
 impl Counts {
-    pub(crate) fn plus(self, other: Self) -> Self {
+    pub(super) fn plus(self, other: Self) -> Self {
         Self {
             lines: self.lines + other.lines,
             positions: self.positions + other.positions,
@@ -68,8 +72,9 @@ impl Counts {
     }
 }
 
-/// Counts what [`Reader`] will find, by the same rules, so that each piece knows what lies before it.
-pub(crate) fn count(text: &str, steps: &Steps) -> Result<Counts, SceneError> {
+/// Counts what [`Reader`] will find, by the same rules: each piece needs the numbers of the pieces
+/// before it.
+pub(super) fn count(text: &str, steps: &Steps) -> Result<Counts, SceneError> {
     let mut counts = Counts::default();
     let mut lines = Lines::new(text, 0);
     for line in lines.by_ref() {
@@ -85,15 +90,15 @@ pub(crate) fn count(text: &str, steps: &Steps) -> Result<Counts, SceneError> {
     Ok(counts)
 }
 
-/// Reads one piece.
-pub(crate) struct Reader {
-    pub(crate) before: Counts,
-    pub(crate) total: Counts,
-    pub(crate) piece: Piece,
+/// Parser of one piece.
+pub(super) struct Reader {
+    pub(super) before: Counts,
+    pub(super) total: Counts,
+    pub(super) piece: Piece,
 }
 
 impl Reader {
-    pub(crate) fn read(mut self, text: &str, file: &Path) -> Result<Piece, SceneError> {
+    pub(super) fn read(mut self, text: &str, file: &Path) -> Result<Piece, SceneError> {
         self.piece.first_line = self.before.lines + 1;
         for line in Lines::new(text, self.piece.first_line) {
             if line.text.len() > text::LINE_BYTES {
@@ -134,7 +139,7 @@ impl Reader {
         if position.is_none() {
             self.piece.tally.add(Trouble::VERTEX_UNREADABLE, number, || rest.to_owned());
         }
-        // A refused vertex keeps its place, so that the indices of all others stay right.
+        // A refused vertex keeps its index, so that the indices of all others stay right.
         self.piece.positions.push(position.unwrap_or(DVec3::NAN));
     }
 
@@ -148,7 +153,7 @@ impl Reader {
     }
 
     fn uv(&mut self, number: u64, rest: &str) {
-        // `vt u` alone is legal; v is then 0.
+        // `vt u` alone is valid; v is then 0.
         let uv = numbers::<2>(rest).or_else(|| numbers::<1>(rest).map(|[u]| [u, 0.0]));
         let uv = uv.map(|[u, v]| Vec2::new(u as f32, v as f32)).filter(|uv| uv.is_finite());
         if uv.is_none() {
@@ -181,7 +186,7 @@ impl Reader {
         let start = self.piece.corners.len();
         for token in rest.split_ascii_whitespace().take_while(|t| !t.starts_with('#')) {
             let corner = self.corner(number, token)?;
-            // The same corner twice in a row adds nothing, and confuses the triangulation.
+            // The same position twice in a row adds no area, and confuses the triangulation.
             if self.piece.corners[start..].last().map(|c| c.position) != Some(corner.position) {
                 self.piece.corners.push(corner);
             }
@@ -222,7 +227,7 @@ impl Reader {
     }
 }
 
-/// The first `N` numbers of a line. What follows (a weight, a colour) is ignored.
+/// Returns the first `N` numbers of a line. What follows (a weight, a colour) is ignored.
 fn numbers<const N: usize>(rest: &str) -> Option<[f64; N]> {
     let mut tokens = rest.split_ascii_whitespace();
     let mut found = [0.0; N];
@@ -232,7 +237,7 @@ fn numbers<const N: usize>(rest: &str) -> Option<[f64; N]> {
     Some(found)
 }
 
-/// A signed decimal integer of at most 18 digits; a comment may be stuck to it.
+/// Parses a signed decimal integer of at most 18 digits, which may have a comment attached.
 fn index(token: &str) -> Option<i64> {
     let (negative, digits) = match token.as_bytes() {
         [b'-', rest @ ..] => (true, rest),
@@ -255,7 +260,8 @@ fn index(token: &str) -> Option<i64> {
     Some(if negative { -value } else { value })
 }
 
-/// From 1, or negative from the last one so far, to an index from 0.
+/// Converts an OBJ index, counted from 1 or backwards from the last element so far, to an index
+/// from 0.
 fn resolve(index: i64, so_far: usize, total: usize) -> Option<u32> {
     let from_zero = if index > 0 { index - 1 } else { so_far as i64 + index };
     let in_range = index != 0 && from_zero >= 0 && from_zero < total as i64;

@@ -1,11 +1,12 @@
-//! `<scene>.afterimage.toml` beside a model: what a model cannot say, or says wrongly. Metres, world coordinates.
+//! Reading the settings file beside a model: what the model cannot express, or expresses wrongly.
+//! Lengths are metres, coordinates are world space.
 //!
-//! A broken sidecar is a warning: the model is still worth seeing.
+//! A broken settings file is a warning: the model is shown without it.
 
-use crate::camera::Camera;
-use crate::camera::{CameraKey, CameraPath};
-use crate::import::sidecar_table::{Notes, Section, suggestion};
-use crate::import::units::{Unit, Up};
+use super::table::{Notes, Section, suggestion};
+use crate::camera::{Camera, CameraKey, CameraPath};
+use crate::import::options::Limits;
+use crate::import::units::{Unit, UnknownWord, Up};
 use crate::import::{files, text};
 use crate::scene::{Material, MaterialKind, NamedView, SceneBuilder, Sky, Sun};
 use glam::{DVec3, Vec3};
@@ -13,14 +14,10 @@ use std::collections::{HashMap, HashSet};
 use std::path::Path;
 use toml::de::DeTable;
 
-/// Nobody writes a longer one by hand.
-pub(crate) const SIDECAR_BYTES: u64 = 16 << 20;
-/// Radiances and intensities beyond this are mistakes, and overflow in sums.
-const BRIGHTEST: f32 = 1e9;
-/// Field of view where a file gives none, degrees.
-const FOV_Y_DEG: f64 = Camera::DEFAULT_FOV_Y_DEG;
+/// Maximum size of a settings file in bytes; files written by hand are far smaller.
+pub(super) const MAX_BYTES: u64 = 16 << 20;
 
-/// The part of a material that the sidecar replaces.
+/// A `[[material]]`: the parts of a material that the file replaces.
 struct Override {
     name: String,
     line: u64,
@@ -41,25 +38,29 @@ enum Kind {
 }
 
 impl std::str::FromStr for Kind {
-    type Err = String;
+    type Err = UnknownWord;
 
-    fn from_str(text: &str) -> Result<Self, String> {
+    fn from_str(text: &str) -> Result<Self, UnknownWord> {
         match text {
             "diffuse" => Ok(Self::Diffuse),
             "mirror" => Ok(Self::Mirror),
             "glass" => Ok(Self::Glass),
-            _ => Err(format!("'{text}' is no kind of material; there are diffuse, mirror, glass")),
+            _ => Err(UnknownWord {
+                word: text.to_owned(),
+                expected: "a kind of material",
+                allowed: "diffuse, mirror, glass",
+            }),
         }
     }
 }
 
-/// What the file says; empty where there is none.
+/// Contents of a settings file; empty where there is none.
 #[derive(Default)]
-pub(crate) struct Sidecar {
-    /// Its name, whether it exists or not: messages tell where a setting goes.
-    pub(crate) file_name: String,
-    pub(crate) unit: Option<Unit>,
-    pub(crate) up: Option<Up>,
+pub(in crate::import) struct Sidecar {
+    /// Name of the file, whether it exists or not: messages say where a setting belongs.
+    pub(in crate::import) file_name: String,
+    pub(in crate::import) unit: Option<Unit>,
+    pub(in crate::import) up: Option<Up>,
     overrides: Vec<Override>,
     point_lights: Vec<(DVec3, Vec3)>,
     sun: Option<Sun>,
@@ -70,18 +71,18 @@ pub(crate) struct Sidecar {
 }
 
 impl Sidecar {
-    /// Reads the file beside a model, where there is one.
-    pub(crate) fn beside(model: &Path, builder: &mut SceneBuilder) -> Self {
+    /// Reads the settings file beside a model, where there is one.
+    pub(in crate::import) fn beside(model: &Path, builder: &mut SceneBuilder) -> Self {
         let path = model.with_extension("afterimage.toml");
         let file_name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let nothing = Self { file_name: file_name.clone(), ..Self::default() };
         if path.symlink_metadata().is_err() {
             return nothing;
         }
-        let bytes = match files::read_limited(&path, SIDECAR_BYTES) {
+        let bytes = match files::read_limited(&path, MAX_BYTES) {
             Ok(bytes) => bytes,
-            Err((cause, remedy)) => {
-                builder.warn(&file_name, 0, format!("the file is not used: {cause}; {remedy}"));
+            Err(error) => {
+                builder.warn(&file_name, 0, format!("the file is not used: {error}"));
                 return nothing;
             }
         };
@@ -96,11 +97,11 @@ impl Sidecar {
                 nothing
             }
         };
-        for (line, message) in notes.said {
+        for (line, message) in notes.messages {
             builder.warn(&sidecar.file_name, line, message);
         }
         if notes.more > 0 {
-            builder.warn(&sidecar.file_name, 0, format!("and {} more doubts of this kind", notes.more));
+            builder.warn(&sidecar.file_name, 0, format!("and {} more problems", notes.more));
         }
         sidecar
     }
@@ -123,55 +124,58 @@ impl Sidecar {
         }
     }
 
-    /// The materials that the file describes, so that no library needs to.
-    pub(crate) fn defined(&self) -> HashSet<&str> {
+    /// Returns the names of the materials that the file describes, which no library needs to
+    /// define.
+    pub(in crate::import) fn defined(&self) -> HashSet<&str> {
         self.overrides.iter().map(|o| o.name.as_str()).collect()
     }
 
-    /// Replaces what the file says of the builder's materials. `in_libraries` are names that exist without being used.
-    pub(crate) fn override_materials(&self, in_libraries: &[&str], builder: &mut SceneBuilder) {
-        /// Materials that the model does not have, each said with a suggestion, before the rest is only counted.
-        const STRANGERS_SAID: usize = 20;
-        let unused: HashSet<&str> = in_libraries.iter().copied().collect();
+    /// Overrides materials of the builder. `defined` are names of materials that may exist without
+    /// being used.
+    pub(in crate::import) fn override_materials(&self, defined: &[String], builder: &mut SceneBuilder) {
+        /// Maximum number of unknown materials that are reported with a suggestion; others are only
+        /// counted.
+        const MAX_UNKNOWN_SHOWN: usize = 20;
+        let defined: HashSet<&str> = defined.iter().map(String::as_str).collect();
         let mut by_name: HashMap<String, Vec<usize>> = HashMap::new();
-        builder
-            .materials
-            .iter()
-            .enumerate()
-            .for_each(|(i, m)| by_name.entry(m.name.clone()).or_default().push(i));
-        let (mut warnings, mut strangers) = (Vec::new(), 0);
+        for (i, m) in builder.materials.iter().enumerate() {
+            by_name.entry(m.name.clone()).or_default().push(i);
+        }
+        let (mut warnings, mut unknown) = (Vec::new(), 0);
         for o in &self.overrides {
-            let mut found = unused.contains(o.name.as_str());
+            let mut found = defined.contains(o.name.as_str());
             for &i in by_name.get(&o.name).into_iter().flatten() {
                 let material = &mut builder.materials[i];
                 found = true;
                 o.apply(material);
                 if material.scale_to_conserve() {
                     let name = &o.name;
-                    let said =
+                    let message =
                         format!("material '{name}' reflects more light than arrives; it was scaled down");
-                    warnings.push((o.line, said));
+                    warnings.push((o.line, message));
                 }
             }
-            strangers += usize::from(!found);
-            if !found && strangers <= STRANGERS_SAID {
+            unknown += usize::from(!found);
+            if !found && unknown <= MAX_UNKNOWN_SHOWN {
                 let names: Vec<&str> = builder.materials.iter().map(|m| m.name.as_str()).collect();
                 let help = suggestion(&o.name, &names);
                 warnings.push((o.line, format!("the model has no material '{}'; {help}", o.name)));
             }
         }
-        if strangers > STRANGERS_SAID {
-            warnings.push((0, format!("{strangers} materials in all are none of the model's")));
+        if unknown > MAX_UNKNOWN_SHOWN {
+            warnings.push((0, format!("{unknown} materials in all are not in the model")));
         }
-        warnings.into_iter().for_each(|(line, said)| builder.warn(&self.file_name, line, said));
+        for (line, message) in warnings {
+            builder.warn(&self.file_name, line, message);
+        }
     }
 
     /// Adds lights, sky, views and walk.
-    pub(crate) fn apply(self, builder: &mut SceneBuilder) {
+    pub(in crate::import) fn apply(self, builder: &mut SceneBuilder) {
         builder.point_lights.extend(self.point_lights);
         builder.sun = self.sun.or(builder.sun);
         builder.sky = self.sky.or(builder.sky);
-        // A walk's first frame is a better start than a view of the whole model from outside.
+        // The first frame of a walk is a better start than a view of the whole model from outside.
         let start = self.start.or_else(|| self.walk.as_ref()?.camera(0, 2));
         let of_model = std::mem::take(&mut builder.views);
         builder.views.extend(start.map(|camera| NamedView { name: "start".to_owned(), camera }));
@@ -204,7 +208,8 @@ impl Override {
             (Some(Kind::Glass), _) | (None, MaterialKind::Glass { .. }) => glass,
             (Some(Kind::Diffuse), _) | (None, MaterialKind::Diffuse) => MaterialKind::Diffuse,
         };
-        // What becomes a mirror or glass was matte in the file only because OBJ could not say better.
+        // A material that becomes a mirror or glass was matte in the file only because OBJ could
+        // not express it.
         let became_specular = material.is_view_dependent() && was == MaterialKind::Diffuse;
         let kept = if became_specular { Vec3::ZERO } else { material.diffuse };
         material.diffuse = self.diffuse.unwrap_or(kept);
@@ -231,7 +236,7 @@ fn overrides(top: &Section, notes: &mut Notes) -> Vec<Override> {
                 reflectance: s.color("reflectance", 1.0, notes),
                 eta: s.number("eta", 1.0..=10.0, notes).map(|n| n as f32),
                 transmittance: s.color("transmittance", 1.0, notes),
-                emission: s.color("emission", BRIGHTEST, notes),
+                emission: s.color("emission", Limits::RADIANCE, notes),
             })
         })
         .collect()
@@ -243,7 +248,7 @@ fn point_lights(top: &Section, notes: &mut Notes) -> Vec<(DVec3, Vec3)> {
         .into_iter()
         .filter_map(|s| {
             let (position, intensity) =
-                (s.point("position_m", notes), s.color("intensity", BRIGHTEST, notes));
+                (s.point("position_m", notes), s.color("intensity", Limits::RADIANCE, notes));
             if position.is_none() || intensity.is_none() {
                 let message = "[[point_light]] needs position_m and intensity; it was ignored";
                 notes.add(s.at(), message.to_owned());
@@ -255,23 +260,23 @@ fn point_lights(top: &Section, notes: &mut Notes) -> Vec<(DVec3, Vec3)> {
 
 fn sun(top: &Section, notes: &mut Notes) -> Option<Sun> {
     let s = top.section("sun", "[sun]", &["direction", "irradiance", "angular_radius_deg"], notes)?;
-    let usual = Sun::clear_day();
+    let default = Sun::clear_day();
     let given = s.point("direction", notes);
     let unit = given.and_then(DVec3::try_normalize);
     if given.is_some() && unit.is_none() {
-        notes.add(s.at(), "'direction' in [sun] has no length; the usual one is used".to_owned());
+        notes.add(s.at(), "'direction' in [sun] has no length; the default direction is used".to_owned());
     }
     let radius_deg = s.number("angular_radius_deg", 0.0..=90.0, notes);
     Some(Sun {
-        direction: unit.map_or(usual.direction, |d| d.as_vec3()),
-        angular_radius: radius_deg.map_or(usual.angular_radius, |r| r.to_radians() as f32),
-        irradiance: s.color("irradiance", BRIGHTEST, notes).unwrap_or(usual.irradiance),
+        direction: unit.map_or(default.direction, |d| d.as_vec3()),
+        angular_radius: radius_deg.map_or(default.angular_radius, |r| r.to_radians() as f32),
+        irradiance: s.color("irradiance", Limits::RADIANCE, notes).unwrap_or(default.irradiance),
     })
 }
 
 fn sky(top: &Section, notes: &mut Notes) -> Option<Sky> {
     let s = top.section("sky", "[sky]", &["zenith", "horizon", "ground"], notes)?;
-    let mut part = |key, usual| s.color(key, BRIGHTEST, notes).unwrap_or(usual);
+    let mut part = |key, default| s.color(key, Limits::RADIANCE, notes).unwrap_or(default);
     Some(Sky {
         zenith: part("zenith", Sky::CLEAR_DAY.zenith),
         horizon: part("horizon", Sky::CLEAR_DAY.horizon),
@@ -280,7 +285,7 @@ fn sky(top: &Section, notes: &mut Notes) -> Option<Sky> {
 }
 
 fn fov_y_deg(s: &Section, notes: &mut Notes) -> f64 {
-    s.number("fov_y_deg", Camera::FOV_Y_DEGREES, notes).unwrap_or(FOV_Y_DEG)
+    s.number("fov_y_deg", Camera::FOV_Y_DEGREES, notes).unwrap_or(Camera::DEFAULT_FOV_Y_DEG)
 }
 
 fn camera(s: &Section, name: &str, notes: &mut Notes) -> Option<Camera> {

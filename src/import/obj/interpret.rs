@@ -1,23 +1,20 @@
-//! What a library's materials mean: illumination models, transparency, and the lies of exporters.
+//! Interpreting MTL materials: illumination models, transparency, and the usual mistakes of
+//! exporters.
 
-use crate::import::mtl::MtlMaterial;
-use crate::import::report::{Tally, Trouble};
+use super::mtl::MtlMaterial;
+use crate::import::report::Tally;
+use crate::import::surfaces::{GLASS_ETA, NEUTRAL, is_polished_metal, thin};
+use crate::import::trouble::Trouble;
 use crate::scene::{Material, MaterialKind};
 use glam::Vec3;
 
-/// A face whose material nobody defines is shown in this grey.
-pub(crate) const NEUTRAL: f32 = 0.6;
-
-/// Refraction of window glass, for glass that does not say.
-const GLASS_ETA: f32 = 1.5;
-
-/// Above this diffuse reflectance nothing is a mirror or a pane of glass.
+/// Diffuse reflectance above which a surface is neither a mirror nor clear glass.
 const DARK: f32 = 0.1;
 
-/// Where more than this share of all materials claims the improbable, it is the exporter that speaks.
+/// Share of all materials above which an improbable claim is a habit of the exporter.
 const DISTRUST_SHARE: f32 = 0.8;
 
-/// The meaning of `illum`.
+/// Illumination model that `illum` selects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Model {
     Matte,
@@ -31,34 +28,32 @@ impl Model {
             Some(3 | 8) => Self::Mirror { fresnel: false },
             Some(5) => Self::Mirror { fresnel: true },
             Some(4 | 6 | 7 | 9) => Self::Glass,
-            None if is_polished_metal(m) => Self::Mirror { fresnel: false },
+            // The PBR extension of MTL has no `illum`.
+            None if is_polished_metal(m.metallic.unwrap_or(0.0), m.roughness.unwrap_or(1.0)) => {
+                Self::Mirror { fresnel: false }
+            }
             _ => Self::Matte,
         }
     }
-}
-
-/// The PBR extension's way to say mirror. Rough metal stays matte: there is no glossy reflection here.
-fn is_polished_metal(m: &MtlMaterial) -> bool {
-    m.metallic.is_some_and(|metallic| metallic > 0.9) && m.roughness.is_some_and(|roughness| roughness < 0.1)
 }
 
 fn is_bright(m: &MtlMaterial) -> bool {
     m.diffuse.map_or(m.map_diffuse.is_some(), |kd| kd.max_element() > DARK)
 }
 
-/// Opacity: `d` over `Tr`.
+/// Returns the opacity: `d` where it is given, else `1 - Tr`.
 fn opacity(m: &MtlMaterial) -> f32 {
     m.opacity.or(m.transparency.map(|tr| 1.0 - tr)).unwrap_or(1.0)
 }
 
-/// True where so many bright materials claim to mirror or to be glass that the claim means nothing.
-pub(crate) fn distrusted(all: &[MtlMaterial]) -> bool {
+/// True where so many bright materials claim to be mirrors or glass that the claim means nothing.
+pub(super) fn distrusted(all: &[MtlMaterial]) -> bool {
     let claims = |m: &&MtlMaterial| Model::of(m) != Model::Matte && m.illum.is_some() && is_bright(m);
     all.iter().filter(claims).count() as f32 > DISTRUST_SHARE * all.len() as f32
 }
 
-/// Takes a material as written; returns it as traced, without its textures.
-pub(crate) fn interpret(m: &MtlMaterial, distrusted: bool, tally: &mut Tally) -> Material {
+/// Converts a material as written to one that can be traced, without its textures.
+pub(super) fn interpret(m: &MtlMaterial, distrusted: bool, tally: &mut Tally) -> Material {
     let mut model = Model::of(m);
     let mut d = opacity(m);
     if distrusted && model != Model::Matte && is_bright(m) && d >= 1.0 {
@@ -70,13 +65,11 @@ pub(crate) fn interpret(m: &MtlMaterial, distrusted: bool, tally: &mut Tally) ->
         d = 1.0;
     }
     let mut material = Material::diffuse(&m.name, diffuse_of(m, model));
-    material.emission = m.emission.unwrap_or(Vec3::ZERO);
+    // A texture of emission alone gives its own colours.
+    material.emission = m.emission.unwrap_or(if m.map_emission.is_some() { Vec3::ONE } else { Vec3::ZERO });
     match model {
         Model::Glass => glass(&mut material, m, d, tally),
-        _ if d < 1.0 => {
-            material.diffuse *= d;
-            material.kind = MaterialKind::Glass { eta: 1.0, transmittance: Vec3::splat(1.0 - d) };
-        }
+        _ if d < 1.0 => thin(&mut material, d),
         Model::Mirror { fresnel } => mirror(&mut material, m, fresnel),
         Model::Matte => {}
     }
@@ -97,7 +90,7 @@ fn diffuse_of(m: &MtlMaterial, model: Model) -> Vec3 {
 
 fn mirror(material: &mut Material, m: &MtlMaterial, fresnel: bool) {
     let reflectance = if m.illum.is_none() {
-        std::mem::replace(&mut material.diffuse, Vec3::ZERO) // a metal's base colour is its reflectance
+        std::mem::take(&mut material.diffuse) // the base colour of a metal is its reflectance
     } else {
         m.specular.unwrap_or(Vec3::ZERO)
     };
@@ -107,13 +100,13 @@ fn mirror(material: &mut Material, m: &MtlMaterial, fresnel: bool) {
 }
 
 fn glass(material: &mut Material, m: &MtlMaterial, d: f32, tally: &mut Tally) {
-    // Only a d between the two says how much of the body is pigment; exporters leave 1 on clear glass.
+    // Only a `d` between 0 and 1 is the share of pigment; exporters leave 1 on clear glass.
     material.diffuse *= if d > 0.0 && d < 1.0 { d } else { 0.0 };
     let eta = m.eta.unwrap_or(GLASS_ETA);
     if !(1.0..=10.0).contains(&eta) {
         tally.add(Trouble::INDEX_OF_REFRACTION, m.line, || format!("'{}', Ni {eta}", m.name));
     }
-    // Exporters write Tf 0 0 0 for "not set".
+    // Exporters write `Tf 0 0 0` for "not set".
     let filter = m.filter.filter(|tf| *tf != Vec3::ZERO).unwrap_or(Vec3::ONE).min(Vec3::ONE);
     let transmittance = filter.min((Vec3::ONE - material.diffuse).max(Vec3::ZERO));
     material.kind = MaterialKind::Glass { eta: eta.clamp(1.0, 10.0), transmittance };

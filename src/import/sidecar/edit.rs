@@ -1,23 +1,26 @@
-//! Writes changed materials and daylight into `<scene>.afterimage.toml`, leaving alone whatever else stands there:
-//! other keys, their order and comments.
+//! Saving edited materials and daylight in the settings file beside a model. Everything else in the
+//! file stays: other keys, their order and comments.
 
-use crate::import::{files, sidecar, text};
+use super::read::MAX_BYTES;
+use crate::import::{files, text};
 use crate::raster::atomic_file::write_atomically;
 use crate::scene::{Daylight, Material, MaterialKind, SceneEdit, SceneError, Sun};
 use glam::Vec3;
 use std::path::{Path, PathBuf};
 use toml_edit::{Array, ArrayOfTables, DocumentMut, Item, Table, value};
 
-/// Saves how `now` differs from `before` beside a model; what does not differ is not written. Returns the file. The
-/// next import of the model has the look `now`.
+/// Saves the differences between `before` and `now` in the `.afterimage.toml` beside a model, and
+/// returns its path. The next import of the model has the materials and daylight of `now`.
 ///
 /// # Errors
-/// [`SceneError::Read`] where the file that is there is no TOML, or where it cannot be written.
+/// [`SceneError::Read`] where the existing file is not valid TOML, or where the file cannot be
+/// written.
 pub fn save_look_beside(model: &Path, before: &SceneEdit, now: &SceneEdit) -> Result<PathBuf, SceneError> {
     let path = model.with_extension("afterimage.toml");
     let mut document = read(&path)?;
     for (was, is) in before.materials.iter().zip(&now.materials).filter(|(was, is)| was != is) {
-        write_material(&mut document, was, is).map_err(|cause| unreadable(&path, cause))?;
+        write_material(&mut document, was, is)
+            .ok_or_else(|| unreadable(&path, "'material' is not written as [[material]]".to_owned()))?;
     }
     if before.daylight != now.daylight {
         write_daylight(&mut document, &now.daylight);
@@ -25,18 +28,21 @@ pub fn save_look_beside(model: &Path, before: &SceneEdit, now: &SceneEdit) -> Re
     write_atomically(&path, document.to_string().as_bytes()).map_err(|error| SceneError::Read {
         file: path.clone(),
         cause: error.to_string(),
-        remedy: "nothing was changed; free space or choose a folder that can be written to".to_owned(),
+        remedy: "nothing was changed; free some space or choose a folder that can be written to".to_owned(),
     })?;
     Ok(path)
 }
 
-/// What stands there already; an empty document where there is no file.
+/// Reads the existing file; an empty document where there is none.
 fn read(path: &Path) -> Result<DocumentMut, SceneError> {
     if path.symlink_metadata().is_err() {
         return Ok(DocumentMut::new());
     }
-    let bytes = files::read_limited(path, sidecar::SIDECAR_BYTES)
-        .map_err(|(cause, remedy)| SceneError::Read { file: path.to_owned(), cause, remedy })?;
+    let bytes = files::read_limited(path, MAX_BYTES).map_err(|e| SceneError::Read {
+        file: path.to_owned(),
+        cause: e.cause,
+        remedy: e.remedy,
+    })?;
     let text = text::decode(bytes).text;
     text.parse().map_err(|error: toml_edit::TomlError| unreadable(path, error.message().replace('\n', ", ")))
 }
@@ -45,23 +51,24 @@ fn unreadable(path: &Path, cause: String) -> SceneError {
     SceneError::Read {
         file: path.to_owned(),
         cause,
-        remedy: "nothing was written; mend the file or move it away, and save again".to_owned(),
+        remedy: "nothing was written; correct the file or move it away, and save again".to_owned(),
     }
 }
 
-/// Changes the `[[material]]` of this name, or adds one.
-fn write_material(document: &mut DocumentMut, was: &Material, is: &Material) -> Result<(), String> {
+/// Changes the `[[material]]` of this name, or adds one. `None` where `material` is something else
+/// than a list of tables.
+fn write_material(document: &mut DocumentMut, was: &Material, is: &Material) -> Option<()> {
     let item = document.entry("material").or_insert_with(|| Item::ArrayOfTables(ArrayOfTables::new()));
-    let tables = item.as_array_of_tables_mut().ok_or("'material' is not written as [[material]]")?;
+    let tables = item.as_array_of_tables_mut()?;
     let named = |t: &Table| t.get("name").and_then(Item::as_str) == Some(&is.name);
-    // Of several with one name the last decides.
+    // The last of several tables with this name decides.
     let at = (0..tables.len()).rev().find(|&i| tables.get(i).is_some_and(named)).unwrap_or_else(|| {
         let mut table = Table::new();
         table["name"] = value(&is.name);
         tables.push(table);
         tables.len() - 1
     });
-    let table = tables.get_mut(at).ok_or("'material' is empty")?;
+    let table = tables.get_mut(at)?;
     for key in ["fresnel", "reflectance", "eta", "transmittance"] {
         table.remove(key);
     }
@@ -82,7 +89,7 @@ fn write_material(document: &mut DocumentMut, was: &Material, is: &Material) -> 
             set(table, "transmittance", color(transmittance));
         }
     }
-    Ok(())
+    Some(())
 }
 
 fn write_daylight(document: &mut DocumentMut, daylight: &Daylight) {
@@ -111,10 +118,10 @@ fn section<'d>(document: &'d mut DocumentMut, name: &str) -> &'d mut dyn toml_ed
     if !item.is_table_like() {
         *item = Item::Table(Table::new());
     }
-    item.as_table_like_mut().expect("made one where there was none")
+    item.as_table_like_mut().expect("a table was inserted above")
 }
 
-/// Sets a value; the comment behind the one before stays.
+/// Sets a value and keeps the comment after the old one.
 fn set<T: toml_edit::TableLike + ?Sized>(table: &mut T, key: &str, mut item: Item) {
     if let (Some(old), Some(new)) = (table.get(key).and_then(Item::as_value), item.as_value_mut()) {
         *new.decor_mut() = old.decor().clone();
@@ -129,7 +136,8 @@ fn color(c: Vec3) -> Item {
     value(c.to_array().map(number).into_iter().collect::<Array>())
 }
 
-/// The shortest decimal that is read back as the same f32, not the f64 that it happens to be.
+/// Returns the number that is written as the shortest decimal of an `f32`, rather than with the
+/// digits of the equal `f64`.
 fn number(v: f32) -> f64 {
     v.to_string().parse().unwrap_or(f64::from(v))
 }

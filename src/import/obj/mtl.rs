@@ -1,69 +1,63 @@
-//! The MTL reader: a library's text to its materials as written. What they mean is `materials`' business.
+//! Parsing MTL text into materials as written; `interpret` gives them a meaning.
 //!
-//! Not `tobj`'s: it panics on `Kd 0.5`, and one line it does not understand costs the whole library.
+//! Why not the parser of `tobj`: it panics on `Kd 0.5`, and rejects a whole library for one line
+//! that it does not know.
 
-use crate::import::Limits;
-use crate::import::report::{Tally, Trouble};
-use crate::import::text;
-use crate::import::text::Lines;
+use crate::import::options::Limits;
+use crate::import::report::Tally;
+use crate::import::text::{self, Lines};
+use crate::import::trouble::Trouble;
 use glam::{Vec2, Vec3};
 
-/// A texture as a material names it.
+/// Texture of a material, as written.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct MapSpec {
-    /// As written, without options and quotes.
-    pub(crate) file: String,
-    pub(crate) scale: Vec2,
-    pub(crate) offset: Vec2,
-    pub(crate) line: u64,
+pub(super) struct MapSpec {
+    /// File name as written, without options and quotes.
+    pub(super) file: String,
+    pub(super) scale: Vec2,
+    pub(super) offset: Vec2,
+    pub(super) line: u64,
 }
 
-/// A material as written; what a file does not say is `None`.
+/// A material as written; what the file does not give is `None`.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct MtlMaterial {
-    pub(crate) name: String,
-    /// Which library it is from, for messages.
-    pub(crate) library: usize,
-    pub(crate) line: u64,
-    pub(crate) diffuse: Option<Vec3>,
-    pub(crate) specular: Option<Vec3>,
-    pub(crate) emission: Option<Vec3>,
-    pub(crate) filter: Option<Vec3>,
-    pub(crate) eta: Option<f32>,
-    pub(crate) opacity: Option<f32>,
-    pub(crate) transparency: Option<f32>,
-    pub(crate) illum: Option<u32>,
-    pub(crate) roughness: Option<f32>,
-    pub(crate) metallic: Option<f32>,
-    pub(crate) map_diffuse: Option<MapSpec>,
-    pub(crate) map_opacity: Option<MapSpec>,
-    pub(crate) map_emission: Option<MapSpec>,
+pub(super) struct MtlMaterial {
+    pub(super) name: String,
+    /// Index of its library.
+    pub(super) library: usize,
+    pub(super) line: u64,
+    pub(super) diffuse: Option<Vec3>,
+    pub(super) specular: Option<Vec3>,
+    pub(super) emission: Option<Vec3>,
+    pub(super) filter: Option<Vec3>,
+    pub(super) eta: Option<f32>,
+    pub(super) opacity: Option<f32>,
+    pub(super) transparency: Option<f32>,
+    pub(super) illum: Option<u32>,
+    pub(super) roughness: Option<f32>,
+    pub(super) metallic: Option<f32>,
+    pub(super) map_diffuse: Option<MapSpec>,
+    pub(super) map_opacity: Option<MapSpec>,
+    pub(super) map_emission: Option<MapSpec>,
 }
 
-/// Takes a library's text; adds its materials. A line that cannot be read is counted and skipped.
-pub(crate) fn parse(text: &str, library: usize, materials: &mut Vec<MtlMaterial>, tally: &mut Tally) {
+/// Parses the text of a library and adds its materials. A line that cannot be read is counted and
+/// skipped.
+pub(super) fn parse(text: &str, library: usize, materials: &mut Vec<MtlMaterial>, tally: &mut Tally) {
     let start = materials.len();
     for line in Lines::new(text, 1) {
         let (key, rest) = text::keyword(&line.text);
-        let (key, rest) = (key.to_ascii_lowercase(), rest);
+        let key = key.to_ascii_lowercase();
         if key == "newmtl" {
             materials.push(named(rest, library, line.number, tally));
-            continue;
-        }
-        let known = is_known(&key);
-        if key.is_empty() || !known {
-            if !key.is_empty() {
-                tally.add(Trouble::UNKNOWN_LINE, line.number, || key.clone());
+        } else if !is_known(&key) {
+            tally.add(Trouble::UNKNOWN_LINE, line.number, || key.clone());
+        } else if let Some(material) = materials[start..].last_mut() {
+            if set(material, &key, rest, line.number, tally).is_none() {
+                tally.add(Trouble::VALUE_UNREADABLE, line.number, || format!("{key} {rest}"));
             }
-            continue;
-        }
-        if materials.len() == start {
+        } else if !key.is_empty() {
             tally.add(Trouble::BEFORE_FIRST_MATERIAL, line.number, || key.clone());
-            continue;
-        }
-        let Some(material) = materials.last_mut() else { continue };
-        if set(material, &key, rest, line.number, tally).is_none() {
-            tally.add(Trouble::VALUE_UNREADABLE, line.number, || format!("{key} {rest}"));
         }
     }
 }
@@ -72,43 +66,21 @@ fn named(rest: &str, library: usize, line: u64, tally: &mut Tally) -> MtlMateria
     let mut name = text::name(rest).to_owned();
     if name.len() > Limits::NAME_BYTES {
         tally.add(Trouble::NAME_TOO_LONG, line, String::new);
-        name.clear(); // its lines must not fall to the material before it
+        name.clear(); // its lines must not change the material before it
     }
     MtlMaterial { name, library, line, ..MtlMaterial::default() }
 }
 
+/// True for the keywords of MTL and of its PBR extension, and for blank lines and comments (empty).
 fn is_known(key: &str) -> bool {
-    const KNOWN: &[&str] = &[
-        "ka",
-        "kd",
-        "ks",
-        "ke",
-        "tf",
-        "ni",
-        "ns",
-        "d",
-        "tr",
-        "illum",
-        "sharpness",
-        "km",
-        "pr",
-        "pm",
-        "ps",
-        "pc",
-        "pcr",
-        "aniso",
-        "anisor",
-        "bump",
-        "disp",
-        "decal",
-        "norm",
-        "refl",
-        "halo",
-    ];
-    key.starts_with("map_") || KNOWN.contains(&key)
+    let is_colour = matches!(key, "ka" | "kd" | "ks" | "ke" | "tf" | "km");
+    let is_scalar = matches!(key, "ni" | "ns" | "d" | "tr" | "illum" | "sharpness");
+    let is_pbr = matches!(key, "pr" | "pm" | "ps" | "pc" | "pcr" | "aniso" | "anisor");
+    let is_map = matches!(key, "bump" | "disp" | "decal" | "norm" | "refl") || key.starts_with("map_");
+    key.is_empty() || key == "halo" || is_colour || is_scalar || is_pbr || is_map
 }
 
-/// `None` where the value cannot be read.
+/// Sets the value of a keyword. `None` where the value cannot be read.
 fn set(m: &mut MtlMaterial, key: &str, rest: &str, line: u64, tally: &mut Tally) -> Option<()> {
     match key {
         "kd" => m.diffuse = Some(color(rest, line, tally)?),
@@ -121,7 +93,7 @@ fn set(m: &mut MtlMaterial, key: &str, rest: &str, line: u64, tally: &mut Tally)
         "illum" => m.illum = Some(illum(rest, line, tally)?),
         "pr" => m.roughness = Some(scalar(rest)?),
         "pm" => m.metallic = Some(scalar(rest)?),
-        // A map without a file is what exporters write for "no texture".
+        // Exporters write a map without a file for "no texture".
         "map_kd" => m.map_diffuse = map(rest, line),
         "map_d" | "map_tr" => m.map_opacity = map(rest, line),
         "map_ke" => m.map_emission = map(rest, line),
@@ -130,13 +102,14 @@ fn set(m: &mut MtlMaterial, key: &str, rest: &str, line: u64, tally: &mut Tally)
     Some(())
 }
 
-/// One number for grey, or three. Two, a spectral file or `xyz` are not colours we know.
+/// Parses a colour: one number for grey, or three. Two numbers, a spectral file and `xyz` are not
+/// supported.
 fn color(rest: &str, line: u64, tally: &mut Tally) -> Option<Vec3> {
     let mut found = [0.0f32; 3];
     let mut count = 0;
     for token in rest.split_ascii_whitespace().take_while(|t| !t.starts_with('#')) {
         if count == 3 {
-            break; // some exporters add alpha
+            break; // some exporters write alpha too
         }
         found[count] = finite(token)?;
         count += 1;
@@ -170,7 +143,7 @@ fn illum(rest: &str, line: u64, tally: &mut Tally) -> Option<u32> {
     Some(model)
 }
 
-/// Options before the file name, and how many operands they take.
+/// Returns the minimum and maximum number of operands of an option before the file name.
 fn option_operands(option: &str) -> Option<(usize, usize)> {
     match option {
         "-s" | "-o" | "-t" => Some((1, 3)),
@@ -182,7 +155,7 @@ fn option_operands(option: &str) -> Option<(usize, usize)> {
     }
 }
 
-/// The operand of a `map_` line; `None` where it names no file.
+/// Parses the operand of a `map_` line; `None` where it names no file.
 fn map(rest: &str, line: u64) -> Option<MapSpec> {
     let mut spec = MapSpec { file: String::new(), scale: Vec2::ONE, offset: Vec2::ZERO, line };
     let mut left = rest.trim();
@@ -193,7 +166,7 @@ fn map(rest: &str, line: u64) -> Option<MapSpec> {
         left = after;
         while operands.len() < most {
             let (word, after) = first_word(left);
-            // Optional operands end where the numbers do, and never with the file name itself.
+            // Optional operands end where the numbers end, and never include the file name.
             let is_optional = operands.len() >= least;
             if word.is_empty() || is_optional && (text::number(word).is_none() || after.is_empty()) {
                 break;

@@ -1,0 +1,47 @@
+//! The entry point of the importer.
+
+use super::context::Import;
+use super::formats::{FORMATS, Format};
+use super::options::ImportOptions;
+use super::progress::{Progress, Steps};
+use crate::scene::{Scene, SceneError};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+
+/// Reads a model with all files that belong to it: libraries, textures, and the `.afterimage.toml`
+/// beside it.
+///
+/// ```no_run
+/// use afterimage::import::{ImportOptions, load};
+///
+/// let scene = load("house.glb".as_ref(), &ImportOptions::default(), &|_phase, _part| true)?;
+/// for warning in &scene.warnings {
+///     eprintln!("{}, line {}: {}", warning.file, warning.line, warning.message);
+/// }
+/// # Ok::<(), afterimage::scene::SceneError>(())
+/// ```
+///
+/// # Errors
+/// [`SceneError::Read`], [`SceneError::Line`] or [`SceneError::TooLarge`] where nothing can be
+/// shown, [`SceneError::Cancelled`] where `progress` returned `false`.
+pub fn load(path: &Path, options: &ImportOptions, progress: Progress) -> Result<Scene, SceneError> {
+    catch_unwind(AssertUnwindSafe(|| read(path, options, Steps { progress }))).unwrap_or_else(|_| {
+        Err(SceneError::Read {
+            file: path.to_owned(),
+            cause: "the importer failed on it".to_owned(),
+            remedy: "please report this file".to_owned(),
+        })
+    })
+}
+
+fn read(path: &Path, options: &ImportOptions, steps: Steps) -> Result<Scene, SceneError> {
+    let mut import = Import::new(path, options, steps)?;
+    let Some(format) = Format::of(path) else {
+        let extensions: Vec<String> =
+            FORMATS.iter().flat_map(|f| f.extensions).map(|e| format!(".{e}")).collect();
+        let cause = "models of this format are not read".to_owned();
+        return Err(import.failed(cause, format!("export the model as one of {}", extensions.join(", "))));
+    };
+    (format.read)(&mut import)?;
+    import.finish()
+}

@@ -1,0 +1,13 @@
+//! OBJ models with MTL libraries: text -> faces -> triangles with shared vertices -> materials ->
+//! textures.
+
+mod interpret;
+mod library;
+mod mtl;
+mod parse;
+mod piece;
+mod read;
+mod textures;
+mod weld;
+
+pub(super) use read::read;

@@ -1,0 +1,107 @@
+//! The kinds of trouble in a model, with their texts.
+
+/// A kind of trouble that is counted: the things affected, what is wrong with them, and what was
+/// done about it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Trouble {
+    /// One affected thing, as a noun.
+    pub(super) noun: &'static str,
+    pub(super) plural: &'static str,
+    pub(super) fault: &'static str,
+    pub(super) done: &'static str,
+}
+
+/// Makes a constant per line: `NAME: noun / plural, fault => what was done`.
+macro_rules! troubles {
+    ($($name:ident: $noun:literal / $plural:literal, $fault:literal => $done:literal;)*) => {
+        impl Trouble {
+            $(pub(super) const $name: Self = Self { noun: $noun, plural: $plural, fault: $fault, done: $done };)*
+        }
+    };
+}
+
+// OBJ.
+troubles! {
+    VERTEX_UNREADABLE: "vertex" / "vertices",
+        "with a coordinate that is not a finite number" => "refused, with the faces that use it";
+    NORMAL_UNREADABLE: "normal" / "normals", "not made of numbers" => "ignored";
+    UV_UNREADABLE: "texture coordinate" / "texture coordinates", "not made of numbers" => "ignored";
+    FACE_TOO_SHORT: "face" / "faces", "with fewer than three corners" => "skipped";
+    FACE_TOO_LONG: "face" / "faces", "with more than 4096 corners" => "skipped";
+    CORNER_UNREADABLE: "face" / "faces", "with a corner that cannot be read" => "skipped";
+    VERTEX_MISSING: "face" / "faces", "with a vertex that does not exist" => "skipped";
+    VERTEX_REFUSED: "face" / "faces", "with a refused vertex" => "skipped";
+    NORMAL_MISSING: "face" / "faces", "with a normal that does not exist" => "shaded flat there";
+    UV_MISSING: "face" / "faces",
+        "with a texture coordinate that does not exist" => "kept without it";
+    FACE_WITHOUT_AREA: "polygon" / "polygons", "without area" => "skipped";
+    FACE_CROSSES_ITSELF: "polygon" / "polygons",
+        "with edges that cross" => "filled as far as possible";
+    LINE_OR_POINT: "line or point" / "lines or points", "without a surface" => "left out";
+    FREE_FORM: "free-form statement" / "free-form statements",
+        "of curves or surfaces, which are not supported"
+        => "left out; export the model as triangles";
+    UNKNOWN_LINE: "line" / "lines", "with an unknown keyword" => "ignored";
+    NAME_TOO_LONG: "name" / "names", "longer than 4 kB" => "ignored";
+}
+
+// MTL.
+troubles! {
+    VALUE_UNREADABLE: "line" / "lines", "with values that cannot be read" => "skipped";
+    VALUE_NEGATIVE: "line" / "lines", "with a negative value" => "taken as 0";
+    BEFORE_FIRST_MATERIAL: "line" / "lines", "before the first newmtl" => "ignored";
+    MATERIAL_TWICE: "material" / "materials",
+        "defined again" => "ignored; the first definition counts";
+    TOO_BRIGHT: "material" / "materials", "reflecting more light than arrives" => "scaled down";
+    INDEX_OF_REFRACTION: "glass material" / "glass materials",
+        "with an index of refraction outside 1 to 10" => "clamped";
+    INVERTED_TRANSPARENCY: "material" / "materials",
+        "that would be invisible (d 0 without a glass illum), usually an exporter's mistake"
+        => "taken as opaque";
+    UNKNOWN_ILLUM: "illum value" / "illum values", "outside 0 to 10" => "taken as matte";
+    DISTRUSTED: "bright, opaque material" / "bright, opaque materials",
+        "declared as mirror or glass, as some exporters write for everything"
+        => "taken as matte; the scene's .afterimage.toml can override it";
+}
+
+// glTF.
+troubles! {
+    ITEM_MISSING: "reference" / "references", "to an item that does not exist" => "left out";
+    ITEM_UNREADABLE: "item" / "items", "that cannot be read" => "left out";
+    ACCESSOR: "accessor" / "accessors", "of a type that does not fit its use" => "left out";
+    OUTSIDE_BUFFER: "range of data" / "ranges of data", "outside its buffer" => "left out";
+    BUFFER_MISSING: "buffer" / "buffers", "that cannot be read" => "left out with all data in it";
+    BUFFER_OUTSIDE: "buffer" / "buffers",
+        "outside the scene's folder" => "not opened; allow files outside the folder to use it";
+    DATA_URI: "data: address" / "data: addresses", "that is not base64" => "left out";
+    NODE_AGAIN: "node" / "nodes", "with two parents or within itself" => "shown once";
+    ROTATION: "rotation" / "rotations", "without length" => "ignored";
+    SKIN: "mesh" / "meshes", "with a skeleton" => "shown at rest";
+    MORPH: "primitive" / "primitives", "with morph targets" => "shown without them";
+    VERTEX_COLOR: "primitive" / "primitives", "with vertex colours" => "shown without them";
+    MODE: "primitive" / "primitives", "of an unknown mode" => "left out";
+    NO_POSITION: "primitive" / "primitives", "without positions" => "left out";
+    TRIANGLE_VERTEX: "primitive" / "primitives",
+        "with triangles that use a vertex that does not exist" => "shown without those";
+    ORTHOGRAPHIC: "camera" / "cameras", "without perspective" => "left out";
+    CAMERA: "camera" / "cameras", "without a direction" => "left out";
+    LIGHT: "light" / "lights",
+        "without a known type or direction, or with an impossible intensity" => "left out";
+    SPOT: "spot light" / "spot lights", "without support for their cone" => "used as point lights";
+    SECOND_SUN: "directional light" / "directional lights",
+        "after the first" => "left out; there is one sun";
+    OUT_OF_RANGE: "material value" / "material values", "out of range" => "clamped";
+    ALPHA_MODE: "material" / "materials", "with an unknown alphaMode" => "taken as opaque";
+    BLENDED: "material" / "materials",
+        "blended by the alpha of a picture" => "cut at one half instead";
+    MASKED_AWAY: "material" / "materials", "masked away entirely" => "taken as opaque";
+    TURNED_TEXTURE: "texture" / "textures",
+        "rotated by KHR_texture_transform" => "used without rotation";
+    NO_PICTURE: "texture" / "textures", "without a picture of a supported format" => "left out";
+    PICTURE: "picture" / "pictures",
+        "that cannot be used" => "replaced by a magenta checker where it is a colour";
+    PICTURE_MISSING: "picture" / "pictures",
+        "not found" => "replaced by a magenta checker where it is a colour";
+    PICTURE_OUTSIDE: "picture" / "pictures",
+        "outside the scene's folder" => "not opened; allow files outside the folder to use it";
+}
