@@ -42,14 +42,6 @@ pub(super) const KNOWN: &[(&str, &str)] = &[
     // trace
     ("trace/bvh/cone.rs", "trace/bvh/bundle.rs"),
     ("trace/bvh/packet.rs", "trace/bvh/mod.rs"),
-    // window/app
-    ("window/app/event.rs", "window/app/mod.rs"),
-    ("window/app/event.rs", "window/app/scene_edits.rs"),
-    ("window/app/event.rs", "window/rendering/comparison.rs"),
-    ("window/app/mod.rs", "window/export/mod.rs"),
-    ("window/app/mod.rs", "window/mod.rs"),
-    ("window/app/mod.rs", "window/rendering/request.rs"),
-    ("window/app/persistence.rs", "window/app/mod.rs"),
     // window/input
     ("window/input/keymap/rebinding.rs", "window/input/keymap/mod.rs"),
     // window/panels
@@ -57,12 +49,4 @@ pub(super) const KNOWN: &[(&str, &str)] = &[
     ("window/panels/mod.rs", "window/panels/plots.rs"),
     ("window/panels/mod.rs", "window/panels/views.rs"),
     ("window/panels/references.rs", "window/panels/mod.rs"),
-    // window/rendering
-    ("window/rendering/references.rs", "window/rendering/worker/mod.rs"),
-    ("window/rendering/render_thread.rs", "window/rendering/worker/mod.rs"),
-    ("window/rendering/worker/references.rs", "window/rendering/worker/mod.rs"),
-    // window/state
-    ("window/state/history.rs", "window/state/mod.rs"),
-    ("window/state/mod.rs", "window/state/work.rs"),
-    ("window/state/notices.rs", "window/state/mod.rs"),
 ];
