@@ -44,14 +44,11 @@ fn as_quad(corners: &[[Vec3; 3]], radiance: Vec3) -> Option<Light> {
 fn as_mesh(corners: Vec<[Vec3; 3]>, radiance: Vec3) -> Light {
     let areas: Vec<f32> = corners.iter().map(|[a, b, c]| (b - a).cross(c - a).length() / 2.0).collect();
     let area: f32 = areas.iter().sum();
-    let mut sum = 0.0;
-    let mut cumulative_area: Vec<f32> = areas
-        .iter()
-        .map(|a| {
-            sum += a / area;
-            sum
-        })
-        .collect();
+    let add = |sum: &mut f32, a: &f32| {
+        *sum += a / area;
+        Some(*sum)
+    };
+    let mut cumulative_area: Vec<f32> = areas.iter().scan(0.0, add).collect();
     if let Some(last) = cumulative_area.last_mut() {
         *last = 1.0;
     }

@@ -59,12 +59,10 @@ impl Texture {
         match self.encoding {
             Encoding::Srgb => {
                 let table = &*LINEAR_FROM_SRGB8;
-                self.bilinear(uv, |t| {
-                    Vec3::new(table[t[0] as usize], table[t[1] as usize], table[t[2] as usize])
-                })
+                self.bilinear(uv, |[r, g, b, _]| Vec3::from([r, g, b].map(|c| table[c as usize])))
             }
             Encoding::Linear => {
-                self.bilinear(uv, |t| Vec3::new(t[0].into(), t[1].into(), t[2].into()) / 255.0)
+                self.bilinear(uv, |[r, g, b, _]| Vec3::from([r, g, b].map(f32::from)) / 255.0)
             }
         }
     }

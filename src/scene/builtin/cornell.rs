@@ -4,8 +4,7 @@
 //! is a centimetre, so that the box is large enough to walk in; the lamp hangs 1 cm below a ceiling
 //! without a hole; and the box is turned so that the camera looks into it along -Z.
 
-use super::shapes::Local;
-use super::shapes::bodies::icosphere;
+use super::shapes::{Local, icosphere};
 use super::views::{view, walk};
 use crate::scene::{Material, MaterialId, SceneBuilder};
 use glam::{DVec3, Vec2, Vec3};

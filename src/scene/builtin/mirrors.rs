@@ -2,9 +2,7 @@
 //!
 //! After `n` reflections the throughput of a ray is `0.8^n`.
 
-use super::shapes::blocks::{ceiling, floor};
-use super::shapes::bodies::icosphere;
-use super::shapes::{Faces, Local, block};
+use super::shapes::{Faces, Local, block, ceiling, floor, icosphere};
 use super::views::{view, walk};
 use crate::scene::{Material, MaterialId, SceneBuilder};
 use glam::{DVec3, Vec2, Vec3};

@@ -3,10 +3,9 @@
 use super::palette::Palette;
 use super::plan::RoomName;
 use crate::scene::SceneBuilder;
-use crate::scene::builtin::shapes::bodies::fluted_shaft;
-use crate::scene::builtin::shapes::surface::lathe;
-use crate::scene::builtin::shapes::{Faces, Local, block};
+use crate::scene::builtin::shapes::{Faces, Local, block, fluted_shaft, lathe};
 use glam::DVec3;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 /// World x of each row of columns.
 pub(super) const ROWS_X: [f64; 2] = [13.5, 20.5];
@@ -58,32 +57,30 @@ fn entasis(v: f64) -> f64 {
 
 /// Returns the profile of a half round from height `y0` to `y1` that stands out by `depth`.
 fn bulge(y0: f64, y1: f64, radius: f64, depth: f64) -> Vec<[f64; 2]> {
-    (0..=10)
-        .map(|i| {
-            let (sin, cos) = (f64::from(i) / 10.0 * std::f64::consts::PI).sin_cos();
-            [radius + depth * sin - 0.01, y0 + (y1 - y0) * (1.0 - cos) / 2.0]
-        })
-        .collect()
+    profile(10, |t| {
+        let (sin, cos) = (t * PI).sin_cos();
+        [radius + depth * sin - 0.01, y0 + (y1 - y0) * (1.0 - cos) / 2.0]
+    })
 }
 
 /// Returns a concave profile between two points.
 fn hollow(from: [f64; 2], to: [f64; 2]) -> Vec<[f64; 2]> {
-    (0..=8)
-        .map(|i| {
-            let t = f64::from(i) / 8.0;
-            let dip = 0.025 * (t * std::f64::consts::PI).sin();
-            [from[0] + (to[0] - from[0]) * t - dip, from[1] + (to[1] - from[1]) * t]
-        })
-        .collect()
+    profile(8, |t| {
+        let dip = 0.025 * (t * PI).sin();
+        [from[0] + (to[0] - from[0]) * t - dip, from[1] + (to[1] - from[1]) * t]
+    })
 }
 
 fn echinus() -> Vec<[f64; 2]> {
-    (0..=8)
-        .map(|i| {
-            let (sin, cos) = (f64::from(i) / 8.0 * std::f64::consts::FRAC_PI_2).sin_cos();
-            [0.325 + 0.125 * sin, 4.17 + 0.15 * (1.0 - cos)]
-        })
-        .collect()
+    profile(8, |t| {
+        let (sin, cos) = (t * FRAC_PI_2).sin_cos();
+        [0.325 + 0.125 * sin, 4.17 + 0.15 * (1.0 - cos)]
+    })
+}
+
+/// Returns the points of a profile of `cells` cells, for parameters from 0 to 1.
+fn profile(cells: u32, at: impl Fn(f64) -> [f64; 2]) -> Vec<[f64; 2]> {
+    (0..=cells).map(|i| at(f64::from(i) / f64::from(cells))).collect()
 }
 
 /// Adds the architraves over the columns, and the beams across the nave between the coffers.

@@ -5,9 +5,7 @@ use super::pictures::framed;
 use super::plan::{Facing, RoomName};
 use super::terrace::PLATFORM_M;
 use crate::scene::SceneBuilder;
-use crate::scene::builtin::shapes::bodies::{gear, torus, torus_knot};
-use crate::scene::builtin::shapes::surface::bar;
-use crate::scene::builtin::shapes::{Faces, Local, block};
+use crate::scene::builtin::shapes::{Faces, Local, bar, block, gear, torus, torus_knot};
 use glam::DVec3;
 
 /// World position of the middle of the vitrine on the floor.

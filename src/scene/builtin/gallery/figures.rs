@@ -1,8 +1,8 @@
 //! The statues. Each stands at the origin of its frame and faces along the z axis of the frame.
 
-use crate::scene::builtin::shapes::bodies::{icosphere, torus, torus_knot};
-use crate::scene::builtin::shapes::surface::{bar, closed_tube, on_circle};
-use crate::scene::builtin::shapes::{Closing, Grid, Local};
+use crate::scene::builtin::shapes::{
+    Closing, Grid, Local, bar, closed_tube, icosphere, on_circle, torus, torus_knot,
+};
 use crate::scene::{MaterialId, SceneBuilder};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};

@@ -5,7 +5,7 @@
 
 use super::figures::Figure;
 use crate::camera::Camera;
-use crate::scene::builtin::shapes::Local;
+use crate::scene::builtin::shapes::{Local, ceiling, floor};
 use crate::scene::{Material, MaterialId, NamedView, Scene, SceneBuilder, SceneError};
 use glam::{DVec3, Vec2, Vec3};
 
@@ -57,14 +57,9 @@ fn statue(b: &mut SceneBuilder, number: usize, place: DVec3, material: MaterialI
 }
 
 fn hall(b: &mut SceneBuilder, material: MaterialId) {
-    let corner = |x: f64, y: f64, z: f64| DVec3::new(x * HALF_M, y * HEIGHT_M, z * HALF_M);
-    let quads = [
-        [corner(-1.0, 0.0, 1.0), corner(1.0, 0.0, 1.0), corner(1.0, 0.0, -1.0), corner(-1.0, 0.0, -1.0)],
-        [corner(-1.0, 1.0, -1.0), corner(1.0, 1.0, -1.0), corner(1.0, 1.0, 1.0), corner(-1.0, 1.0, 1.0)],
-    ];
-    for corners in quads {
-        b.add_quad(corners, Vec2::ONE, material);
-    }
+    let area = [-HALF_M, HALF_M, -HALF_M, HALF_M];
+    floor(b, area, 0.0, material);
+    ceiling(b, area, HEIGHT_M, material);
     // Wall behind the statues in view.
     let wall = [[-1.0, 0.0], [1.0, 0.0], [1.0, 1.0], [-1.0, 1.0]];
     b.add_quad(wall.map(|[x, y]| DVec3::new(x * HALF_M, y * HEIGHT_M, -6.0)), Vec2::ONE, material);
@@ -77,7 +72,6 @@ fn add_lamps(b: &mut SceneBuilder, lamps: u32) {
     let half = LAMP_M / 2.0;
     for i in 0..lamps {
         let x = (f64::from(i) + 0.5) / f64::from(lamps) * 8.0 - 4.0;
-        let at = |dx: f64, dz: f64| DVec3::new(x + dx * half, HEIGHT_M - 0.1, -2.0 + dz * half);
-        b.add_quad([at(-1.0, -1.0), at(1.0, -1.0), at(1.0, 1.0), at(-1.0, 1.0)], Vec2::ONE, lamp);
+        ceiling(b, [x - half, x + half, -2.0 - half, -2.0 + half], HEIGHT_M - 0.1, lamp);
     }
 }

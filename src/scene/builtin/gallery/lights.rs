@@ -3,8 +3,7 @@
 
 use super::palette::Palette;
 use super::plan::RoomName;
-use crate::scene::builtin::shapes::blocks::ceiling;
-use crate::scene::builtin::shapes::{Faces, Local, block};
+use crate::scene::builtin::shapes::{Faces, Local, block, ceiling};
 use crate::scene::{Material, SceneBuilder};
 use glam::{DVec3, Vec3};
 

@@ -3,8 +3,7 @@
 use super::lights::{LAMPS, Lamp};
 use super::palette::Palette;
 use super::plan::{BASE_M, RoomName, WALL_M, WALL_TOP_M, openings};
-use crate::scene::builtin::shapes::blocks::{ceiling, floor};
-use crate::scene::builtin::shapes::{Local, Wall};
+use crate::scene::builtin::shapes::{Local, Opening, Wall, ceiling, floor};
 use crate::scene::{MaterialId, SceneBuilder};
 use glam::{DVec3, Vec2};
 
@@ -58,13 +57,7 @@ fn along_z(b: &mut SceneBuilder, p: &Palette, x: f64, [z0, z1]: [f64; 2], west_e
     wall(p, frame, z1 - z0, openings(z0, z1, x, false), west_east).add_to(b);
 }
 
-fn wall(
-    p: &Palette,
-    frame: Local,
-    length: f64,
-    openings: Vec<crate::scene::builtin::shapes::Opening>,
-    sides: [MaterialId; 2],
-) -> Wall {
+fn wall(p: &Palette, frame: Local, length: f64, openings: Vec<Opening>, sides: [MaterialId; 2]) -> Wall {
     Wall { frame, length, height: [BASE_M, WALL_TOP_M], thickness: WALL_M, openings, sides, reveal: p.reveal }
 }
 
@@ -141,9 +134,9 @@ fn corners([x0, x1, z0, z1]: [f64; 4], y: f64) -> [DVec3; 4] {
 }
 
 fn roof(b: &mut SceneBuilder, p: &Palette) {
-    floor(b, [0.0, 34.0, 0.0, 24.0], WALL_TOP_M + 0.15, p.outside);
-    let (low, high) =
-        (corners([0.0, 34.0, 0.0, 24.0], WALL_TOP_M), corners([0.0, 34.0, 0.0, 24.0], WALL_TOP_M + 0.15));
+    let (area, top) = ([0.0, 34.0, 0.0, 24.0], WALL_TOP_M + 0.15);
+    floor(b, area, top, p.outside);
+    let (low, high) = (corners(area, WALL_TOP_M), corners(area, top));
     for i in 0..4 {
         let j = (i + 1) % 4;
         b.add_quad([low[i], low[j], high[j], high[i]], Vec2::ONE, p.outside);

@@ -3,9 +3,7 @@
 use super::palette::Palette;
 use super::plan::RoomName;
 use crate::scene::SceneBuilder;
-use crate::scene::builtin::shapes::blocks::{floor, stairs};
-use crate::scene::builtin::shapes::surface::{bar, lathe, on_circle};
-use crate::scene::builtin::shapes::{Closing, Grid, Local};
+use crate::scene::builtin::shapes::{Closing, Grid, Local, bar, floor, lathe, on_circle, stairs};
 use glam::{DVec3, Vec2};
 
 /// Height of the platform in metres.

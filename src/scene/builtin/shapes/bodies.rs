@@ -1,6 +1,6 @@
 //! Round bodies: displaced spheres, knots, fluted shafts and gears.
 
-use super::surface::{closed_tube, on_circle};
+use super::surface::{closed_tube, on_circle, smooth_normals};
 use super::{Closing, Grid, Local};
 use crate::scene::{MaterialId, SceneBuilder};
 use glam::{DVec3, Vec2};
@@ -20,61 +20,37 @@ pub(crate) fn icosphere(
 ) {
     let (directions, faces) = sphere_mesh(levels);
     let positions: Vec<DVec3> = directions.iter().map(|&d| frame.point(displaced(d))).collect();
-    let mut sums = vec![DVec3::ZERO; positions.len()];
-    for f in &faces {
-        let [p, q, r] = f.map(|v| positions[v as usize]);
-        f.iter().for_each(|&v| sums[v as usize] += (q - p).cross(r - p));
-    }
+    let normals = smooth_normals(&positions, &faces);
     let first = b.positions.len() as u32;
-    for ((p, n), d) in positions.iter().zip(&sums).zip(&directions) {
+    for ((p, n), d) in positions.iter().zip(normals).zip(&directions) {
         let uv = Vec2::new((d.z.atan2(d.x) / TAU) as f32, (d.y * 0.5 + 0.5) as f32);
-        b.add_vertex(*p, n.normalize_or(DVec3::Y).as_vec3(), uv);
+        b.add_vertex(*p, n, uv);
     }
     for f in faces {
         b.add_triangle(f.map(|v| first + v), material);
     }
 }
 
+/// Faces of the icosahedron.
+#[rustfmt::skip]
+const ICOSAHEDRON: [[u32; 3]; 20] = [
+    [0, 11, 5], [0, 5, 1], [0, 1, 7], [0, 7, 10], [0, 10, 11],
+    [1, 5, 9], [5, 11, 4], [11, 10, 2], [10, 7, 6], [7, 1, 8],
+    [3, 9, 4], [3, 4, 2], [3, 2, 6], [3, 6, 8], [3, 8, 9],
+    [4, 9, 5], [2, 4, 11], [6, 2, 10], [8, 6, 7], [9, 8, 1],
+];
+
+/// Returns unit directions and faces of an icosahedron whose faces are split `levels` times.
 fn sphere_mesh(levels: u32) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     let g = (1.0 + 5f64.sqrt()) / 2.0;
-    let mut directions: Vec<DVec3> = [
-        [-1.0, g, 0.0],
-        [1.0, g, 0.0],
-        [-1.0, -g, 0.0],
-        [1.0, -g, 0.0],
-        [0.0, -1.0, g],
-        [0.0, 1.0, g],
-        [0.0, -1.0, -g],
-        [0.0, 1.0, -g],
-        [g, 0.0, -1.0],
-        [g, 0.0, 1.0],
-        [-g, 0.0, -1.0],
-        [-g, 0.0, 1.0],
-    ]
-    .map(|p| DVec3::from(p).normalize_or(DVec3::Y))
-    .to_vec();
-    let mut faces: Vec<[u32; 3]> = vec![
-        [0, 11, 5],
-        [0, 5, 1],
-        [0, 1, 7],
-        [0, 7, 10],
-        [0, 10, 11],
-        [1, 5, 9],
-        [5, 11, 4],
-        [11, 10, 2],
-        [10, 7, 6],
-        [7, 1, 8],
-        [3, 9, 4],
-        [3, 4, 2],
-        [3, 2, 6],
-        [3, 6, 8],
-        [3, 8, 9],
-        [4, 9, 5],
-        [2, 4, 11],
-        [6, 2, 10],
-        [8, 6, 7],
-        [9, 8, 1],
+    #[rustfmt::skip]
+    let corners = [
+        [-1.0, g, 0.0], [1.0, g, 0.0], [-1.0, -g, 0.0], [1.0, -g, 0.0],
+        [0.0, -1.0, g], [0.0, 1.0, g], [0.0, -1.0, -g], [0.0, 1.0, -g],
+        [g, 0.0, -1.0], [g, 0.0, 1.0], [-g, 0.0, -1.0], [-g, 0.0, 1.0],
     ];
+    let mut directions = corners.map(|p| DVec3::from(p).normalize_or(DVec3::Y)).to_vec();
+    let mut faces = ICOSAHEDRON.to_vec();
     for _ in 0..levels {
         let mut middles: HashMap<(u32, u32), u32> = HashMap::new();
         let mut middle = |a: u32, b: u32| {

@@ -1,10 +1,11 @@
 //! Parametric shapes for the embedded scenes.
 
-pub(super) mod blocks;
-pub(super) mod bodies;
-pub(super) mod surface;
-pub(super) mod walls;
+mod blocks;
+mod bodies;
+mod surface;
+mod walls;
 
-pub(super) use blocks::{Faces, Local, block};
-pub(super) use surface::{Closing, Grid};
+pub(super) use blocks::{Faces, Local, block, ceiling, floor, stairs};
+pub(super) use bodies::{fluted_shaft, gear, icosphere, torus, torus_knot};
+pub(super) use surface::{Closing, Grid, bar, closed_tube, lathe, on_circle};
 pub(super) use walls::{Opening, Wall};

@@ -50,16 +50,19 @@ impl Grid {
                 );
             }
         }
-        let normals = self.normals(&positions);
+        let triangles = self.triangles();
+        let shared: Vec<[u32; 3]> =
+            triangles.iter().map(|t| t.map(|v| self.index(v % columns, v / columns))).collect();
+        let normals = smooth_normals(&positions, &shared);
         let first = b.positions.len() as u32;
         for j in 0..rows {
             for i in 0..columns {
                 let k = (j * columns + i) as usize;
                 let uv = Vec2::new(i as f32 / self.nu as f32, j as f32 / self.nv as f32);
-                b.add_vertex(positions[k], normals[self.index(i, j)], uv);
+                b.add_vertex(positions[k], normals[self.index(i, j) as usize], uv);
             }
         }
-        for t in self.triangles() {
+        for t in triangles {
             b.add_triangle(t.map(|v| first + v), material);
         }
     }
@@ -71,9 +74,9 @@ impl Grid {
         [if at_pole { 0 } else { around(i, self.nu, self.u) }, around(j, self.nv, self.v)]
     }
 
-    fn index(&self, i: u32, j: u32) -> usize {
+    fn index(&self, i: u32, j: u32) -> u32 {
         let [i, j] = self.canonical(i, j);
-        (j * (self.nu + 1) + i) as usize
+        j * (self.nu + 1) + i
     }
 
     fn triangles(&self) -> Vec<[u32; 3]> {
@@ -94,21 +97,20 @@ impl Grid {
         }
         triangles
     }
+}
 
-    /// Returns the area-weighted mean of the face normals around each grid point. It needs no
-    /// derivatives and no special case at the poles.
-    fn normals(&self, positions: &[DVec3]) -> Vec<Vec3> {
-        let columns = self.nu + 1;
-        let mut sums = vec![DVec3::ZERO; positions.len()];
-        for t in self.triangles() {
-            let [a, b, c] = t.map(|v| positions[v as usize]);
-            let area = (b - a).cross(c - a);
-            for v in t {
-                sums[self.index(v % columns, v / columns)] += area;
-            }
+/// Returns the area-weighted mean of the face normals around each position. It needs no derivatives and
+/// no special case at poles.
+pub(super) fn smooth_normals(positions: &[DVec3], triangles: &[[u32; 3]]) -> Vec<Vec3> {
+    let mut sums = vec![DVec3::ZERO; positions.len()];
+    for t in triangles {
+        let [a, b, c] = t.map(|v| positions[v as usize]);
+        let area = (b - a).cross(c - a);
+        for &v in t {
+            sums[v as usize] += area;
         }
-        sums.iter().map(|n| n.normalize_or(DVec3::Y).as_vec3()).collect()
     }
+    sums.iter().map(|n| n.normalize_or(DVec3::Y).as_vec3()).collect()
 }
 
 /// Adds a surface of revolution around the y axis of the frame. The profile is a list of
