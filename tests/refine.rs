@@ -4,7 +4,7 @@ use crate::rooms::{room_camera, room_tracer};
 use afterimage::math::key::Key;
 use afterimage::reference::PlacementPolicy;
 use afterimage::reference::placement::NONE;
-use afterimage::render::{refine::PASSES, render_antialiased};
+use afterimage::render::{CONVERGED_PASSES, render_antialiased};
 use afterimage::trace::TraceSettings;
 use afterimage::trace::parallel::NEVER;
 use afterimage::{
@@ -49,7 +49,10 @@ fn full(tracer: &Tracer) -> Frame {
 }
 
 fn converged(tracer: &Tracer) -> Frame {
-    render_antialiased(&FrameRequest::new(tracer, &room_camera(), SIZE, &settings(Mode::Full)), PASSES)
+    render_antialiased(
+        &FrameRequest::new(tracer, &room_camera(), SIZE, &settings(Mode::Full)),
+        CONVERGED_PASSES,
+    )
 }
 
 /// Refines until so many pixels are done.
@@ -71,7 +74,7 @@ fn after_the_first_pass_the_picture_is_the_full_tracers() {
     assert!(walk.frame().radiance != full.radiance, "the frame before was looked up");
     let types = walk.frame().types.clone();
     let state = refine_pixels(&mut walk, PIXELS);
-    assert_eq!((state.pass, state.of, state.is_complete), (1, PASSES, false));
+    assert_eq!((state.pass, state.of, state.is_complete), (1, CONVERGED_PASSES, false));
     let frame = walk.frame();
     assert!(frame.radiance == full.radiance && frame.triangle == full.triangle);
     assert!(frame.disparity == full.disparity);
@@ -124,7 +127,7 @@ fn antialiasing_has_the_same_bits_at_any_number_of_threads_and_smooths() {
         let settings = RenderSettings { mode: Mode::Full, trace };
         render_antialiased(&FrameRequest::new(&tracer, &room_camera(), SIZE, &settings), passes)
     };
-    let [one, four] = [1, 4].map(|threads| pool(threads).install(|| render(PASSES)));
+    let [one, four] = [1, 4].map(|threads| pool(threads).install(|| render(CONVERGED_PASSES)));
     assert!(one.radiance == four.radiance && one.stats.rays == four.stats.rays);
     // As a screen shows it: the lamp's edge alone would outweigh all else.
     let truth = downsampled(&tracer);
@@ -200,7 +203,7 @@ fn a_stopped_picture_says_so_and_has_no_holes() {
     let stop = || asked.fetch_add(1, Ordering::Relaxed) >= PIXELS / 2;
     let frame = render_antialiased(
         &FrameRequest::new(&tracer(), &room_camera(), SIZE, &settings(Mode::Full)).with_stop(&stop),
-        PASSES,
+        CONVERGED_PASSES,
     );
     assert!(!frame.stats.is_complete);
     let lit = frame.radiance.iter().filter(|r| r.max_element() > 0.0).count();

@@ -1,40 +1,34 @@
-//! Gathers one reference's light for a row of eight pixels at a time.
+//! Gathers one reference's light for a row of eight pixels at a time, in SIMD lanes. The scalar twin
+//! is `LookupReference::light_at` in `point.rs`.
 //!
-//! The projection is the warp equation backwards, with the view as source; whether a sample lies on a pixel's surface
-//! is decided in disparity, which over a plane is linear in picture coordinates.
+//! The projection is the warp equation in reverse, with the view as source. Whether a sample lies on
+//! a pixel's surface is decided in disparity, which is linear in picture coordinates over a plane.
 
-use crate::camera::NEAREST_DEPTH;
-use crate::camera::PixelWarp;
-use crate::lookup::point::{DEPTH_ROUNDING, LookupReference, MAX_MAGNIFICATION, MIN_WEIGHT, PLANE_TOLERANCE};
-use crate::lookup::tile_light::{TileLight, TilePoints};
+use super::point::LookupReference;
+use super::policy::{DEPTH_ROUNDING, EDGE_GAP, MAX_MAGNIFICATION, MIN_WEIGHT, PLANE_TOLERANCE};
+use super::tile::{TileLight, TilePoints};
+use crate::camera::{NEAREST_DEPTH, PixelWarp};
 use crate::reference::light::UNLIT;
 use crate::trace::{TILE_RAYS, TILE_SIDE};
 use fearless_simd::{Simd, SimdBase, SimdMask, f32x8, mask32x8, prelude::*, u32x8};
 use glam::Vec3;
 
-/// Samples fall into two groups, as on both sides of a shadow's edge, where one gap between them is at least this share
-/// of their whole range. Four samples of mere noise have such a gap once in eight times.
-pub(crate) const EDGE_GAP: f32 = 0.8;
-
-/// Samples of sixteen shadow rays that differ by more than this share are parted by a shadow's edge however they are spread
-/// between.
-pub(crate) const MAX_NOISE_SPREAD: f32 = 0.5;
-
-/// How a view's pixels meet one reference.
+/// The projection of a view's pixels into one reference.
 #[derive(Debug)]
-pub(crate) struct Toward<'a> {
-    pub(crate) reference: &'a LookupReference<'a>,
-    pub(crate) warp: PixelWarp,
-    /// The view's eye as seen from the reference's.
-    pub(crate) eye_offset: Vec3,
-    /// Samples of the reference per pixel of the view, for a surface at equal distance.
-    pub(crate) density: f32,
+pub(super) struct ReferenceProjection<'a> {
+    pub(super) reference: &'a LookupReference<'a>,
+    pub(super) warp: PixelWarp,
+    /// Vector from the reference's eye to the view's, scene units.
+    pub(super) eye_offset: Vec3,
+    /// Samples of the reference per pixel of the view for a surface at equal distance from both.
+    pub(super) density: f32,
 }
 
-impl Toward<'_> {
-    /// How good this reference is for a pixel: samples per pixel up to one; a hundredth of that where it sees the place
-    /// but the very sample there is not the point's; zero where it does not see it.
-    pub(crate) fn rank(&self, points: &TilePoints, pixel: usize) -> f32 {
+impl ReferenceProjection<'_> {
+    /// Rates this reference for a pixel: samples per pixel, up to one; a hundredth of that where the
+    /// point projects into the picture but the sample there belongs to another surface or is unlit;
+    /// zero where the point is outside the picture or faces away.
+    pub(super) fn rank(&self, points: &TilePoints, pixel: usize) -> f32 {
         let [x0, y0] = points.corner;
         let (x, y) = (x0 + (pixel % TILE_SIDE) as u32, y0 + (pixel / TILE_SIDE) as u32);
         let disparity = points.disparity[pixel];
@@ -52,15 +46,16 @@ impl Toward<'_> {
         let direction = r.frame.view.direction_of_point(column as f32 + 0.5, row as f32 + 0.5);
         let expected = normal.dot(direction) / height;
         let tolerance = PLANE_TOLERANCE * r.step * depth / -height + DEPTH_ROUNDING;
-        let knows = (r.disparity[at] - expected).abs() <= tolerance * expected
+        let is_known = (r.disparity[at] - expected).abs() <= tolerance * expected
             && r.light[at] != UNLIT
             && r.is_alike(at, points.triangle[pixel]);
-        density.min(1.0) * if knows { 1.0 } else { 0.01 }
+        density.min(1.0) * if is_known { 1.0 } else { 0.01 }
     }
 
-    /// Adds this reference's light to a row of eight pixels, of a tile's pixels those that are open.
+    /// Adds this reference's light to the open pixels of a row of a tile. `open` has one bit per
+    /// pixel of the tile.
     #[inline(always)]
-    pub(crate) fn gather_row<S: Simd>(
+    pub(super) fn gather_row<S: Simd>(
         &self,
         simd: S,
         slot: u8,
@@ -81,7 +76,7 @@ impl Toward<'_> {
         }
     }
 
-    /// Where the pixels of a row lie in the reference.
+    /// Projects a row of pixels into the reference.
     #[inline(always)]
     fn project<S: Simd>(&self, simd: S, row: usize, points: &TilePoints, open: u64) -> Footprint<S> {
         let r = self.reference;
@@ -106,7 +101,7 @@ impl Toward<'_> {
             & density.simd_ge(f32x8::splat(simd, 1.0 / MAX_MAGNIFICATION));
         let inverse_height = f32x8::splat(simd, 1.0) / height;
         let s = &r.frame.view.scene_from_pixel;
-        // Spelled out, here and below: closures that hold vectors are not compiled for the level that is dispatched to.
+        // No closures over vectors here and below: they are not compiled for the dispatched level.
         let plane = [
             along(&normal, s.x_axis) * inverse_height,
             along(&normal, s.y_axis) * inverse_height,
@@ -117,7 +112,7 @@ impl Toward<'_> {
         Footprint { valid, x, y, density, plane, tolerance }
     }
 
-    /// The warp equation for a row of pixels.
+    /// Applies the warp equation to a row of pixels. Returns homogeneous picture coordinates.
     #[inline(always)]
     fn homogeneous<S: Simd>(
         &self,
@@ -137,7 +132,7 @@ impl Toward<'_> {
         ]
     }
 
-    /// Sums the light of the samples that lie on the pixels' own surfaces.
+    /// Sums the light of the samples that lie on the pixels' surfaces.
     #[inline(always)]
     fn collect<S: Simd>(&self, simd: S, f: &Footprint<S>, triangle: &[u32]) -> Gathered<S> {
         let r = self.reference;
@@ -163,22 +158,22 @@ impl Toward<'_> {
     }
 }
 
-/// Where eight pixels lie in a reference.
+/// The projections of eight pixels into a reference.
 struct Footprint<S: Simd> {
-    /// Pixels whose surface the reference faces, in its picture, and not too coarsely.
+    /// Pixels that project into the picture, on a surface that faces it, at a sufficient density.
     valid: mask32x8<S>,
-    /// Picture coordinates.
+    /// Picture coordinates in samples.
     x: f32x8<S>,
     y: f32x8<S>,
     /// Samples per pixel of the view.
     density: f32x8<S>,
-    /// Disparity of the pixel's plane per picture coordinate, and at the picture's corner.
+    /// Disparity of the pixel's plane: its slope per picture coordinate, and its value at the corner.
     plane: [f32x8<S>; 3],
-    /// By how much a sample's disparity may differ from the plane's, as a share of it.
+    /// The difference allowed between the disparities of a sample and of the plane, as a share.
     tolerance: f32x8<S>,
 }
 
-/// What the samples around eight pixels say.
+/// Sums over the samples around eight pixels.
 struct Gathered<S: Simd> {
     sum: [f32x8<S>; 3],
     total: f32x8<S>,
@@ -208,8 +203,8 @@ impl<S: Simd> Gathered<S> {
         self.brightness[k] = (agrees, brightest);
     }
 
-    /// Adds up what a tile finds. What is extrapolated from few samples yields to what is interpolated, the coarse to
-    /// the fine.
+    /// Adds the sums to a tile's light, weighted so that interpolated light outweighs extrapolated
+    /// light, and fine references outweigh coarse ones.
     #[inline(always)]
     fn add_to(&self, simd: S, (slot, wide): (u8, f32), at: usize, density: f32x8<S>, found: &mut TileLight) {
         let (zero, one) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
@@ -241,7 +236,7 @@ impl<S: Simd> Gathered<S> {
         }
     }
 
-    /// True where the samples fall into two groups.
+    /// True where the samples fall into two groups, as on both sides of a shadow's edge.
     #[inline(always)]
     fn has_gap(&self) -> mask32x8<S> {
         let [a, b, c, d] = &self.brightness;
@@ -271,7 +266,8 @@ fn along<S: Simd>(normal: &[f32x8<S>; 3], v: Vec3) -> f32x8<S> {
     normal[0] * v.x + normal[1] * v.y + normal[2] * v.z
 }
 
-/// The first of the two samples around each picture coordinate, and the weight of the second.
+/// The first of the two samples around each picture coordinate, and the bilinear weight of the
+/// second.
 #[inline(always)]
 fn corners<S: Simd>(simd: S, at: f32x8<S>, size: f32) -> [f32x8<S>; 2] {
     let at = (at - f32x8::splat(simd, 0.5)).max(f32x8::splat(simd, 0.0)).min(f32x8::splat(simd, size - 1.0));
@@ -289,11 +285,11 @@ fn largest_gap<S: Simd>([a, b, c, d]: [f32x8<S>; 4]) -> f32x8<S> {
     (second - first).max(third - second).max(last - third)
 }
 
-/// The four samples around each of eight places.
+/// The four samples around each of eight points.
 struct Taps {
     disparity: [[f32; 8]; 4],
     light: [[u32; 8]; 4],
-    /// Bit per lane whose sample is lit and turned like the place.
+    /// One bit per lane whose sample is lit and has nearly the normal of the point.
     alike: [u64; 4],
 }
 
@@ -315,7 +311,7 @@ impl Taps {
     }
 }
 
-/// [`crate::raster::rgb9e5::Rgb9e5Scale::unpack`] for eight words.
+/// Unpacks eight words as [`crate::raster::rgb9e5::Rgb9e5Scale::unpack`] does one.
 #[inline(always)]
 fn unpack<S: Simd>(simd: S, word: u32x8<S>, exponent_offset: u32) -> [f32x8<S>; 3] {
     let nine = u32x8::splat(simd, 0x1ff);

@@ -1,13 +1,16 @@
 //! The light arriving at a surface point, from references that saw the point.
 //!
-//! The reverse of the warp: the point is projected into a reference, and of the four samples around it those that lie
-//! on the point's own surface are gathered with bilinear weights. Source: Nehab et al., "Accelerating Real-Time
-//! Shading with Reverse Reprojection Caching", Graphics Hardware 2007. We differ: several references are averaged,
-//! the finer ones counting more, and what is gathered is the arriving light alone.
+//! The reverse of the warp: the point is projected into a reference, and those of the four samples
+//! around it that lie on the point's surface are averaged with bilinear weights. Source: Nehab et
+//! al., "Accelerating Real-Time Shading with Reverse Reprojection Caching", Graphics Hardware 2007.
+//! We differ: several references are averaged, finer ones with larger weights, and only the
+//! arriving light is reused, not the reflected radiance.
 
+use super::policy::{
+    DEPTH_ROUNDING, EDGE_GAP, MAX_AVERAGED_REFERENCES, MAX_FOUND, MAX_JUMP, MAX_LOSS, MAX_NOISE_SPREAD,
+    MIN_COVERAGE, MIN_WEIGHT, PLANE_TOLERANCE,
+};
 use crate::camera::NEAREST_DEPTH;
-use crate::lookup::gather::{EDGE_GAP, MAX_NOISE_SPREAD};
-use crate::lookup::tile_light::{MAX_JUMP, MAX_LOSS, MIN_COVERAGE};
 use crate::math::whole::floor;
 use crate::raster::rgb9e5::Rgb9e5Scale;
 use crate::reference::directory::{Directory, MAX_SLOTS, PackedNormal, SlotMask};
@@ -17,45 +20,25 @@ use crate::trace::SceneEpoch;
 use arrayvec::ArrayVec;
 use glam::{Mat3, Vec3};
 
-/// A sample belongs to the point's surface where it lies off the plane of the point by less than this share of the
-/// distance between samples: a bend of six degrees from one sample to the next. Relative to the sample distance, so it
-/// means the same at every depth, size of picture and scale of scene.
-pub const PLANE_TOLERANCE: f32 = 0.1;
-
-/// Added to it, relative to depth: the rounding of a distance along a ray, some 64 steps of an f32.
-pub const DEPTH_ROUNDING: f32 = 4e-6;
-
-/// Bilinear weights that agree must sum to this in a reference.
-pub const MIN_WEIGHT: f32 = 1.0 / 16.0;
-
-/// A reference whose samples are farther apart than so many pixels of the view, in area, knows nothing of a pixel.
-pub const MAX_MAGNIFICATION: f32 = 1024.0;
-
-/// References averaged for a point met after a mirror or behind glass; more would cost more than their noise is worth.
-const MAX_AVERAGED_REFERENCES: usize = 3;
-
-/// At most, where those are coarser than what is shown.
-const MAX_FOUND: usize = 8;
-
-/// A reference made ready for look-ups.
+/// A reference prepared for look-ups.
 #[derive(Debug)]
-pub(crate) struct LookupReference<'a> {
-    pub(crate) frame: &'a ReferenceFrame,
-    pub(crate) disparity: &'a [f32],
-    pub(crate) light: &'a [u32],
+pub(super) struct LookupReference<'a> {
+    pub(super) frame: &'a ReferenceFrame,
+    pub(super) disparity: &'a [f32],
+    pub(super) light: &'a [u32],
     triangle: &'a [u32],
     normals: &'a [PackedNormal],
-    pub(crate) scale: Rgb9e5Scale,
-    /// Picture coordinates from an offset from the eye, homogeneous; their third is depth.
+    pub(super) scale: Rgb9e5Scale,
+    /// Homogeneous picture coordinates from an offset from the eye; the third is depth.
     pixel_from_scene: Mat3,
     scene_from_pixel: Mat3,
     eye: Vec3,
-    /// Distance of two samples at depth one.
-    pub(crate) step: f32,
-    pub(crate) size: [f32; 2],
-    /// Samples that differ by more than this share are parted by a shadow's edge however they are spread between: [`MAX_NOISE_SPREAD`]
-    /// where there is little noise.
-    pub(crate) wide: f32,
+    /// Distance between two samples at depth one.
+    pub(super) step: f32,
+    pub(super) size: [f32; 2],
+    /// Samples that differ by more than this share lie on both sides of a shadow's edge:
+    /// [`MAX_NOISE_SPREAD`], scaled by the noise of the reference.
+    pub(super) wide: f32,
 }
 
 impl<'a> LookupReference<'a> {
@@ -78,9 +61,9 @@ impl<'a> LookupReference<'a> {
         }
     }
 
-    /// True where a sample lies on a triangle, or on one that is turned like it.
+    /// True where a sample lies on a triangle, or on one with nearly the same normal.
     #[inline(always)]
-    pub(crate) fn is_alike(&self, sample: usize, triangle: u32) -> bool {
+    pub(super) fn is_alike(&self, sample: usize, triangle: u32) -> bool {
         let other = self.triangle[sample];
         other == triangle
             || match (self.normals.get(other as usize), self.normals.get(triangle as usize)) {
@@ -89,10 +72,10 @@ impl<'a> LookupReference<'a> {
             }
     }
 
-    /// The light at a point with a unit normal on the side that is asked for. `None` where this reference does not see
-    /// that side of the point. Whether it is a guess is told only where that is asked.
+    /// The light at a point whose unit normal points to the side that is viewed. `None` where this
+    /// reference does not see that side of the point. Spread and jump are zero unless `CHECKS`.
     #[inline]
-    pub(crate) fn light_at<const ASKS: bool>(
+    pub(super) fn light_at<const CHECKS: bool>(
         &self,
         position: Vec3,
         normal: Vec3,
@@ -110,17 +93,17 @@ impl<'a> LookupReference<'a> {
         }
         let tolerance = PLANE_TOLERANCE * self.step * q.z / -height + DEPTH_ROUNDING;
         let plane = self.scene_from_pixel.transpose() * (normal / height);
-        let (sum, coverage, [spread, jump]) = self.gather::<ASKS>(x, y, plane, tolerance, triangle);
+        let (sum, coverage, [spread, jump]) = self.gather::<CHECKS>(x, y, plane, tolerance, triangle);
         let density = -height / (self.step * self.step * q.z * q.z * q.z);
         let weight = coverage * density * density;
-        let known = Sampled { light: sum / coverage, weight, density, coverage, spread, jump };
-        (coverage >= MIN_WEIGHT).then_some(known)
+        let sampled = Sampled { light: sum / coverage, weight, density, coverage, spread, jump };
+        (coverage >= MIN_WEIGHT).then_some(sampled)
     }
 
-    /// Sums the light of the samples around (x, y) that lie on a plane, given as disparity by picture coordinates. Told are
-    /// the sum, its bilinear weight, and how far the samples jump.
+    /// Sums the light of the samples around (x, y) that lie on a plane, given as disparity by
+    /// picture coordinates. Returns the sum, its bilinear weight, and [spread, jump].
     #[inline]
-    fn gather<const ASKS: bool>(
+    fn gather<const CHECKS: bool>(
         &self,
         x: f32,
         y: f32,
@@ -141,7 +124,7 @@ impl<'a> LookupReference<'a> {
                 let light = self.scale.unpack(self.light[at]);
                 sum += weight * light;
                 total += weight;
-                if ASKS {
+                if CHECKS {
                     brightness.push(light.max_element());
                 }
             }
@@ -150,23 +133,24 @@ impl<'a> LookupReference<'a> {
     }
 }
 
-/// What one reference knows of a point.
+/// The light that one reference has for a point.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Sampled {
-    pub(crate) light: Vec3,
-    /// What it is worth: coverage times density squared.
+pub(super) struct Sampled {
+    pub(super) light: Vec3,
+    /// Weight in the mean over references: coverage times density squared.
     weight: f32,
-    /// Samples per unit of surface, in scene units.
+    /// Samples per unit of surface area, scene units.
     density: f32,
-    /// The share of bilinear weight that was found.
+    /// The share of bilinear weight that was found, 0..1.
     coverage: f32,
-    /// How far the samples differ, as a share of the brightest.
+    /// The difference between the samples, as a share of the brightest.
     spread: f32,
-    /// The same where they lie on both sides of a shadow's edge; else zero.
+    /// The spread where the samples lie on both sides of a shadow's edge, else zero.
     jump: f32,
 }
 
-/// By how much a few values differ, as a share of the largest, where one gap between them is most of their range.
+/// The spread of a few values as a share of the largest, and the jump: the spread where one gap is
+/// most of the range or the spread exceeds `wide`, else zero.
 #[inline]
 fn spread_and_jump(brightness: &mut [f32], wide: f32) -> [f32; 2] {
     brightness.sort_unstable_by(f32::total_cmp);
@@ -177,16 +161,17 @@ fn spread_and_jump(brightness: &mut [f32], wide: f32) -> [f32; 2] {
     [spread, if gap >= EDGE_GAP * range || spread > wide { spread } else { 0.0 }]
 }
 
-/// The light arriving at a point, as the radiance of a white surface.
+/// The light found for a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FoundLight {
-    /// By channel.
+    /// Arriving light, as the radiance of a white surface.
     pub light: Vec3,
-    /// True where it is extrapolated beyond the samples, or between samples on both sides of a shadow's edge.
+    /// True where the light is extrapolated beyond the samples, or interpolated between samples on
+    /// both sides of a shadow's edge.
     pub is_guess: bool,
 }
 
-/// The first of the two samples around a picture coordinate, and the weight of the second.
+/// The first of the two samples around a picture coordinate, and the bilinear weight of the second.
 #[inline(always)]
 fn corner(x: f32, size: f32) -> [f32; 2] {
     let at = (x - 0.5).clamp(0.0, size - 1.0);
@@ -194,15 +179,15 @@ fn corner(x: f32, size: f32) -> [f32; 2] {
     [first, at - first]
 }
 
-/// The references that a frame may ask.
+/// The references that a frame may look light up in.
 #[derive(Debug)]
 pub struct LookupSet<'a> {
-    pub(crate) directory: &'a Directory,
-    /// By slot.
-    pub(crate) references: Vec<Option<LookupReference<'a>>>,
-    pub(crate) usable: SlotMask,
-    /// Of the noisiest reference, over that of sixteen shadow rays.
-    pub(crate) noise: f32,
+    pub(super) directory: &'a Directory,
+    /// References by slot.
+    pub(super) references: Vec<Option<LookupReference<'a>>>,
+    pub(super) usable: SlotMask,
+    /// Noise of the noisiest reference, relative to that of sixteen shadow rays.
+    pub(super) noise: f32,
 }
 
 impl<'a> LookupSet<'a> {
@@ -231,19 +216,20 @@ impl<'a> LookupSet<'a> {
         Self { directory, references, usable, noise }
     }
 
-    /// References that may be asked.
+    /// The number of references.
     pub fn len(&self) -> usize {
         self.usable.count_ones() as usize
     }
 
-    /// True where there is nothing to ask.
+    /// True where there are no references.
     pub fn is_empty(&self) -> bool {
         self.usable == 0
     }
 
-    /// The light arriving at a point in scene space with a unit normal on the side that is asked for: the mean over
-    /// references that see it, weighted by the square of their sample density; three of them, and a few more while none is as
-    /// fine as `footprint`, the distance of two points that the picture shows. `None` where no reference sees it.
+    /// The light arriving at a point in scene space whose unit normal points to the side that is
+    /// viewed: the mean over references that see the point, weighted by the square of their sample
+    /// density. Three references are averaged, and more while none is as fine as `footprint`, the
+    /// distance between neighbouring points of the picture. `None` where no reference sees it.
     pub fn light_at(
         &self,
         position: Vec3,
@@ -254,13 +240,13 @@ impl<'a> LookupSet<'a> {
         self.find::<true>(position, normal, triangle, footprint)
     }
 
-    /// The same of three references at most, never called a guess.
+    /// The light as [`Self::light_at`] finds it in three references at most, never marked a guess.
     pub fn unchecked_light_at(&self, position: Vec3, normal: Vec3, triangle: u32) -> Option<FoundLight> {
         self.find::<false>(position, normal, triangle, f32::INFINITY)
     }
 
     #[inline]
-    fn find<const ASKS: bool>(
+    fn find<const CHECKS: bool>(
         &self,
         position: Vec3,
         normal: Vec3,
@@ -271,23 +257,23 @@ impl<'a> LookupSet<'a> {
         let (mut sum, mut total, mut found) = (Vec3::ZERO, 0.0, 0);
         let (mut coverage, mut jump, mut loss) = (0.0f32, 0.0f32, f32::INFINITY);
         let mut finest = 0.0f32;
-        while mask != 0 && (found < MAX_AVERAGED_REFERENCES || ASKS && finest < 0.5 && found < MAX_FOUND) {
+        while mask != 0 && (found < MAX_AVERAGED_REFERENCES || CHECKS && finest < 0.5 && found < MAX_FOUND) {
             let slot = mask.trailing_zeros() as usize;
             mask &= mask - 1;
             let Some(reference) = &self.references[slot] else { continue };
-            if let Some(known) = reference.light_at::<ASKS>(position, normal, triangle) {
-                sum += known.weight * known.light;
-                total += known.weight;
+            if let Some(sampled) = reference.light_at::<CHECKS>(position, normal, triangle) {
+                sum += sampled.weight * sampled.light;
+                total += sampled.weight;
                 found += 1;
-                let fine = (known.density * footprint * footprint).min(1.0);
+                let fine = (sampled.density * footprint * footprint).min(1.0);
                 finest = finest.max(fine);
-                coverage = coverage.max(known.coverage);
-                jump = jump.max(known.jump);
-                loss = loss.min(known.spread * (1.0 - fine));
+                coverage = coverage.max(sampled.coverage);
+                jump = jump.max(sampled.jump);
+                loss = loss.min(sampled.spread * (1.0 - fine));
             }
         }
         let is_far_off = jump > MAX_JUMP * self.noise || loss > MAX_LOSS * self.noise;
-        let is_guess = ASKS && (coverage < MIN_COVERAGE || is_far_off);
+        let is_guess = CHECKS && (coverage < MIN_COVERAGE || is_far_off);
         (total > 0.0).then(|| FoundLight { light: sum / total, is_guess })
     }
 }

@@ -1,25 +1,23 @@
-//! A reference that lights only what older references do not know well enough.
+//! Sparse references, which light only the pixels that older references do not know well enough.
 //!
-//! Each sample is traced once and resampled once, when a frame looks it up: a sparse reference copies no light.
+//! Light is resampled once, when a frame looks it up: a sparse reference copies none from others.
 
+use super::policy::{ESTIMATE_STEP, MAX_SMOOTHED};
+use super::tile::inside_mask;
+use super::{LookupSet, TileLight, TileSurfaces, ViewLookup, pixels_of_tile};
 use crate::camera::{Camera, View};
-use crate::lookup::tile_surfaces::inside_mask;
-use crate::lookup::{LookupSet, TileLight, TileSurfaces, ViewLookup};
 use crate::math::key::Key;
 use crate::reference::ReferenceFrame;
 use crate::reference::placement::OpenSpot;
 use crate::trace::parallel::{Stop, trace_pixels};
-use crate::trace::{TILE_RAYS, TILE_SIDE, TraceSettings, Tracer};
+use crate::trace::{NO_TRIANGLE, TILE_RAYS, TILE_SIDE, TraceSettings, Tracer};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use std::time::Instant;
 
-/// A pixel is lit anew where the look-up's estimate of its own error is above this share of its light: an error that
-/// sixteen shadow rays have as well.
-const MAX_SMOOTHED: f32 = 0.08;
-
-/// What one tile leaves to do: its pixels, and which of them are to be lit.
-struct SeenTile {
+/// A tile of a reference in the making: its hits, and one bit per pixel that can be lit and that has
+/// to be lit.
+struct HitTile {
     corner: [u32; 2],
     t: [f32; TILE_RAYS],
     triangle: [u32; TILE_RAYS],
@@ -28,7 +26,8 @@ struct SeenTile {
 }
 
 impl ReferenceFrame {
-    /// Traces a reference whose pixels are lit only where `known` does not know their light well. `None` after a stop.
+    /// Traces a reference whose pixels are lit only where `known` does not know their light well.
+    /// Returns `None` after a stop.
     pub fn trace_sparse(
         tracer: &Tracer,
         camera: &Camera,
@@ -39,7 +38,7 @@ impl ReferenceFrame {
     ) -> Option<Self> {
         let start = Instant::now();
         let view = View::new(camera, &tracer.scene().frame, size);
-        let tiles = see_tiles(tracer, &view, known);
+        let tiles = hit_tiles(tracer, &view, known);
         let open = open_pixels(&tiles, &view);
         let mut frame = Self::empty(tracer, camera, view, settings);
         tiles.iter().for_each(|tile| tile.store_hits(&mut frame, tracer));
@@ -60,8 +59,8 @@ impl ReferenceFrame {
         Some(frame)
     }
 
-    /// A reference of what a frame lit itself: the pixels listed, with their light. `hits` tells distance and triangle
-    /// of every pixel.
+    /// Makes a reference of pixels that a frame has lit, with their light. `hits` holds the distance
+    /// and triangle of every pixel, row-major.
     pub fn from_lit_pixels(
         tracer: &Tracer,
         camera: &Camera,
@@ -74,8 +73,7 @@ impl ReferenceFrame {
         let view = View::new(camera, &tracer.scene().frame, size);
         let mut frame = Self::empty(tracer, camera, view, settings);
         for (pixel, hit) in hits.enumerate() {
-            let specular = hit.is_some_and(|(_, t)| tracer.scene().material_of(t).is_view_dependent());
-            frame.store_hit(pixel, hit, u32::from(specular));
+            store_hit(&mut frame, tracer, pixel, hit);
         }
         frame.forget_ill_conditioned(tracer);
         frame.store_lights(pixels, lights);
@@ -83,11 +81,9 @@ impl ReferenceFrame {
     }
 }
 
-/// One tile in so many per axis is looked at where a view is only judged: 900 of 1280x720.
-const JUDGED_STEP: usize = 4;
-
-/// The share of a view's pixels, in percent, whose light is not known: what a sparse reference there would trace.
-/// Estimated from a sixteenth of the tiles. Where they are is told too if a list is given.
+/// Estimates the share of a view's pixels, in percent, whose light is not known and which a sparse
+/// reference there would trace. One tile in sixteen is examined. The open spots are appended to the
+/// list, if one is given.
 pub fn open_percent(
     tracer: &Tracer,
     view: &View,
@@ -95,104 +91,94 @@ pub fn open_percent(
     spots: Option<&mut Vec<OpenSpot>>,
 ) -> f64 {
     let lookup = ViewLookup::new(known, view, 1);
-    let Some(spots) = spots else {
-        let add =
-            |a: JudgedTile, b: JudgedTile| JudgedTile { open: a.open + b.open, all: a.all + b.all, ..a };
-        let none = JudgedTile::default();
-        let row = |row| judged_tiles(tracer, view, &lookup, row).fold(none, add);
-        return judged_rows(view).map(row).reduce(|| none, add).open_percent();
-    };
-    let tiles: Vec<JudgedTile> =
-        judged_rows(view).flat_map_iter(|row| judged_tiles(tracer, view, &lookup, row)).collect();
+    let tiles: Vec<EstimatedTile> =
+        estimated_rows(view).flat_map_iter(|row| estimated_tiles(tracer, view, &lookup, row)).collect();
     let [open, all] = tiles.iter().fold([0, 0], |[open, all], t| [open + t.open, all + t.all]);
-    let middle = |tile: &JudgedTile| Vec2::from(tile.corner.map(|c| c as f32 + TILE_SIDE as f32 / 2.0));
-    let percent = |tile: &JudgedTile| 100.0 * f64::from(tile.open) / f64::from(all.max(1));
-    let is_open = |tile: &&JudgedTile| tile.open > 0;
-    spots.extend(tiles.iter().filter(is_open).map(|t| OpenSpot { point: middle(t), percent: percent(t) }));
-    JudgedTile { open, all, ..JudgedTile::default() }.open_percent()
+    let percent = |open: u32| 100.0 * f64::from(open) / f64::from(all.max(1));
+    if let Some(spots) = spots {
+        let middle = |corner: [u32; 2]| Vec2::from(corner.map(|c| c as f32 + TILE_SIDE as f32 / 2.0));
+        let spot = |t: &EstimatedTile| OpenSpot { point: middle(t.corner), percent: percent(t.open) };
+        spots.extend(tiles.iter().filter(|tile| tile.open > 0).map(spot));
+    }
+    percent(open)
 }
 
-/// How many of a tile's pixels are not known, or of several tiles' together.
-#[derive(Clone, Copy, Default)]
-struct JudgedTile {
+/// Pixel counts of a tile.
+struct EstimatedTile {
     corner: [u32; 2],
+    /// Pixels whose light is needed and not known.
     open: u32,
+    /// Pixels inside the picture.
     all: u32,
 }
 
-impl JudgedTile {
-    fn open_percent(&self) -> f64 {
-        100.0 * f64::from(self.open) / f64::from(self.all.max(1))
-    }
+/// Index of the first tile examined.
+fn first_estimated(count: u32) -> u32 {
+    (ESTIMATE_STEP as u32 / 2).min(count.saturating_sub(1))
 }
 
-/// The first of the tiles that are looked at.
-fn first_judged(count: u32) -> u32 {
-    (JUDGED_STEP as u32 / 2).min(count.saturating_sub(1))
-}
-
-fn judged_rows(view: &View) -> impl IndexedParallelIterator<Item = u32> {
+fn estimated_rows(view: &View) -> impl IndexedParallelIterator<Item = u32> {
     let rows = view.size[1].div_ceil(TILE_SIDE as u32);
-    (first_judged(rows)..rows).into_par_iter().step_by(JUDGED_STEP)
+    (first_estimated(rows)..rows).into_par_iter().step_by(ESTIMATE_STEP)
 }
 
-fn judged_tiles(
+fn estimated_tiles(
     tracer: &Tracer,
     view: &View,
     lookup: &ViewLookup<'_>,
     row: u32,
-) -> impl Iterator<Item = JudgedTile> {
+) -> impl Iterator<Item = EstimatedTile> {
     let side = TILE_SIDE as u32;
     let columns = view.size[0].div_ceil(side);
-    let (mut seen, mut light) = (TileSurfaces::new(view), TileLight::NONE);
-    (first_judged(columns)..columns).step_by(JUDGED_STEP).map(move |column| {
+    let (mut surfaces, mut light) = (TileSurfaces::new(view), TileLight::NONE);
+    (first_estimated(columns)..columns).step_by(ESTIMATE_STEP).map(move |column| {
         let corner = [column * side, row * side];
-        seen.see_behind_glass(tracer, view, corner);
-        lookup.gather(&seen.points, &mut light);
-        JudgedTile {
+        surfaces.trace_behind_glass(tracer, view, corner);
+        lookup.gather(&surfaces.points, &mut light);
+        EstimatedTile {
             corner,
-            open: (seen.points.wanted & !light.known).count_ones(),
+            open: (surfaces.points.wanted & !light.known).count_ones(),
             all: inside_mask(view, corner).count_ones(),
         }
     })
 }
 
-fn see_tiles(tracer: &Tracer, view: &View, known: &LookupSet<'_>) -> Vec<SeenTile> {
+fn hit_tiles(tracer: &Tracer, view: &View, known: &LookupSet<'_>) -> Vec<HitTile> {
     let lookup = ViewLookup::new(known, view, 1);
     let side = TILE_SIDE as u32;
     let [columns, rows] = view.size.map(|s| s.div_ceil(side));
     (0..rows)
         .into_par_iter()
         .flat_map_iter(|row| {
-            let (mut seen, mut light) = (TileSurfaces::new(view), TileLight::NONE);
+            let (mut surfaces, mut light) = (TileSurfaces::new(view), TileLight::NONE);
             let lookup = &lookup;
             (0..columns).map(move |column| {
                 let corner = [column * side, row * side];
-                seen.see_behind_glass(tracer, view, corner);
-                lookup.gather(&seen.points, &mut light);
+                surfaces.trace_behind_glass(tracer, view, corner);
+                lookup.gather(&surfaces.points, &mut light);
                 let bad = (0..TILE_RAYS).filter(|&i| light.smoothed[i] > MAX_SMOOTHED);
                 let bad = bad.fold(0u64, |mask, i| mask | 1 << i);
-                SeenTile {
+                HitTile {
                     corner,
-                    t: seen.hits.t,
-                    triangle: seen.hits.triangle,
-                    wanted: seen.points.wanted,
-                    open: seen.points.wanted & (!light.known | bad),
+                    t: surfaces.hits.t,
+                    triangle: surfaces.hits.triangle,
+                    wanted: surfaces.points.wanted,
+                    open: surfaces.points.wanted & (!light.known | bad),
                 }
             })
         })
         .collect()
 }
 
-/// Marks that go around a picture, so that no neighbour lies outside.
+/// One mark per pixel, with a border of one pixel so that every neighbour has a mark.
 struct Marks {
     stride: usize,
     is_open: Vec<bool>,
 }
 
-/// The pixels to be lit, tile by tile: the open ones and those around them, so that a look-up between lit and unlit
-/// pixels finds all its samples in one reference.
-fn open_pixels(tiles: &[SeenTile], view: &View) -> Vec<u32> {
+/// The pixels to be lit, tile by tile: the open ones and their neighbours, so that a look-up between
+/// lit and unlit pixels finds all its samples in one reference.
+fn open_pixels(tiles: &[HitTile], view: &View) -> Vec<u32> {
     let stride = view.size[0] as usize + 2;
     let mut marks = Marks { stride, is_open: vec![false; stride * (view.size[1] as usize + 2)] };
     for tile in tiles {
@@ -226,20 +212,20 @@ fn for_each_bit(mut bits: u64, mut f: impl FnMut(u32)) {
     }
 }
 
-impl SeenTile {
+impl HitTile {
     fn pixel(&self, i: u32) -> [u32; 2] {
         [self.corner[0] + i % 8, self.corner[1] + i / 8]
     }
 
     fn store_hits(&self, frame: &mut ReferenceFrame, tracer: &Tracer) {
-        let [width, height] = frame.view.size;
-        for i in 0..TILE_RAYS {
-            let (x, y) = (self.corner[0] + i as u32 % 8, self.corner[1] + i as u32 / 8);
-            if x < width && y < height {
-                let hit = (self.triangle[i] != u32::MAX).then_some((self.t[i], self.triangle[i]));
-                let specular = hit.is_some_and(|(_, t)| tracer.scene().material_of(t).is_view_dependent());
-                frame.store_hit((y * width + x) as usize, hit, u32::from(specular));
-            }
+        for (i, pixel) in pixels_of_tile(self.corner, frame.view.size) {
+            let hit = (self.triangle[i] != NO_TRIANGLE).then_some((self.t[i], self.triangle[i]));
+            store_hit(frame, tracer, pixel, hit);
         }
     }
+}
+
+fn store_hit(frame: &mut ReferenceFrame, tracer: &Tracer, pixel: usize, hit: Option<(f32, u32)>) {
+    let material = hit.map(|(_, triangle)| tracer.scene().material_of(triangle));
+    frame.store_hit(pixel, hit, u32::from(material.is_some_and(|m| m.is_view_dependent())));
 }

@@ -1,10 +1,11 @@
-//! The look-up for the pixels that one view sees, tile by tile: which references serve a tile best, and what they know.
+//! The look-up for the pixels of one view, tile by tile: chooses the references that are best for a
+//! tile, and gathers their light.
 
-use crate::camera::PixelWarp;
-use crate::camera::View;
-use crate::lookup::gather::Toward;
-use crate::lookup::point::{FoundLight, LookupReference, LookupSet};
-use crate::lookup::tile_light::{ROWS_ASKED, TileLight, TilePoints};
+use super::gather::ReferenceProjection;
+use super::point::{FoundLight, LookupReference, LookupSet};
+use super::policy::{MAX_AVERAGED_BEST, MAX_ROUNDS};
+use super::tile::{Choice, ROWS_LOOKED_UP, TileLight, TilePoints};
+use crate::camera::{PixelWarp, View};
 use crate::math::simd;
 use crate::reference::directory::{ALIKE_COSINE, MAX_SLOTS, SlotMask};
 use crate::trace::{TILE_RAYS, TILE_SIDE};
@@ -12,46 +13,32 @@ use arrayvec::ArrayVec;
 use fearless_simd::{Simd, dispatch};
 use glam::Vec3;
 
-/// References gathered from for one group of pixels of a tile, at most.
-const MAX_AVERAGED_BEST: usize = 4;
-
-/// Times that a tile chooses references, each time for a pixel that those before do not cover; pixels that none of
-/// them knows then ask every reference.
-const MAX_ROUNDS: usize = 4;
-
-/// The references chosen for a place: the next tile most likely sees it too.
-#[derive(Clone, Debug)]
-pub(crate) struct Choice {
-    cell: u32,
-    normal: Vec3,
-    best: ArrayVec<u8, MAX_AVERAGED_BEST>,
-}
-
-/// A look-up set made ready for the pixels of one view.
+/// A look-up set prepared for the pixels of one view.
 #[derive(Debug)]
 pub struct ViewLookup<'a> {
     set: &'a LookupSet<'a>,
     view: View,
-    most: usize,
-    toward: Vec<Option<Toward<'a>>>,
+    max_averaged: usize,
+    /// Projections into the references, by slot.
+    projections: Vec<Option<ReferenceProjection<'a>>>,
 }
 
 impl<'a> ViewLookup<'a> {
-    /// Takes the references that may be asked, the view, and how many references a pixel is averaged over at most.
-    pub fn new(set: &'a LookupSet<'a>, view: &View, most: usize) -> Self {
+    /// Prepares a set for a view. A pixel is averaged over at most `max_averaged` references.
+    pub fn new(set: &'a LookupSet<'a>, view: &View, max_averaged: usize) -> Self {
         let step = view.scene_from_pixel.x_axis.length();
-        let toward = |reference: &'a LookupReference<'a>| Toward {
+        let projection = |reference: &'a LookupReference<'a>| ReferenceProjection {
             reference,
             warp: PixelWarp::new(view, &reference.frame.view),
             eye_offset: view.eye_relative_to(&reference.frame.view),
             density: (step / reference.step).powi(2),
         };
-        let toward = set.references.iter().map(|r| r.as_ref().map(toward)).collect();
-        Self { set, view: *view, most: most.clamp(1, MAX_AVERAGED_BEST), toward }
+        let projections = set.references.iter().map(|r| r.as_ref().map(projection)).collect();
+        Self { set, view: *view, max_averaged: max_averaged.clamp(1, MAX_AVERAGED_BEST), projections }
     }
 
-    /// Finds the light of the wanted pixels of a tile. Where the tile shows one plane, every other row is asked, and the
-    /// rest only where those around it differ.
+    /// Finds the light of the wanted pixels of a tile. Where the tile shows one plane, four rows are
+    /// looked up, and the others only where the rows around them differ.
     pub fn gather(&self, points: &TilePoints, found: &mut TileLight) {
         *found = TileLight { choice: found.choice.take(), noise: self.set.noise, ..TileLight::NONE };
         if self.set.usable == 0 || points.wanted == 0 {
@@ -59,17 +46,18 @@ impl<'a> ViewLookup<'a> {
         }
         let mut open = points.wanted;
         if open == u64::MAX && points.is_one_plane() {
-            self.gather_pixels(points, ROWS_ASKED, found);
+            self.gather_pixels(points, ROWS_LOOKED_UP, found);
             found.interpolate_rows();
-            open &= !(found.known | ROWS_ASKED);
+            open &= !(found.known | ROWS_LOOKED_UP);
         }
         self.gather_pixels(points, open, found);
         self.gather_leftovers(points, found);
     }
 
-    /// Finds the light of some pixels of a tile in the references that serve them best.
+    /// Finds the light of some pixels of a tile, one bit each, in the references that are best for
+    /// them.
     fn gather_pixels(&self, points: &TilePoints, pixels: u64, found: &mut TileLight) {
-        let mut asked: SlotMask = 0;
+        let mut tried: SlotMask = 0;
         for round in 0..MAX_ROUNDS {
             let open = pixels & !found.covered;
             if open == 0 {
@@ -78,18 +66,19 @@ impl<'a> ViewLookup<'a> {
             let pixel = middle_bit(open);
             let best = match round {
                 0 => self.choice_near(points, pixel, &mut found.choice),
-                _ => self.best_references(points, pixel, asked),
+                _ => self.best_references(points, pixel, tried),
             };
             if best.is_empty() {
                 break;
             }
-            best.iter().for_each(|&slot| asked |= 1 << slot);
+            best.iter().for_each(|&slot| tried |= 1 << slot);
             dispatch!(simd::level(), simd => self.gather_from(simd, &best, points, open, found));
         }
         found.divide_by_weight(pixels);
     }
 
-    /// The best references for a pixel, or those of the tile before where it saw the same place turned alike.
+    /// The best references for a pixel, or those chosen for the previous tile where it showed a point
+    /// in the same cell with nearly the same normal.
     fn choice_near(
         &self,
         points: &TilePoints,
@@ -109,7 +98,7 @@ impl<'a> ViewLookup<'a> {
         best
     }
 
-    /// Pixels that the tile's best references do not know ask all of their cell's.
+    /// Looks up the pixels that the tile's references do not know in all references of their cell.
     fn gather_leftovers(&self, points: &TilePoints, found: &mut TileLight) {
         let mut open = points.wanted & !found.known;
         while open != 0 {
@@ -133,32 +122,33 @@ impl<'a> ViewLookup<'a> {
         self.view.eye + self.view.direction_of_point(x0 + x + 0.5, y0 + y + 0.5) / points.disparity[pixel]
     }
 
-    /// The references that know a pixel's light, finest first. Where none knows it those that see the place.
+    /// The references that know a pixel's light, finest first; after them those that the point
+    /// projects into. References already tried are left out.
     fn best_references(
         &self,
         points: &TilePoints,
         pixel: usize,
-        asked: SlotMask,
+        tried: SlotMask,
     ) -> ArrayVec<u8, MAX_AVERAGED_BEST> {
         let directory = self.set.directory;
         let cell = directory.cell_of(self.position(points, pixel));
-        let mut mask = directory.mask(cell) & self.set.usable & !asked;
+        let mut mask = directory.mask(cell) & self.set.usable & !tried;
         let mut best = ArrayVec::<(f32, u8), { MAX_AVERAGED_BEST + 1 }>::new();
         while mask != 0 {
             let slot = mask.trailing_zeros() as u8;
             mask &= mask - 1;
-            let Some(toward) = &self.toward[slot as usize] else { continue };
-            let rank = toward.rank(points, pixel);
+            let Some(projection) = &self.projections[slot as usize] else { continue };
+            let rank = projection.rank(points, pixel);
             if rank > 0.0 {
                 let at = best.iter().position(|b| b.0 < rank).unwrap_or(best.len());
                 best.insert(at, (rank, slot));
-                best.truncate(self.most);
+                best.truncate(self.max_averaged);
             }
         }
         best.into_iter().map(|(_, slot)| slot).collect()
     }
 
-    /// Adds the light of some references to the pixels that are open.
+    /// Adds the light of some references to the open pixels.
     #[inline(always)]
     fn gather_from<S: Simd>(
         &self,
@@ -170,20 +160,21 @@ impl<'a> ViewLookup<'a> {
     ) {
         for row in (0..TILE_SIDE).filter(|row| open >> (8 * row) & 0xff != 0) {
             for &slot in slots {
-                if let Some(toward) = &self.toward[slot as usize] {
-                    toward.gather_row(simd, slot, row, points, open, found);
+                if let Some(projection) = &self.projections[slot as usize] {
+                    projection.gather_row(simd, slot, row, points, open, found);
                 }
             }
         }
         for pixel in (0..TILE_RAYS).filter(|pixel| open >> pixel & 1 == 1) {
-            // Who asks one reference only takes what it finds.
-            let is_enough = found.weight[pixel] > 0.0 && (self.most == 1 || !found.is_extrapolated(pixel));
+            // With one reference per pixel, extrapolated light is taken as it is.
+            let is_enough =
+                found.weight[pixel] > 0.0 && (self.max_averaged == 1 || !found.is_extrapolated(pixel));
             found.covered |= u64::from(is_enough) << pixel;
         }
     }
 }
 
-/// The set bit nearest to the middle of the word, about: the upper of the lower half.
+/// A set bit near the middle of the word: the highest of the lower 36 bits, or else the lowest.
 fn middle_bit(bits: u64) -> usize {
     let low = bits & 0x0000_000f_ffff_ffff;
     if low != 0 { 63 - low.leading_zeros() as usize } else { bits.trailing_zeros() as usize }
@@ -204,8 +195,8 @@ mod tests {
 
     const SIZE: [u32; 2] = [80, 48];
 
-    /// Pixels of a walk's view whose light the look-up of single points finds in a reference of two frames before; of those
-    /// the ones found in rows of eight, and how many of all pixels the rows answer otherwise.
+    /// Counts pixels of a walk's view whose light is found in a reference of two frames before: by
+    /// the look-up of single points, by rows of eight, and with different results.
     fn compare(name: &str) -> [u32; 3] {
         let tracer = Tracer::new(Arc::new(builtin::build(name).unwrap()));
         let [before, now] = [10, 12].map(|i| tracer.scene().walk.camera(i, 300).unwrap());
@@ -216,41 +207,43 @@ mod tests {
         let view = View::new(&now, &tracer.scene().frame, SIZE);
         let lookup = ViewLookup::new(&set, &view, 1);
         let reference = set.references.iter().flatten().next().unwrap();
-        let mut seen = TileSurfaces::new(&view);
-        let [mut alone_find, mut rows_find, mut differ] = [0; 3];
+        let mut surfaces = TileSurfaces::new(&view);
+        let [mut found_alone, mut found_in_rows, mut differ] = [0; 3];
         for corner in (0..SIZE[1]).step_by(8).flat_map(|y| (0..SIZE[0]).step_by(8).map(move |x| [x, y])) {
             let mut found = TileLight::NONE;
-            seen.see(&tracer, &view, corner);
-            let points = &seen.points;
+            surfaces.trace(&tracer, &view, corner);
+            let points = &surfaces.points;
             lookup.gather_pixels(points, points.wanted, &mut found);
             for pixel in (0..TILE_RAYS).filter(|pixel| points.wanted >> pixel & 1 == 1) {
                 let position = lookup.position(points, pixel);
                 let alone =
                     reference.light_at::<false>(position, points.normal_at(pixel), points.triangle[pixel]);
                 let in_row = (found.known >> pixel & 1 == 1).then(|| found.at(pixel));
-                alone_find += u32::from(alone.is_some());
-                // Where a tile's middle is not seen its rows are not asked; those pixels are looked up alone.
+                found_alone += u32::from(alone.is_some());
+                // Rows are not gathered where the tile's middle is not seen; such pixels are looked
+                // up alone.
                 let Some(in_row) = in_row else { continue };
-                rows_find += 1;
+                found_in_rows += 1;
                 let is_same = alone.is_some_and(|Sampled { light, .. }| {
                     (light - in_row).abs().max_element() <= 1e-3 * light.max(in_row).max_element()
                 });
                 differ += u32::from(!is_same);
             }
         }
-        [alone_find, rows_find, differ]
+        [found_alone, found_in_rows, differ]
     }
 
     #[test]
     fn rows_of_eight_find_what_single_points_find() {
         for name in ["cornell", "gallery"] {
-            let [alone_find, rows_find, differ] = compare(name);
+            let [found_alone, found_in_rows, differ] = compare(name);
             assert!(
-                rows_find > 1000 && rows_find * 10 >= alone_find * 9,
-                "{name}: {rows_find} of {alone_find}"
+                found_in_rows > 1000 && found_in_rows * 10 >= found_alone * 9,
+                "{name}: {found_in_rows} of {found_alone}"
             );
-            // Positions are rounded otherwise, which decides for samples at the edge of the tolerance.
-            assert!(differ * 25 <= rows_find, "{name}: {differ} of {rows_find} pixels");
+            // Positions are rounded differently, which decides for samples at the edge of the
+            // tolerance.
+            assert!(differ * 25 <= found_in_rows, "{name}: {differ} of {found_in_rows} pixels");
         }
     }
 }

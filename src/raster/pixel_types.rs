@@ -34,6 +34,9 @@ impl PixelType {
     }
 }
 
+/// Supplier of a pixel that no reference supplied.
+pub const NO_SUPPLIER: u8 = u8::MAX;
+
 /// 8-bit sRGB colours of Types 1, 2 and 3. Colour-blind people can distinguish them, also by
 /// brightness.
 pub const TYPE_SRGB: [[u8; 3]; 3] = [[0x00, 0x72, 0xb2], [0xf0, 0xe4, 0x42], [0xd5, 0x5e, 0x00]];

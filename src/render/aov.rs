@@ -1,9 +1,9 @@
 //! What a finished frame knows of its pixels, as channels of a file and as pictures.
 
 use super::bands::Band;
-use super::frame::{Frame, NO_SUPPLIER};
+use super::frame::Frame;
 use crate::raster::color::{ToneMap, srgb8};
-use crate::raster::pixel_types::PixelType;
+use crate::raster::pixel_types::{NO_SUPPLIER, PixelType};
 use crate::raster::save::Channel;
 use crate::trace::NO_TRIANGLE;
 use crate::trace::{SurfacePoint, Tracer};

@@ -1,28 +1,29 @@
-//! The stages in order, timed: from a pose and the references at hand to a finished frame.
+//! Rendering: from a pose and the references at hand to a finished frame, and from frames to a walk.
+//!
+//! [`Renderer`] renders one [`FrameRequest`], [`Walkthrough`] renders frame after frame from a cache
+//! of references, and [`render_antialiased`] and [`bands`] render pictures without references.
 
-#[cfg(feature = "pictures")]
+mod accumulate;
 pub mod aov;
 pub mod audit;
 pub mod bands;
-mod finish;
 pub mod frame;
-mod look_up;
 mod placeholders;
 mod prefetch;
 mod reference_job;
-pub mod refine;
-pub mod renderer;
+mod renderer;
+mod reprojection;
 mod request;
 mod settings;
 mod temporal_stability;
-pub mod walkthrough;
+mod walkthrough;
+mod worklist;
 
-pub use audit::statistics::AuditEstimate;
-pub use frame::{Frame, FrameStats, StageSecs};
+pub use accumulate::{CONVERGED_PASSES, render_antialiased};
+pub use audit::AuditEstimate;
+pub use frame::{Frame, FrameStats, RefineState, StageSecs, TemporalStability};
 pub use reference_job::ReferenceJob;
-pub use refine::{RefineState, render_antialiased};
 pub use renderer::Renderer;
 pub use request::{FrameRequest, References};
 pub use settings::{Mode, RenderSettings};
-pub use temporal_stability::TemporalStability;
 pub use walkthrough::{Walkthrough, WalkthroughSettings};

@@ -1,121 +1,117 @@
 //! What a frame that was stopped shows where it is not done.
 //!
-//! Where the surface is known, only the light is taken from around, so that textures and edges are sharp all the same; of
-//! mirrors and glass what they show. Where nothing is known it is the colour.
+//! Where the surface is known, only its light is interpolated from around it, so that textures and
+//! edges stay sharp; for mirrors and glass, what they show is interpolated. Where the surface is
+//! not known, the colour is.
 
+use super::frame::Frame;
+use super::worklist::WorkList;
 use crate::raster::fill::{Levels, Surroundings, fill_unknown};
-use crate::render::renderer::Renderer;
-use crate::trace::NO_TRIANGLE;
-use crate::trace::Tracer;
+use crate::trace::{NO_TRIANGLE, PixelTrace, Tracer};
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// Scratch memory, kept from frame to frame.
+/// Scratch memory, reused between frames.
 #[derive(Debug, Default)]
-pub(crate) struct Placeholders {
-    /// What is known of some pixels; not a number elsewhere.
+pub(super) struct Placeholders {
+    /// Values of the pixels that are known; NaN elsewhere.
     known: Vec<Vec3>,
     is_known: Vec<bool>,
     found: Vec<Option<Vec3>>,
     levels: Levels,
 }
 
-impl Placeholders {
-    /// An upper bound.
-    pub(crate) const BYTES_PER_PIXEL: usize = 3 * size_of::<Vec3>() + size_of::<Option<Vec3>>() + 1;
-
-    /// For each pixel of a list what the done ones around it have; `None` where it is done itself.
-    fn find<'a>(
-        &mut self,
-        size: [u32; 2],
-        list: &[u32],
-        done: impl Iterator<Item = Option<Vec3>> + 'a,
-    ) -> &[Option<Vec3>] {
-        let [width, height] = size.map(|s| s as usize);
-        self.known.clear();
-        self.known.resize(width * height, Vec3::NAN);
-        for (&pixel, value) in list.iter().zip(done) {
-            self.known[pixel as usize] = value.unwrap_or(Vec3::NAN);
-        }
-        let known = |pixel: usize| Some(self.known[pixel]).filter(|v| !v.is_nan());
-        let surroundings = Surroundings::gather([width, height], known, &mut self.levels);
-        let around = |&pixel: &u32| {
-            let pixel = pixel as usize;
-            known(pixel).is_none().then(|| surroundings.around([pixel % width, pixel / width])).flatten()
-        };
-        list.par_iter().map(around).collect_into_vec(&mut self.found);
-        &self.found
-    }
+/// A stopped frame's lists of work.
+#[derive(Clone, Copy)]
+pub(super) struct Unfinished<'a> {
+    pub(super) tracer: &'a Tracer,
+    pub(super) unseen: &'a WorkList<PixelTrace>,
+    pub(super) secondary: &'a WorkList<Vec3>,
+    /// Radiance of the pixels of `secondary` without what their mirror or glass shows.
+    pub(super) own: &'a [Vec3],
+    /// True where the hits of all pixels are known, shaded or not.
+    pub(super) knows_hits: bool,
 }
 
-impl Renderer {
+impl Placeholders {
+    /// Memory per pixel: an upper bound.
+    pub(super) const BYTES_PER_PIXEL: usize = 3 * size_of::<Vec3>() + size_of::<Option<Vec3>>() + 1;
+
     /// Gives the pixels that a stop left undone something to show.
-    pub(crate) fn placeholder(&mut self, tracer: &Tracer) {
-        if !self.knows_hits {
-            self.forget_undone();
-            self.stand_in_colour();
-            return;
-        }
-        self.stand_in_specular();
-        if self.traced.iter().any(Option::is_some) {
-            self.stand_in_light(tracer);
+    pub(super) fn fill(&mut self, unfinished: &Unfinished<'_>, frame: &mut Frame) {
+        let Unfinished { unseen, knows_hits, .. } = *unfinished;
+        if knows_hits {
+            self.fill_specular(unfinished, frame);
         } else {
-            self.stand_in_colour();
-        }
-    }
-
-    /// Modes that do not look up know nothing of what is seen there.
-    fn forget_undone(&mut self) {
-        for (&pixel, _) in self.unseen.iter().zip(&self.traced).filter(|(_, traced)| traced.is_none()) {
-            let pixel = pixel as usize;
-            (self.frame.disparity[pixel], self.frame.triangle[pixel]) = (0.0, NO_TRIANGLE);
-        }
-    }
-
-    fn stand_in_colour(&mut self) {
-        let Placeholders { is_known, levels, .. } = &mut self.placeholders;
-        is_known.clear();
-        is_known.resize(self.frame.radiance.len(), true);
-        let width = self.frame.view.size[0] as usize;
-        for (&pixel, traced) in self.unseen.iter().zip(&self.traced) {
-            is_known[pixel as usize] = traced.is_some();
-        }
-        if !self.knows_hits {
-            for (&pixel, specular) in self.secondary.iter().zip(&self.specular) {
-                is_known[pixel as usize] = specular.is_some();
+            for pixel in unseen.missing() {
+                (frame.disparity[pixel], frame.triangle[pixel]) = (0.0, NO_TRIANGLE);
             }
         }
-        fill_unknown(&mut self.frame.radiance, is_known, width, levels);
+        if knows_hits && unseen.done().next().is_some() {
+            self.fill_light(unfinished, frame);
+        } else {
+            self.fill_colour(unfinished, frame);
+        }
     }
 
-    /// Mirrors and glass show what those around them do.
-    fn stand_in_specular(&mut self) {
-        if self.specular.iter().all(Option::is_some) {
-            return;
+    fn fill_colour(&mut self, unfinished: &Unfinished<'_>, frame: &mut Frame) {
+        let Self { is_known, levels, .. } = self;
+        is_known.clear();
+        is_known.resize(frame.radiance.len(), true);
+        unfinished.unseen.missing().for_each(|pixel| is_known[pixel] = false);
+        if !unfinished.knows_hits {
+            unfinished.secondary.missing().for_each(|pixel| is_known[pixel] = false);
         }
-        let found =
-            self.placeholders.find(self.frame.view.size, &self.secondary, self.specular.iter().copied());
-        for ((&pixel, found), own) in self.secondary.iter().zip(found).zip(&self.own) {
+        fill_unknown(&mut frame.radiance, is_known, frame.view.size[0] as usize, levels);
+    }
+
+    /// Mirrors and glass show what those around them show.
+    fn fill_specular(&mut self, unfinished: &Unfinished<'_>, frame: &mut Frame) {
+        let Unfinished { secondary, own, .. } = *unfinished;
+        let found = self.interpolate(frame.view.size, secondary, |specular| *specular);
+        for ((&pixel, found), own) in secondary.pixels().iter().zip(found).zip(own) {
             if let Some(specular) = found {
-                self.frame.radiance[pixel as usize] = *own + *specular;
+                frame.radiance[pixel as usize] = *own + *specular;
             }
         }
     }
 
     /// Surfaces show their own texture in the light around them.
-    fn stand_in_light(&mut self, tracer: &Tracer) {
-        if self.traced.iter().all(Option::is_some) {
-            return;
-        }
-        let light = self.traced.iter().map(|traced| traced.as_ref().map(|traced| traced.light));
-        let found = self.placeholders.find(self.frame.view.size, &self.unseen, light);
-        let frame = &mut self.frame;
-        for (&pixel, light) in self.unseen.iter().zip(found) {
+    fn fill_light(&mut self, unfinished: &Unfinished<'_>, frame: &mut Frame) {
+        let Unfinished { tracer, unseen, .. } = *unfinished;
+        let found = self.interpolate(frame.view.size, unseen, |traced| traced.light);
+        for (&pixel, light) in unseen.pixels().iter().zip(found) {
             let (at, ray) = (pixel as usize, Tracer::primary_ray(&frame.view, pixel));
             if let (Some(light), Some(hit)) = (light, tracer.hit_on_triangle(&ray, frame.triangle[at])) {
                 let emission = tracer.scene().material_of(hit.triangle).emission;
                 frame.radiance[at] = emission + tracer.albedo(&hit) * *light;
             }
         }
+    }
+
+    /// For each pixel of a list, a value interpolated from the done pixels around it; `None` where
+    /// it is done itself, and for all pixels where the list is complete.
+    fn interpolate<R: Send>(
+        &mut self,
+        size: [u32; 2],
+        list: &WorkList<R>,
+        value: impl Fn(&R) -> Vec3,
+    ) -> &[Option<Vec3>] {
+        self.found.clear();
+        if list.missing().next().is_none() {
+            return &self.found;
+        }
+        let [width, height] = size.map(|s| s as usize);
+        self.known.clear();
+        self.known.resize(width * height, Vec3::NAN);
+        list.done().for_each(|(pixel, result)| self.known[pixel] = value(result));
+        let known = |pixel: usize| Some(self.known[pixel]).filter(|v| !v.is_nan());
+        let surroundings = Surroundings::gather([width, height], known, &mut self.levels);
+        let around = |&pixel: &u32| {
+            let pixel = pixel as usize;
+            known(pixel).is_none().then(|| surroundings.around([pixel % width, pixel / width])).flatten()
+        };
+        list.pixels().par_iter().map(around).collect_into_vec(&mut self.found);
+        &self.found
     }
 }

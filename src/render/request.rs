@@ -1,8 +1,8 @@
 //! What one frame is rendered from.
 
 use super::settings::{Mode, RenderSettings};
-use crate::camera::Camera;
-use crate::lookup::LookupSet;
+use crate::camera::{Camera, View};
+use crate::lookup::{LookupQuality, LookupSet, PixelResolver, PointCache};
 use crate::reference::{ReferenceCache, ReferenceFrame};
 use crate::trace::Tracer;
 use crate::trace::parallel::{NEVER, Stop};
@@ -68,17 +68,17 @@ impl<'a> FrameRequest<'a> {
     /// # Panics
     /// Where a reference to be warped belongs to another epoch.
     pub(super) fn source(&self) -> Source<'a> {
-        let epoch = self.tracer.epoch();
-        match (self.settings.mode, self.references) {
-            (Mode::Fast | Mode::Exact, References::Cached(cache)) => {
-                Source::LookUp(LookupSet::new(cache, epoch))
+        let (mode, epoch) = (self.settings.mode, self.tracer.epoch());
+        match (mode.lookup_quality(), self.references) {
+            (Some(quality), References::Cached(cache)) => {
+                Source::LookUp(LookupSet::new(cache, epoch), quality)
             }
-            (Mode::Paper, References::Cached(cache)) => {
+            (None, References::Cached(cache)) if mode == Mode::Paper => {
                 let entries = cache.entries().iter();
                 let usable = entries.filter(|entry| entry.is_usable(epoch) && entry.frame.is_dense());
                 Source::Warp(usable.map(|entry| &*entry.frame).collect())
             }
-            (Mode::Paper, References::Warped(frames)) => {
+            (None, References::Warped(frames)) if mode == Mode::Paper => {
                 assert!(frames.iter().all(|f| f.epoch == epoch), "a reference of another epoch");
                 Source::Warp(Cow::Borrowed(frames))
             }
@@ -87,10 +87,31 @@ impl<'a> FrameRequest<'a> {
     }
 }
 
-/// What a frame takes its known light from.
+/// Where a frame's known light comes from.
 pub(super) enum Source<'a> {
     /// References to look light up in.
-    LookUp(LookupSet<'a>),
+    LookUp(LookupSet<'a>, LookupQuality),
     /// Frames to warp; none where every pixel is traced in full.
     Warp(Cow<'a, [&'a ReferenceFrame]>),
+}
+
+impl Source<'_> {
+    /// The frames to warp.
+    pub(super) fn warped(&self) -> &[&ReferenceFrame] {
+        match self {
+            Self::LookUp(..) => &[],
+            Self::Warp(frames) => frames,
+        }
+    }
+
+    /// What completes the pixels that a look-up leaves open; `None` where frames are warped.
+    pub(super) fn resolver<'s>(
+        &'s self,
+        request: &FrameRequest<'s>,
+        view: &'s View,
+        points: &'s PointCache,
+    ) -> Option<PixelResolver<'s>> {
+        let (Self::LookUp(lookup, quality), trace) = (self, request.settings.trace) else { return None };
+        Some(PixelResolver { tracer: request.tracer, lookup, view, points, trace, quality: *quality })
+    }
 }

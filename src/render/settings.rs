@@ -1,5 +1,6 @@
 //! The settings of a frame: the mode, and what the tracer is run with.
 
+use crate::lookup::LookupQuality;
 use crate::trace::TraceSettings;
 use serde::{Deserialize, Serialize};
 
@@ -44,7 +45,16 @@ impl Mode {
 
     /// True for the modes that look up light per surface point, and whose references are sparse.
     pub fn looks_up(self) -> bool {
-        matches!(self, Self::Fast | Self::Exact)
+        self.lookup_quality().is_some()
+    }
+
+    /// How carefully a mode looks light up; `None` for the modes that do not.
+    pub fn lookup_quality(self) -> Option<LookupQuality> {
+        match self {
+            Self::Full | Self::Paper => None,
+            Self::Fast => Some(LookupQuality::FAST),
+            Self::Exact => Some(LookupQuality::EXACT),
+        }
     }
 }
 

@@ -3,29 +3,17 @@
 //! A matte point has the same light wherever it is seen from, so every change of its colour is an error that flickers. Points
 //! of the last frame on a lattice are projected into the new one; compared are those that show the same triangle there.
 
+use super::frame::{Frame, TemporalStability};
 use crate::camera::PixelWarp;
 use crate::camera::View;
 use crate::raster::color::srgb_from_linear;
-use crate::render::Frame;
-use crate::render::frame::NO_SUPPLIER;
+use crate::raster::pixel_types::NO_SUPPLIER;
 use crate::scene::Scene;
 use crate::trace::NO_TRIANGLE;
 use glam::Vec3;
-use serde::Serialize;
 
 /// One pixel in so many per axis is compared: 57,600 of 1280x720, at under a hundredth of the frame's time.
 const LATTICE: usize = 4;
-
-/// What two frames have in common.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct TemporalStability {
-    /// Points compared.
-    pub compared: u32,
-    /// Of them, those whose colour was lent by references before and is traced now, or the other way round.
-    pub flips_percent: f64,
-    /// Of the display values of matte, untextured points in both frames; infinite where nothing changed.
-    pub psnr_db: f64,
-}
 
 /// A point of the last frame.
 #[derive(Clone, Copy, Debug)]

@@ -2,17 +2,21 @@
 //!
 //! The window and the headless tour run the same walk; they differ only in when a wished reference is traced.
 
+use super::accumulate::{Accumulation, CONVERGED_PASSES};
 use super::audit::{Audited, Auditor};
-use super::refine::{PASSES, RefineState, Refinement};
-use super::{Frame, FrameRequest, Mode, ReferenceJob, References, RenderSettings, Renderer};
+use super::frame::{Frame, RefineState};
+use super::prefetch::Ahead;
+use super::reference_job::ReferenceJob;
+use super::renderer::Renderer;
+use super::request::{FrameRequest, References};
+use super::settings::{Mode, RenderSettings};
+use super::temporal_stability::TemporalStabilityWatch;
 use crate::camera::{Camera, View};
 use crate::lookup::{LookupSet, open_percent};
 use crate::reference::cache::CachedReference;
 use crate::reference::{
     Observation, PlacementPolicy, ReferenceCache, ReferenceFrame, ReferenceId, settings_of_reference,
 };
-use crate::render::prefetch::Ahead;
-use crate::render::temporal_stability::TemporalStabilityWatch;
 use crate::trace::Tracer;
 use crate::trace::parallel::Stop;
 use crate::warp::ReferenceSelector;
@@ -73,7 +77,7 @@ pub struct Walkthrough {
     /// While frames are compared.
     watch: Option<TemporalStabilityWatch>,
     /// Of the last frame's pose, from the first [`Self::refine`] on.
-    refinement: Option<Refinement>,
+    refinement: Option<Accumulation>,
 }
 
 impl Walkthrough {
@@ -112,7 +116,7 @@ impl Walkthrough {
         self.cache = ReferenceCache::new(self.tracer.scene(), self.settings.cache_bytes);
         (self.previous, self.wanted) = (None, None);
         (self.refinement, self.auditor, self.watch) = (None, None, None);
-        self.renderer.forget();
+        *self.renderer.frame_mut() = Frame::default();
         self.selected.clear();
     }
 
@@ -228,7 +232,10 @@ impl Walkthrough {
         let shares: Vec<_> = self.used.iter().copied().zip(shares).collect();
         self.cache.note_contributions(&shares);
         self.wanted = self.decide(&camera, size);
-        self.renderer.add_select_secs(select_secs + start.elapsed().as_secs_f64());
+        let select_secs = select_secs + start.elapsed().as_secs_f64();
+        let secs = &mut self.renderer.frame_mut().stats.secs;
+        secs.select = select_secs;
+        secs.frame += select_secs;
         self.audit();
         self.measure_stability();
     }
@@ -270,7 +277,7 @@ impl Walkthrough {
         let settings = &self.settings.render;
         self.has_kept = settings.mode.looks_up() && stats.is_complete && self.settings.placement.keeps(lit);
         if self.has_kept {
-            let reference = self.renderer.lit_reference(&self.tracer, settings);
+            let reference = self.renderer.shaded_reference(&self.tracer, settings);
             self.cache.insert(Arc::new(reference));
         }
     }
@@ -293,7 +300,7 @@ impl Walkthrough {
         let is_untouched = stats.is_complete && stats.refined == RefineState::default();
         let is_full = render.mode == Mode::Full && self.rendered == render && is_untouched;
         let refinement = self.refinement.get_or_insert_with(|| {
-            let mut new = Refinement::new(&self.tracer, &camera, size, &render.trace, PASSES);
+            let mut new = Accumulation::new(&self.tracer, &camera, size, &render.trace, CONVERGED_PASSES);
             if is_full {
                 new.take_first_pass(self.renderer.frame());
             }
@@ -313,7 +320,7 @@ impl Walkthrough {
     fn keep_refinement(&mut self, camera: &Camera, size: [u32; 2]) {
         let render = &self.settings.render;
         let is_wanted =
-            |r: &Refinement| render.mode.refines() && r.is_of(&self.tracer, camera, size, &render.trace);
+            |r: &Accumulation| render.mode.refines() && r.is_of(&self.tracer, camera, size, &render.trace);
         self.refinement = self.refinement.take().filter(is_wanted);
     }
 

@@ -31,14 +31,7 @@ pub(super) const KNOWN: &[(&str, &str)] = &[
     ("experiment/throughput/mod.rs", "experiment/throughput/stage_speed.rs"),
     ("experiment/throughput/mod.rs", "experiment/throughput/warp_speed.rs"),
     // lookup
-    ("lookup/gather.rs", "lookup/point.rs"),
-    ("lookup/tile_light.rs", "lookup/view.rs"),
     // render
-    ("render/audit/mod.rs", "render/audit/blame.rs"),
-    ("render/frame.rs", "render/refine.rs"),
-    ("render/look_up.rs", "render/renderer.rs"),
-    ("render/renderer.rs", "render/placeholders.rs"),
-    ("render/temporal_stability.rs", "render/frame.rs"),
     // trace
     ("trace/bvh/cone.rs", "trace/bvh/bundle.rs"),
     ("trace/bvh/packet.rs", "trace/bvh/mod.rs"),

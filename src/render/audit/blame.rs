@@ -3,12 +3,12 @@
 //! A wrong pixel by itself proves little: at the edge of a shadow the light between two samples is a guess, and nobody's
 //! fault. So pixels of the block are traced anew where the reference was, and it is at fault where those are off.
 
-use super::Audited;
+use super::audited::Audited;
 use super::statistics::visibly_brighter;
 use crate::camera::PixelWarp;
 use crate::camera::View;
 use crate::reference::{CachedReference, ReferenceCache, ReferenceFrame, ReferenceId};
-use crate::render::Frame;
+use crate::render::frame::Frame;
 use crate::trace::{PixelTrace, RayCounts, TraceSettings, Tracer};
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -73,7 +73,7 @@ impl PublishedFrame {
     pub fn empty() -> Self {
         Self {
             generation: 0,
-            camera: Frame::empty().camera,
+            camera: Frame::default().camera,
             size: [0, 0],
             scene_frame: SceneFrame { origin_in_world_m: glam::DVec3::ZERO, units_per_metre: 1.0 },
             depth_ranges: DepthRanges::default(),

@@ -49,7 +49,7 @@ impl Default for PictureSettings {
             samples: None,
             mode: Mode::Full,
             // What a picture at rest converges to.
-            antialias: afterimage::render::refine::PASSES,
+            antialias: afterimage::render::CONVERGED_PASSES,
             format: PictureFormat::Png,
             background: Background::Shown,
             folder: None,

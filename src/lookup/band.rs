@@ -1,0 +1,124 @@
+//! Fills a band of eight rows of a frame: every pixel shows the surface that its primary ray meets,
+//! in light looked up in the references.
+//!
+//! Hits are found for tiles of pixels together, which costs a fifth of a single ray each, so
+//! nothing about visibility is guessed; the references save the shading. Where the look-up is a guess, mode
+//! `exact` traces a few rays to check it, and mode `fast` shows it as it is.
+
+use super::{LookupQuality, LookupSet, TileLight, TileSurfaces, ViewLookup, pixels_of_tile};
+use crate::camera::View;
+use crate::raster::pixel_types::{NO_SUPPLIER, PixelType};
+use crate::trace::{Hit, NO_TRIANGLE, TILE_SIDE, Tracer};
+use glam::Vec3;
+
+/// Some rows of a frame, to be written. Row-major.
+#[derive(Debug)]
+pub(crate) struct FrameRows<'a> {
+    pub(crate) radiance: &'a mut [Vec3],
+    pub(crate) disparity: &'a mut [f32],
+    pub(crate) triangle: &'a mut [u32],
+    pub(crate) types: &'a mut [PixelType],
+    pub(crate) supplier: &'a mut [u8],
+}
+
+/// Pixels that still have to be traced, by type.
+#[derive(Debug, Default)]
+pub(crate) struct OpenPixels {
+    pub(crate) secondary: Vec<u32>,
+    pub(crate) unseen: Vec<u32>,
+    pub(crate) uncertain: Vec<u32>,
+}
+
+impl OpenPixels {
+    pub(crate) fn clear(&mut self) {
+        for list in [&mut self.secondary, &mut self.unseen, &mut self.uncertain] {
+            list.clear();
+        }
+    }
+
+    pub(crate) fn push(&mut self, kind: PixelType, pixel: u32) {
+        match kind {
+            PixelType::Secondary => self.secondary.push(pixel),
+            PixelType::Unseen => self.unseen.push(pixel),
+            PixelType::Uncertain => self.uncertain.push(pixel),
+            PixelType::Reused => {}
+        }
+    }
+}
+
+/// Looks up the bands of one view.
+#[derive(Debug)]
+pub(crate) struct BandLookup<'a> {
+    tracer: &'a Tracer,
+    view: &'a View,
+    lookup: ViewLookup<'a>,
+    checks_guesses: bool,
+}
+
+impl<'a> BandLookup<'a> {
+    pub(crate) fn new(
+        tracer: &'a Tracer,
+        view: &'a View,
+        set: &'a LookupSet<'a>,
+        quality: LookupQuality,
+    ) -> Self {
+        let lookup = ViewLookup::new(set, view, quality.max_averaged);
+        Self { tracer, view, lookup, checks_guesses: quality.checks_guesses }
+    }
+
+    /// Fills the band that begins at row `y0`, and lists the pixels that it leaves open.
+    pub(crate) fn fill(&self, y0: u32, mut rows: FrameRows<'_>, open: &mut OpenPixels) {
+        open.clear();
+        let first = y0 as usize * self.view.size[0] as usize;
+        let (mut surfaces, mut light) = (TileSurfaces::new(self.view), TileLight::NONE);
+        for x0 in (0..self.view.size[0]).step_by(TILE_SIDE) {
+            surfaces.trace(self.tracer, self.view, [x0, y0]);
+            self.lookup.gather(&surfaces.points, &mut light);
+            for (ray, pixel) in pixels_of_tile([x0, y0], self.view.size) {
+                let kind = self.write_pixel(&surfaces, &light, ray, pixel - first, &mut rows);
+                open.push(kind, pixel as u32);
+            }
+        }
+    }
+
+    /// Writes what is known of a pixel. Returns its type, which says what is left to do.
+    #[inline(always)]
+    fn write_pixel(
+        &self,
+        surfaces: &TileSurfaces,
+        light: &TileLight,
+        ray: usize,
+        at: usize,
+        rows: &mut FrameRows<'_>,
+    ) -> PixelType {
+        let triangle = surfaces.hits.triangle[ray];
+        (rows.triangle[at], rows.disparity[at], rows.supplier[at]) =
+            (triangle, surfaces.points.disparity[ray], NO_SUPPLIER);
+        let kind = if triangle == NO_TRIANGLE {
+            rows.radiance[at] = self.tracer.sky(surfaces.direction(ray));
+            PixelType::Reused
+        } else {
+            let material = &self.tracer.scene().materials[surfaces.material[ray].0 as usize];
+            rows.radiance[at] = material.emission;
+            let is_wanted = surfaces.points.wanted >> ray & 1 == 1;
+            let is_known = light.known >> ray & 1 == 1;
+            if is_known {
+                let [b1, b2] = [surfaces.hits.b1[ray], surfaces.hits.b2[ray]];
+                let hit = Hit { t: 0.0, triangle, b1, b2 };
+                rows.radiance[at] += self.tracer.albedo(&hit) * light.at(ray);
+                rows.supplier[at] = light.slot[ray];
+            }
+            if is_wanted && !is_known {
+                PixelType::Unseen
+            } else if is_known && self.checks_guesses && light.is_guess(ray) {
+                PixelType::Uncertain
+            } else if material.is_view_dependent() {
+                PixelType::Secondary
+            } else {
+                PixelType::Reused
+            }
+        };
+        rows.types[at] = kind;
+        kind
+    }
+}

@@ -1,0 +1,288 @@
+//! Completes the pixels that the look-up left open: mirrors and glass, guesses, and surfaces that
+//! no reference saw.
+
+use super::policy::{BAD_GUESS, HYSTERESIS, LookupQuality, MAX_POINTS_PER_PIXEL};
+use super::{LookupSet, PointCache, SurfaceKey, TracedPoint};
+use crate::camera::View;
+use crate::math::Ray;
+use crate::math::key::Key;
+use crate::trace::{Hit, PixelTrace, RayCounts, SurfacePoint, TraceSettings, Tracer};
+use glam::Vec3;
+use std::ops::AddAssign;
+
+/// What resolving pixels produces besides their radiance.
+#[derive(Debug, Default)]
+pub(crate) struct Tally {
+    /// Rays traced.
+    pub(crate) rays: RayCounts,
+    /// Points whose light was traced, for the cache of the next frames.
+    pub(crate) points: Vec<TracedPoint>,
+}
+
+impl AddAssign for Tally {
+    fn add_assign(&mut self, mut other: Self) {
+        self.rays += other.rays;
+        self.points.append(&mut other.points);
+    }
+}
+
+/// Resolves pixels of one view.
+#[derive(Clone, Copy)]
+pub(crate) struct PixelResolver<'a> {
+    pub(crate) tracer: &'a Tracer,
+    pub(crate) lookup: &'a LookupSet<'a>,
+    pub(crate) view: &'a View,
+    /// Light traced at single points in earlier frames.
+    pub(crate) points: &'a PointCache,
+    pub(crate) trace: TraceSettings,
+    pub(crate) quality: LookupQuality,
+}
+
+/// The outcome of checking a guess.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CheckedPixel {
+    pub(crate) radiance: Vec3,
+    /// True where traced light replaced the guess.
+    pub(crate) is_traced: bool,
+}
+
+/// The end of a path from a pixel to a surface point.
+struct PathEnd {
+    pixel: u32,
+    /// Length of the path, scene units.
+    distance: f32,
+    /// The share of the pixel's radiance that the point contributes, 0..1.
+    share: f32,
+    /// Key of the point's random numbers.
+    key: Key,
+}
+
+impl PixelResolver<'_> {
+    /// The radiance that a pixel's mirror or glass shows.
+    pub(crate) fn resolve_specular(&self, pixel: u32, triangle: u32, tally: &mut Tally) -> Vec3 {
+        let (ray, Some(hit)) = self.hit(pixel, triangle) else { return Vec3::ZERO };
+        self.specular(&self.tracer.surface(&ray, &hit), &ray, &hit, pixel, tally)
+    }
+
+    /// Shades a pixel that no reference knows. What its mirror or glass shows is looked up.
+    pub(crate) fn shade_unseen(&self, pixel: u32, triangle: u32, tally: &mut Tally) -> PixelTrace {
+        let resolver = Self { trace: self.quality.unseen_trace(&self.trace), ..*self };
+        let (ray, hit) = self.hit(pixel, triangle);
+        let key = Key::of_pixel(resolver.trace.seed, pixel);
+        let (mut traced, point) = self.tracer.shade_hit(&ray, hit, &resolver.trace, key, &mut tally.rays);
+        if let (Some(hit), Some(point)) = (hit, point) {
+            traced.radiance += resolver.specular(&point, &ray, &hit, pixel, tally);
+        }
+        traced
+    }
+
+    /// Compares a guess of a pixel's diffuse radiance with light traced there.
+    pub(crate) fn check_guess(
+        &self,
+        pixel: u32,
+        triangle: u32,
+        guess: Vec3,
+        tally: &mut Tally,
+    ) -> CheckedPixel {
+        let (ray, Some(hit)) = self.hit(pixel, triangle) else {
+            return CheckedPixel { radiance: guess, is_traced: false };
+        };
+        let point = self.tracer.surface(&ray, &hit);
+        let key = Key::of_pixel(self.trace.seed, pixel);
+        let end = PathEnd { pixel, distance: length(&ray, &hit), share: 1.0, key };
+        let diffuse = self.check_point(guess, &point, &end, tally);
+        let specular = self.specular(&point, &ray, &hit, pixel, tally);
+        CheckedPixel { radiance: diffuse.radiance + specular, ..diffuse }
+    }
+
+    /// The primary ray of a pixel, and its hit with the triangle that the pixel is known to show.
+    fn hit(&self, pixel: u32, triangle: u32) -> (Ray, Option<Hit>) {
+        let ray = Tracer::primary_ray(self.view, pixel);
+        (ray, self.tracer.hit_on_triangle(&ray, triangle))
+    }
+
+    /// The specular radiance of a pixel's first surface, with light looked up at every point that
+    /// it reflects or lets through.
+    fn specular(&self, point: &SurfacePoint, ray: &Ray, hit: &Hit, pixel: u32, tally: &mut Tally) -> Vec3 {
+        let tracer = self.tracer;
+        if !tracer.is_view_dependent(point) {
+            return Vec3::ZERO;
+        }
+        let (key, distance) = (Key::of_pixel(self.trace.seed, pixel), length(ray, hit));
+        let max_points = tally.points.len() + MAX_POINTS_PER_PIXEL;
+        let mut secondary = 0;
+        let (radiance, _) =
+            tracer.follow_specular(point, ray.direction, key, &mut secondary, |next, vertex| {
+                let (share, key) = (vertex.share, vertex.key);
+                let end = PathEnd { pixel, distance: distance + vertex.length, share, key };
+                let radiance = self.diffuse(next, &end, tally);
+                tally.points.truncate(max_points);
+                radiance
+            });
+        tally.rays.secondary += secondary;
+        radiance
+    }
+
+    /// The diffuse radiance of a point seen in a mirror or through glass.
+    fn diffuse(&self, point: &SurfacePoint, end: &PathEnd, tally: &mut Tally) -> Vec3 {
+        if point.albedo(self.tracer.scene()) == Vec3::ZERO {
+            return self.cached_or_traced(point, end, tally);
+        }
+        let SurfaceKey { position, normal, footprint } = self.surface_key(point, end);
+        let found = if self.quality.checks_guesses {
+            self.lookup.light_at(position, normal, point.triangle, footprint)
+        } else {
+            self.lookup.unchecked_light_at(position, normal, point.triangle)
+        };
+        match found {
+            Some(found) if found.is_guess => {
+                self.check_point(self.reflected(point, found.light), point, end, tally).radiance
+            }
+            Some(found) => self.reflected(point, found.light),
+            None => self.cached_or_traced(point, end, tally),
+        }
+    }
+
+    /// The diffuse radiance of a point that no reference knows, traced once for all frames.
+    fn cached_or_traced(&self, point: &SurfacePoint, end: &PathEnd, tally: &mut Tally) -> Vec3 {
+        let samples = self.trace.samples_for(end.share);
+        let near = self.surface_key(point, end);
+        match self.points.find(&near, samples) {
+            Some(cached) if !cached.is_at_edge => self.reflected(point, cached.light),
+            Some(_) => match self.points.find(&near.exact(), samples) {
+                Some(cached) => self.reflected(point, cached.light),
+                None => self.trace_point(point, end, tally, &[near.exact()], None),
+            },
+            None => self.trace_point(point, end, tally, &[near], None),
+        }
+    }
+
+    /// Checks the guessed diffuse radiance of a point. Light traced nearby can confirm the guess;
+    /// only light traced at the same point replaces it, because guesses are bad at the edges of
+    /// shadows. The exact key is looked up last: it is stored in addition to the near one, and each
+    /// look-up may be a cache miss.
+    fn check_point(
+        &self,
+        guess: Vec3,
+        point: &SurfacePoint,
+        end: &PathEnd,
+        tally: &mut Tally,
+    ) -> CheckedPixel {
+        let samples = self.trace.samples_for(end.share);
+        let near = self.surface_key(point, end);
+        let mut trace = |keys: &[SurfaceKey]| {
+            let traced = self.trace_point(point, end, tally, keys, Some(guess));
+            self.better(guess, traced, 1.0)
+        };
+        let Some(cached) = self.points.find(&near, samples) else { return trace(&[near, near.exact()]) };
+        let most = if cached.replaced_guess { 1.0 / HYSTERESIS } else { 1.0 };
+        if !cached.is_at_edge && !self.is_bad(guess, self.reflected(point, cached.light), most) {
+            return CheckedPixel { radiance: guess, is_traced: false };
+        }
+        match self.points.find(&near.exact(), samples) {
+            Some(cached) => {
+                let most = if cached.replaced_guess { 1.0 / HYSTERESIS } else { HYSTERESIS };
+                self.better(guess, self.reflected(point, cached.light), most)
+            }
+            None => trace(&[near.exact()]),
+        }
+    }
+
+    /// Traces the diffuse radiance of a point. Its light is stored under all `keys`, with a note
+    /// whether it replaces the guess.
+    fn trace_point(
+        &self,
+        point: &SurfacePoint,
+        end: &PathEnd,
+        tally: &mut Tally,
+        keys: &[SurfaceKey],
+        guess: Option<Vec3>,
+    ) -> Vec3 {
+        let rays = &mut tally.rays;
+        let [radiance, light] =
+            self.tracer.diffuse_radiance_and_light(point, end.share, &self.trace, end.key, rays);
+        if point.albedo(self.tracer.scene()) != Vec3::ZERO {
+            let (samples, noise) = (self.trace.samples_for(end.share), self.trace.noise());
+            let (pixel, near) = (end.pixel, self.surface_key(point, end));
+            let replaced_guess = guess.is_some_and(|guess| self.is_bad(guess, radiance, 1.0));
+            tally.points.extend(keys.iter().map(|&key| TracedPoint {
+                key,
+                light,
+                samples,
+                noise,
+                pixel,
+                is_exact: key != near,
+                replaced_guess,
+            }));
+        }
+        radiance
+    }
+
+    fn surface_key(&self, point: &SurfacePoint, end: &PathEnd) -> SurfaceKey {
+        let footprint = self.view.scene_from_pixel.x_axis.length() * end.distance;
+        SurfaceKey { position: point.position, normal: point.geometric_normal, footprint }
+    }
+
+    /// True where a guess differs from traced light by more than `most` times [`BAD_GUESS`].
+    fn is_bad(&self, guess: Vec3, traced: Vec3, most: f32) -> bool {
+        let most = most * BAD_GUESS * self.trace.noise() * traced.max(guess).max_element();
+        (traced - guess).abs().max_element() > most
+    }
+
+    fn better(&self, guess: Vec3, traced: Vec3, most: f32) -> CheckedPixel {
+        let is_traced = self.is_bad(guess, traced, most);
+        CheckedPixel { radiance: if is_traced { traced } else { guess }, is_traced }
+    }
+
+    /// The diffuse radiance of a point under arriving light.
+    fn reflected(&self, point: &SurfacePoint, light: Vec3) -> Vec3 {
+        let scene = self.tracer.scene();
+        scene.materials[point.material.0 as usize].emission + point.albedo(scene) * light
+    }
+}
+
+/// Length of a primary ray up to its hit, scene units.
+fn length(ray: &Ray, hit: &Hit) -> f32 {
+    hit.t * ray.direction.length()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reference::ReferenceCache;
+    use crate::scene::builtin;
+    use std::sync::Arc;
+
+    /// Whether traced light is shown for three guesses, each off by a multiple of the noise, after
+    /// the point was first traced for a guess that was off by `first_off`.
+    fn is_traced(first_off: f32, off: [f32; 3]) -> [bool; 3] {
+        let scene = Arc::new(builtin::build("furnace").unwrap());
+        let tracer = Tracer::new(scene.clone());
+        let view = View::new(scene.start(), &scene.frame, [9, 9]);
+        let (pixel, trace) = (40, TraceSettings::default());
+        let triangle = tracer.closest(&Tracer::primary_ray(&view, pixel)).expect("a hit").triangle;
+        let cache = ReferenceCache::new(&scene, 0);
+        let lookup = LookupSet::new(&cache, tracer.epoch());
+        let (mut points, mut tally) = (PointCache::default(), Tally::default());
+        let quality = LookupQuality::EXACT;
+        let first =
+            PixelResolver { tracer: &tracer, lookup: &lookup, view: &view, points: &points, trace, quality };
+        let truth = first.check_guess(pixel, triangle, Vec3::ZERO, &mut Tally::default()).radiance;
+        let guess = |off: f32| truth * (1.0 - off * BAD_GUESS * trace.noise());
+        assert_eq!(
+            first.check_guess(pixel, triangle, guess(first_off), &mut tally).is_traced,
+            first_off > 1.0,
+            "at first there is one threshold"
+        );
+        points.insert(tracer.epoch(), &mut tally.points);
+        let resolver =
+            PixelResolver { tracer: &tracer, lookup: &lookup, view: &view, points: &points, trace, quality };
+        off.map(|off| resolver.check_guess(pixel, triangle, guess(off), &mut tally).is_traced)
+    }
+
+    #[test]
+    fn a_point_keeps_showing_what_it_showed_until_the_guess_is_clearly_better_or_worse() {
+        assert_eq!(is_traced(0.5, [0.9, 1.2, 1.7]), [false, false, true]);
+        assert_eq!(is_traced(2.0, [1.1, 0.8, 0.5]), [true, true, false]);
+    }
+}

@@ -1,0 +1,225 @@
+//! The check on look-ups: a few pixels of every looked-up frame are traced in full anyway and compared with what was
+//! shown.
+//!
+//! Each is traced twice with random numbers of its own, so that the noise of the check does not count as an error of the
+//! picture (see [`statistics`]). Where a pixel looks wrong it is traced with
+//! many samples, and the references whose light there is off are looked at; a part of a reference that is at fault
+//! forgets its light (`blame`). Times decide how many pixels are checked, so an audited walk may differ from
+//! run to run where a reference is at fault; elsewhere a picture does not depend on being checked.
+
+use super::audited::Audited;
+use super::blame::{self, Blame};
+use super::statistics::{AuditEstimate, FrameSums, Window, display_error, looks_wrong, visibly_brighter};
+use crate::math::key::Key;
+use crate::reference::ReferenceCache;
+use crate::render::frame::Frame;
+use crate::trace::parallel::{NEVER, trace_pixels};
+use crate::trace::{PixelTrace, TraceSettings};
+use glam::Vec3;
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+/// The share of a frame's time that checking it may take.
+const MAX_TIME: f64 = 0.05;
+
+/// Not more than one pixel in so many is checked, however cheap: beyond that the estimate gains little.
+const MIN_SPACING: usize = 16;
+
+/// Checked in the first frame, when it is not known what that costs.
+const FIRST_PIXELS: usize = 32;
+
+/// Weight of the newest frame in the cost of a checked pixel: fast enough to follow a walk from room to room.
+const NEWEST: f64 = 0.25;
+
+/// Each check takes so many times the frame's samples. In the same time fewer pixels are then checked, but the product of
+/// two errors has a sixteenth of the variance, and the bend of the display curve under noise hardly shows.
+const CHECKING_SAMPLES: u32 = 4;
+
+/// A pixel that looks wrong is traced with so many times the frame's samples: a quarter of its noise.
+const CONFIRMING_SAMPLES: u32 = 16;
+
+/// Keeps the random numbers of checks apart from those of frames and references, which count upwards from small seeds.
+const AUDIT_SEED: u64 = 0xa0d1_7000_0000_0000;
+
+/// Unspent time is kept for so many frames, so that where one pixel takes longer than a frame allows, some are checked
+/// all the same.
+const KEPT_FRAMES: f64 = 4.0;
+
+/// Checks frame after frame.
+#[derive(Debug, Default)]
+pub struct Auditor {
+    frames: u64,
+    budget: Budget,
+    window: Window,
+    blame: Blame,
+    forgotten_blocks: usize,
+    checks: Vec<Option<[Vec3; 2]>>,
+    confirmed: Vec<Option<PixelTrace>>,
+}
+
+/// How much time is left for checks.
+#[derive(Debug, Default)]
+struct Budget {
+    secs: f64,
+    /// What a checked pixel takes, fading; `None` before the first.
+    secs_per_pixel: Option<f64>,
+}
+
+impl Budget {
+    /// How many of a frame's pixels can be checked, going by what they took so far.
+    fn pixels_to_check(&mut self, pixels: usize, frame_secs: f64) -> usize {
+        let allowed = MAX_TIME * frame_secs;
+        let one = self.secs_per_pixel.unwrap_or(0.0);
+        self.secs = (self.secs + allowed).min((KEPT_FRAMES * allowed).max(one));
+        let affordable = if one > 0.0 { (self.secs.max(0.0) / one) as usize } else { FIRST_PIXELS };
+        affordable.min(pixels / MIN_SPACING)
+    }
+
+    fn spend(&mut self, secs: f64, pixels: usize) {
+        self.secs -= secs;
+        if pixels > 0 {
+            let newest = secs / pixels as f64;
+            let before = self.secs_per_pixel.unwrap_or(newest);
+            self.secs_per_pixel = Some(before + NEWEST * (newest - before));
+        }
+    }
+}
+
+impl Auditor {
+    /// Checks as much of a frame as its time allows. Returns the seconds that took and what the last frames' checks say.
+    pub fn audit(&mut self, audited: &Audited<'_>, cache: &mut ReferenceCache) -> (f64, AuditEstimate) {
+        let start = Instant::now();
+        let frame = audited.frame;
+        let count = self.budget.pixels_to_check(frame.radiance.len(), frame.stats.secs.frame);
+        let estimate = self.check(audited, cache, count);
+        let secs = start.elapsed().as_secs_f64();
+        self.budget.spend(secs, count);
+        (secs, estimate)
+    }
+
+    /// Checks so many pixels of a frame. References that are found at fault forget what is wrong.
+    pub fn check(
+        &mut self,
+        audited: &Audited<'_>,
+        cache: &mut ReferenceCache,
+        count: usize,
+    ) -> AuditEstimate {
+        let frame = audited.frame;
+        self.frames += 1;
+        let pixels = chosen_pixels(self.frames, frame.radiance.len(), count);
+        self.trace_twice(audited, &pixels);
+        let suspects = self.suspects(frame, &pixels);
+        self.confirm(audited, &suspects);
+        let mut sums = FrameSums { secs: frame.stats.secs.frame, ..FrameSums::default() };
+        let confirmed: BTreeMap<u32, Vec3> = self.confirmed_radiance(&suspects).collect();
+        for (&pixel, checks) in pixels.iter().zip(self.checks.iter().flatten()) {
+            let checks = confirmed.get(&pixel).map_or(*checks, |right| [*right; 2]);
+            sums.add(display_error(frame.radiance[pixel as usize], checks));
+        }
+        sums.wrong = self.judge(audited, cache, &suspects);
+        self.window.push(sums);
+        AuditEstimate { forgotten_blocks: self.forgotten_blocks, ..self.window.estimate() }
+    }
+
+    /// Traces every chosen pixel twice.
+    fn trace_twice(&mut self, audited: &Audited<'_>, pixels: &[u32]) {
+        let Audited { tracer, frame, trace } = *audited;
+        let check = |which: u64| TraceSettings {
+            samples: trace.samples.saturating_mul(CHECKING_SAMPLES),
+            seed: trace.seed ^ AUDIT_SEED.wrapping_add(4 * self.frames + which),
+            ..*trace
+        };
+        let settings = [check(0), check(1)];
+        trace_pixels(pixels, &mut self.checks, NEVER, |pixel, rays| {
+            settings.map(|s| tracer.pixel(&frame.view, pixel, &s, rays).radiance)
+        });
+    }
+
+    /// The pixels that look wrong.
+    fn suspects(&self, frame: &Frame, pixels: &[u32]) -> Vec<u32> {
+        let checked = pixels.iter().zip(self.checks.iter().flatten());
+        let wrong = checked.filter(|(pixel, checks)| looks_wrong(frame.radiance[**pixel as usize], **checks));
+        wrong.map(|(pixel, _)| *pixel).collect()
+    }
+
+    /// Traces them with many samples.
+    fn confirm(&mut self, audited: &Audited<'_>, suspects: &[u32]) {
+        let (Audited { tracer, frame, .. }, settings) = (*audited, self.confirming(audited.trace));
+        trace_pixels(suspects, &mut self.confirmed, NEVER, |pixel, rays| {
+            tracer.pixel(&frame.view, pixel, &settings, rays)
+        });
+    }
+
+    fn confirmed_radiance<'a>(&'a self, suspects: &'a [u32]) -> impl Iterator<Item = (u32, Vec3)> + 'a {
+        suspects.iter().zip(self.confirmed.iter().flatten()).map(|(pixel, right)| (*pixel, right.radiance))
+    }
+
+    fn confirming(&self, trace: &TraceSettings) -> TraceSettings {
+        let samples = trace.samples.saturating_mul(CONFIRMING_SAMPLES);
+        TraceSettings { samples, seed: trace.seed ^ AUDIT_SEED.wrapping_add(4 * self.frames + 2), ..*trace }
+    }
+
+    /// Counts the pixels that are wrong, and makes the references at fault forget what they know there.
+    fn judge(&mut self, audited: &Audited<'_>, cache: &mut ReferenceCache, suspects: &[u32]) -> usize {
+        let (frame, settings) = (audited.frame, self.confirming(audited.trace));
+        let mut wrong = 0;
+        for (&pixel, right) in suspects.iter().zip(self.confirmed.iter().flatten()) {
+            if visibly_brighter(frame.radiance[pixel as usize], right.radiance).is_none() {
+                continue;
+            }
+            wrong += 1;
+            for block in self.blame.accuse(audited, cache, pixel, right, &settings) {
+                let had_light = cache.forget_light(block.reference, block.corner, blame::BLOCK);
+                self.forgotten_blocks += usize::from(had_light);
+            }
+        }
+        wrong
+    }
+}
+
+/// So many pixels, one at a random place in each of as many equal parts of the picture.
+fn chosen_pixels(frame: u64, pixels: usize, count: usize) -> Vec<u32> {
+    let place = |i: usize| {
+        let [random, _] = Key::of_pixel(AUDIT_SEED.wrapping_add(frame), i as u32).pair();
+        let at = (i as f64 + f64::from(random)) * pixels as f64 / count as f64;
+        (at as usize).min(pixels - 1) as u32
+    };
+    (0..count).map(place).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn checks_take_a_twentieth_of_the_time_whatever_a_pixel_takes() {
+        // Frames of 5 to 20 ms; pixels from a microsecond to longer than a frame allows, changing all the time.
+        for [cheapest, dearest] in [[1e-6, 2e-6], [1e-5, 1e-4], [1e-3, 4e-3]] {
+            let mut budget = Budget::default();
+            let (mut frames, mut checks, mut checked) = (0.0, 0.0, 0);
+            for i in 0..4000 {
+                let [a, b] = Key::of_pixel(3, i).pair().map(f64::from);
+                let frame_secs = 0.005 + 0.015 * a;
+                let count = budget.pixels_to_check(100_000, frame_secs);
+                let secs = count as f64 * (cheapest + (dearest - cheapest) * b);
+                budget.spend(secs, count);
+                (frames, checks, checked) = (frames + frame_secs, checks + secs, checked + count);
+            }
+            // What is guessed wrong in one frame is made up for in the next.
+            let once =
+                (FIRST_PIXELS as f64 * dearest).max(MAX_TIME * 0.02 * KEPT_FRAMES * dearest / cheapest);
+            assert!(checks <= MAX_TIME * frames + once, "{checks} s of {frames} s");
+            assert!(checked > 400, "{checked} pixels checked");
+        }
+        assert_eq!(Budget::default().pixels_to_check(100, 1.0), 100 / MIN_SPACING);
+        assert_eq!(Budget::default().pixels_to_check(0, 1.0), 0);
+    }
+
+    #[test]
+    fn chosen_pixels_are_spread_and_new_in_every_frame() {
+        let [a, b] = [1, 2].map(|frame| chosen_pixels(frame, 6144, 384));
+        assert!(a.windows(2).all(|w| w[0] < w[1] && w[1] - w[0] <= 32) && a != b);
+        assert_eq!(a, chosen_pixels(1, 6144, 384));
+        assert!(a.last().is_some_and(|last| *last < 6144));
+    }
+}
