@@ -1,51 +1,56 @@
 //! A case as data and a function that measures it.
 
 use crate::experiment::run::ExperimentError;
+use crate::raster::color::ToneMap;
+use crate::render::Frame;
+use crate::render::aov::display_picture;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// One thing that must hold.
+/// A property that must hold.
 #[derive(Clone, Copy, Debug)]
 pub struct Case {
     /// Letter and number of the catalogue in `docs/ROBUSTNESS.md`, and a few words.
     pub name: &'static str,
-    /// What must hold, with the unit of the measured number.
+    /// What is measured, with its unit.
     pub expected: &'static str,
-    /// What is measured may be this large.
+    /// Maximum of the measured value.
     pub bound: f64,
-    /// True where it depends on the clock: such a case is no test, and its number differs from run to run.
+    /// True if the value depends on the clock: such a case is not a test, and its value differs from run to run.
     pub is_timed: bool,
-    /// Why it does not hold, for a case that is known not to.
+    /// Why the case does not hold, if it is known not to.
     pub known_limit: &'static str,
-    /// Measures it.
-    measure: fn(&Trial) -> Result<Measured, ExperimentError>,
+    measure: fn(&Trial) -> Outcome,
 }
 
-/// How much is tried.
+/// How many random tries and frames a case takes.
 #[derive(Clone, Copy, Debug)]
 pub struct Trial {
-    /// Random rays, poses or angles.
+    /// Number of random rays, poses or angles.
     pub tries: u32,
-    /// Frames, where one is made after the other.
+    /// Number of successive frames.
     pub frames: u32,
 }
 
 impl Trial {
     /// Enough for a test.
     pub const QUICK: Self = Self { tries: 20_000, frames: 8 };
-    /// What the figures of `docs/ROBUSTNESS.md` are made with.
+    /// The effort behind the figures of `docs/ROBUSTNESS.md`.
     pub const FULL: Self = Self { tries: 1_000_000, frames: 100 };
 }
 
 /// What a case found.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Measured {
-    /// Held against the bound; NaN never holds.
+    /// Value that is compared with the bound; NaN never holds.
     pub value: f64,
-    /// More, in words.
+    /// Details in words.
     pub note: String,
-    /// A picture that shows it: size, 8-bit sRGB.
+    /// A picture of the case: size and 8-bit sRGB pixels.
     pub picture: Option<([u32; 2], Vec<[u8; 3]>)>,
 }
+
+/// What a case measured, or why it could not be measured.
+pub(super) type Outcome = Result<Measured, ExperimentError>;
 
 impl From<f64> for Measured {
     fn from(value: f64) -> Self {
@@ -59,41 +64,67 @@ impl From<usize> for Measured {
     }
 }
 
-impl Case {
-    /// A case of a name, what must hold, the bound, and how it is measured.
-    pub(super) const fn new(
-        name: &'static str,
-        expected: &'static str,
-        bound: f64,
-        measure: fn(&Trial) -> Result<Measured, ExperimentError>,
-    ) -> Self {
-        Self { name, expected, bound, is_timed: false, known_limit: "", measure }
+impl Measured {
+    /// Adds details in words.
+    pub(super) fn with_note(self, note: String) -> Self {
+        Self { note, ..self }
     }
 
-    /// The same, as one that depends on the clock.
+    /// Adds a picture.
+    pub(super) fn with_picture(self, frame: &Frame) -> Self {
+        let picture = Some((frame.view.size, display_picture(frame, 0.0, ToneMap::Aces)));
+        Self { picture, ..self }
+    }
+}
+
+/// A case with its name, what is measured, the bound, and the function that measures it.
+pub(super) const fn case(
+    name: &'static str,
+    expected: &'static str,
+    bound: f64,
+    measure: fn(&Trial) -> Outcome,
+) -> Case {
+    Case { name, expected, bound, is_timed: false, known_limit: "", measure }
+}
+
+impl Case {
+    /// Marks a case whose value depends on the clock.
     pub(super) const fn timed(self) -> Self {
         Self { is_timed: true, ..self }
     }
 
-    /// The same, as one that is known not to hold.
+    /// Marks a case that is known not to hold.
     pub(super) const fn limited(self, known_limit: &'static str) -> Self {
         Self { known_limit, ..self }
     }
 
-    /// Measures; a panic is a measurement too, one that never holds.
+    /// Measures the case. A panic is a measurement that never holds.
     ///
     /// # Errors
-    /// [`ExperimentError`] where a scene cannot be made or a file not be written.
+    /// [`ExperimentError`] if a scene cannot be made or a file cannot be written.
     pub fn run(&self, trial: &Trial) -> Result<Measured, ExperimentError> {
-        let panicked = || Measured { value: f64::NAN, note: "it panicked".to_owned(), picture: None };
+        let panicked = || Measured::from(f64::NAN).with_note("it panicked".to_owned());
         catch_unwind(AssertUnwindSafe(|| (self.measure)(trial))).unwrap_or_else(|_| Ok(panicked()))
     }
 
-    /// True where a measured number is within the bound.
+    /// Returns true if a measured value is within the bound.
     pub fn holds(&self, measured: f64) -> bool {
         measured <= self.bound
     }
 }
 
-/// What a case measured, or why it could not be measured.
-pub(super) type Outcome = Result<Measured, ExperimentError>;
+/// Adds up a count over values.
+pub(super) fn total<T>(
+    values: impl IntoIterator<Item = T>,
+    count: impl FnMut(T) -> Result<usize, ExperimentError>,
+) -> Outcome {
+    Ok(values.into_iter().map(count).sum::<Result<usize, _>>()?.into())
+}
+
+/// Returns the maximum of a measure over values, at least 0.
+pub(super) fn worst<T>(
+    values: impl IntoIterator<Item = T>,
+    mut measure: impl FnMut(T) -> Result<f64, ExperimentError>,
+) -> Outcome {
+    Ok(values.into_iter().try_fold(0.0, |worst, v| measure(v).map(|value| f64::max(worst, value)))?.into())
+}

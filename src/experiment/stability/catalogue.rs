@@ -1,4 +1,4 @@
-//! All cases.
+//! The list of all cases.
 
 use super::case::Case;
 use super::{artefacts, cache, camera, geometry, materials, scale, theorems};

@@ -5,14 +5,15 @@
 //! states why.
 
 mod artefacts;
-mod bench;
 mod cache;
 mod camera;
 mod case;
 mod catalogue;
 mod geometry;
 mod materials;
+mod pictures;
 mod report;
+mod rooms;
 mod run;
 mod scale;
 mod theorems;

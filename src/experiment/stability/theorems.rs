@@ -1,61 +1,46 @@
-//! F: theorems of rays, against twins too simple to be wrong.
+//! F: theorems of rays, checked against implementations too simple to be wrong.
 
-use super::bench::{Room, SIZE, bad_values, ball, picture, random, reference, soup, tracer};
-use super::camera::fastest_ratio;
-use super::case::{Case, Measured, Outcome, Trial};
+use super::case::{Case, Measured, Outcome, Trial, case};
+use super::pictures::{SIZE, bad_values, differing, fastest_ratio, picture, reference};
+use super::rooms::{Room, ball, cuboid, random, soup, tracer, triangle};
 use super::scale::self_hits;
+use crate::camera::Camera;
 use crate::experiment::run::ExperimentError;
 use crate::math::Ray;
 use crate::math::key::Key;
 use crate::render::{Frame, FrameRequest, Mode, RenderSettings, Renderer};
 use crate::scene::{Material, SceneBuilder};
 use crate::trace::{Bvh, TraceSettings};
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::time::Instant;
 
 pub(super) const CASES: &[Case] = &[
-    Case::new(
-        "F1 watertight at 10 scales and places",
-        "rays at edges and vertices that leave a ball",
-        0.0,
-        watertight,
-    ),
-    Case::new("F2 rays from surfaces", "self-hits", 0.0, no_self_hits),
-    Case::new("F3 against all triangles in f64", "rays with another answer, margin 1e-5", 0.0, against_f64),
-    Case::new("F4 time of rays of NaN and infinity", "times that of usual rays", 2.5, broken_rays_time)
-        .timed(),
-    Case::new("F4 rays of NaN and infinity", "hits that are not finite", 0.0, broken_rays),
-    Case::new("F5 energy of a closed white room", "% by which light exceeds its closed form", 1.0, furnace),
-    Case::new("F6 1, 2, 3 and 8 threads", "pixels that differ in a bit, full and paper", 0.0, threads),
+    case("F1 watertight at 10 scales and places", "rays at edges and vertices that leave a ball", 0.0, watertight),
+    case("F2 rays from surfaces", "self-hits", 0.0, no_self_hits),
+    case("F3 against all triangles in f64", "rays with another answer, margin 1e-5", 0.0, against_f64),
+    case("F4 time of rays of NaN and infinity", "times that of usual rays", 2.5, broken_rays_time).timed(),
+    case("F4 rays of NaN and infinity", "hits that are not finite", 0.0, broken_rays),
+    case("F5 energy of a closed white room", "% of difference from the closed form", 1.0, furnace),
+    case("F6 1, 2, 3 and 8 threads", "pixels that differ in a bit, full and paper", 0.0, threads),
 ];
 
-fn sphere(scale: f64, offset: DVec3) -> Result<Vec<[Vec3; 3]>, ExperimentError> {
+fn sphere(scale: f64, offset: DVec3) -> Vec<[Vec3; 3]> {
     let mut b = SceneBuilder::new("ball");
     let m = b.add_material(Material::diffuse("m", Vec3::splat(0.5)));
     ball(&mut b, DVec3::ZERO, 1.0, 24, false, m);
-    // Not through the builder: here the numbers are to be as they are.
+    // The scene is not finished, because finishing would scale the coordinates.
     let at = |v: u32| (b.positions[v as usize] * scale + offset).as_vec3();
-    Ok(b.triangles.iter().map(|t| t.map(at)).collect())
+    b.triangles.iter().map(|t| t.map(at)).collect()
 }
 
 fn watertight(trial: &Trial) -> Outcome {
     let mut missed = 0;
-    let places = [
-        (1.0, 0.0),
-        (1e-3, 0.0),
-        (1e5, 0.0),
-        (1.0, 300.0),
-        (100.0, -512.0),
-        (1e-6, 0.0),
-        (1e3, 1e4),
-        (3.7, 50.0),
-        (1e9, 0.0),
-        (0.1, 7.0),
-    ];
-    for (scale, offset) in places {
+    let near = [(1.0, 0.0), (1e-3, 0.0), (1e5, 0.0), (1e-6, 0.0), (1e9, 0.0), (0.1, 7.0)];
+    let far = [(1.0, 300.0), (100.0, -512.0), (1e3, 1e4), (3.7, 50.0)];
+    for (scale, offset) in near.into_iter().chain(far) {
         let offset = DVec3::new(offset, -offset, offset / 2.0);
-        let triangles = sphere(scale, offset)?;
+        let triangles = sphere(scale, offset);
         let bvh = Bvh::build(&triangles);
         let is_missed = |&i: &u32| {
             let key = Key::of_pixel(51, i);
@@ -73,24 +58,23 @@ fn watertight(trial: &Trial) -> Outcome {
     Ok(missed.into())
 }
 
-/// A scene of strewn triangles, larger than life and off the origin.
-fn strewn() -> SceneBuilder {
+/// A scene of random triangles, enlarged and away from the origin.
+fn scattered() -> SceneBuilder {
     let mut b = SceneBuilder::new("soup");
     let matte = b.add_material(Material::diffuse("matte", Vec3::splat(0.5)));
     for t in soup(2000, 0.2, 5) {
-        let v = t.map(|p| b.add_vertex(p.as_dvec3() * 30.0 + DVec3::splat(1000.0), Vec3::ZERO, Vec2::ZERO));
-        b.add_triangle(v, matte);
+        triangle(&mut b, t.map(|p| p.as_dvec3() * 30.0 + DVec3::splat(1000.0)), matte);
     }
     b
 }
 
 fn no_self_hits(trial: &Trial) -> Outcome {
-    let tracer = tracer(strewn())?;
+    let tracer = tracer(scattered())?;
     let all: Vec<u32> = (0..tracer.scene().triangles.len() as u32).collect();
     Ok(self_hits(&tracer, &all, trial.tries).into())
 }
 
-/// Moeller and Trumbore in f64: distance, and how far inside the hit is (least barycentric).
+/// Intersects by Moeller and Trumbore in f64. Returns the distance and the least barycentric coordinate.
 fn hit_f64(ray: &Ray, triangle: &[Vec3; 3]) -> Option<(f64, f64)> {
     let [a, b, c] = triangle.map(Vec3::as_dvec3);
     let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
@@ -103,7 +87,7 @@ fn hit_f64(ray: &Ray, triangle: &[Vec3; 3]) -> Option<(f64, f64)> {
     (t > 0.0 && det != 0.0).then_some((t, u.min(v).min(1.0 - u - v)))
 }
 
-/// 200 scenes; of each so many rays that all together are a tenth of what is tried, for every ray meets every triangle.
+/// Compares 200 scenes. All rays together are a tenth of the tries, because every ray is tested against every triangle.
 fn against_f64(trial: &Trial) -> Outcome {
     const SCENES: u32 = 200;
     const MARGIN: f64 = 1e-5;
@@ -129,10 +113,10 @@ fn against_f64(trial: &Trial) -> Outcome {
         (0..rays).filter(is_wrong).count()
     };
     let wrong: usize = (0..SCENES).into_par_iter().map(wrong_in).sum();
-    Ok(Measured { note: format!("{} rays in {SCENES} scenes", rays * SCENES), ..Measured::from(wrong) })
+    Ok(Measured::from(wrong).with_note(format!("{} rays in {SCENES} scenes", rays * SCENES)))
 }
 
-/// Rays that start in the soup, usual or with something broken in each.
+/// Returns rays that start among the triangles; with `is_broken`, one component of each is invalid or extreme.
 fn rays(count: u32, is_broken: bool) -> Vec<Ray> {
     let broken = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 0.0, f32::MAX, f32::MIN_POSITIVE / 4.0];
     let ray = |i: u32| {
@@ -178,12 +162,11 @@ fn furnace(_: &Trial) -> Outcome {
         let mut b = SceneBuilder::new("furnace");
         let wall =
             b.add_material(Material { emission: Vec3::ONE, ..Material::diffuse("wall", Vec3::splat(0.8)) });
-        super::bench::cuboid(&mut b, [DVec3::splat(-2.0), DVec3::splat(2.0)], wall, true);
+        cuboid(&mut b, [DVec3::splat(-2.0), DVec3::splat(2.0)], wall, true);
         let tracer = tracer(b)?;
-        let camera =
-            crate::camera::Camera::look_at(DVec3::new(0.1, 0.2, 0.3), DVec3::new(1.0, 0.4, -0.7), 70.0);
-        let settings =
-            RenderSettings { mode: Mode::Full, trace: TraceSettings { samples: 512, bounces, seed: 1 } };
+        let camera = Camera::look_at(DVec3::new(0.1, 0.2, 0.3), DVec3::new(1.0, 0.4, -0.7), 70.0);
+        let trace = TraceSettings { samples: 512, bounces, seed: 1 };
+        let settings = RenderSettings { mode: Mode::Full, trace };
         let mut renderer = Renderer::default();
         let frame = renderer.render(&FrameRequest::new(&tracer, &camera, [16, 16], &settings));
         let expected: f64 = (0..=bounces + 1).map(|n| 0.8f64.powi(n as i32)).sum();
@@ -194,23 +177,21 @@ fn furnace(_: &Trial) -> Outcome {
 }
 
 fn threads(_: &Trial) -> Outcome {
-    let tracer = Room::SHINY.tracer()?;
-    let lent = [
-        reference(&tracer, &Room::SHINY.camera(), SIZE),
-        reference(&tracer, &Room::SHINY.moved(0.5, 0.2), SIZE),
-    ];
+    let (tracer, camera) = Room::SHINY.stage()?;
+    let references = [camera, Room::SHINY.moved(0.5, 0.2)].map(|c| reference(&tracer, &c, SIZE));
     let here = Room::SHINY.moved(0.3, 0.1);
     let render = |threads: usize| -> Result<[Frame; 2], ExperimentError> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-        let pool = pool.map_err(|e| ExperimentError::Unsuitable(format!("no threads: {e}")))?;
-        Ok(pool.install(|| {
-            [Mode::Full, Mode::Paper].map(|mode| picture(&tracer, &here, SIZE, mode, &[&lent[0], &lent[1]]))
-        }))
+        let pool = pool
+            .map_err(|e| ExperimentError::Unsuitable(format!("cannot start {threads} threads: {e}")))?;
+        let references = references.each_ref();
+        let frame = |mode| picture(&tracer, &here, SIZE, mode, &references);
+        Ok(pool.install(|| [Mode::Full, Mode::Paper].map(frame)))
     };
     let one = render(1)?;
     let mut wrong = 0;
     for count in [2, 3, 8] {
-        wrong += one.iter().zip(&render(count)?).map(|(a, b)| super::bench::differing(a, b)).sum::<usize>();
+        wrong += one.iter().zip(&render(count)?).map(|(a, b)| differing(a, b)).sum::<usize>();
     }
     Ok(wrong.into())
 }
