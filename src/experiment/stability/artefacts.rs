@@ -68,8 +68,7 @@ fn through_paper(_: &Trial) -> Outcome {
 
 /// Returns the share of pixels, in percent, that show the back wall instead of the front one.
 fn behind_percent(tracer: &Tracer, shown: &Frame, right: &Frame) -> f64 {
-    let is_through =
-        |(s, r): &(&u32, &u32)| is_named(tracer, **s, "back") && is_named(tracer, **r, "front");
+    let is_through = |(s, r): &(&u32, &u32)| is_named(tracer, **s, "back") && is_named(tracer, **r, "front");
     percent(shown.triangle.iter().zip(&right.triangle).filter(is_through).count(), shown.triangle.len())
 }
 
@@ -105,8 +104,7 @@ fn two_references(_: &Trial) -> Outcome {
     let [one, two] =
         &[(0.0, 0.0), (0.8, 0.2)].map(|(f, t)| reference(&tracer, &Room::PLAIN.moved(f, t), SIZE));
     let here = Room::PLAIN.moved(0.4, 0.1);
-    let holes =
-        |from: &[&ReferenceFrame]| count_type(&paper(&tracer, &here, from), PixelType::Unseen);
+    let holes = |from: &[&ReferenceFrame]| count_type(&paper(&tracer, &here, from), PixelType::Unseen);
     let (both, better) = (holes(&[one, two]), holes(&[one]).min(holes(&[two])));
     let note = format!("{both} holes with two, {better} with the better one");
     Ok(Measured::from(both.saturating_sub(better)).with_note(note))

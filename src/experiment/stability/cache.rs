@@ -26,7 +26,12 @@ pub(super) const CASES: &[Case] = &[
     case("E2 points behind and at the eye", "points accepted that are not in front", 0.0, behind_the_eye),
     case("E3 pixels cast to whole numbers", "samples that land elsewhere than in f64", 0.0, casts),
     case("E4 two references disagree", "pixels that show neither's colour", 0.0, disagreement),
-    case("E5 mirror and glass from the stored point", "% of Type 2 pixels off by more than 1/255", 2.0, type_2),
+    case(
+        "E5 mirror and glass from the stored point",
+        "% of Type 2 pixels off by more than 1/255",
+        2.0,
+        type_2,
+    ),
     case("E5 mirror and glass are never copied", "specular pixels of Type 1", 0.0, never_copied),
     case("E6 more than 255 reflections", "mirror pixels whose count is not 255", 0.0, counts_saturate),
     case("E7 references of another epoch", "references accepted", 0.0, other_epochs),

@@ -59,7 +59,8 @@ fn twins(is_cut_alike: bool) -> Result<(Tracer, Camera), SceneError> {
     let (corner, u, v) = (dvec(-1.1, -0.9, 0.07), dvec(2.03, 0.31, 0.17), dvec(-0.23, 1.87, 0.41));
     let p = [corner, corner + u, corner + u + v, corner + v];
     let other = if is_cut_alike { [[2, 1, 0], [3, 0, 2]] } else { [[1, 2, 3], [1, 3, 0]] };
-    for (corners, material) in [([0, 1, 2], first), ([0, 2, 3], first), (other[0], later), (other[1], later)] {
+    for (corners, material) in [([0, 1, 2], first), ([0, 2, 3], first), (other[0], later), (other[1], later)]
+    {
         triangle(&mut b, corners.map(|i: usize| p[i]), material);
     }
     b.point_lights.push((dvec(0.3, 0.5, 3.0), Vec3::splat(9.0)));

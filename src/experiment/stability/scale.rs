@@ -1,7 +1,9 @@
 //! A: scale and position.
 
 use super::case::{Case, Measured, Outcome, Trial, case, total, worst};
-use super::pictures::{SIZE, bad_values, differing, full, other_triangles_percent, paper, reference, unequal};
+use super::pictures::{
+    SIZE, bad_values, differing, full, other_triangles_percent, paper, reference, unequal,
+};
 use super::rooms::{Room, ball, cuboid, dvec, is_named, random, tracer, triangle};
 use crate::camera::Camera;
 use crate::experiment::run::ExperimentError;
@@ -21,12 +23,21 @@ pub(super) const CASES: &[Case] = &[
     case("A3 units", "scenes whose diagonal is not 512 to 1024", 0.0, diagonals),
     case("A3 picture in any unit", "% of pixels that see another triangle", 0.1, any_unit),
     case("A4 0.1 mm in 1 km, at the origin", "% of pixels of another silhouette", 0.1, tiny_at_origin),
-    case("A4 0.1 mm in 1 km, 300 m off", "features too small for their place, not reported", 0.0, tiny_far_off),
+    case(
+        "A4 0.1 mm in 1 km, 300 m off",
+        "features too small for their place, not reported",
+        0.0,
+        tiny_far_off,
+    ),
     case("A4 rays from 0.1 mm in 1 km", "self-hits", 0.0, tiny_self_hits),
-    case("A5 a vertex at 1e30 m", "% of pixels that see another triangle", 0.1, |_| with_outlier(vertex_far())),
+    case("A5 a vertex at 1e30 m", "% of pixels that see another triangle", 0.1, |_| {
+        with_outlier(vertex_far())
+    }),
     case("A5 a triangle 100 km away", "% of pixels that see another triangle", 0.1, |_| with_outlier(far())),
     case("A5 outliers are reported", "outliers without a warning", 0.0, outliers_reported),
-    case("A6 coordinates of 3e38", "bad values and pixels of another triangle", 6.0, |_| at_scale(3e38 / 4.0)),
+    case("A6 coordinates of 3e38", "bad values and pixels of another triangle", 6.0, |_| {
+        at_scale(3e38 / 4.0)
+    }),
     case("A6 coordinates of 1e-45", "bad values and pixels of another triangle", 6.0, |_| at_scale(1e-45)),
 ];
 
@@ -188,8 +199,7 @@ fn at_scale(scale: f64) -> Outcome {
         let has_area_light = tracer.scene().lights.iter().any(|l| matches!(l, Light::Quad { .. }));
         Ok((full(&tracer, &room.camera()), has_area_light))
     };
-    let ((there, has_area_light), (here, _)) =
-        (render(Room { scale, ..Room::PLAIN })?, render(Room::PLAIN)?);
+    let ((there, has_area_light), (here, _)) = (render(Room { scale, ..Room::PLAIN })?, render(Room::PLAIN)?);
     let other = unequal(&here.triangle, &there.triangle);
     Ok((other + bad_values(&there) + usize::from(!has_area_light) * 1000).into())
 }

@@ -16,7 +16,12 @@ use rayon::prelude::*;
 use std::time::Instant;
 
 pub(super) const CASES: &[Case] = &[
-    case("F1 watertight at 10 scales and places", "rays at edges and vertices that leave a ball", 0.0, watertight),
+    case(
+        "F1 watertight at 10 scales and places",
+        "rays at edges and vertices that leave a ball",
+        0.0,
+        watertight,
+    ),
     case("F2 rays from surfaces", "self-hits", 0.0, no_self_hits),
     case("F3 against all triangles in f64", "rays with another answer, margin 1e-5", 0.0, against_f64),
     case("F4 time of rays of NaN and infinity", "times that of usual rays", 2.5, broken_rays_time).timed(),
@@ -182,8 +187,8 @@ fn threads(_: &Trial) -> Outcome {
     let here = Room::SHINY.moved(0.3, 0.1);
     let render = |threads: usize| -> Result<[Frame; 2], ExperimentError> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-        let pool = pool
-            .map_err(|e| ExperimentError::Unsuitable(format!("cannot start {threads} threads: {e}")))?;
+        let pool =
+            pool.map_err(|e| ExperimentError::Unsuitable(format!("cannot start {threads} threads: {e}")))?;
         let references = references.each_ref();
         let frame = |mode| picture(&tracer, &here, SIZE, mode, &references);
         Ok(pool.install(|| [Mode::Full, Mode::Paper].map(frame)))
