@@ -105,7 +105,7 @@ fn bad_values_are_ignored_one_by_one() {
     let scene = with(toml);
     let parts = [
         "'unit' must be a text",
-        "'sideways' is no up axis",
+        "'sideways' is not an up axis",
         "'eye' in [start] must be three numbers",
         "'wood' is not a kind",
         "'diffuse' in [[material]] must be a colour",

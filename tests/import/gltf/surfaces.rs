@@ -207,7 +207,7 @@ fn lights_and_cameras_stand_where_their_nodes_are() {
     let camera = &scene.views[0];
     assert_eq!((camera.name.as_str(), camera.camera.eye), ("hall", DVec3::new(5.0, 6.0, 7.0)));
     assert!((camera.camera.forward() - DVec3::Y).length() < 1e-6 && (camera.camera.fov_y - 1.0).abs() < 1e-9);
-    for doubt in ["spot light", "after the first", "no known kind", "no perspective"] {
+    for doubt in ["spot light", "after the first", "without a known type", "without perspective"] {
         warning(&scene, doubt);
     }
 }
