@@ -1,4 +1,4 @@
-//! The graphics card: made ready, and watched.
+//! Prepares the graphics adapter and reports its errors.
 
 use crate::window::gpu::viewport;
 use crate::window::rendering::lock::locked;
@@ -6,7 +6,7 @@ use crate::window::rendering::task::Wake;
 use egui_wgpu::RenderState;
 use std::sync::{Arc, Mutex};
 
-/// Makes the graphics card ready; returns its name where it is none, but the processor.
+/// Prepares the graphics adapter; returns its name if it renders in software.
 pub(crate) fn prepare(
     graphics: &RenderState,
     trouble: &Arc<Mutex<Vec<String>>>,
@@ -18,7 +18,7 @@ pub(crate) fn prepare(
     (adapter.device_type == egui_wgpu::wgpu::DeviceType::Cpu).then_some(adapter.name)
 }
 
-/// Errors of the graphics card become messages; wgpu's own answer would be a panic.
+/// Turns errors of the graphics device into messages. By default, wgpu panics.
 fn watch(graphics: &RenderState, trouble: &Arc<Mutex<Vec<String>>>, wake: &Wake) {
     let (errors, ring) = (trouble.clone(), wake.clone());
     graphics.device.on_uncaptured_error(Arc::new(move |error: egui_wgpu::wgpu::Error| {
@@ -27,16 +27,16 @@ fn watch(graphics: &RenderState, trouble: &Arc<Mutex<Vec<String>>>, wake: &Wake)
         ring();
     }));
     let (errors, ring) = (trouble.clone(), wake.clone());
-    graphics.device.set_device_lost_callback(move |reason, text| {
-        let text = if text.is_empty() { format!("{reason:?}") } else { text };
+    graphics.device.set_device_lost_callback(move |_, text| {
+        let text = if text.is_empty() { "the driver gives no reason".to_owned() } else { text };
         locked(&errors).push(format!(
-            "the graphics card was lost ({text}); save the session with Ctrl+S, then start the program again"
+            "the connection to the graphics card was lost ({text}); save the session with Ctrl+S, then start the program again"
         ));
         ring();
     });
 }
 
-/// wgpu tells causes line by line.
+/// Joins the lines of wgpu's messages.
 fn in_one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }

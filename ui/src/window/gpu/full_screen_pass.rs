@@ -1,8 +1,10 @@
-//! What every pass over a whole picture is made of: one triangle that covers it, and bindings for its fragments.
+//! Shared parts of passes over a whole target: one triangle that covers it, its pipeline, bindings and
+//! textures.
 
 use egui_wgpu::wgpu;
 
-/// A pass without depth and with one sample, as egui's own: `vertex` and `fragment` of a shader with its constants.
+/// A pipeline without depth buffer and with one sample per pixel, as egui's own. It runs the entry points
+/// `vertex` and `fragment` of a shader with the given override constants.
 pub(crate) fn pipeline(
     device: &wgpu::Device,
     label: &str,
@@ -40,7 +42,7 @@ pub(crate) fn pipeline(
     })
 }
 
-/// Draws all of a target.
+/// Draws one triangle that covers the target.
 pub(crate) fn draw(
     encoder: &mut wgpu::CommandEncoder,
     label: &str,
@@ -66,12 +68,12 @@ pub(crate) fn draw(
     pass.draw(0..3, 0..1);
 }
 
-/// A binding that vertices and fragments read.
+/// A binding that the vertex and the fragment shader read.
 pub(crate) fn entry(binding: u32, ty: wgpu::BindingType) -> wgpu::BindGroupLayoutEntry {
     wgpu::BindGroupLayoutEntry { binding, visibility: wgpu::ShaderStages::VERTEX_FRAGMENT, ty, count: None }
 }
 
-/// A flat texture with one sample a texel.
+/// A two-dimensional texture with one sample per texel.
 pub(crate) fn texture_entry(
     binding: u32,
     sample_type: wgpu::TextureSampleType,
@@ -80,13 +82,13 @@ pub(crate) fn texture_entry(
     entry(binding, wgpu::BindingType::Texture { sample_type, view_dimension, multisampled: false })
 }
 
-/// The parameters of a pass.
+/// The uniform buffer of a pass.
 pub(crate) fn uniform_entry(binding: u32) -> wgpu::BindGroupLayoutEntry {
     let ty = wgpu::BufferBindingType::Uniform;
     entry(binding, wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None })
 }
 
-/// Room for the parameters of a pass, which are written before each.
+/// Creates the uniform buffer of a pass, which is written before each draw.
 pub(crate) fn uniform_buffer(device: &wgpu::Device, label: &str, size: usize) -> wgpu::Buffer {
     device.create_buffer(&wgpu::BufferDescriptor {
         label: Some(label),
@@ -96,7 +98,7 @@ pub(crate) fn uniform_buffer(device: &wgpu::Device, label: &str, size: usize) ->
     })
 }
 
-/// A flat texture without smaller copies of itself, to be read in shaders.
+/// A texture with one mip level that shaders read.
 pub(crate) fn texture(
     device: &wgpu::Device,
     label: &str,
@@ -104,11 +106,11 @@ pub(crate) fn texture(
     format: wgpu::TextureFormat,
     usage: wgpu::TextureUsages,
 ) -> wgpu::Texture {
-    layered_texture(device, label, size, 1, format, usage)
+    mipmapped_texture(device, label, size, 1, format, usage)
 }
 
-/// A flat texture with smaller levels, to be read in shaders.
-pub(crate) fn layered_texture(
+/// A texture with several mip levels that shaders read.
+pub(crate) fn mipmapped_texture(
     device: &wgpu::Device,
     label: &str,
     [width, height]: [u32; 2],
@@ -128,7 +130,7 @@ pub(crate) fn layered_texture(
     })
 }
 
-/// Sends one level of a texture, tightly packed rows.
+/// Uploads one mip level of a texture from tightly packed rows.
 pub(crate) fn write(
     queue: &wgpu::Queue,
     texture: &wgpu::Texture,

@@ -1,9 +1,10 @@
-//! What runs on the graphics card: the newest frame, developed, re-projected to the newest pose and drawn.
+//! Passes on the graphics card: the newest frame is tone-mapped, reprojected to the current camera, and
+//! drawn.
 
 pub mod adapter;
-pub mod develop;
 pub mod full_screen_pass;
 pub mod presentation;
 pub mod projection;
 pub mod timewarp;
+pub mod tone_map;
 pub mod viewport;

@@ -1,28 +1,29 @@
-// Shows a finished frame that was developed, and the types of its pixels.
+// Shows a tone-mapped frame and the types of its pixels. viewport.rs prepends the constants TYPE1, TYPE2, TYPE3
+// and FILLED, the colours of the heatmap.
 
-// What a picture does not need is not in its shader: a processor that draws runs both sides of every branch.
-override IS_WARPED: bool;        // the map says where in the frame a pixel is found
-override SHOWS_TYPES: bool;      // heatmap or outline
-override IS_OVERLAID: bool;      // with the full tracer's picture or the map of errors
-override DECODES: bool;          // the target encodes what it is given, so it wants linear colour
+// Each combination is a pipeline of its own, because software rasterizers execute both sides of every branch.
+override IS_WARPED: bool;        // the frame is reprojected by the map
+override SHOWS_TYPES: bool;      // heatmap or outline is shown
+override IS_OVERLAID: bool;      // the full tracer's picture or the error map is shown
+override DECODES: bool;          // the target encodes sRGB itself, so output is linear
 
 struct Params {
-    size: vec2<u32>,         // of the frame, pixels
-    map_size: vec2<u32>,     // of the map, pixels
-    uv_scale: vec2<f32>,     // viewport uv -> frame uv about the centre: the frame keeps its shape
+    size: vec2<u32>,         // size of the frame, pixels
+    map_size: vec2<u32>,     // size of the map, pixels
+    uv_scale: vec2<f32>,     // viewport uv to frame uv about the centre; keeps the aspect ratio
     heatmap: u32,            // 0 off, 1 blended, 2 only
     coloring: u32,           // 0 by type, 1 by reference
-    outline: u32,            // 1: Type 3 is outlined
+    outline: u32,            // 1: outline Type 3
     pixels_per_point: f32,
-    overlay: u32,            // 1 the full tracer's picture, 2 the map of errors
-    split: f32,              // overlays begin at this part of the width
+    overlay: u32,            // 1 the full tracer's picture, 2 the error map
+    split: f32,              // overlays begin at this fraction of the width
 };
 
 @group(0) @binding(0) var color: texture_2d<f32>;
 @group(0) @binding(1) var color_sampler: sampler;
 @group(0) @binding(2) var types: texture_2d<u32>;
 @group(0) @binding(3) var suppliers: texture_2d<u32>;
-@group(0) @binding(4) var<uniform> given: array<vec4<u32>, 3>; // Params as the program lays them out
+@group(0) @binding(4) var<uniform> given: array<vec4<u32>, 3>; // bits of Params
 @group(0) @binding(5) var map: texture_2d<f32>;
 @group(0) @binding(6) var full: texture_2d<f32>;
 @group(0) @binding(7) var errors: texture_2d<f32>;
@@ -35,10 +36,11 @@ struct Vertex {
     @location(3) @interpolate(flat) p2: vec4<u32>,
 };
 
-// Lavapipe (Mesa 22) compiles a fragment shader anew for each value of a uniform that it branches on, at every draw, half
-// a megabyte each. What comes from the vertex shader it leaves alone.
+// The vertex shader passes the uniforms on, because lavapipe (Mesa 22) recompiles a fragment shader at every draw
+// for each value of a uniform that it branches on, at half a megabyte each.
 var<private> p: Params;
 
+// Restores the parameters from their bits.
 fn unpack(v: Vertex) {
     p.size = v.p0.xy;
     p.map_size = v.p0.zw;
@@ -63,13 +65,12 @@ fn vertex(@builtin(vertex_index) i: u32) -> Vertex {
     return v;
 }
 
+// Decodes sRGB.
 fn linear_from_srgb(c: vec3<f32>) -> vec3<f32> {
     return select(pow((c + 0.055) / 1.055, vec3<f32>(2.4)), c / 12.92, c <= vec3<f32>(0.04045));
 }
 
-// A pixel that the frame did not see: filled from beside it until the next frame.
-const FILLED: vec3<f32> = vec3<f32>(204.0, 121.0, 167.0) / 255.0;
-
+// The pixel that contains a uv coordinate.
 fn pixel_at(uv: vec2<f32>, size: vec2<u32>) -> vec2<i32> {
     return clamp(vec2<i32>(uv * vec2<f32>(size)), vec2<i32>(0), vec2<i32>(size) - vec2<i32>(1));
 }
@@ -78,23 +79,24 @@ fn is_type3(t: u32) -> bool {
     return t != 1u && t != 2u;
 }
 
-// Told apart by colour-blind people; in grey by the hatch.
+// Distinct under colour blindness; in greyscale, the hatch marks Type 3.
 fn color_of_type(t: u32, at: vec2<f32>) -> vec3<f32> {
     if (t == 1u) {
-        return vec3<f32>(0.0, 114.0, 178.0) / 255.0;
+        return TYPE1;
     }
     if (t == 2u) {
-        return vec3<f32>(240.0, 228.0, 66.0) / 255.0;
+        return TYPE2;
     }
-    return vec3<f32>(213.0, 94.0, 0.0) / 255.0 * hatch(at);
+    return TYPE3 * hatch(at);
 }
 
+// Diagonal stripes with a period of 8 points.
 fn hatch(at: vec2<f32>) -> f32 {
     let period = 8.0 * p.pixels_per_point;
     return select(1.0, 0.55, fract((at.x + at.y) / period) < 0.3);
 }
 
-// Hues by the golden ratio: neighbours in number are far apart in colour.
+// Hues are spaced by the golden ratio, so that consecutive references have distinct colours.
 fn color_of_reference(supplier: u32, at: vec2<f32>) -> vec3<f32> {
     if (supplier == 255u) {
         return vec3<f32>(0.3) * hatch(at);
@@ -105,6 +107,7 @@ fn color_of_reference(supplier: u32, at: vec2<f32>) -> vec3<f32> {
     return mix(vec3<f32>(1.0), rgb, 0.7) * 0.9;
 }
 
+// True if a pixel of Type 3 has a neighbour of another type.
 fn is_on_edge(pixel: vec2<i32>, t: u32) -> bool {
     if (!is_type3(t)) {
         return false;
@@ -112,14 +115,15 @@ fn is_on_edge(pixel: vec2<i32>, t: u32) -> bool {
     let last = vec2<i32>(p.size) - vec2<i32>(1);
     var steps = array<vec2<i32>, 4>(vec2<i32>(1, 0), vec2<i32>(-1, 0), vec2<i32>(0, 1), vec2<i32>(0, -1));
     for (var i = 0; i < 4; i++) {
-        let beside = clamp(pixel + steps[i], vec2<i32>(0), last);
-        if (!is_type3(textureLoad(types, beside, 0).x)) {
+        let neighbour = clamp(pixel + steps[i], vec2<i32>(0), last);
+        if (!is_type3(textureLoad(types, neighbour, 0).x)) {
             return true;
         }
     }
     return false;
 }
 
+// The overlay for comparison with the full tracer.
 fn overlaid(uv: vec2<f32>) -> vec3<f32> {
     if (p.overlay == 2u) {
         return textureSampleLevel(errors, color_sampler, uv, 0.0).rgb;
@@ -127,6 +131,7 @@ fn overlaid(uv: vec2<f32>) -> vec3<f32> {
     return textureSampleLevel(full, color_sampler, uv, 0.0).rgb;
 }
 
+// Adds heatmap and outline to a colour.
 fn with_types(shown: vec3<f32>, pixel: vec2<i32>, position: vec2<f32>, is_filled: bool) -> vec3<f32> {
     var mixed = shown;
     let t = textureLoad(types, pixel, 0).x;
@@ -141,7 +146,7 @@ fn with_types(shown: vec3<f32>, pixel: vec2<i32>, position: vec2<f32>, is_filled
         mixed = select(tint, mix(mixed, tint, 0.5), p.heatmap == 1u);
     }
     if (p.outline == 1u && is_on_edge(pixel, t)) {
-        mixed = vec3<f32>(213.0, 94.0, 0.0) / 255.0;
+        mixed = TYPE3;
     }
     return mixed;
 }
@@ -149,14 +154,17 @@ fn with_types(shown: vec3<f32>, pixel: vec2<i32>, position: vec2<f32>, is_filled
 @fragment
 fn fragment(v: Vertex) -> @location(0) vec4<f32> {
     unpack(v);
+    // Fit the frame into the viewport.
     var uv = (v.uv - 0.5) * p.uv_scale + 0.5;
-    let is_beside = any(uv < vec2<f32>(0.0)) || any(uv > vec2<f32>(1.0));
+    let is_outside = any(uv < vec2<f32>(0.0)) || any(uv > vec2<f32>(1.0));
     var is_filled = false;
+    // Follow the map to the source pixel.
     if (IS_WARPED) {
         let moved = textureLoad(map, pixel_at(uv, p.map_size), 0);
         uv += moved.xy / vec2<f32>(p.size);
         is_filled = moved.z > 0.5;
     }
+    // Sample the frame, then add types and overlay.
     var shown = textureSampleLevel(color, color_sampler, uv, 0.0).rgb;
     if (SHOWS_TYPES) {
         shown = with_types(shown, pixel_at(uv, p.size), v.position.xy, is_filled);
@@ -167,5 +175,5 @@ fn fragment(v: Vertex) -> @location(0) vec4<f32> {
     if (DECODES) {
         shown = linear_from_srgb(shown);
     }
-    return vec4<f32>(select(shown, vec3<f32>(0.0), is_beside), 1.0);
+    return vec4<f32>(select(shown, vec3<f32>(0.0), is_outside), 1.0);
 }

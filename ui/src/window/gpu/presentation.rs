@@ -1,56 +1,61 @@
-//! How a finished frame is shown.
+//! Options of how a finished frame is shown.
 
 use afterimage::raster::color::ToneMap;
+use egui::Color32;
 
-/// How much of the pixel types is shown.
+/// Heatmap colour of pixels that the last frame does not contain and that are filled from their
+/// surroundings until the next frame.
+pub const FILLED_COLOR: Color32 = Color32::from_rgb(0xCC, 0x79, 0xA7);
+
+/// How pixel types are shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Heatmap {
-    /// The picture alone.
+    /// Only the picture.
     #[default]
     Off,
-    /// Half picture, half types.
+    /// The picture and the types, blended equally.
     Blend,
-    /// Types alone.
+    /// Only the types.
     Only,
 }
 
-/// What the colours of the heatmap stand for.
+/// Meaning of the colours of the heatmap.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Coloring {
-    /// How a pixel came to its colour.
+    /// The type of the pixel.
     #[default]
     ByType,
-    /// Which reference supplied it.
+    /// The reference that the light of the pixel was reused from.
     ByReference,
 }
 
-/// What lies over the picture for comparison with the full tracer.
+/// Overlay that compares the picture with the full tracer's.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Overlay {
-    /// Nothing.
+    /// No overlay.
     #[default]
     None,
     /// The full tracer's picture.
     Full,
-    /// The full tracer's picture right of this part of the width.
+    /// The full tracer's picture right of this fraction of the width.
     RightOf(f32),
-    /// The map of errors.
+    /// The error map.
     Errors,
 }
 
-/// How a frame is shown.
+/// Options of how a frame is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Presentation {
-    /// Types over the picture.
+    /// How pixel types are shown.
     pub heatmap: Heatmap,
-    /// What their colours mean.
+    /// Meaning of the heatmap's colours.
     pub coloring: Coloring,
-    /// Type 3 is outlined.
+    /// True to outline areas of Type 3.
     pub has_outline: bool,
-    /// In stops.
+    /// Exposure in stops.
     pub exposure_ev: f32,
-    /// From radiance to display.
+    /// Tone map from radiance to display.
     pub tone_map: ToneMap,
-    /// What lies over the picture.
+    /// Overlay for comparison.
     pub overlay: Overlay,
 }

@@ -1,17 +1,17 @@
-//! From the world to the viewport and back: what is drawn over the picture, and what a point of it means.
+//! Projects world points into the viewport, and snaps points on surfaces to corners and edges.
 
 use crate::window::state::{Snap, SnapKind};
 use afterimage::Camera;
 use egui::{Pos2, Rect};
 use glam::{DMat3, DVec3};
 
-/// A point this near to a corner or an edge is meant to be on it, in points.
+/// Maximum distance in points at which a point snaps to a corner or an edge.
 const SNAP_POINTS: f32 = 12.0;
 
-/// Nothing nearer than this is drawn, metres along the viewing axis.
+/// Depth in metres of the near plane: nothing nearer is drawn.
 const NEAR_M: f64 = 1e-3;
 
-/// A camera's picture in a rectangle of the window.
+/// Projection of a camera onto a rectangle of the window.
 #[derive(Clone, Copy, Debug)]
 pub struct Projection {
     eye: DVec3,
@@ -21,13 +21,13 @@ pub struct Projection {
 }
 
 impl Projection {
-    /// Of a camera that fills `rect`.
+    /// Projection of a camera whose picture fills `rect`.
     pub fn new(camera: &Camera, rect: Rect) -> Self {
         let camera_from_world = camera.world_from_camera().transpose();
         Self { eye: camera.eye, camera_from_world, tan: (camera.fov_y / 2.0).tan(), rect }
     }
 
-    /// Where a world point is seen; `None` behind the eye.
+    /// Projects a world point; `None` if it is behind the camera.
     pub fn point(&self, world_m: DVec3) -> Option<Pos2> {
         self.on_screen(self.camera_from_world * (world_m - self.eye))
     }
@@ -39,7 +39,7 @@ impl Projection {
         (depth >= NEAR_M * 0.999).then(|| self.rect.center() + offset)
     }
 
-    /// The part of a world segment that lies before the eye, as it is seen.
+    /// Projects the part of a world segment that is in front of the camera.
     pub fn segment(&self, [a, b]: [DVec3; 2]) -> Option<[Pos2; 2]> {
         let [p, q] = [a, b].map(|w| self.camera_from_world * (w - self.eye));
         let cut = |inside: DVec3, outside: DVec3| {
@@ -54,7 +54,7 @@ impl Projection {
         Some([self.on_screen(p)?, self.on_screen(q)?])
     }
 
-    /// The corner or the point of an edge of a triangle that a point of the surface is near to, as it is seen.
+    /// Snaps a point on a triangle to a corner or, failing that, to an edge that is near it in the viewport.
     pub fn snapped(&self, on_surface_m: DVec3, corners_m: &[DVec3; 3]) -> Snap {
         let cursor = self.point(on_surface_m);
         let is_near = |p: &DVec3| match (cursor, self.point(*p)) {
@@ -79,11 +79,11 @@ impl Projection {
 }
 
 fn nearest_on_edge(p: DVec3, from: DVec3, to: DVec3) -> DVec3 {
-    let way = to - from;
-    let length_squared = way.length_squared();
-    // An edge without length is a corner.
-    let t = if length_squared > 0.0 { (p - from).dot(way) / length_squared } else { 0.0 };
-    from + way * t.clamp(0.0, 1.0)
+    let edge = to - from;
+    let length_squared = edge.length_squared();
+    // A degenerate edge is its corner.
+    let t = if length_squared > 0.0 { (p - from).dot(edge) / length_squared } else { 0.0 };
+    from + edge * t.clamp(0.0, 1.0)
 }
 
 #[cfg(test)]
@@ -97,7 +97,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_looked_at_is_in_the_centre_and_the_field_of_view_fits_the_height() {
+    fn the_view_direction_is_the_centre_and_the_field_of_view_spans_the_height() {
         let p = projection();
         assert_eq!(p.point(DVec3::new(1.0, 2.0, -7.0)), Some(pos2(300.0, 100.0)));
         let top = p.point(DVec3::new(1.0, 4.0, 1.0)).unwrap();
@@ -106,7 +106,7 @@ mod tests {
     }
 
     #[test]
-    fn a_segment_through_the_eye_plane_is_cut_there() {
+    fn a_segment_is_clipped_at_the_near_plane() {
         let p = projection();
         let [a, b] = p.segment([DVec3::new(1.0, 2.0, -7.0), DVec3::new(2.0, 2.0, 4.0)]).unwrap();
         assert_eq!(a, pos2(300.0, 100.0));
@@ -115,11 +115,11 @@ mod tests {
     }
 
     #[test]
-    fn corners_go_before_edges_and_edges_before_the_surface() {
+    fn corners_take_precedence_over_edges() {
         let p = projection();
         let corners = [DVec3::new(0.0, 1.0, -1.0), DVec3::new(3.0, 1.0, -1.0), DVec3::new(0.0, 4.0, -1.0)];
         let at = |x: f64, y: f64| p.snapped(DVec3::new(x, y, -1.0), &corners);
-        // A metre is 25 points there.
+        // At that depth, a metre is 25 points.
         assert_eq!(at(0.3, 1.2), Snap { position_m: corners[0], kind: SnapKind::Vertex });
         assert_eq!(at(1.5, 1.1).kind, SnapKind::Edge);
         assert!(at(1.5, 1.1).position_m.distance(DVec3::new(1.5, 1.0, -1.0)) < 1e-12);

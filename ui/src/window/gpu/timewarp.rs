@@ -1,13 +1,14 @@
-//! The last frame as seen from where the camera is by now: the picture follows the hand at the display's rate, however
-//! long the renderer takes. On the graphics card, in the frame's own pixels.
+//! Reprojects the last frame to the current camera on the graphics card, so that the view follows the
+//! user's input at the display's refresh rate even while the renderer is slower.
 //!
-//! Every pixel of the new view is traced through the last frame's depths. Along its ray the source pixel and the source
-//! disparity are linear on the picture, so that a walk along a line from near to far finds the first surface: relief
-//! mapping (Policarpo, Oliveira and Comba, I3D 2005) with a depth image as the relief. Squares of pixels that the ray
-//! passes before or behind are passed in one step (Tevs, Ihrke and Seidel, I3D 2008, with minima as well as maxima), so
-//! that nothing is missed however far the camera went. Where the first surface is one that the frame did not see, what is
-//! beside the one that hid it stands in, and the pixel is marked as filled. Source of the idea: positional timewarp (van
-//! Waveren, VRST 2016).
+//! Each pixel of the new view is traced through the depth image of the last frame. Along its ray, source
+//! pixel and disparity change linearly in the image, so a march along a line from near to far finds the
+//! first surface: relief mapping (Policarpo, Oliveira and Comba, I3D 2005) with the depth image as the
+//! relief. Squares of pixels that the ray passes in front of or behind are skipped in one step (Tevs,
+//! Ihrke and Seidel, I3D 2008, with minima as well as maxima), so no surface is missed however far the
+//! camera has moved. If the last frame does not contain the first surface, the pixel is filled from the
+//! surroundings of the surface that hides it, and marked as filled. Source of the idea: positional
+//! timewarp (van Waveren, VRST 2016).
 
 use crate::window::gpu::full_screen_pass as pass;
 use crate::window::rendering::depth_ranges::{DepthRanges, LEVELS};
@@ -16,29 +17,31 @@ use afterimage::camera::{SceneFrame, View};
 use egui_wgpu::wgpu;
 use glam::{DMat3, DVec3};
 
-/// The longest walk along a line, in steps: a bound on the time of a drawing, whatever the depths are.
+/// Maximum number of steps of a march, which bounds the time of a draw for all depths.
 pub const MAX_STEPS: u32 = 128;
 
-/// Where the processor draws, a map has no more texels than this, and every texel is taken from the renderer.
+/// Maximum number of texels of the map with a software rasterizer, which takes its time from the renderer.
 pub const MAX_TEXELS_IN_SOFTWARE: u32 = 96 * 1024;
 
-/// Displacement in pixels, and whether the pixel is filled: half floats keep a displacement of 64 pixels to 1/32.
+/// Displacement in pixels, and whether the pixel is filled. Half floats represent a displacement of 64
+/// pixels to within 1/32.
 const MAP_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
-/// The way from one view's picture to another's.
+/// Mapping from pixels of a new view to pixels of the last frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reprojection {
-    /// Pixels of the frame (x, y, 1) from those of the new view, for what is infinitely far.
+    /// Frame pixel (x, y, 1) of a pixel of the new view, for points at infinity.
     source_from_target: DMat3,
-    /// The new eye on the frame's picture; times inverse depth it is what nearness adds.
+    /// Image of the new eye in the frame; multiplied by inverse depth, it is the parallax of a point.
     epipole: DVec3,
     size: [u32; 2],
-    /// The largest disparity of the frame.
+    /// Largest disparity of the frame, in scene units.
     nearest: f32,
 }
 
 impl Reprojection {
-    /// From a frame's camera to another one. `nearest` is the frame's largest disparity, in scene units.
+    /// Mapping from the frame of one camera to the view of another. `nearest` is the largest disparity of
+    /// the frame, in scene units.
     pub fn new(from: &Camera, to: &Camera, scene: &SceneFrame, size: [u32; 2], nearest: f32) -> Self {
         let [source, target] = [from, to].map(|camera| View::new(camera, scene, size));
         let source_pixel_from_scene = source.scene_from_pixel_f64.inverse();
@@ -60,41 +63,41 @@ impl Reprojection {
             target_from_source: columns(back),
             back: column(back * -self.epipole),
             size: self.size,
-            most_steps: MAX_STEPS,
+            max_steps: MAX_STEPS,
             nearest: self.nearest,
         }
     }
 }
 
-/// As `Warp` of timewarp.wgsl is laid out.
+/// Parameters of the pass, laid out as `Warp` in timewarp.wgsl.
 #[repr(C)]
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 struct Params {
     source_from_target: [[f32; 4]; 3],
-    /// And pixels of the frame for one of the map.
+    /// The epipole, and in the last component the frame pixels per texel of the map.
     epipole: [f32; 4],
     target_from_source: [[f32; 4]; 3],
     back: [f32; 4],
     size: [u32; 2],
-    most_steps: u32,
+    max_steps: u32,
     nearest: f32,
 }
 
 const _: () = assert!(size_of::<Params>() == 144);
 
-/// The pass that makes a map: for every pixel of the new view, where it is found in the frame.
+/// The pass that computes a map: for every pixel of the new view, its displacement into the last frame.
 pub struct Timewarp {
     pipeline: wgpu::RenderPipeline,
     layout: wgpu::BindGroupLayout,
     params: wgpu::Buffer,
-    most_texels: u32,
+    max_texels: u32,
 }
 
-/// A map of a frame's size or a whole part of it, and the depths it is made from.
+/// A map of the frame's size, or smaller by an integer factor, and the depths that it is computed from.
 pub struct WarpMap {
-    /// Displacement in pixels of the frame to where a pixel is found, and 1 in the third channel where it is filled.
+    /// Displacement in frame pixels; the third channel is 1 if the pixel is filled.
     pub map: wgpu::Texture,
-    /// Of the map, in texels.
+    /// Size of the map in texels.
     pub size: [u32; 2],
     pixels_per_texel: u32,
     ranges: wgpu::Texture,
@@ -103,7 +106,8 @@ pub struct WarpMap {
 }
 
 impl Timewarp {
-    /// Makes the pipeline. `None` where the adapter cannot draw to such a map: frames are then shown as they are.
+    /// Creates the pipeline. `None` if the adapter cannot render to the map's format: frames are then shown
+    /// without reprojection.
     pub fn new(adapter: &wgpu::Adapter, device: &wgpu::Device) -> Option<Self> {
         let uses = adapter.get_texture_format_features(MAP_FORMAT).allowed_usages;
         if !uses.contains(wgpu::TextureUsages::RENDER_ATTACHMENT) {
@@ -128,17 +132,17 @@ impl Timewarp {
             ),
             layout,
             params: pass::uniform_buffer(device, "timewarp", size_of::<Params>()),
-            most_texels: if is_software { MAX_TEXELS_IN_SOFTWARE } else { u32::MAX },
+            max_texels: if is_software { MAX_TEXELS_IN_SOFTWARE } else { u32::MAX },
         })
     }
 
-    /// Room for frames of a size.
+    /// Creates the textures for frames of a size.
     pub fn make_map(&self, device: &wgpu::Device, size: [u32; 2]) -> WarpMap {
         let pixels_per_texel = (1..).find(|n| self.is_affordable(size.map(|s| s.div_ceil(*n)))).unwrap_or(1);
         let map_size = size.map(|s| s.div_ceil(pixels_per_texel));
         let drawn = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC;
         let map = pass::texture(device, "timewarp", map_size, MAP_FORMAT, drawn);
-        let ranges = pass::layered_texture(
+        let ranges = pass::mipmapped_texture(
             device,
             "depth ranges",
             DepthRanges::padded(size),
@@ -160,10 +164,10 @@ impl Timewarp {
     }
 
     fn is_affordable(&self, [width, height]: [u32; 2]) -> bool {
-        width.saturating_mul(height) <= self.most_texels
+        width.saturating_mul(height) <= self.max_texels
     }
 
-    /// Draws the map of a reprojection.
+    /// Computes the map of a reprojection.
     pub fn draw(
         &self,
         queue: &wgpu::Queue,
@@ -178,7 +182,7 @@ impl Timewarp {
 }
 
 impl WarpMap {
-    /// Sends the depths of a frame of the map's size.
+    /// Uploads the depths of a frame.
     pub fn write(&self, queue: &wgpu::Queue, ranges: &DepthRanges) {
         for (level, (size, ranges)) in (0..).zip(ranges.levels()) {
             pass::write(queue, &self.ranges, level, size, bytemuck::cast_slice(ranges));

@@ -1,10 +1,11 @@
-//! The picture on the screen: textures of the newest frame and the pipeline that shows them.
+//! The viewport: textures of the newest frame, and the pipelines that show them.
 
-use crate::window::gpu::develop::{Developer, Development, Negative};
 use crate::window::gpu::full_screen_pass as pass;
-use crate::window::gpu::presentation::{Heatmap, Overlay, Presentation};
+use crate::window::gpu::presentation::{FILLED_COLOR, Heatmap, Overlay, Presentation};
 use crate::window::gpu::timewarp::{Reprojection, Timewarp, WarpMap};
+use crate::window::gpu::tone_map::{ToneMapPass, ToneMapped, ToneMapping};
 use crate::window::rendering::exchange::PublishedFrame;
+use afterimage::raster::pixel_types::TYPE_SRGB;
 use egui_wgpu::{CallbackResources, CallbackTrait, RenderState, ScreenDescriptor, wgpu};
 
 #[repr(C)]
@@ -21,49 +22,49 @@ struct Params {
     split: f32,
 }
 
-// As `Params` of present.wgsl is laid out; a uniform's size is a multiple of 16.
+// The layout is that of `Params` in present.wgsl; the size of a uniform is a multiple of 16 bytes.
 const _: () = assert!(size_of::<Params>() == 48);
 
-/// What a picture needs of the shader: each has a pipeline of its own, made when it is first shown.
+/// Parts of the shader that a picture needs. Each combination has its own pipeline, created on first use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct SceneFeatures {
+struct ShaderFeatures {
     is_warped: bool,
     shows_types: bool,
     is_overlaid: bool,
 }
 
 struct ViewGpu {
-    pipelines: Vec<(SceneFeatures, wgpu::RenderPipeline)>,
+    pipelines: Vec<(ShaderFeatures, wgpu::RenderPipeline)>,
     shader: wgpu::ShaderModule,
     target: wgpu::TextureFormat,
     layout: wgpu::BindGroupLayout,
     sampler: wgpu::Sampler,
     params: wgpu::Buffer,
-    developer: Developer,
+    tone_map: ToneMapPass,
     timewarp: Option<Timewarp>,
-    /// Bound where nothing is warped.
+    /// Texture bound in place of the map if nothing is reprojected.
     no_map: wgpu::TextureView,
     textures: Option<Textures>,
 }
 
 struct Textures {
     size: [u32; 2],
-    color: Negative,
+    color: ToneMapped,
     types: wgpu::Texture,
     suppliers: wgpu::Texture,
-    full: Negative,
+    full: ToneMapped,
     errors: wgpu::Texture,
     warp: Option<WarpMap>,
     bind_group: wgpu::BindGroup,
 }
 
-/// Makes the pipeline. Once, before the first frame.
+/// Creates the passes. Called once, before the first frame.
 pub fn install(state: &RenderState) {
     let gpu = ViewGpu::new(&state.adapter, &state.device, state.target_format);
     state.renderer.write().callback_resources.insert(gpu);
 }
 
-/// Sends a frame to the graphics card.
+/// Uploads a frame to the graphics card.
 pub fn upload(state: &RenderState, frame: &PublishedFrame) {
     if frame.size.contains(&0) {
         return;
@@ -78,7 +79,7 @@ pub fn upload(state: &RenderState, frame: &PublishedFrame) {
     }
 }
 
-/// Sends the full tracer's picture of the frame's view; one of another size is left out.
+/// Uploads the full tracer's picture of the frame's view; a picture of another size is ignored.
 pub fn upload_full(state: &RenderState, full: &PublishedFrame) {
     let mut renderer = state.renderer.write();
     let textures = renderer.callback_resources.get_mut::<ViewGpu>().and_then(|gpu| gpu.textures.as_mut());
@@ -87,7 +88,7 @@ pub fn upload_full(state: &RenderState, full: &PublishedFrame) {
     }
 }
 
-/// Sends the map of errors, sRGB; one of another size than the frame's is left out.
+/// Uploads the error map, sRGB; a map of another size than the frame's is ignored.
 pub fn upload_errors(state: &RenderState, size: [u32; 2], map: &[[u8; 3]]) {
     let renderer = state.renderer.read();
     let textures = renderer.callback_resources.get::<ViewGpu>().and_then(|gpu| gpu.textures.as_ref());
@@ -97,7 +98,7 @@ pub fn upload_errors(state: &RenderState, size: [u32; 2], map: &[[u8; 3]]) {
     }
 }
 
-/// The shape that shows the newest frame in a rectangle, as seen from elsewhere where `reprojection` says so.
+/// A shape that shows the newest frame in a rectangle, reprojected if `reprojection` is given.
 pub fn shape(
     rect: egui::Rect,
     pixels_per_point: f32,
@@ -117,9 +118,9 @@ struct Show {
 }
 
 impl Show {
-    fn features(&self, has_map: bool) -> SceneFeatures {
+    fn features(&self, has_map: bool) -> ShaderFeatures {
         let p = &self.presentation;
-        SceneFeatures {
+        ShaderFeatures {
             is_warped: has_map && self.reprojection.is_some(),
             shows_types: p.heatmap != Heatmap::Off || p.has_outline,
             is_overlaid: p.overlay != Overlay::None,
@@ -138,7 +139,8 @@ impl Show {
         Params {
             size,
             map_size,
-            // The height always fits: a frame made for the window's old shape is cut or bordered left and right.
+            // The height always fits: a frame with another aspect ratio is cropped, or has borders on the left and
+            // right.
             uv_scale: [self.aspect / frame_aspect, 1.0],
             heatmap: p.heatmap as u32,
             coloring: p.coloring as u32,
@@ -163,10 +165,10 @@ impl CallbackTrait for Show {
             && let Some(textures) = &mut gpu.textures
         {
             let features = self.features(textures.warp.is_some());
-            let development = Development::new(self.presentation.exposure_ev, self.presentation.tone_map);
-            gpu.developer.develop(queue, encoder, &mut textures.color, development);
+            let tone_mapping = ToneMapping::new(self.presentation.exposure_ev, self.presentation.tone_map);
+            gpu.tone_map.run(queue, encoder, &mut textures.color, tone_mapping);
             if features.is_overlaid {
-                gpu.developer.develop(queue, encoder, &mut textures.full, development);
+                gpu.tone_map.run(queue, encoder, &mut textures.full, tone_mapping);
             }
             let map = textures.warp.as_ref();
             if let Some(((reprojection, timewarp), map)) =
@@ -215,7 +217,10 @@ impl ViewGpu {
         });
         Self {
             pipelines: Vec::new(),
-            shader: device.create_shader_module(wgpu::include_wgsl!("present.wgsl")),
+            shader: device.create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: Some("viewport"),
+                source: wgpu::ShaderSource::Wgsl(shader_source().into()),
+            }),
             target,
             layout,
             sampler: device.create_sampler(&wgpu::SamplerDescriptor {
@@ -225,7 +230,7 @@ impl ViewGpu {
                 ..Default::default()
             }),
             params: pass::uniform_buffer(device, "viewport", size_of::<Params>()),
-            developer: Developer::new(device),
+            tone_map: ToneMapPass::new(device),
             timewarp: Timewarp::new(adapter, device),
             no_map: texture(device, [1, 1], wgpu::TextureFormat::Rgba16Float)
                 .create_view(&wgpu::TextureViewDescriptor::default()),
@@ -233,11 +238,11 @@ impl ViewGpu {
         }
     }
 
-    fn pipeline(&self, features: SceneFeatures) -> Option<&wgpu::RenderPipeline> {
+    fn pipeline(&self, features: ShaderFeatures) -> Option<&wgpu::RenderPipeline> {
         self.pipelines.iter().find(|(has, _)| *has == features).map(|(_, pipeline)| pipeline)
     }
 
-    fn make_pipeline(&mut self, device: &wgpu::Device, features: SceneFeatures) {
+    fn make_pipeline(&mut self, device: &wgpu::Device, features: ShaderFeatures) {
         if self.pipeline(features).is_none() {
             let constants = [
                 ("IS_WARPED", features.is_warped),
@@ -254,7 +259,7 @@ impl ViewGpu {
 
     fn make_textures(&self, device: &wgpu::Device, size: [u32; 2]) -> Textures {
         let texture = |format| texture(device, size, format);
-        let [color, full] = [(); 2].map(|()| self.developer.make_negative(device, size));
+        let [color, full] = [(); 2].map(|()| self.tone_map.make_textures(device, size));
         let errors = texture(wgpu::TextureFormat::Rgba8Unorm);
         let (types, suppliers) = (texture(wgpu::TextureFormat::R8Uint), texture(wgpu::TextureFormat::R8Uint));
         let warp = self.timewarp.as_ref().map(|timewarp| timewarp.make_map(device, size));
@@ -265,13 +270,13 @@ impl ViewGpu {
             label: Some("viewport"),
             layout: &self.layout,
             entries: &[
-                bind(0, wgpu::BindingResource::TextureView(&color.developed)),
+                bind(0, wgpu::BindingResource::TextureView(&color.display)),
                 bind(1, wgpu::BindingResource::Sampler(&self.sampler)),
                 bind(2, wgpu::BindingResource::TextureView(&view(&types))),
                 bind(3, wgpu::BindingResource::TextureView(&view(&suppliers))),
                 bind(4, self.params.as_entire_binding()),
                 bind(5, wgpu::BindingResource::TextureView(map.as_ref().unwrap_or(&self.no_map))),
-                bind(6, wgpu::BindingResource::TextureView(&full.developed)),
+                bind(6, wgpu::BindingResource::TextureView(&full.display)),
                 bind(7, wgpu::BindingResource::TextureView(&view(&errors))),
             ],
         });
@@ -290,7 +295,18 @@ impl Textures {
     }
 }
 
-/// A texture that is written from the processor and read in shaders.
+/// The shader with the colours of pixel types.
+fn shader_source() -> String {
+    let [r, g, b, _] = FILLED_COLOR.to_array();
+    let [type1, type2, type3] = TYPE_SRGB;
+    let colors = [("TYPE1", type1), ("TYPE2", type2), ("TYPE3", type3), ("FILLED", [r, g, b])];
+    let constant = |(name, [r, g, b]): (&str, [u8; 3])| {
+        format!("const {name}: vec3<f32> = vec3<f32>({r}.0, {g}.0, {b}.0) / 255.0;\n")
+    };
+    colors.map(constant).concat() + include_str!("present.wgsl")
+}
+
+/// A texture that is uploaded and read by shaders.
 fn texture(device: &wgpu::Device, size: [u32; 2], format: wgpu::TextureFormat) -> wgpu::Texture {
     pass::texture(device, "viewport", size, format, wgpu::TextureUsages::COPY_DST)
 }

@@ -1,12 +1,13 @@
-// Radiance as a display shows it, as src/raster/color.rs does it: a pixel of the frame for each of the target.
+// Tone-maps radiance for display, one pixel of the frame per pixel of the target. The operations are those of
+// src/raster/color.rs.
 
 struct Params {
-    exposure: f32, // a factor
+    exposure: f32, // scale factor of radiance
     tone_map: u32, // 0 ACES, 1 linear
 };
 
 @group(0) @binding(0) var radiance: texture_2d<f32>;
-@group(0) @binding(1) var<uniform> given: vec4<u32>; // Params as the program lays them out
+@group(0) @binding(1) var<uniform> given: vec4<u32>; // bits of Params
 
 struct Vertex {
     @builtin(position) position: vec4<f32>,
@@ -19,7 +20,8 @@ fn vertex(@builtin(vertex_index) i: u32) -> Vertex {
     return Vertex(vec4<f32>(xy * 2.0 - 1.0, 0.0, 1.0), given);
 }
 
-fn developed(radiance: vec3<f32>, p: Params) -> vec3<f32> {
+// Applies exposure and tone map.
+fn tone_mapped(radiance: vec3<f32>, p: Params) -> vec3<f32> {
     let x = clamp(radiance * p.exposure, vec3<f32>(0.0), vec3<f32>(65504.0));
     if (p.tone_map == 1u) {
         return min(x, vec3<f32>(1.0));
@@ -28,6 +30,7 @@ fn developed(radiance: vec3<f32>, p: Params) -> vec3<f32> {
     return clamp(aces, vec3<f32>(0.0), vec3<f32>(1.0));
 }
 
+// Encodes sRGB.
 fn srgb_from_linear(c: vec3<f32>) -> vec3<f32> {
     return select(1.055 * pow(c, vec3<f32>(1.0 / 2.4)) - 0.055, 12.92 * c, c <= vec3<f32>(0.0031308));
 }
@@ -36,5 +39,5 @@ fn srgb_from_linear(c: vec3<f32>) -> vec3<f32> {
 fn fragment(v: Vertex) -> @location(0) vec4<f32> {
     let p = Params(bitcast<f32>(v.params.x), v.params.y);
     let texel = textureLoad(radiance, vec2<i32>(v.position.xy), 0).rgb;
-    return vec4<f32>(srgb_from_linear(developed(texel, p)), 1.0);
+    return vec4<f32>(srgb_from_linear(tone_mapped(texel, p)), 1.0);
 }
