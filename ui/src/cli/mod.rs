@@ -98,7 +98,7 @@ pub fn run() -> ExitCode {
     };
     let scene = cli.scene.as_deref().or_else(|| cli.command.as_ref().and_then(Command::scene));
     let mut layers = Layers::load(user_file, scene, std::env::vars());
-    layers.warnings.extend(key_error);
+    layers.warnings.extend(key_error.map(|error| error.to_string()));
     for warning in &layers.warnings {
         output::say(&format!("warning: {warning}"));
     }

@@ -32,7 +32,10 @@ fn invalid_settings_are_warnings_and_the_command_still_runs() {
     let output = bench.run(&format!("render room.obj {TINY} -o a.png --config mine.toml"));
     assert!(output.status.success());
     let errors = stderr(&output);
-    assert!(errors.contains("did you mean 'samples'?") && errors.contains("the usual keys hold"), "{errors}");
+    assert!(
+        errors.contains("did you mean 'samples'?") && errors.contains("the default keys apply"),
+        "{errors}"
+    );
     let output = bench.run("doctor --config none.toml");
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("no such file"));

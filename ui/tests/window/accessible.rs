@@ -51,7 +51,7 @@ fn check(window: &Window, what: &str) {
 
 /// Opens what is closed at first, by the names of the sections.
 fn open_all(window: &mut Window) {
-    for section in ["Camera path", "Sun and sky", "What it needs", "Numerical stiffness"] {
+    for section in ["Camera path", "Sun and sky", "Features", "Numerical conditioning"] {
         window.query_all_by_label(section).next().expect("a section").click_accesskit();
         window.run_steps(30);
     }

@@ -44,7 +44,7 @@ fn a_clicked_surface_is_made_a_mirror_and_matte_again() {
     assert!(matches!(kind_of_chosen(harness.state()), MaterialKind::Mirror { .. }));
     let p = harness.state().state().frame.as_ref().expect("a frame").stats.types.percentages();
     assert!(p.type2_percent > 15.0, "a floor that mirrors is Type 2: {p:?}");
-    harness.get_by_label("Changes not saved");
+    harness.get_by_label("Unsaved changes");
     harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
     harness.step();
     assert_eq!(*edits(harness.state()).now(), before);
@@ -117,7 +117,7 @@ fn changes_are_saved_beside_a_model_and_survive_a_reload_before() {
     assert!(matches!(kind_of_chosen(harness.state()), MaterialKind::Mirror { .. }));
     step_until(&mut harness, "the mirror", |app| scene(app).features.mirror);
     harness.step();
-    harness.get_by_label("Save beside the scene").click_accesskit();
+    harness.get_by_label("Save changes").click_accesskit();
     step_until(&mut harness, "a saved look", |app| !edits(app).is_unsaved());
     let text = std::fs::read_to_string(&side).expect("the file");
     assert!(text.starts_with("# mine\nunit = \"m\"\n") && text.contains("kind = \"mirror\""), "{text}");
@@ -133,7 +133,7 @@ fn a_scene_of_the_program_cannot_be_saved_beside_and_says_so() {
     harness.run_steps(2);
     harness.get_by_label("Edit").click_accesskit();
     harness.run_steps(2);
-    harness.get_by_label_contains("Save changes beside the scene").click_accesskit();
+    harness.get_by_label_contains("Save changes of the scene").click_accesskit();
     harness.run_steps(2);
     let notice = harness.state().state().notices.last().expect("a message");
     assert!(notice.severity == Severity::Error && notice.text.contains("part of the program"), "{notice:?}");

@@ -25,7 +25,7 @@ fn a_click_tells_what_is_there() {
         "someone lent what is not traced: {facts:?}"
     );
     assert!(facts.radiance.is_finite() && facts.radiance.max_element() > 0.0);
-    harness.get_by_label("Copy what was inspected").click_accesskit();
+    harness.get_by_label("Copy the inspected values").click_accesskit();
     harness.step();
     let copied = harness.output().platform_output.commands.iter().find_map(|command| match command {
         egui::OutputCommand::CopyText(text) => Some(text.clone()),
@@ -95,10 +95,10 @@ fn a_reference_is_switched_off_shown_and_chosen() {
     harness.key_press(Key::Escape);
     harness.run_steps(2);
     assert!(selection(harness.state()).reference_view.is_none());
-    harness.get_by_label(&format!("Choose reference {number}")).click_accesskit();
+    harness.get_by_label(&format!("Select reference {number}")).click_accesskit();
     harness.run_steps(2);
     assert_eq!(selection(harness.state()).reference.map(|id| id.0), Some(number));
-    harness.get_by_label(&format!("Go to chosen reference {number}"));
+    harness.get_by_label(&format!("Go to selected reference {number}"));
 }
 
 #[test]
@@ -111,7 +111,7 @@ fn the_plan_is_cut_zoomed_and_clicked() {
     harness.get_by_label("Zoom in on the plan").click_accesskit();
     harness.run_steps(2);
     assert!((harness.state().state().plan.view.zoom() - 1.5).abs() < 1e-9);
-    harness.get_by_label("Follow me").click_accesskit();
+    harness.get_by_label("Follow camera").click_accesskit();
     harness.run_steps(2);
     settle(&mut harness);
     harness.get_by_label("Plan map").scroll_to_me();

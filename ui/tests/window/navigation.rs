@@ -193,12 +193,12 @@ fn a_recorded_walk_is_a_file_that_the_tour_reads() {
     };
     press(&mut harness, "Camera path");
     harness.run_steps(20);
-    press(&mut harness, "Record walk");
+    press(&mut harness, "Record path");
     harness.key_down(Key::A);
     harness.run_steps(60);
     harness.key_up(Key::A);
     let end = camera(&harness);
-    press(&mut harness, "Stop and save walk");
+    press(&mut harness, "Stop and save path");
     step_until(&mut harness, "a message", |app| app.state().notices.iter().any(|n| n.text.contains("saved")));
     let text = std::fs::read_to_string(folder.path().join("afterimage-room-walk-0001.json")).expect("a file");
     let walk: CameraPath = serde_json::from_str(&text).expect("a walk");

@@ -140,14 +140,14 @@ fn after_a_crash_one_goes_on_where_one_was() {
     drop(first);
     let mut harness = begin(home.request(), false);
     harness.step();
-    harness.get_by_label("Go on").click();
+    harness.get_by_label("Restore").click();
     settle(&mut harness);
     assert!(!left.exists(), "it is not offered again");
     // One that cannot be read is put aside.
     std::fs::write(&left, "version =").expect("a file");
     let mut harness = begin(home.request(), false);
     harness.step();
-    harness.get_by_label("Go on").click();
+    harness.get_by_label("Restore").click();
     assert_eq!(said(&mut harness, ".bad"), Severity::Error);
     assert!(!left.exists() && home.path("state/recovery-4000000000.afterimage-session.toml.bad").exists());
     settle(&mut harness);
@@ -191,7 +191,7 @@ fn settings_of_the_window_are_kept_and_reset_one_by_one() {
     let mut harness = home.open();
     harness.get_by_label_contains("Settings").click();
     harness.run_steps(3);
-    harness.get_by_label("views change at once").click();
+    harness.get_by_label("change views without animation").click();
     harness.run_steps(2);
     assert!(harness.state().state().appearance.has_reduced_motion);
     let file = home.path("settings.toml");

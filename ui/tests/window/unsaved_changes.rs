@@ -133,7 +133,7 @@ fn another_scene_waits_for_the_answer() {
 fn what_is_changed_while_another_scene_loads_is_asked_about() {
     for answer in ["Cancel", "Don't save", "Save"] {
         let mut changed = Changed::new();
-        changed.window.get_by_label("Save beside the scene").click_accesskit();
+        changed.window.get_by_label("Save changes").click_accesskit();
         step_until(&mut changed.window, "saved", |app| !is_unsaved(app));
         let saved = changed.saved();
         let other = changed.folder.path().join("triangle.obj");
@@ -162,7 +162,7 @@ fn a_scene_of_the_program_offers_no_saving() {
     make_mirror(&mut window, 180.0);
     assert!(close(&mut window));
     assert!(window.query_by_label("Save").is_none());
-    window.get_by_label("Lose changes").click();
+    window.get_by_label("Discard changes").click();
     wait_for_close(&mut window);
 }
 

@@ -38,7 +38,7 @@ impl App {
     /// # Errors
     /// Where the system refuses to start the threads.
     pub fn new(cc: &eframe::CreationContext<'_>, mut launch: WindowRequest) -> anyhow::Result<Self> {
-        panels::install_style(&cc.egui_ctx);
+        panels::widgets::install_style(&cc.egui_ctx);
         let ctx = cc.egui_ctx.clone();
         // Not request_repaint(), which paints two frames per call.
         let wake: Wake = Arc::new(move || ctx.request_repaint_after(Duration::from_millis(1)));
@@ -120,7 +120,7 @@ impl App {
             let menu = egui::Panel::top("menu").frame(bare);
             menu.show(ui, |ui| panels::menu::show(ui, state, commands));
             let side = egui::Panel::right("side").frame(bare).default_size(300.0).size_range(260.0..=460.0);
-            side.show(ui, |ui| panels::side(ui, state, commands));
+            side.show(ui, |ui| panels::side::show(ui, state, commands));
         }
         egui::CentralPanel::no_frame().show(ui, |ui| Canvas::allocate(ui, state)).inner
     }

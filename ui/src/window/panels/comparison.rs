@@ -1,20 +1,20 @@
-//! The comparison with the full tracer.
+//! Comparison of the picture with the full tracer's.
 
 use super::super::state::{AppState, Command, Compare};
 use crate::window::input::keymap::{Action, keys_of};
 use egui::{Sense, Ui};
 
-/// Shows the switches and the figures.
+/// Shows the controls and the results.
 pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     let (mut shows, mut split) = (state.comparison.shows, state.comparison.split);
     ui.horizontal(|ui| {
         ui.label("Compare")
-            .on_hover_text(format!("Hold {} for the whole picture", keys_of(Action::ShowFull)));
+            .on_hover_text(format!("Hold {} to show the full tracer's picture", keys_of(Action::ShowFull)));
         ui.selectable_value(&mut shows, Compare::Off, "Off").accessible_name("Compare off");
         ui.selectable_value(&mut shows, Compare::Split, "Split")
             .on_hover_text(format!("Key {}", keys_of(Action::CompareSplit)));
         ui.selectable_value(&mut shows, Compare::Errors, "Error map")
-            .on_hover_text(format!("Key {}: FLIP, what an eye would notice", keys_of(Action::CompareErrors)));
+            .on_hover_text(format!("Key {}: FLIP, the perceived difference", keys_of(Action::CompareErrors)));
     });
     if shows == Compare::Split {
         let mut percent = split * 100.0;
@@ -34,7 +34,7 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     }
 }
 
-/// Names and values for people; none where nothing is compared.
+/// Names and values of the results; empty if nothing is compared.
 pub fn figures(state: &AppState) -> Vec<(&'static str, String)> {
     let Some(progress) = state.comparison.progress_text() else { return Vec::new() };
     let mut figures = vec![("full tracer", progress)];
@@ -45,7 +45,7 @@ pub fn figures(state: &AppState) -> Vec<(&'static str, String)> {
     figures
 }
 
-/// The line between the two pictures, to be dragged.
+/// The draggable line between the two pictures.
 pub fn split_line(ui: &Ui, viewport: egui::Rect, state: &AppState, commands: &mut Vec<Command>) {
     const REACH: f32 = 8.0;
     if state.comparison.shows != Compare::Split || state.comparison.full.is_none() || state.comparison.is_held

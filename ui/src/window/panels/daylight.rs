@@ -1,11 +1,11 @@
-//! Sun and sky: by azimuth and height, or by place and time.
+//! Sun and sky: the position of the sun by azimuth and elevation, or by place and time.
 
 use super::super::state::{AppState, Change, Command, EditCommand, PlaceAndTime, SunControls};
 use afterimage::scene::Daylight;
 use afterimage::scene::solar::SunPosition;
 use egui::{DragValue, Slider, Ui};
 
-/// Places to start from: name, latitude, longitude, hours ahead of universal time in winter.
+/// Suggested places: name, latitude and longitude in degrees, offset from UTC in winter in hours.
 const PLACES: [(&str, f64, f64, f64); 8] = [
     ("Berlin", 52.52, 13.40, 1.0),
     ("London", 51.51, -0.13, 0.0),
@@ -40,11 +40,11 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
         } else {
             direction_rows(ui, &mut sun.direction);
         }
-        let help = "How far north is turned from the model's -Z (up on the plan) towards its +X, clockwise";
-        slider(ui, "North turned", help, &mut sun.north_deg, -180.0..=180.0, 0, "°");
+        let help = "Angle of north, clockwise from the model's -Z (up on the plan) towards its +X";
+        slider(ui, "North", help, &mut sun.north_deg, -180.0..=180.0, 0, "°");
     });
     let SunPosition { azimuth_deg, height_deg } = sun.position();
-    let place = format!("Sun at {azimuth_deg:.1}° from north over east, {height_deg:.1}° high");
+    let place = format!("Sun at azimuth {azimuth_deg:.1}°, elevation {height_deg:.1}°");
     ui.weak(if height_deg > 0.0 { place } else { format!("{place}: below the horizon") });
     if sun != state.sun {
         commands.push(Command::Edit(EditCommand::SetSun(sun)));
@@ -55,7 +55,8 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     }
 }
 
-/// A part that is switched on, or that moves, is a clear day's; the rest stays as it is.
+/// The new daylight. A part that was switched on or moved gets the values of a clear day; other parts keep
+/// theirs.
 fn daylight(
     now: &Daylight,
     before: &SunControls,
@@ -63,7 +64,7 @@ fn daylight(
     [has_sun, has_sky]: [bool; 2],
 ) -> Daylight {
     let clear = sun.moved(has_sun, has_sky);
-    // A sun that has set comes up again with the sky that it lights.
+    // A sun that was below the horizon rises again if there is a sky.
     let has_moved = sun.position() != before.position() || sun.north_deg != before.north_deg;
     if has_moved {
         return Daylight { sun: sun.moved(has_sun || has_sky, false).sun, sky: clear.sky };
@@ -92,19 +93,19 @@ fn direction_rows(ui: &mut Ui, direction: &mut SunPosition) {
     slider(
         ui,
         "Azimuth",
-        "From north over east: south is 180",
+        "Clockwise from north: east is 90, south 180",
         &mut direction.azimuth_deg,
         0.0..=360.0,
         0,
         "°",
     );
-    slider(ui, "Height", "Over the horizon", &mut direction.height_deg, -10.0..=90.0, 1, "°");
+    slider(ui, "Elevation", "Angle above the horizon", &mut direction.height_deg, -10.0..=90.0, 1, "°");
 }
 
 fn place_rows(ui: &mut Ui, place: &mut PlaceAndTime) {
     let label = ui.label("Place");
     let is_at = |p: &PlaceAndTime, lat: f64, lon: f64| p.latitude_deg == lat && p.longitude_deg == lon;
-    let known = PLACES.iter().find(|(_, lat, lon, _)| is_at(place, *lat, *lon)).map_or("own", |p| p.0);
+    let known = PLACES.iter().find(|(_, lat, lon, _)| is_at(place, *lat, *lon)).map_or("custom", |p| p.0);
     let combo = egui::ComboBox::from_id_salt("place").selected_text(known).show_ui(ui, |ui| {
         for (name, latitude_deg, longitude_deg, utc_offset_hours) in PLACES {
             if ui.selectable_label(known == name, name).clicked() {
@@ -117,13 +118,13 @@ fn place_rows(ui: &mut Ui, place: &mut PlaceAndTime) {
     slider(ui, "Latitude", "Positive in the north", &mut place.latitude_deg, -90.0..=90.0, 2, "°");
     slider(ui, "Longitude", "Positive in the east", &mut place.longitude_deg, -180.0..=180.0, 2, "°");
     date_row(ui, place);
-    let help = "By the clocks of the place";
+    let help = "Local time of the place";
     let label = ui.label("Time of day").on_hover_text(help);
     let clock = Slider::new(&mut place.hours, 0.0..=24.0).custom_formatter(|hours, _| clock_text(hours));
     ui.add(clock.custom_parser(clock_hours).step_by(1.0 / 12.0)).labelled_by(label.id).on_hover_text(help);
     ui.end_row();
-    let help = "How far those clocks are ahead of universal time (UTC); summer time is one hour more";
-    slider(ui, "Ahead of UTC", help, &mut place.utc_offset_hours, -12.0..=14.0, 1, " h");
+    let help = "Offset of local time from UTC; in summer time, one hour more";
+    slider(ui, "UTC offset", help, &mut place.utc_offset_hours, -12.0..=14.0, 1, " h");
 }
 
 fn date_row(ui: &mut Ui, place: &mut PlaceAndTime) {
@@ -168,7 +169,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn times_are_written_and_read_as_on_a_clock() {
+    fn times_are_formatted_and_parsed_as_hours_and_minutes() {
         for (hours, text) in [(0.0, "00:00"), (9.5, "09:30"), (13.25, "13:15"), (24.0, "24:00")] {
             assert_eq!(clock_text(hours), text);
             assert_eq!(clock_hours(text), Some(hours));
@@ -186,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn only_what_is_asked_for_changes() {
+    fn only_changed_parts_of_daylight_change() {
         let controls = SunControls::default();
         let own = Daylight { sky: Some(afterimage::scene::Sky { zenith: glam::Vec3::X, ..DUSK }), sun: None };
         let lit = daylight(&own, &controls, &controls, [true, true]);

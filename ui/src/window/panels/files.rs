@@ -1,10 +1,10 @@
-//! Recent files, and the looks of the window.
+//! The menu of recent files, and the settings of the window's appearance.
 
 use super::super::state::{AppState, Appearance, Command, FileCommand};
 use crate::settings::{Theme, UI_SCALES};
 use egui::{Slider, Ui};
 
-/// The submenu of files that were open before.
+/// Shows the submenu of recent files.
 pub fn recent_menu(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     ui.add_enabled_ui(!state.files.recent.is_empty(), |ui| {
         ui.menu_button("Recent", |ui| {
@@ -16,14 +16,14 @@ pub fn recent_menu(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
                 }
             }
             ui.separator();
-            if ui.button("Forget these").clicked() {
+            if ui.button("Clear recent files").clicked() {
                 commands.push(Command::Files(FileCommand::ForgetRecent));
             }
         });
     });
 }
 
-/// The looks of the window, each with a way back. What is changed is kept for the next start.
+/// Shows the settings of the appearance. Changes are saved in the user's settings file.
 pub fn settings(ctx: &egui::Context, state: &AppState, commands: &mut Vec<Command>) {
     let (mut is_open, mut appearance) = (true, state.appearance);
     egui::Window::new("Settings").open(&mut is_open).resizable(false).default_pos([60.0, 80.0]).show(
@@ -35,10 +35,10 @@ pub fn settings(ctx: &egui::Context, state: &AppState, commands: &mut Vec<Comman
                 .show(ui, |ui| rows(ui, &mut appearance));
             ui.separator();
             match &state.files.settings_file {
-                Some(path) => ui.weak(format!("Kept in {}", path.display())),
-                None => ui.weak("Not kept: there is no folder for settings"),
+                Some(path) => ui.weak(format!("Saved in {}", path.display())),
+                None => ui.weak("Not saved: no folder for settings was found"),
             };
-            ui.weak("Keys are bound anew in its [keys]; F1 lists them.");
+            ui.weak("To change keys, edit [keys] in this file; F1 lists all keys.");
         },
     );
     if appearance != state.appearance {
@@ -50,7 +50,7 @@ pub fn settings(ctx: &egui::Context, state: &AppState, commands: &mut Vec<Comman
 }
 
 fn rows(ui: &mut Ui, appearance: &mut Appearance) {
-    let usual = Appearance::default();
+    let default = Appearance::default();
     let label = ui.label("Theme");
     egui::ComboBox::from_id_salt("theme")
         .selected_text(appearance.theme.name())
@@ -61,26 +61,26 @@ fn rows(ui: &mut Ui, appearance: &mut Appearance) {
         })
         .response
         .labelled_by(label.id);
-    reset(ui, "theme", &mut appearance.theme, usual.theme);
-    let label = ui.label("Size of letters");
+    reset(ui, "theme", &mut appearance.theme, default.theme);
+    let label = ui.label("Text size");
     let mut percent = appearance.ui_scale * 100.0;
     let range = *UI_SCALES.start() * 100.0..=*UI_SCALES.end() * 100.0;
     let slider = Slider::new(&mut percent, range).step_by(5.0).fixed_decimals(0).suffix(" %");
-    // Scaling under the pointer would move the slider away from it.
+    // Scaling during a drag would move the slider away from the pointer.
     let response = ui.add(slider).labelled_by(label.id);
     if response.drag_stopped() || (response.changed() && !response.dragged()) {
         appearance.ui_scale = percent / 100.0;
     }
-    reset(ui, "size of letters", &mut appearance.ui_scale, usual.ui_scale);
+    reset(ui, "text size", &mut appearance.ui_scale, default.ui_scale);
     ui.label("Motion");
-    ui.checkbox(&mut appearance.has_reduced_motion, "views change at once");
-    reset(ui, "motion", &mut appearance.has_reduced_motion, usual.has_reduced_motion);
+    ui.checkbox(&mut appearance.has_reduced_motion, "change views without animation");
+    reset(ui, "motion", &mut appearance.has_reduced_motion, default.has_reduced_motion);
 }
 
-fn reset<T: PartialEq + Copy>(ui: &mut Ui, name: &str, value: &mut T, usual: T) {
-    let button = ui.add_enabled(*value != usual, egui::Button::new("Reset").small());
+fn reset<T: PartialEq + Copy>(ui: &mut Ui, name: &str, value: &mut T, default: T) {
+    let button = ui.add_enabled(*value != default, egui::Button::new("Reset").small());
     if button.accessible_name(format!("Reset {name}")).clicked() {
-        *value = usual;
+        *value = default;
     }
     ui.end_row();
 }

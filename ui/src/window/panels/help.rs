@@ -1,10 +1,10 @@
-//! All keys, from the table that the window obeys.
+//! The help overlay with all keys.
 
 use super::super::state::{AppState, Command, Options};
 use crate::window::input::keymap::{MOUSE, bindings};
 use egui::{RichText, Ui};
 
-/// Shows the keys over everything else.
+/// Shows the overlay.
 pub fn show(ctx: &egui::Context, state: &AppState, commands: &mut Vec<Command>) {
     let room = ctx.content_rect().size() - egui::vec2(60.0, 118.0);
     let modal = egui::Modal::new(egui::Id::unique("help")).show(ctx, |ui| {
@@ -17,7 +17,7 @@ pub fn show(ctx: &egui::Context, state: &AppState, commands: &mut Vec<Command>) 
                 }
             });
         });
-        ui.label("Keys are meant by their place on a US keyboard.");
+        ui.label("Keys are named by their position on a US keyboard.");
         ui.separator();
         let height = room.y.max(80.0);
         egui::ScrollArea::vertical().max_height(height).min_scrolled_height(height).show(ui, table);
@@ -27,10 +27,10 @@ pub fn show(ctx: &egui::Context, state: &AppState, commands: &mut Vec<Command>) 
     }
 }
 
-/// Both columns side by side with the longest line in each.
+/// Width in points that fits both columns.
 const WIDTH: f32 = 920.0;
 
-/// One or two columns of lines, as there is room; the mouse comes last.
+/// Lists the keys and then the mouse, in one or two columns depending on the width.
 fn table(ui: &mut Ui) {
     let keys = bindings().iter().map(|b| (b.keys(), b.help));
     let lines: Vec<(String, &str)> = keys.chain(MOUSE.iter().map(|(w, h)| ((*w).to_owned(), *h))).collect();

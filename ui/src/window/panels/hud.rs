@@ -1,22 +1,23 @@
-//! The figures over the viewport.
+//! Statistics over the viewport.
 
 use super::super::state::{AppState, Work};
-use super::{comparison, swatch};
+use super::comparison;
+use super::widgets::{FIRST_STAGE, swatch};
 use crate::window::input::fly_camera::MoveMode;
 use afterimage::render::AuditEstimate;
 use egui::{Color32, RichText, Ui};
 
-/// Light enough to read on the darkest and the brightest picture, over the panel's own dark ground.
+/// Text colour, legible on the dark background over any picture.
 const TEXT: Color32 = Color32::from_gray(235);
 const DIM: Color32 = Color32::from_gray(170);
 const GROUND: Color32 = Color32::from_rgba_premultiplied(0, 0, 0, 185);
 
-/// A dark, see-through ground on which text is legible over any picture.
+/// A dark, translucent background on which text is legible over any picture.
 pub fn ground() -> egui::Frame {
     egui::Frame::new().fill(GROUND).corner_radius(6.0).inner_margin(egui::Margin::symmetric(10, 7))
 }
 
-/// Shows the figures in the corner of `ui`.
+/// Shows the statistics in the corner of `ui`.
 pub fn show(ui: &mut Ui, state: &AppState) {
     ground().show(ui, |ui| {
         ui.style_mut().interaction.selectable_labels = false;
@@ -24,7 +25,9 @@ pub fn show(ui: &mut Ui, state: &AppState) {
         state_line(ui, state);
         egui::Grid::new("hud").num_columns(2).min_col_width(76.0).show(ui, |ui| {
             frame_rows(ui, state);
-            comparison::figures(state).into_iter().for_each(|(name, value)| line(ui, name, value));
+            for (name, value) in comparison::figures(state) {
+                line(ui, name, value);
+            }
             line(ui, "window", format!("{:.0} ms", state.window_ms));
             let move_mode =
                 if state.navigation.fly.move_mode() == MoveMode::Walk { "walking" } else { "flying" };
@@ -34,7 +37,7 @@ pub fn show(ui: &mut Ui, state: &AppState) {
     });
 }
 
-/// The first-run hint, painted at the bottom of the viewport.
+/// Paints the first-run hint at the bottom of the viewport.
 pub fn hint(ui: &Ui, viewport: egui::Rect) {
     let text = "drag to look, WASD to move, T heatmap, F1 help".to_owned();
     let galley = ui.painter().layout_no_wrap(text, egui::TextStyle::Body.resolve(ui.style()), TEXT);
@@ -61,7 +64,7 @@ fn frame_rows(ui: &mut Ui, state: &AppState) {
     let Some(frame) = &state.frame else { return };
     let (secs, ms) = (&frame.stats.secs, |s: f64| format!("{:.1}", s * 1000.0));
     line(ui, "frame", format!("{} ms", ms(secs.frame)));
-    line(ui, "select + warp", format!("{} ms", ms(secs.select + secs.visibility_and_lookup)));
+    line(ui, FIRST_STAGE, format!("{} ms", ms(secs.select + secs.visibility_and_lookup)));
     line(ui, "secondary", format!("{} ms", ms(secs.secondary)));
     line(ui, "trace", format!("{} ms", ms(secs.trace)));
     if let Some(audit) = &frame.stats.audit {
@@ -77,7 +80,7 @@ fn frame_rows(ui: &mut Ui, state: &AppState) {
     line(ui, "picture", format!("{} x {}", frame.size[0], frame.size[1]));
 }
 
-/// `43.1 dB +-0.8 (95 %)`: the picture against a converged one, as its checks have it.
+/// Estimated PSNR of the picture against a converged one, such as `43.1 dB ±0.8 (95 %)`.
 fn audit_text(audit: &AuditEstimate) -> String {
     match (audit.psnr_db, audit.plus_minus_db(), audit.psnr_low_db) {
         (Some(db), Some(bound), _) => format!("{db:.1} dB \u{b1}{bound:.1} (95 %)"),
@@ -106,7 +109,7 @@ fn line(ui: &mut Ui, name: &str, value: String) {
     ui.end_row();
 }
 
-/// Enough digits to see a change, not more.
+/// A value with about three significant digits.
 fn three_digits(value: f64) -> String {
     match value {
         v if v < 1.0 => format!("{v:.2}"),

@@ -1,4 +1,4 @@
-//! What a click found, and what was measured.
+//! The inspected surface point, and the measured distance.
 
 use super::super::state::{AppState, Command, InspectCommand, Inspection, Measure, PixelFacts};
 use crate::window::input::keymap::{Action, keys_of};
@@ -6,11 +6,11 @@ use afterimage::raster::pixel_types::PixelType;
 use egui::{RichText, Ui};
 use glam::DVec3;
 
-/// Shows both.
+/// Shows both parts.
 pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     match &state.selection.inspection {
         None => {
-            ui.weak("Click a surface to see what it is.");
+            ui.weak("Click a surface to inspect it.");
         }
         Some(found) => pixel(ui, state, found, commands),
     }
@@ -28,7 +28,7 @@ fn pixel(ui: &mut Ui, state: &AppState, found: &Inspection, commands: &mut Vec<C
         }
     });
     ui.horizontal(|ui| {
-        if ui.button("Copy").accessible_name("Copy what was inspected").clicked() {
+        if ui.button("Copy").accessible_name("Copy the inspected values").clicked() {
             let text: Vec<String> = lines.iter().map(|(name, value)| format!("{name}: {value}")).collect();
             commands.push(Command::CopyText(text.join("\n")));
         }
@@ -50,30 +50,30 @@ fn lines(state: &AppState, found: &Inspection) -> Vec<(&'static str, String)> {
     ];
     match &found.pixel {
         Some(facts) => lines.extend(pixel_lines(facts)),
-        None => lines.push(("pixel", "not in the picture yet; click again".to_owned())),
+        None => lines.push(("pixel", "not rendered yet; click again".to_owned())),
     }
     lines
 }
 
 fn pixel_lines(facts: &PixelFacts) -> Vec<(&'static str, String)> {
     let [x, y] = facts.at;
-    let supplier = facts.supplier.map_or("none".to_owned(), |id| format!("reference {}", id.0));
+    let supplier = facts.supplier.map_or("none".to_owned(), |id| format!("#{}", id.0));
     let c = facts.radiance;
     vec![
         ("pixel", format!("{x}, {y}")),
         ("type", type_text(facts.kind).to_owned()),
-        ("light from", supplier),
+        ("reference", supplier),
         ("radiance", format!("{:.4}, {:.4}, {:.4}", c.x, c.y, c.z)),
     ]
 }
 
-/// What a type means, in a line.
+/// One-line explanation of a type.
 fn type_text(kind: PixelType) -> &'static str {
     match kind {
-        PixelType::Reused => "Type 1: its light is reused",
+        PixelType::Reused => "Type 1: light reused from a reference",
         PixelType::Secondary => "Type 2: mirror or glass, secondary rays traced",
-        PixelType::Uncertain => "Type 3, uncertain: looked up, checked by few rays",
-        PixelType::Unseen => "Type 3, unseen: traced and lit in full",
+        PixelType::Uncertain => "Type 3, uncertain: looked up, then checked with few rays",
+        PixelType::Unseen => "Type 3, unseen: traced and shaded in full",
     }
 }
 
@@ -84,11 +84,13 @@ fn point(p: DVec3, digits: usize) -> String {
 fn measure(ui: &mut Ui, measure: &Measure, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         let text = if measure.is_on { "Stop measuring" } else { "Measure" };
-        let help = format!("Two clicks; corners and edges attract (key {})", keys_of(Action::Measure));
+        let help =
+            format!("Click two points; they snap to corners and edges (key {})", keys_of(Action::Measure));
         if ui.selectable_label(measure.is_on, text).on_hover_text(help).clicked() {
             commands.push(Command::Inspect(InspectCommand::ToggleMeasure));
         }
-        if !measure.points.is_empty() && ui.button("Clear").accessible_name("Clear the measure").clicked() {
+        if !measure.points.is_empty() && ui.button("Clear").accessible_name("Clear the measurement").clicked()
+        {
             commands.push(Command::Inspect(InspectCommand::ClearMeasure));
         }
     });
@@ -102,8 +104,8 @@ fn measure(ui: &mut Ui, measure: &Measure, commands: &mut Vec<Command>) {
         }
         return;
     };
-    let way = b - a;
-    let text = format!("{:.3} m, {:.3} m level, {:.3} m in height", way.length(), way.x.hypot(way.z), way.y);
+    let d = b - a;
+    let text = format!("{:.3} m; horizontal {:.3} m, vertical {:.3} m", d.length(), d.x.hypot(d.z), d.y);
     ui.label(RichText::new(&text).strong());
     if measure.points.len() == 2 && ui.button("Copy").accessible_name("Copy the distance").clicked() {
         commands.push(Command::CopyText(format!("{text}\nfrom {} m\nto {} m", point(a, 4), point(b, 4))));

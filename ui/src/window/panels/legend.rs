@@ -1,14 +1,14 @@
-//! What the colours of the heatmap mean, and its switches.
+//! The legend of the heatmap, and its controls.
 
 use super::super::state::{AppState, Command};
-use super::{TYPE_NAMES, swatch};
+use super::widgets::{TYPE_NAMES, swatch};
 use crate::window::gpu::presentation::{Coloring, Heatmap};
 use crate::window::input::keymap::{Action, keys_of};
 use afterimage::Mode;
-use afterimage::raster::pixel_types::TypeCounts;
+use afterimage::raster::pixel_types::TypePercentages;
 use egui::{RichText, Ui};
 
-/// Shows switches and legend.
+/// Shows the controls and the legend.
 pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     let mut options = state.options;
     ui.horizontal(|ui| {
@@ -39,7 +39,7 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
             ui.label(percent(types.is_some(), shares[number]));
             ui.end_row();
         }
-        for (name, help, share) in parts(&types.unwrap_or_default()) {
+        for (name, help, share) in parts(&p) {
             ui.label("");
             ui.label(RichText::new(format!("   {name}")).small()).on_hover_text(help);
             ui.label(RichText::new(percent(types.is_some(), share)).small());
@@ -47,7 +47,7 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
         }
         swatch(ui, TYPE_NAMES.len());
         ui.label("Filled until the next frame")
-            .on_hover_text("While you move: the last frame did not see it");
+            .on_hover_text("While the camera moves: the last frame does not contain this surface");
         ui.end_row();
     });
 }
@@ -56,21 +56,21 @@ fn percent(is_known: bool, share: f64) -> String {
     if is_known { format!("{share:.1} %") } else { "-".to_owned() }
 }
 
-/// Type 3 by what is done about it, in percent of all pixels.
-fn parts(types: &TypeCounts) -> [(&'static str, &'static str, f64); 2] {
-    let all = types.reused + types.secondary + types.unseen + types.uncertain;
-    let share = |count: usize| 100.0 * count as f64 / all.max(1) as f64;
+/// The two kinds of Type 3: name, explanation, and percentage of all pixels.
+fn parts(p: &TypePercentages) -> [(&'static str, &'static str, f64); 2] {
     [
-        ("uncertain", "Traced and looked up, then checked by few rays", share(types.uncertain)),
-        ("unseen", "Traced and lit in full: no reference saw it", share(types.unseen)),
+        ("unseen", "Traced and shaded in full: no reference contains it", p.unseen_percent),
+        ("uncertain", "Looked up in references, then checked with few rays", p.uncertain_percent),
     ]
 }
 
-/// What the types stand for in a mode.
+/// One-line explanation of a mode.
 fn meaning(mode: Mode) -> &'static str {
     match mode {
-        Mode::Paper => "paper: pixels are moved here from reference pictures",
-        Mode::Exact | Mode::Fast => "Every surface is met by a ray; what is reused is the light on it",
-        Mode::Full => "full: nothing is reused, every pixel is traced",
+        Mode::Paper => "paper: pixels are reprojected from reference images",
+        Mode::Exact | Mode::Fast => {
+            "A primary ray finds the surface of every pixel; its light is reused from references"
+        }
+        Mode::Full => "full: every pixel is traced, nothing is reused",
     }
 }

@@ -1,12 +1,13 @@
-//! The material of what was clicked: matte, mirror or glass.
+//! The editor of the selected material: matte, mirror or glass.
 
 use super::super::state::{AppState, Change, Command, EditCommand, Edits, InspectCommand};
+use crate::window::input::keymap::{Action, keys_of};
 use crate::window::rendering::scene_loading::SceneSource;
 use afterimage::scene::{Material, MaterialId, MaterialKind};
 use egui::{Slider, SliderClamping, Ui};
 use glam::Vec3;
 
-/// Shows the chosen material, its controls, and the way back.
+/// Shows the selected material, its controls, and undo.
 pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     let Some(edits) = &state.edits else {
         ui.weak("No scene yet.");
@@ -16,7 +17,7 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     choice(ui, edits, chosen, commands);
     match chosen {
         None => {
-            ui.weak("Click a surface, or choose a material.");
+            ui.weak("Click a surface or select a material.");
         }
         Some(id) => {
             let material = &edits.now().materials[id.0 as usize];
@@ -32,10 +33,10 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
 
 fn choice(ui: &mut Ui, edits: &Edits, chosen: Option<MaterialId>, commands: &mut Vec<Command>) {
     let materials = &edits.now().materials;
-    let name = chosen.map_or("none chosen", |id| &materials[id.0 as usize].name);
+    let name = chosen.map_or("none selected", |id| &materials[id.0 as usize].name);
     let combo = egui::ComboBox::from_id_salt("chosen material").selected_text(name).width(230.0).truncate();
     let response = combo.show_ui(ui, |ui| {
-        // A list of thousands of rows is laid out only where it is seen.
+        // Only visible rows are laid out: a model may have thousands of materials.
         let height = ui.text_style_height(&egui::TextStyle::Button) + 2.0 * ui.spacing().button_padding.y;
         egui::ScrollArea::vertical().max_height(240.0).show_rows(ui, height, materials.len(), |ui, rows| {
             for i in rows {
@@ -49,7 +50,7 @@ fn choice(ui: &mut Ui, edits: &Edits, chosen: Option<MaterialId>, commands: &mut
     response.response.accessible_name("Material to change");
 }
 
-/// The material as the controls leave it.
+/// Shows the controls and returns the edited material.
 fn controls(ui: &mut Ui, material: &Material, before: &Material) -> Material {
     let mut edited = material.clone();
     ui.horizontal(|ui| {
@@ -68,19 +69,21 @@ fn controls(ui: &mut Ui, material: &Material, before: &Material) -> Material {
         .kind
     {
         MaterialKind::Diffuse => {
-            let name = if material.diffuse_texture.is_some() { "Tint of the picture" } else { "Colour" };
+            let name = if material.diffuse_texture.is_some() { "Texture tint" } else { "Colour" };
             color_row(ui, name, &mut edited.diffuse);
             brightness_row(ui, "Brightness", &mut edited.diffuse);
         }
         MaterialKind::Mirror { reflectance, fresnel } => {
             color_row(ui, "Colour", reflectance);
             brightness_row(ui, "Reflectance", reflectance);
-            let label = ui.label("Glancing light");
-            ui.checkbox(fresnel, "mirrored fully").labelled_by(label.id);
+            let label = ui.label("Grazing angles");
+            ui.checkbox(fresnel, "reflect fully").labelled_by(label.id);
             ui.end_row();
         }
         MaterialKind::Glass { eta, transmittance } => {
-            let label = ui.label("Refraction").on_hover_text("Index: water 1.33, window 1.52, diamond 2.42");
+            let label = ui
+                .label("Refraction")
+                .on_hover_text("Index of refraction: water 1.33, window glass 1.52, diamond 2.42");
             let slider = Slider::new(eta, 1.0..=3.0).clamping(SliderClamping::Edits).fixed_decimals(2);
             ui.add(slider).labelled_by(label.id);
             ui.end_row();
@@ -88,7 +91,7 @@ fn controls(ui: &mut Ui, material: &Material, before: &Material) -> Material {
         }
     });
     if material.is_emissive() {
-        ui.weak("It also gives light, which stays as it is.");
+        ui.weak("This material also emits light; its emission is not edited here.");
     }
     edited
 }
@@ -102,7 +105,7 @@ fn color_row(ui: &mut Ui, name: &str, color: &mut Vec3) {
     ui.end_row();
 }
 
-/// The largest channel in percent; the others keep their share.
+/// A slider for the largest channel in percent; the ratios of the channels are kept.
 fn brightness_row(ui: &mut Ui, name: &str, color: &mut Vec3) {
     let label = ui.label(name);
     let largest = color.max_element();
@@ -115,7 +118,7 @@ fn brightness_row(ui: &mut Ui, name: &str, color: &mut Vec3) {
     ui.end_row();
 }
 
-/// Matte again: with the colour that its file gives it, or a usual wall's.
+/// The material made matte, with its own colour, the colour in its file, or that of a typical wall.
 fn matte(material: &Material, before: &Material) -> Material {
     let color = [material.diffuse, before.diffuse].into_iter().find(|c| c.max_element() > 0.0);
     let diffuse = color.unwrap_or(Vec3::splat(0.7));
@@ -133,7 +136,6 @@ fn glass(material: &Material) -> Material {
 }
 
 fn history(ui: &mut Ui, state: &AppState, edits: &Edits, commands: &mut Vec<Command>) {
-    use crate::window::input::keymap::{Action, keys_of};
     ui.horizontal_wrapped(|ui| {
         let mut button = |ui: &mut Ui, text: &str, is_enabled: bool, help: String, editing: EditCommand| {
             let button = ui.add_enabled(is_enabled, egui::Button::new(text));
@@ -146,11 +148,11 @@ fn history(ui: &mut Ui, state: &AppState, edits: &Edits, commands: &mut Vec<Comm
         button(ui, "Redo", edits.can_redo(), key(Action::Redo), EditCommand::Redo);
         let is_file = state.scene.as_ref().is_some_and(|s| matches!(s.source, SceneSource::File { .. }));
         let help = if is_file {
-            "Writes materials, sun and sky into the .afterimage.toml beside the model; the model stays as it is"
+            "Save materials, sun and sky in the .afterimage.toml next to the model; the model itself is not changed"
         } else {
-            "This scene is part of the program; open a model file to keep changes"
+            "This scene is built in; open a model file to save changes"
         };
         let can_save = edits.is_unsaved() && is_file;
-        button(ui, "Save beside the scene", can_save, help.to_owned(), EditCommand::SaveBeside);
+        button(ui, "Save changes", can_save, help.to_owned(), EditCommand::SaveBeside);
     });
 }

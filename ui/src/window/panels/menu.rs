@@ -1,4 +1,4 @@
-//! The bar at the top.
+//! The menu bar.
 
 use super::super::state::{
     AppState, Command, EditCommand, Edits, FileCommand, InspectCommand, NavigationCommand, Options,
@@ -26,11 +26,12 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             if state.edits.as_ref().is_some_and(Edits::is_unsaved) {
-                ui.label("Changes not saved")
-                    .on_hover_text("Materials or light were changed: Material panel");
+                ui.label("Unsaved changes")
+                    .on_hover_text("Materials or light were changed; save them in the section Material");
             }
             if let Some(adapter) = &state.software_adapter {
-                ui.weak("no graphics card").on_hover_text(format!("The window is drawn by {adapter}."));
+                ui.weak("no graphics card")
+                    .on_hover_text(format!("The window is rendered in software by {adapter}."));
             }
         });
     });
@@ -38,7 +39,7 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
 
 fn item(ui: &mut Ui, text: &str, action: Option<Action>) -> bool {
     let button = Button::new(text);
-    // An empty one would stand in the name that screen readers say.
+    // Without a shortcut, no empty text is added to the accessible name.
     ui.add(match action {
         Some(action) => button.shortcut_text(keys_of(action)),
         None => button,
@@ -91,7 +92,7 @@ fn edit_menu(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     entry("Undo change", Some(Action::Undo), can(Edits::can_undo), Command::Edit(EditCommand::Undo));
     entry("Redo change", Some(Action::Redo), can(Edits::can_redo), Command::Edit(EditCommand::Redo));
     let save = Command::Edit(EditCommand::SaveBeside);
-    entry("Save changes beside the scene", None, can(Edits::is_unsaved), save);
+    entry("Save changes of the scene", None, can(Edits::is_unsaved), save);
     let text = if state.selection.measure.is_on { "Stop measuring distances" } else { "Measure distances" };
     entry(text, Some(Action::Measure), true, Command::Inspect(InspectCommand::ToggleMeasure));
 }
@@ -100,7 +101,7 @@ fn view_menu(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     for (i, view) in state.scene.iter().flat_map(|s| s.views.iter().enumerate()) {
         let key = view.key.map_or(String::new(), |key| format!("{key}  "));
         let button = ui.add(Button::new(format!("{key}{}", view.name)));
-        // The list of views has a button of the same text.
+        // The section Views has a button with the same text.
         if button.accessible_name(format!("Go to {}", view.name)).clicked() {
             commands.push(Command::Navigate(NavigationCommand::GoToView(i)));
         }

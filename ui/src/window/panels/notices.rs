@@ -1,11 +1,11 @@
-//! Messages, loading and questions over the viewport.
+//! Messages and loading progress over the viewport.
 
 use super::super::state::{AppState, Command, Notice, Severity};
 use crate::window::rendering::scene_loading::SceneSource;
 use crate::window::rendering::task::Progress;
 use egui::{Align2, Color32, ProgressBar, Rect, RichText, Ui};
 
-/// Shows what there is to say, at the bottom of the viewport: the figures have the top.
+/// Shows messages and progress at the bottom of the viewport; statistics are at the top.
 pub fn show(ctx: &egui::Context, viewport: Rect, state: &AppState, commands: &mut Vec<Command>) {
     if !state.notices.is_empty() {
         let above = if state.loading.is_some() { 90.0 } else { 56.0 };
@@ -66,14 +66,14 @@ fn loading(ui: &mut Ui, source: &SceneSource, progress: &Progress, commands: &mu
     });
 }
 
-/// Says what letting go of a file will do.
+/// Shows what dropping a file will do.
 pub fn drop_hint(ui: &Ui, viewport: Rect) {
     ui.painter().rect_filled(viewport, 0.0, Color32::from_black_alpha(170));
     let font = egui::FontId::proportional(24.0);
     ui.painter().text(
         viewport.center(),
         Align2::CENTER_CENTER,
-        "Drop to open the model",
+        "Drop to open the file",
         font,
         Color32::WHITE,
     );

@@ -1,24 +1,26 @@
-//! What is drawn over the picture: the inspected triangle, what is measured, a reference that is looked through.
+//! Drawings over the picture: the inspected triangle, measurements, and the view of a reference.
 
 use super::super::state::{AppState, Measure, ReferenceView, SnapKind};
 use crate::window::gpu::projection::Projection;
 use egui::{Align2, Color32, FontId, Pos2, Rect, Stroke, Ui};
 use glam::DVec3;
 
-/// Seen on dark and bright pictures alike: every line has a dark one under it.
+/// Colour of lines. Each has a dark outline, so that it is visible on dark and bright pictures.
 const LINE: Color32 = Color32::from_rgb(0xFF, 0xD2, 0x3F);
 const UNDER: Color32 = Color32::from_black_alpha(190);
 
-/// Draws over the viewport.
+/// Draws the overlay.
 pub fn show(ui: &Ui, viewport: Rect, state: &AppState) {
-    if let Some(lent) = &state.selection.reference_view {
-        return lent_picture(ui, viewport, lent);
+    if let Some(view) = &state.selection.reference_view {
+        return reference_view(ui, viewport, view);
     }
     let painter = ui.painter().with_clip_rect(viewport);
     let projection = Projection::new(state.navigation.fly.camera(), viewport);
     if let Some(found) = &state.selection.inspection {
         let [a, b, c] = found.corners_m;
-        [[a, b], [b, c], [c, a]].into_iter().for_each(|edge| line(&painter, &projection, edge, 1.5));
+        for edge in [[a, b], [b, c], [c, a]] {
+            line(&painter, &projection, edge, 1.5);
+        }
     }
     measured(&painter, &projection, &state.selection.measure);
 }
@@ -46,7 +48,7 @@ fn measured(painter: &egui::Painter, projection: &Projection, measure: &Measure)
     }
 }
 
-/// A square on a vertex, a diamond on an edge, a ring on a surface.
+/// Marks a point: a square on a vertex, a diamond on an edge, a ring on a surface.
 fn mark(painter: &egui::Painter, at: Pos2, kind: SnapKind) {
     let around = |points: [(f32, f32); 4]| {
         let corners = points.map(|(x, y)| at + egui::vec2(x, y)).to_vec();
@@ -70,19 +72,20 @@ fn label(painter: &egui::Painter, at: Pos2, text: &str) {
     painter.galley(rect.min + egui::vec2(6.0, 3.0), galley, Color32::WHITE);
 }
 
-/// As large as fits, with what it is.
-fn lent_picture(ui: &Ui, viewport: Rect, lent: &ReferenceView) {
+/// Shows a reference as large as fits, with a description.
+fn reference_view(ui: &Ui, viewport: Rect, view: &ReferenceView) {
     let painter = ui.painter().with_clip_rect(viewport);
     painter.rect_filled(viewport, 0.0, Color32::from_gray(24));
-    let size = lent.texture.size_vec2();
+    let size = view.texture.size_vec2();
     let scale = (viewport.width() / size.x).min(viewport.height() / size.y);
     let rect = Rect::from_center_size(viewport.center(), size * scale);
     let whole = Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
-    painter.image(lent.texture.id(), rect, whole, Color32::WHITE);
-    let share = lent.lit * 100.0;
+    painter.image(view.texture.id(), rect, whole, Color32::WHITE);
+    let share = view.lit * 100.0;
     let text = format!(
-        "Reference {}: holds light for {share:.0} % of its pixels; hatched is lent by others. Esc goes back.",
-        lent.id.0
+        "Reference {}: contains the light of {share:.0} % of its pixels; hatched pixels reuse other references. \
+         Esc closes this view.",
+        view.id.0
     );
     let room = viewport.width() - 24.0;
     let galley = painter.layout(text, FontId::proportional(14.0), Color32::WHITE, room);

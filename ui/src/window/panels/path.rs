@@ -1,15 +1,15 @@
-//! The camera path: its keys, a timeline, and the recording of a walk.
+//! The camera path: its keys, a timeline, and recording.
 
 use super::super::state::{AppState, Command, NavigationCommand};
 use crate::window::input::keymap::{Action, keys_of};
 use crate::window::input::playback::Playback;
 use egui::{Slider, Ui};
 
-/// Shows timeline, keys and recording.
+/// Shows the timeline, the keys and the recording button.
 pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     let playback = &state.navigation.playback;
     let count = playback.path.keyframes.len();
-    let whose = if playback.is_own { "Your path" } else { "The scene's walk" };
+    let whose = if playback.is_own { "Your path" } else { "The scene's path" };
     ui.weak(format!("{whose}: {count} keys, {:.1} s, {:.1} m", playback.secs(), playback.path.length_m()));
     ui.horizontal_wrapped(|ui| {
         let play = if playback.is_playing { "Pause path" } else { "Play path" };
@@ -34,10 +34,10 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
         keys(ui, playback, commands);
     }
     let text = match &state.navigation.recording {
-        None => "Record walk".to_owned(),
-        Some(recording) => format!("Stop and save walk ({:.0} s)", recording.secs()),
+        None => "Record path".to_owned(),
+        Some(recording) => format!("Stop and save path ({:.0} s)", recording.secs()),
     };
-    let help = "Records where you go, as a file for `afterimage tour --path` and the experiments";
+    let help = "Records your movement as a file for `afterimage tour --path` and the experiments";
     if ui.button(text).on_hover_text(help).clicked() {
         commands.push(Command::Navigate(NavigationCommand::ToggleRecording));
     }

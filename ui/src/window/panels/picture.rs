@@ -1,4 +1,4 @@
-//! How pictures are saved, and the one that is being saved.
+//! Settings of saved pictures, and the progress of saving one.
 
 use super::super::state::{AppState, Command, PictureCommand, PictureFormat, PictureSettings, PictureSize};
 use crate::picture::LONGEST_SIDE;
@@ -8,7 +8,7 @@ use afterimage::Mode;
 use afterimage::render::bands::Background;
 use egui::{Align2, Color32, DragValue, ProgressBar, Rect, RichText, Ui};
 
-/// Sizes that are often asked for.
+/// Suggested sizes in pixels.
 const SIZES: [(&str, [u32; 2]); 5] = [
     ("Full HD", [1920, 1080]),
     ("4K", [3840, 2160]),
@@ -17,7 +17,7 @@ const SIZES: [(&str, [u32; 2]); 5] = [
     ("16K", [16384, 9216]),
 ];
 
-/// Shows the dialog over the viewport; the scene stays in sight and can be walked through meanwhile.
+/// Shows the settings in a window; the scene remains visible and usable.
 pub fn show(ctx: &egui::Context, state: &AppState, commands: &mut Vec<Command>) {
     let mut is_open = true;
     egui::Window::new("Picture settings").open(&mut is_open).resizable(false).default_pos([40.0, 60.0]).show(
@@ -26,7 +26,7 @@ pub fn show(ctx: &egui::Context, state: &AppState, commands: &mut Vec<Command>) 
             let mut settings = state.picture.settings.clone();
             egui::Grid::new("picture").num_columns(2).spacing([12.0, 6.0]).show(ui, |ui| {
                 size_rows(ui, &mut settings);
-                making_rows(ui, state, &mut settings);
+                rendering_rows(ui, state, &mut settings);
                 file_rows(ui, state, &mut settings, commands);
             });
             if settings != state.picture.settings {
@@ -44,16 +44,16 @@ pub fn show(ctx: &egui::Context, state: &AppState, commands: &mut Vec<Command>) 
 fn size_rows(ui: &mut Ui, settings: &mut PictureSettings) {
     let label = ui.label("Size");
     let name = match settings.size {
-        PictureSize::Viewport => "As the viewport".to_owned(),
+        PictureSize::Viewport => "Viewport size".to_owned(),
         PictureSize::Pixels(size) => SIZES
             .iter()
             .find(|(_, s)| *s == size)
-            .map_or("Own size".to_owned(), |(name, _)| (*name).to_owned()),
+            .map_or("Custom size".to_owned(), |(name, _)| (*name).to_owned()),
     };
     egui::ComboBox::from_id_salt("picture size")
         .selected_text(name)
         .show_ui(ui, |ui| {
-            ui.selectable_value(&mut settings.size, PictureSize::Viewport, "As the viewport");
+            ui.selectable_value(&mut settings.size, PictureSize::Viewport, "Viewport size");
             for (name, size) in SIZES {
                 let text = format!("{name}, {} x {}", size[0], size[1]);
                 ui.selectable_value(&mut settings.size, PictureSize::Pixels(size), text);
@@ -74,13 +74,13 @@ fn size_rows(ui: &mut Ui, settings: &mut PictureSettings) {
     ui.end_row();
 }
 
-fn making_rows(ui: &mut Ui, state: &AppState, settings: &mut PictureSettings) {
+fn rendering_rows(ui: &mut Ui, state: &AppState, settings: &mut PictureSettings) {
     let label = ui.label("Mode");
     let modes = [
-        (Mode::Full, "full: the ordinary ray tracer, anti-aliased"),
-        (Mode::Exact, "exact, from the references held"),
-        (Mode::Fast, "fast, from the references held"),
-        (Mode::Paper, "paper, from the references held"),
+        (Mode::Full, "full: ray tracing with anti-aliasing"),
+        (Mode::Exact, "exact, from the current references"),
+        (Mode::Fast, "fast, from the current references"),
+        (Mode::Paper, "paper, from the current references"),
     ];
     egui::ComboBox::from_id_salt("picture mode")
         .selected_text(settings.mode.name())
@@ -96,13 +96,13 @@ fn making_rows(ui: &mut Ui, state: &AppState, settings: &mut PictureSettings) {
     let window_samples = state.quality.walk.render.trace.samples;
     let mut samples = settings.samples.unwrap_or(window_samples);
     let value = DragValue::new(&mut samples).range(1..=1 << 16);
-    let help = "Shadow rays per light and pixel, and per ray where it is anti-aliased";
+    let help = "Shadow rays per light and pixel; with anti-aliasing, per light and primary ray";
     if ui.add(value).labelled_by(label.id).on_hover_text(help).changed() {
         settings.samples = Some(samples);
     }
     ui.end_row();
     let label = ui.label("Anti-aliasing");
-    let value = DragValue::new(&mut settings.antialias).range(1..=4096).suffix(" rays a pixel");
+    let value = DragValue::new(&mut settings.antialias).range(1..=4096).suffix(" rays per pixel");
     ui.add_enabled(settings.mode == Mode::Full, value).labelled_by(label.id);
     ui.end_row();
 }
@@ -110,7 +110,7 @@ fn making_rows(ui: &mut Ui, state: &AppState, settings: &mut PictureSettings) {
 fn file_rows(ui: &mut Ui, state: &AppState, settings: &mut PictureSettings, commands: &mut Vec<Command>) {
     ui.label("File");
     ui.vertical(|ui| {
-        let help = "As a screen shows it";
+        let help = "Display-referred, tone-mapped";
         ui.radio_value(&mut settings.format, PictureFormat::Png, "PNG, 8 bits").on_hover_text(help);
         let help = "Linear, with layers for depth, normal, type, reference and primitive";
         ui.radio_value(&mut settings.format, PictureFormat::Exr, "OpenEXR, linear").on_hover_text(help);
@@ -118,12 +118,12 @@ fn file_rows(ui: &mut Ui, state: &AppState, settings: &mut PictureSettings, comm
     ui.end_row();
     ui.label("Background");
     let mut is_left_out = settings.background == Background::LeftOut;
-    ui.checkbox(&mut is_left_out, "leave the sky out (transparent)");
+    ui.checkbox(&mut is_left_out, "transparent (without sky)");
     settings.background = if is_left_out { Background::LeftOut } else { Background::Shown };
     ui.end_row();
     let label = ui.label("Folder");
     let mut text = state.picture.folder_text.clone();
-    let field = egui::TextEdit::singleline(&mut text).hint_text("where the program was started");
+    let field = egui::TextEdit::singleline(&mut text).hint_text("folder where the program was started");
     if ui.add(field).labelled_by(label.id).changed() {
         commands.push(Command::Picture(PictureCommand::SetFolderText(text)));
     }
@@ -147,7 +147,7 @@ fn buttons(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
         }
     });
     if let Some(command) = &state.picture.film_command {
-        ui.label("A film of the last sequence:");
+        ui.label("Command that encodes the last sequence as a film:");
         ui.add(egui::Label::new(RichText::new(command).monospace().small()).wrap());
         if ui.button("Copy film command").clicked() {
             commands.push(Command::CopyText(command.clone()));
@@ -155,7 +155,7 @@ fn buttons(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     }
 }
 
-/// Shows how far saving is, at the top of the viewport: messages have the bottom.
+/// Shows the progress of saving at the top of the viewport; messages are at the bottom.
 pub fn progress(ctx: &egui::Context, viewport: Rect, exporting: &Progress, commands: &mut Vec<Command>) {
     let at = viewport.center_top() + egui::vec2(0.0, 12.0);
     let area = egui::Area::new(egui::Id::unique("exporting")).fixed_pos(at).pivot(Align2::CENTER_TOP);

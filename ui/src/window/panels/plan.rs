@@ -1,4 +1,5 @@
-//! The plan: walls at eye height, you, your way, and every reference's view by what it gives.
+//! The plan: a horizontal section of the model at eye height, the camera, its path, and the references
+//! coloured by their contribution.
 
 use super::super::state::{AppState, Command, InspectCommand};
 use crate::window::rendering::exchange::ReferenceInfo;
@@ -7,24 +8,25 @@ use afterimage::Camera;
 use egui::{Color32, Mesh, Pos2, Rect, Response, Sense, Shape, Stroke, Ui};
 use glam::DVec2;
 
+/// Height of the plan in points.
 const HEIGHT: f32 = 210.0;
 
-/// A reference is clicked where its eye is this near, in points.
+/// Maximum distance in points from a reference's position at which a click selects it.
 const CLICK_POINTS: f32 = 12.0;
 
-/// Length of a view's wedge, in points.
+/// Length in points of the wedge that marks a view.
 const WEDGE: f32 = 26.0;
 
-/// Room around the whole model.
+/// Fraction of the plan that the model fills at zoom 1.
 const MARGIN: f32 = 0.92;
 
-const YOU: Color32 = Color32::from_rgb(0x56, 0xB4, 0xE9);
-const WAY: Color32 = Color32::from_rgb(0xCC, 0x79, 0xA7);
+const CAMERA: Color32 = Color32::from_rgb(0x56, 0xB4, 0xE9);
+const PATH: Color32 = Color32::from_rgb(0xCC, 0x79, 0xA7);
 
-/// Shows the plan and what is chosen in it.
+/// Shows the plan and the selected reference.
 pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     let Some(plan) = &state.plan.cut else {
-        ui.weak(if state.scene.is_some() { "The plan is being cut." } else { "No scene yet." });
+        ui.weak(if state.scene.is_some() { "The plan is being computed." } else { "No scene yet." });
         return;
     };
     let size = egui::vec2(ui.available_width(), HEIGHT);
@@ -34,10 +36,10 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     draw(ui, state, &sheet);
     steer(ui, state, &sheet, &response, commands);
     buttons(ui, state, &sheet, commands);
-    chosen(ui, state, plan, commands);
+    selected(ui, state, plan, commands);
 }
 
-/// The plan as it lies on the screen: -Z is up, +X right.
+/// The plan on screen: -Z points up, +X right.
 struct Sheet<'a> {
     plan: &'a Plan,
     view: PlanView,
@@ -77,18 +79,18 @@ fn draw(ui: &Ui, state: &AppState, sheet: &Sheet) {
     painter.rect_filled(sheet.rect, 4.0, if is_dark { Color32::from_gray(22) } else { Color32::WHITE });
     painter.add(walls(sheet, if is_dark { Color32::from_gray(190) } else { Color32::from_gray(60) }));
     let keys = &state.navigation.playback.path.keyframes;
-    let way: Vec<Pos2> = keys.iter().map(|k| sheet.point(sheet.plan.place(k.eye))).collect();
-    painter.add(Shape::line(way, Stroke::new(1.5, WAY)));
+    let path: Vec<Pos2> = keys.iter().map(|k| sheet.point(sheet.plan.place(k.eye))).collect();
+    painter.add(Shape::line(path, Stroke::new(1.5, PATH)));
     for reference in references(state) {
         let is_chosen = state.selection.reference == Some(reference.id);
         wedge(&painter, sheet, &reference.camera, color_of(reference), is_chosen);
     }
     let camera = state.navigation.fly.camera();
-    wedge(&painter, sheet, camera, YOU, false);
-    painter.circle(sheet.eye(camera), 5.0, YOU, Stroke::new(1.5, Color32::BLACK));
+    wedge(&painter, sheet, camera, CAMERA, false);
+    painter.circle(sheet.eye(camera), 5.0, CAMERA, Stroke::new(1.5, Color32::BLACK));
 }
 
-/// One mesh of thin quads: a line is two triangles, and those outside are left out.
+/// The walls as one mesh with a thin quad per line; lines outside the plan are culled.
 fn walls(sheet: &Sheet, color: Color32) -> Shape {
     const HALF_WIDTH: f32 = 0.6;
     let mut mesh = Mesh::default();
@@ -97,7 +99,7 @@ fn walls(sheet: &Sheet, color: Color32) -> Shape {
         if !sheet.rect.intersects(Rect::from_two_pos(a, b).expand(1.0)) {
             continue;
         }
-        // A line seen on end is still a dot.
+        // A degenerate line becomes a dot.
         let along = if a.distance(b) > 1e-3 { (b - a).normalized() } else { egui::Vec2::X } * HALF_WIDTH;
         let (side, first) = (along.rot90(), mesh.vertices.len() as u32);
         for at in [a - along + side, b + along + side, b + along - side, a - along - side] {
@@ -109,9 +111,9 @@ fn walls(sheet: &Sheet, color: Color32) -> Shape {
     Shape::mesh(mesh)
 }
 
-/// A view as a wedge from the eye; one that is switched off is hollow.
+/// Draws a view as a wedge from its camera.
 fn wedge(painter: &egui::Painter, sheet: &Sheet, camera: &Camera, color: Color32, is_chosen: bool) {
-    // A picture is about half as wide again as it is high.
+    // An aspect ratio of 1.5 is assumed.
     let half_width = ((camera.fov_y / 2.0).tan() * 1.5).atan();
     let eye = sheet.eye(camera);
     let end = |turn: f64| {
@@ -127,11 +129,11 @@ fn references(state: &AppState) -> &[ReferenceInfo] {
     state.frame.as_ref().map_or(&[], |f| &f.references)
 }
 
-/// Grey for nothing, orange for all; switched off is almost nothing.
+/// Grey for no contribution, orange for all of it; disabled references are faint.
 fn color_of(reference: &ReferenceInfo) -> Color32 {
-    const NOTHING: Color32 = Color32::from_gray(130);
-    const ALL: Color32 = Color32::from_rgb(0xE6, 0x9F, 0x00);
-    let color = NOTHING.lerp_to_gamma(ALL, reference.contribution.clamp(0.0, 1.0).sqrt());
+    const NO_SHARE: Color32 = Color32::from_gray(130);
+    const FULL_SHARE: Color32 = Color32::from_rgb(0xE6, 0x9F, 0x00);
+    let color = NO_SHARE.lerp_to_gamma(FULL_SHARE, reference.contribution.clamp(0.0, 1.0).sqrt());
     if reference.is_enabled { color } else { color.gamma_multiply(0.25) }
 }
 
@@ -143,7 +145,7 @@ fn steer(ui: &Ui, state: &AppState, sheet: &Sheet, response: &Response, commands
         view.follows = false;
     }
     if let Some(at) = response.hover_pos() {
-        // Ctrl + wheel, or two fingers: the wheel alone scrolls the panel that the plan lies in.
+        // Ctrl + wheel or a pinch zooms; the wheel alone scrolls the side panel.
         let factor = ui.input(egui::InputState::zoom_delta);
         if factor != 1.0 {
             view = view.zoomed(f64::from(factor), sheet.place(at));
@@ -172,21 +174,22 @@ fn buttons(ui: &mut Ui, state: &AppState, sheet: &Sheet, commands: &mut Vec<Comm
         if ui.button("Whole plan").clicked() {
             view = PlanView::default();
         }
-        ui.checkbox(&mut view.follows, "Follow me");
+        ui.checkbox(&mut view.follows, "Follow camera");
     });
     if view != state.plan.view {
         commands.push(Command::Inspect(InspectCommand::SetPlanView(view)));
     }
 }
 
-fn chosen(ui: &mut Ui, state: &AppState, plan: &Plan, commands: &mut Vec<Command>) {
+fn selected(ui: &mut Ui, state: &AppState, plan: &Plan, commands: &mut Vec<Command>) {
     match references(state).iter().find(|r| state.selection.reference == Some(r.id)) {
         None => {
             let height = plan.height_m;
             ui.weak(format!(
-                "Cut at {height:.1} m. Blue: you; pink: the walk. Click a reference to choose it; drag, or zoom with Ctrl + wheel."
+                "Section at {height:.1} m. Blue: camera; pink: camera path. Click a reference to select it; drag to pan, \
+                 Ctrl + wheel to zoom."
             ));
         }
-        Some(reference) => super::references::entry(ui, state, reference, "chosen reference", commands),
+        Some(reference) => super::references::entry(ui, state, reference, "selected reference", commands),
     }
 }

@@ -1,21 +1,22 @@
-//! The last minute: how pixels came to their colour, and what frames took.
+//! Plots of the last minute: types of pixels, and frame times by stage.
 
 use super::super::state::{AppState, HISTORY};
-use super::TYPE_COLORS;
+use super::widgets::{FIRST_STAGE, TYPE_NAMES, swatch, type_color};
 use afterimage::reference::PlacementPolicy;
 use egui::{Color32, Ui};
 use egui_plot::{FilledArea, HLine, Line, LineStyle, Plot, PlotPoints};
 use std::time::Instant;
 
+/// Height of a plot in points.
 const HEIGHT: f32 = 92.0;
 
 /// Shows both plots.
 pub fn show(ui: &mut Ui, state: &AppState) {
     let now = Instant::now();
     let ages: Vec<f64> = state.history.iter().map(|s| -(now - s.at).as_secs_f64()).collect();
-    ui.weak("Pixels by type, percent; dashed: a new reference is taken");
+    ui.weak("Pixels by type, percent; dashed: threshold for a new reference");
     plot("types").include_y(0.0).include_y(100.0).show(ui, |plot| {
-        // Type 3 lies at the bottom, where its threshold can be read off.
+        // Type 3 is at the bottom, where it can be compared with its threshold.
         let mut lower = vec![0.0; ages.len()];
         for number in [2, 1, 0] {
             let upper: Vec<f64> =
@@ -31,7 +32,8 @@ pub fn show(ui: &mut Ui, state: &AppState) {
     });
     ui.add_space(4.0);
     ui.weak("Frame time by stage, ms");
-    key(ui, &["select + warp", "secondary", "trace"]);
+    let stages = [FIRST_STAGE, "secondary", "trace"];
+    key(ui, &stages);
     let text = ui.visuals().strong_text_color();
     plot("time").include_y(0.0).show(ui, |plot| {
         let points = |ms: &dyn Fn(&[f32; 3]) -> f32| -> PlotPoints<'_> {
@@ -39,18 +41,18 @@ pub fn show(ui: &mut Ui, state: &AppState) {
             ages.iter().zip(ys).map(|(&x, y)| [x, y]).collect()
         };
         plot.line(Line::new("frame", points(&|s| s.iter().sum())).color(text).width(1.5));
-        plot.line(Line::new("select + warp", points(&|s| s[0])).color(TYPE_COLORS[0]).width(1.0));
-        plot.line(Line::new("secondary", points(&|s| s[1])).color(TYPE_COLORS[1]).width(1.0));
-        plot.line(Line::new("trace", points(&|s| s[2])).color(TYPE_COLORS[2]).width(1.0));
+        for (number, name) in stages.into_iter().enumerate() {
+            plot.line(Line::new(name, points(&|s| s[number])).color(type_color(number)).width(1.0));
+        }
     });
 }
 
-/// Which line is which, by the colour of the type that the stage makes.
+/// Legend of the lines. A stage has the colour of the type that it renders.
 fn key(ui: &mut Ui, names: &[&str]) {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
         for (number, name) in names.iter().enumerate() {
-            super::swatch(ui, number);
+            swatch(ui, number);
             ui.label(egui::RichText::new(*name).small());
         }
     });
@@ -73,7 +75,7 @@ fn plot(name: &str) -> Plot<'static> {
 }
 
 fn area(number: usize, ages: &[f64], lower: &[f64], upper: &[f64]) -> FilledArea {
-    FilledArea::new(super::TYPE_NAMES[number], ages, lower, upper).fill_color(TYPE_COLORS[number])
+    FilledArea::new(TYPE_NAMES[number], ages, lower, upper).fill_color(type_color(number))
 }
 
 fn threshold(policy: &PlacementPolicy) -> Option<f64> {

@@ -1,4 +1,4 @@
-//! Everything that trades time for quality, with units and a way back.
+//! Settings that trade time for quality, each with its unit and a reset button.
 
 use super::super::state::{AppState, Command, Options, Quality};
 use crate::window::input::fly_camera::ViewChange;
@@ -9,7 +9,8 @@ use egui::{Slider, SliderClamping, Ui};
 
 const MB: usize = 1 << 20;
 
-/// A value from the command line may lie beyond a slider, or between its steps: being shown must not change it.
+/// Values from the command line may be outside a slider's range or between its steps; showing them must not
+/// change them.
 const KEEP: SliderClamping = SliderClamping::Edits;
 
 /// Shows the settings.
@@ -29,7 +30,7 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     }
 }
 
-/// A name, a control and a button that resets it.
+/// Shows a row: a name, a control, and a reset button.
 fn row<T: PartialEq + Copy>(
     ui: &mut Ui,
     name: &str,
@@ -44,7 +45,7 @@ fn row<T: PartialEq + Copy>(
         .add_enabled_ui(*value != default, reset_button)
         .inner
         .accessible_name(format!("Reset {}", name.to_lowercase()))
-        .on_hover_text("Back to what it was at the start")
+        .on_hover_text("Reset to the value at the start")
         .clicked();
     if clicked {
         *value = default;
@@ -52,12 +53,12 @@ fn row<T: PartialEq + Copy>(
     ui.end_row();
 }
 
-/// An arrow that goes back, drawn: the default font has none.
+/// The reset button. Its arrow is drawn because the default font has none.
 fn reset_button(ui: &mut Ui) -> egui::Response {
     let (rect, response) = ui.allocate_exact_size(egui::vec2(16.0, 16.0), egui::Sense::click());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, ui.is_enabled(), "Reset"));
     let visuals = ui.style().interact(&response);
-    // A value that is the default has nothing to go back from: only a trace of the arrow is left.
+    // The arrow is faint while the value is the default.
     let stroke = egui::Stroke::new(
         1.5,
         visuals.fg_stroke.color.gamma_multiply(if ui.is_enabled() { 1.0 } else { 0.4 }),
@@ -90,9 +91,9 @@ fn choice<T: PartialEq + Copy>(
 }
 
 fn mode_row(ui: &mut Ui, q: &mut Quality, d: &Quality) {
-    let help = "exact: light looked up in several references, checked where it is a guess.\n\
-                fast: light looked up in the one best reference.\n\
-                paper: reference images are reused as in the paper, errors included.\n\
+    let help = "exact: light is looked up in several references, and uncertain pixels are checked.\n\
+                fast: light is looked up in the best reference.\n\
+                paper: reference images are reprojected as in the paper, including its errors.\n\
                 full: every pixel is traced, for comparison.";
     row(ui, "Mode", help, &mut q.walk.render.mode, d.walk.render.mode, |ui, v| {
         let modes = [Mode::Exact, Mode::Fast, Mode::Paper, Mode::Full];
@@ -101,28 +102,28 @@ fn mode_row(ui: &mut Ui, q: &mut Quality, d: &Quality) {
 }
 
 fn sampling_rows(ui: &mut Ui, q: &mut Quality, d: &Quality) {
-    let help = "Shadow rays per light and pixel. The window starts with few, for fluid motion; files are rendered \
-                with more. Applies to new references and traced pixels.";
+    let help = "Shadow rays per light and pixel, for new references and traced pixels. The window's default is low \
+                for smooth motion.";
     let (trace, default) = (&mut q.walk.render.trace, &d.walk.render.trace);
     row(ui, "Samples", help, &mut trace.samples, default.samples, |ui, v| {
         ui.add(Slider::new(v, 1..=256).clamping(KEEP).logarithmic(true).suffix(" /light"))
     });
-    let help = "How often light is scattered between matte surfaces; 0 is direct light only.";
+    let help = "Maximum number of diffuse bounces; 0 is direct light only.";
     row(ui, "Bounces", help, &mut trace.bounces, default.bounces, |ui, v| {
         ui.add(Slider::new(v, 0..=4).clamping(KEEP))
     });
 }
 
 fn pace_rows(ui: &mut Ui, q: &mut Quality, d: &Quality) {
-    let help = "While you move: rendered pixels per pixel of the screen, along an edge. At rest every mode but paper \
-                goes on to all of them.";
+    let help = "While the camera moves: rendered pixels per screen pixel, along each axis. When it is stationary, every \
+                mode but paper refines the picture to full resolution.";
     let mut percent = q.render_scale * 100.0;
     row(ui, "Render scale", help, &mut percent, d.render_scale * 100.0, |ui, v| {
         ui.add(Slider::new(v, 25.0..=100.0).step_by(5.0).fixed_decimals(0).suffix(" %"))
     });
     q.render_scale = percent / 100.0;
-    let help = "While you move, a frame is given up after this time and the next one begun. What is not traced by \
-                then shows its neighbours' colour. At rest every frame is finished.";
+    let help = "While the camera moves, a frame ends after this time; pixels that are not traced by then are filled \
+                from their neighbours. When it is stationary, every frame is finished.";
     row(ui, "Frame budget", help, &mut q.budget_ms, d.budget_ms, |ui, v| {
         ui.add(Slider::new(v, 16.0..=1000.0).logarithmic(true).fixed_decimals(0).suffix(" ms"))
     });
@@ -131,7 +132,7 @@ fn pace_rows(ui: &mut Ui, q: &mut Quality, d: &Quality) {
 fn placement_rows(ui: &mut Ui, q: &mut Quality, d: &Quality) {
     let about = |rule: &PlacementRule| format!("{}: {}", rule.name, rule.about);
     let help = format!(
-        "Where new references are taken. {}.",
+        "Rule that places new references. {}.",
         placement::RULES.iter().map(about).collect::<Vec<_>>().join("; ")
     );
     let names: Vec<(usize, &str)> = placement::RULES.iter().map(|rule| rule.name).enumerate().collect();
@@ -142,13 +143,13 @@ fn placement_rows(ui: &mut Ui, q: &mut Quality, d: &Quality) {
     });
     q.walk.placement.rule = &placement::RULES[chosen];
     if q.walk.placement.rule.has_threshold {
-        let help = "A new reference is taken when more of the picture than this is Type 3.";
-        let usual = d.walk.placement.percent;
-        row(ui, "Threshold", help, &mut q.walk.placement.percent, usual, |ui, v| {
+        let help = "A new reference is traced when the percentage of Type 3 pixels exceeds this.";
+        let default = d.walk.placement.percent;
+        row(ui, "Threshold", help, &mut q.walk.placement.percent, default, |ui, v| {
             ui.add(Slider::new(v, 0.5..=50.0).logarithmic(true).fixed_decimals(1).suffix(" %"))
         });
     }
-    let help = "Memory for references; the least useful ones go first.";
+    let help = "Memory for references; the least useful ones are evicted first.";
     let mut megabytes = q.walk.cache_bytes / MB;
     row(ui, "Cache limit", help, &mut megabytes, d.walk.cache_bytes / MB, |ui, v| {
         ui.add(Slider::new(v, 16..=8192).logarithmic(true).suffix(" MB"))
@@ -162,14 +163,14 @@ fn picture_rows(ui: &mut Ui, q: &mut Quality, d: &Quality) {
     row(
         ui,
         "Exposure",
-        "In stops: one more is twice as bright.",
+        "Exposure in stops: one stop more is twice as bright.",
         &mut q.exposure_ev,
         d.exposure_ev,
         |ui, v| {
             ui.add(Slider::new(v, -8.0..=8.0).clamping(KEEP).step_by(0.5).fixed_decimals(1).suffix(" EV"))
         },
     );
-    let help = "aces: bright lamps keep their hue. linear: clipped at white, what the numbers say.";
+    let help = "aces: a filmic curve that keeps the hue of bright lamps. linear: clipped at white.";
     row(ui, "Tone map", help, &mut q.tone_map, d.tone_map, |ui, v| {
         choice(ui, "tone map", v, &[(ToneMap::Aces, "aces"), (ToneMap::Linear, "linear")])
     });
@@ -178,27 +179,27 @@ fn picture_rows(ui: &mut Ui, q: &mut Quality, d: &Quality) {
 fn camera_rows(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     use crate::window::input::fly_camera::{DEFAULT_SPEED, SPEED_RANGE};
     let mut speed = state.navigation.fly.speed_m_per_s();
-    let help = "How fast the keys fly; also right mouse button + wheel. Shift is five times, Alt a fifth.";
+    let help = "Speed of the movement keys; also right mouse button + wheel. Shift is five times as fast, Alt a fifth.";
     row(ui, "Speed", help, &mut speed, DEFAULT_SPEED, |ui, v| {
         ui.add(Slider::new(v, SPEED_RANGE).logarithmic(true).max_decimals(2).suffix(" m/s"))
     });
     if speed != state.navigation.fly.speed_m_per_s() {
         commands.push(Command::SetSpeed(speed));
     }
-    // Kept in radians, 60 degrees come back as 59.99999999999999.
+    // Rounded, because 60 degrees stored in radians convert back to 59.99999999999999.
     let shown = (state.navigation.fly.camera().fov_y.to_degrees() * 1e6).round() / 1e6;
     let mut fov = shown;
-    row(ui, "Field of view", "Vertical.", &mut fov, 60.0, |ui, v| {
+    row(ui, "Field of view", "Vertical field of view.", &mut fov, 60.0, |ui, v| {
         ui.add(Slider::new(v, 10.0..=130.0).clamping(KEEP).fixed_decimals(0).suffix("°"))
     });
     let mut is_reduced = state.options.view_change == ViewChange::AtOnce;
-    let help = "Views change at once instead of over a moment.";
+    let help = "Change views without animation.";
     row(ui, "Reduce motion", help, &mut is_reduced, false, |ui, v| ui.checkbox(v, ""));
     let view_change = if is_reduced { ViewChange::AtOnce } else { ViewChange::Eased };
     if view_change != state.options.view_change {
         commands.push(Command::SetOptions(Options { view_change, ..state.options }));
     }
-    // Degrees and radians round; a reset of what is 60 already is none.
+    // Ignores differences that come from rounding.
     if (fov - shown).abs() > 1e-6 {
         commands.push(Command::SetFovDegrees(fov));
     }

@@ -1,11 +1,11 @@
-//! Questions that must be answered before anything else. Each has the keyboard: Tab goes round the answers, Enter gives
-//! one, Escape is the one that changes nothing.
+//! Modal questions. They have the keyboard focus: Tab cycles through the answers, Enter selects one, Escape
+//! selects the one that changes nothing.
 
 use super::super::state::{Answer, AppState, Command, FileCommand, Leaving};
 use crate::window::rendering::scene_loading::SceneSource;
 use egui::{Context, Ui};
 
-/// Shows the question that is open, if any.
+/// Shows the open question, if any.
 pub fn show(ctx: &Context, state: &AppState, commands: &mut Vec<Command>) {
     if let Some(leaving) = &state.dialogs.leaving {
         ask_to_leave(ctx, state, leaving, commands);
@@ -16,7 +16,8 @@ pub fn show(ctx: &Context, state: &AppState, commands: &mut Vec<Command>) {
     }
 }
 
-/// A question and its answers; the first has the keyboard. `otherwise` is Escape's and a click's beside it.
+/// Shows a question and its answers; the first has the focus. `otherwise` is the answer for Escape and for a
+/// click outside.
 fn ask(
     ctx: &Context,
     name: &str,
@@ -33,7 +34,7 @@ fn ask(
         ui.add_space(8.0);
         ui.horizontal(|ui| buttons(ui, answers, commands));
     });
-    // Closed is said by the click itself; without an answer that changes nothing the question stays.
+    // Without `otherwise`, the question stays open.
     if modal.should_close() {
         commands.extend(otherwise);
     }
@@ -56,7 +57,7 @@ fn buttons(ui: &mut Ui, answers: &[(&str, Command)], commands: &mut Vec<Command>
     }
 }
 
-/// Asks before changes are lost.
+/// Asks before unsaved changes are lost.
 fn ask_to_leave(ctx: &Context, state: &AppState, leaving: &Leaving, commands: &mut Vec<Command>) {
     let Some(scene) = &state.scene else { return };
     let heading = match leaving {
@@ -66,34 +67,34 @@ fn ask_to_leave(ctx: &Context, state: &AppState, leaving: &Leaving, commands: &m
     let name = scene.source.label();
     let answer = Command::Answer;
     let (text, answers) = if matches!(scene.source, SceneSource::File { .. }) {
-        let text = format!("Materials or light of {name} were changed. They are saved in a file beside it.");
+        let text =
+            format!("Materials or light of {name} were changed. Save writes them to a file next to it.");
         let save = [("Save", answer(Answer::Save)), ("Don't save", answer(Answer::Discard))];
         (text, save.to_vec())
     } else {
         let text = format!(
-            "Materials or light of {name} were changed. It is part of the program and has no folder to save \
-             them beside."
+            "Materials or light of {name} were changed. The scene is built in, so the changes cannot be saved."
         );
-        (text, vec![("Lose changes", answer(Answer::Discard))])
+        (text, vec![("Discard changes", answer(Answer::Discard))])
     };
     let answers = [answers, vec![("Cancel", answer(Answer::Stay))]].concat();
     ask(ctx, "leave", heading, &text, &answers, Some(answer(Answer::Stay)), commands);
 }
 
-/// Asks before all references go.
+/// Asks before all references are removed.
 fn ask_to_clear(ctx: &Context, state: &AppState, commands: &mut Vec<Command>) {
     let [_, held] = state.references_used_and_held();
-    let text = format!("{held} are held. They are traced again where they are needed.");
+    let text = format!("There are {held}. New ones are traced when they are needed.");
     let answers = [("Clear all", Command::Clear), ("Keep", Command::KeepReferences)];
     ask(ctx, "clear", "Clear all references?", &text, &answers, Some(Command::KeepReferences), commands);
 }
 
-/// Asks whether a session that was cut short goes on.
+/// Asks whether to restore the session of a program that crashed.
 fn ask_to_recover(ctx: &Context, commands: &mut Vec<Command>) {
-    let text = "The program did not end as it should the last time. Scene, pose, views and path were kept.";
+    let text = "The program did not exit normally last time. Scene, pose, views and path were saved.";
     let answers = [
-        ("Go on", Command::Files(FileCommand::Recover)),
-        ("Start anew", Command::Files(FileCommand::DiscardRecovery)),
+        ("Restore", Command::Files(FileCommand::Recover)),
+        ("Start new", Command::Files(FileCommand::DiscardRecovery)),
     ];
-    ask(ctx, "recover", "Go on where you were?", text, &answers, None, commands);
+    ask(ctx, "recover", "Restore the last session?", text, &answers, None, commands);
 }

@@ -1,12 +1,13 @@
-//! The references held: what they are worth, where they stand.
+//! The list of references: contribution, position, and actions.
 
 use super::super::state::{AppState, Command, InspectCommand, Options, Work};
+use super::widgets::thumbnail;
 use crate::window::input::keymap::{Action, keys_of};
 use crate::window::rendering::exchange::{ReferenceInfo, supplier_byte};
 use afterimage::reference::ReferenceId;
 use egui::{Color32, ProgressBar, RichText, Ui};
 
-/// Shows buttons and list.
+/// Shows the buttons and the list.
 pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     buttons(ui, state, commands);
     let Some(frame) = &state.frame else {
@@ -17,7 +18,7 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     let share = bytes as f32 / limit.max(1) as f32;
     let megabytes = |bytes: usize| bytes as f64 / f64::from(1 << 20);
     let (count, used) = (frame.references.len(), megabytes(bytes));
-    let text = format!("{count} held, {used:.0} of {:.0} MB", megabytes(limit));
+    let text = format!("{count} references, {used:.0} of {:.0} MB", megabytes(limit));
     ui.add(ProgressBar::new(share.min(1.0)).text(RichText::new(text).small()).desired_height(16.0));
     if frame.references.is_empty() {
         ui.weak(if state.work == Work::AddingReference {
@@ -35,7 +36,7 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     });
 }
 
-/// Two references and a bit: that there are more is seen, and the plots stay within reach.
+/// Height of the list in points: two references and a part of the next, which shows that there are more.
 const LIST_HEIGHT: f32 = 250.0;
 
 fn buttons(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
@@ -43,22 +44,22 @@ fn buttons(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
         let button = |ui: &mut Ui, text: &str, action, help: &str| {
             ui.button(text).on_hover_text(format!("{help} (key {})", keys_of(action))).clicked()
         };
-        if button(ui, "Add here", Action::AddReference, "Trace a reference from where you are") {
+        if button(ui, "Add here", Action::AddReference, "Trace a reference at the current camera") {
             commands.push(Command::AddReference);
         }
-        if button(ui, "Clear...", Action::ClearCache, "Drop all references") {
+        if button(ui, "Clear...", Action::ClearCache, "Remove all references") {
             commands.push(Command::AskToClear);
         }
         let is_paused = state.options.is_paused;
         let text = if is_paused { "Resume" } else { "Pause" };
-        if button(ui, text, Action::Pause, "Stop rendering, or go on") {
+        if button(ui, text, Action::Pause, "Pause or resume rendering") {
             commands.push(Command::SetOptions(Options { is_paused: !is_paused, ..state.options }));
         }
     });
 }
 
-/// A reference with its picture, what it gives, and what can be done with it. `whose` tells the same buttons in two
-/// places apart.
+/// Shows a reference with its picture, contribution and actions. `whose` distinguishes the accessible names of
+/// buttons in two places.
 pub fn entry(
     ui: &mut Ui,
     state: &AppState,
@@ -68,29 +69,29 @@ pub fn entry(
 ) {
     let number = reference.id.0;
     ui.horizontal(|ui| {
-        super::thumbnail(ui, state, &reference.camera);
+        thumbnail(ui, state, &reference.camera);
         ui.vertical(|ui| {
             ui.horizontal(|ui| {
                 swatch(ui, reference.id);
                 let name = RichText::new(format!("#{number}"));
-                let is_chosen = state.selection.reference == Some(reference.id);
+                let is_selected = state.selection.reference == Some(reference.id);
                 let name = if reference.is_used { name.strong() } else { name };
                 let help = if reference.is_used { "used by this frame" } else { "not used by this frame" };
-                let label = ui.selectable_label(is_chosen, name).on_hover_text(help);
-                if label.accessible_name(format!("Choose {whose} {number}")).clicked() {
-                    let chosen = (!is_chosen).then_some(reference.id);
-                    commands.push(Command::Inspect(InspectCommand::SelectReference(chosen)));
+                let label = ui.selectable_label(is_selected, name).on_hover_text(help);
+                if label.accessible_name(format!("Select {whose} {number}")).clicked() {
+                    let selected = (!is_selected).then_some(reference.id);
+                    commands.push(Command::Inspect(InspectCommand::SelectReference(selected)));
                 }
                 ui.weak(age(reference.added.elapsed().as_secs()));
                 if !reference.is_enabled {
                     ui.weak("off");
                 }
             });
-            ui.horizontal(|ui| deeds(ui, reference, whose, commands));
+            ui.horizontal(|ui| actions(ui, reference, whose, commands));
         });
     });
     let share = reference.contribution.clamp(0.0, 1.0);
-    let text = RichText::new(format!("supplies {:.0} %", share * 100.0)).small();
+    let text = RichText::new(format!("contributes {:.0} %", share * 100.0)).small();
     ui.add(ProgressBar::new(share).text(text).desired_height(14.0));
     let eye = reference.camera.eye;
     let [width, height] = reference.size;
@@ -98,14 +99,14 @@ pub fn entry(
     ui.label(RichText::new(place).small().weak());
 }
 
-/// A square of the colour that stands for it in the heatmap by reference.
+/// A square in the colour of the reference in the heatmap.
 fn swatch(ui: &mut Ui, id: ReferenceId) {
     let (rect, response) = ui.allocate_exact_size(egui::vec2(12.0, 12.0), egui::Sense::hover());
     ui.painter().rect_filled(rect, 2.0, heatmap_color(supplier_byte(id)));
     response.on_hover_text("Its colour in the heatmap by reference");
 }
 
-/// As `color_of_reference` of present.wgsl has it: hues by the golden ratio.
+/// Colour of a reference in the heatmap, as `color_of_reference` in present.wgsl.
 fn heatmap_color(supplier: u8) -> Color32 {
     let hue = (f32::from(supplier) * 0.618_034 + 0.58).fract();
     let channel = |shift: f32| {
@@ -115,26 +116,26 @@ fn heatmap_color(supplier: u8) -> Color32 {
     Color32::from_rgb(channel(0.0), channel(2.0 / 3.0), channel(1.0 / 3.0))
 }
 
-fn deeds(ui: &mut Ui, reference: &ReferenceInfo, whose: &str, commands: &mut Vec<Command>) {
+fn actions(ui: &mut Ui, reference: &ReferenceInfo, whose: &str, commands: &mut Vec<Command>) {
     ui.spacing_mut().item_spacing.x = 4.0;
     let (id, number) = (reference.id, reference.id.0);
-    let mut deed = |ui: &mut Ui, text: &str, name: &str, help: &str, command: Command| {
+    let mut action = |ui: &mut Ui, text: &str, name: &str, help: &str, command: Command| {
         let button = ui.small_button(text).accessible_name(format!("{name} {whose} {number}"));
         if button.on_hover_text(help).clicked() {
             commands.push(command);
         }
     };
-    deed(ui, "Go", "Go to", "Stand where it was taken", Command::EaseTo(reference.camera));
+    action(ui, "Go", "Go to", "Move the camera to its position", Command::EaseTo(reference.camera));
     let show = Command::Inspect(InspectCommand::ShowReference(id));
-    deed(ui, "Show", "Show", "Look through it: what it holds, over the viewport", show);
+    action(ui, "Show", "Show", "Show its contents over the viewport", show);
     let (text, help) = match reference.is_enabled {
-        true => ("Off", "Do without it; it keeps its memory"),
+        true => ("Off", "Stop using it; it stays in memory"),
         false => ("On", "Use it again"),
     };
     let name = if reference.is_enabled { "Disable" } else { "Enable" };
     let enable = Command::Inspect(InspectCommand::EnableReference(id, !reference.is_enabled));
-    deed(ui, text, name, help, enable);
-    deed(ui, "Delete", "Delete", "Drop it", Command::Remove(id));
+    action(ui, text, name, help, enable);
+    action(ui, "Delete", "Delete", "Remove it", Command::Remove(id));
 }
 
 fn age(secs: u64) -> String {

@@ -1,9 +1,9 @@
-//! The scene that is shown, the way to another one, and what was doubtful in its files.
+//! The scene: its contents, a field to open another one, and warnings about its files.
 
 use super::super::state::{AppState, Command, InspectCommand, SceneInfo};
 use egui::{Color32, RichText, Ui};
 
-/// Shows scene, path field and warnings.
+/// Shows the scene, the path field and the warnings.
 pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     if let Some(scene) = &state.scene {
         ui.label(RichText::new(&scene.name).strong());
@@ -19,18 +19,18 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
 
 fn conditioning(ui: &mut Ui, state: &AppState) {
     let Some(scene) = &state.scene else { return };
-    egui::CollapsingHeader::new("Numerical stiffness").id_salt("stiffness").show(ui, |ui| {
-        for said in &scene.conditioning {
-            ui.add(egui::Label::new(RichText::new(said).small()).wrap());
+    egui::CollapsingHeader::new("Numerical conditioning").id_salt("stiffness").show(ui, |ui| {
+        for sentence in &scene.conditioning {
+            ui.add(egui::Label::new(RichText::new(sentence).small()).wrap());
         }
     });
 }
 
-/// What is in the scene, what it needs, and what the renderer therefore leaves out.
+/// Shows the features that the scene uses, those that are not rendered, and its size.
 fn facts(ui: &mut Ui, scene: &SceneInfo) {
     let [x, y, z] = scene.extent_m;
     let (features, left_out) = (scene.features, scene.features.left_out());
-    let needed = [
+    let used = [
         (features.mirror, "mirrors"),
         (features.glass, "glass"),
         (features.textures, "textures"),
@@ -38,11 +38,11 @@ fn facts(ui: &mut Ui, scene: &SceneInfo) {
         (features.area_lights, "area lights"),
         (features.sky, "a sky"),
     ];
-    let needed: Vec<&str> = needed.into_iter().filter_map(|(is, what)| is.then_some(what)).collect();
+    let used: Vec<&str> = used.into_iter().filter_map(|(is, what)| is.then_some(what)).collect();
     let or_nothing = |list: Vec<&str>| if list.is_empty() { "nothing".to_owned() } else { list.join(", ") };
-    egui::CollapsingHeader::new("What it needs").id_salt("needs").show(ui, |ui| {
-        ui.label(format!("Needs {}.", or_nothing(needed)));
-        ui.label(format!("Left out: {}.", or_nothing(left_out)));
+    egui::CollapsingHeader::new("Features").id_salt("features").show(ui, |ui| {
+        ui.label(format!("Uses: {}.", or_nothing(used)));
+        ui.label(format!("Not rendered: {}.", or_nothing(left_out)));
         ui.weak(format!("{x:.1} x {z:.1} m, {y:.1} m high"));
         ui.weak(format!("{} vertices, {} textures", grouped(scene.vertices), scene.textures));
     });
@@ -75,9 +75,7 @@ fn warnings(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     let title = RichText::new(format!("{} import warnings", scene.warnings.len())).color(amber);
     egui::CollapsingHeader::new(title).id_salt("warnings").show(ui, |ui| {
         let mut filter = state.selection.report_filter.clone();
-        let field = egui::TextEdit::singleline(&mut filter)
-            .hint_text("only those with...")
-            .desired_width(f32::INFINITY);
+        let field = egui::TextEdit::singleline(&mut filter).hint_text("filter").desired_width(f32::INFINITY);
         if ui.add(field).accessible_name("Filter the warnings").changed() {
             commands.push(Command::Inspect(InspectCommand::FilterReport(filter.clone())));
         }
@@ -88,13 +86,13 @@ fn warnings(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
             if ui.button("Copy all").accessible_name("Copy all warnings").clicked() {
                 commands.push(Command::CopyText(lines.join("\n")));
             }
-            ui.weak(format!("{} shown; a click copies one", lines.len()));
+            ui.weak(format!("{} shown; click one to copy it", lines.len()));
         });
         list(ui, &lines, commands);
     });
 }
 
-/// Some ten warnings.
+/// Height of the list in points: about ten warnings.
 const LIST_HEIGHT: f32 = 160.0;
 
 fn list(ui: &mut Ui, lines: &[String], commands: &mut Vec<Command>) {
@@ -121,7 +119,7 @@ fn line(warning: &afterimage::scene::Warning) -> String {
     }
 }
 
-/// 1234567 as 1,234,567.
+/// A number with digits in groups of three, such as 1,234,567.
 fn grouped(number: usize) -> String {
     let digits = number.to_string();
     let mut text = String::new();

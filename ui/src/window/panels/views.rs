@@ -1,6 +1,7 @@
-//! Saved views: a list to go to, name and delete.
+//! The list of saved views.
 
 use super::super::state::{AppState, Command, NavigationCommand, SavedView};
+use super::widgets::thumbnail;
 use crate::window::input::keymap::{Action, keys_of};
 use egui::{Key, RichText, Ui};
 
@@ -10,12 +11,12 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
         ui.weak("No scene yet.");
         return;
     };
-    let help = format!("Also {}, under a number", keys_of(Action::SaveView));
+    let help = format!("{} saves it under a number", keys_of(Action::SaveView));
     if ui.button("Save this view").on_hover_text(help).clicked() {
         commands.push(Command::Navigate(NavigationCommand::AddView));
     }
     let area = egui::ScrollArea::vertical().id_salt("views").max_height(LIST_HEIGHT);
-    // As wide as the panel, or its bar would lie over the buttons; as high even where the panel itself is scrolled.
+    // As wide as the panel, so that the scroll bar does not cover buttons; the height is kept inside the scrolled panel.
     area.min_scrolled_height(LIST_HEIGHT).auto_shrink([false, true]).show(ui, |ui| {
         for (i, view) in scene.views.iter().enumerate() {
             entry(ui, state, i, view, commands);
@@ -23,12 +24,12 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     });
 }
 
-/// Four views: the sections below stay within reach.
+/// Height of the list in points: four views.
 const LIST_HEIGHT: f32 = 196.0;
 
 fn entry(ui: &mut Ui, state: &AppState, i: usize, view: &SavedView, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
-        super::thumbnail(ui, state, &view.camera);
+        thumbnail(ui, state, &view.camera);
         ui.vertical(|ui| {
             match &state.navigation.renaming {
                 Some((index, text)) if *index == i => name_field(ui, i, text, commands),
@@ -37,7 +38,7 @@ fn entry(ui: &mut Ui, state: &AppState, i: usize, view: &SavedView, commands: &m
                     let is_last = state.navigation.view_index == i;
                     let name = RichText::new(format!("{key}{}", view.name));
                     let name = if is_last { name.strong() } else { name };
-                    if ui.button(name).on_hover_text("Go there").clicked() {
+                    if ui.button(name).on_hover_text("Go to this view").clicked() {
                         commands.push(Command::Navigate(NavigationCommand::GoToView(i)));
                     }
                 }
@@ -47,9 +48,9 @@ fn entry(ui: &mut Ui, state: &AppState, i: usize, view: &SavedView, commands: &m
                 if rename.clicked() {
                     commands.push(Command::Navigate(NavigationCommand::Rename(Some((i, view.name.clone())))));
                 }
-                // Something must be left to go back to.
-                let can_go = state.scene.as_ref().is_some_and(|s| s.views.len() > 1);
-                let delete = ui.add_enabled(can_go, egui::Button::new("Delete").small());
+                // One view must remain.
+                let is_deletable = state.scene.as_ref().is_some_and(|s| s.views.len() > 1);
+                let delete = ui.add_enabled(is_deletable, egui::Button::new("Delete").small());
                 if delete.accessible_name(format!("Delete {}", view.name)).clicked() {
                     commands.push(Command::Navigate(NavigationCommand::RemoveView(i)));
                 }
@@ -66,8 +67,8 @@ fn name_field(ui: &mut Ui, i: usize, text: &str, commands: &mut Vec<Command>) {
         commands.push(Command::Navigate(NavigationCommand::Rename(Some((i, name)))));
     }
     if field.lost_focus() {
-        let gives_up = ui.input(|input| input.key_pressed(Key::Escape));
-        commands.push(if gives_up {
+        let is_cancelled = ui.input(|input| input.key_pressed(Key::Escape));
+        commands.push(if is_cancelled {
             Command::Navigate(NavigationCommand::Rename(None))
         } else {
             Command::Navigate(NavigationCommand::FinishRenaming)

@@ -1,15 +1,15 @@
-//! A key with its modifiers, and how it is written.
+//! A key with its modifiers, and its textual form.
 
 use egui::Key;
 
-/// A key with the modifiers that must be held; Alt is never asked for.
+/// A key with the modifiers that must be held. Alt is not used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Chord {
-    /// By its place, named after the US layout.
+    /// Key by its position, named as on the US layout.
     pub key: Key,
-    /// With Shift.
+    /// True if Shift must be held.
     pub shift: bool,
-    /// With Ctrl (Command on a Mac).
+    /// True if Ctrl must be held (Command on a Mac).
     pub ctrl: bool,
 }
 
@@ -30,7 +30,7 @@ pub(crate) const fn ctrl_shift(key: Key) -> Chord {
 }
 
 impl Chord {
-    /// Reads `K`, `Shift+K`, `Ctrl+F12`.
+    /// Parses a chord such as `K`, `Shift+K` or `Ctrl+F12`.
     pub(crate) fn parse(text: &str) -> Result<Self, String> {
         let (mut chord, mut rest) = (plain(Key::A), text.trim());
         loop {
@@ -51,12 +51,12 @@ impl Chord {
         chord.shift |= rest == "?";
         chord.key = Key::from_name(name).ok_or_else(|| format!("there is no key '{text}'"))?;
         match chord.key {
-            Key::Tab => Err("Tab belongs to the focus".to_owned()),
+            Key::Tab => Err("Tab is reserved for moving the focus".to_owned()),
             _ => Ok(chord),
         }
     }
 
-    /// As it is printed on keys.
+    /// The chord as text.
     pub fn name(&self) -> String {
         let prefix = match (self.ctrl, self.shift) {
             (true, true) => "Ctrl+Shift+",
@@ -85,7 +85,7 @@ mod tests {
     use crate::window::input::keymap::BINDINGS;
 
     #[test]
-    fn every_key_reads_back_as_it_is_printed() {
+    fn every_chord_parses_from_its_name() {
         for chord in BINDINGS.iter().flat_map(|b| b.chords) {
             assert_eq!(Chord::parse(&chord.name()).as_ref(), Ok(chord));
         }

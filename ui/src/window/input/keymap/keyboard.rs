@@ -1,47 +1,48 @@
-//! Which keys are down, and what pressing them asks for.
+//! The state of the keyboard: keys that are held, and actions that are pressed.
 
-use crate::window::input::keymap::chord::{Chord, shift};
-use crate::window::input::keymap::{Action, bindings};
+use super::chord::{Chord, shift};
+use super::rebinding::bindings;
+use super::table::Action;
 use egui::{Event, Key, Modifiers};
 
-/// An action that was asked for once.
+/// An action whose key was pressed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pressed {
-    /// What.
+    /// The action.
     pub action: Action,
-    /// By which of its chords: saved views are counted by it.
+    /// Index of the chord among those of the action; for saved views, it selects the view.
     pub chord: usize,
 }
 
-/// Who listens to the keys besides the view.
+/// Target of keyboard input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Attention {
-    /// Nobody.
+    /// Only the view.
     View,
-    /// A button, a slider or the like has the focus.
+    /// A control such as a button or a slider has the focus.
     Control,
-    /// Text is typed, or a question waits for its answer.
+    /// A text field or a question has the focus.
     Text,
 }
 
-/// Keys that press and move a control which has the focus.
-fn works_controls(key: Key) -> bool {
+/// True for keys that operate a focused control.
+fn operates_controls(key: Key) -> bool {
     matches!(key, Key::Space | Key::Enter | Key::ArrowUp | Key::ArrowDown | Key::ArrowLeft | Key::ArrowRight)
 }
 
-/// Which keys are down.
+/// The keys that are held.
 #[derive(Debug, Default)]
 pub struct Keyboard {
     down: Vec<Key>,
 }
 
 impl Keyboard {
-    /// Takes the events of one frame of the window; returns what was pressed. While text is being typed nothing is
-    /// pressed or held; while another control has the focus, what it is worked with is its own; without the window's focus
-    /// nothing is held, because releases no longer arrive.
+    /// Processes the events of one window frame and returns the pressed actions. While text is typed, no key is
+    /// pressed or held. While a control has the focus, the keys that operate it are ignored. When the window
+    /// loses the focus, all keys are released, because their release events do not arrive.
     pub fn update(&mut self, events: &[Event], attention: Attention) -> Vec<Pressed> {
         let typing = attention == Attention::Text;
-        let is_taken = |key| typing || attention == Attention::Control && works_controls(key);
+        let is_taken = |key| typing || attention == Attention::Control && operates_controls(key);
         let mut pressed = Vec::new();
         for event in events {
             match event {
@@ -67,7 +68,7 @@ impl Keyboard {
         if !modifiers.command && !self.down.contains(&place) {
             self.down.push(place);
         }
-        // The question mark sits elsewhere on other layouts; it is the one key that is meant by its sign.
+        // The position of the question mark depends on the layout, so this key is identified by its character.
         let chord = match key {
             Key::Questionmark => shift(Key::Slash),
             _ => Chord { key: place, shift: modifiers.shift, ctrl: modifiers.command },
@@ -79,13 +80,13 @@ impl Keyboard {
         }
     }
 
-    /// True while any key of an action is down.
+    /// True while any key of an action is held.
     pub fn is_held(&self, action: Action) -> bool {
         let is_down = |c: &Chord| self.down.contains(&c.key);
         bindings().iter().any(|b| b.held && b.action == action && b.chords.iter().any(is_down))
     }
 
-    /// +1, -1 or 0 by two opposite actions.
+    /// +1, -1 or 0, from two opposite actions.
     pub fn axis(&self, positive: Action, negative: Action) -> f64 {
         f64::from(i8::from(self.is_held(positive)) - i8::from(self.is_held(negative)))
     }
@@ -100,9 +101,9 @@ mod tests {
     }
 
     #[test]
-    fn keys_are_meant_by_place_and_held_until_released() {
+    fn keys_are_identified_by_position_and_held_until_released() {
         let mut keyboard = Keyboard::default();
-        // On a French keyboard the key at W says Z.
+        // On a French keyboard, the key at the position of W is Z.
         keyboard.update(&[key(Key::Z, Key::W, true, Modifiers::NONE)], Attention::View);
         assert_eq!(keyboard.axis(Action::Forward, Action::Back), 1.0);
         keyboard.update(&[key(Key::Z, Key::W, false, Modifiers::NONE)], Attention::View);
@@ -122,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn a_control_with_the_focus_keeps_the_keys_that_work_it_and_no_others() {
+    fn a_focused_control_keeps_only_the_keys_that_operate_it() {
         let pressed = |k| Keyboard::default().update(&[key(k, k, true, Modifiers::NONE)], Attention::Control);
         assert_eq!(pressed(Key::Space), []);
         assert_eq!(pressed(Key::T), [Pressed { action: Action::CycleHeatmap, chord: 0 }]);
@@ -135,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn shift_tells_actions_apart_but_does_not_stop_flying() {
+    fn shift_selects_another_action_but_does_not_stop_flying() {
         let mut keyboard = Keyboard::default();
         let plain = keyboard.update(&[key(Key::T, Key::T, true, Modifiers::NONE)], Attention::View);
         let shifted = keyboard.update(&[key(Key::T, Key::T, true, Modifiers::SHIFT)], Attention::View);
@@ -146,7 +147,7 @@ mod tests {
     }
 
     #[test]
-    fn saved_views_are_counted_by_their_key() {
+    fn the_number_key_selects_the_saved_view() {
         let pressed =
             Keyboard::default().update(&[key(Key::Num3, Key::Num3, true, Modifiers::NONE)], Attention::View);
         assert_eq!(pressed, [Pressed { action: Action::GoToView, chord: 2 }]);

@@ -1,93 +1,96 @@
-//! Other keys than the usual ones, as `[keys]` of the settings names them.
+//! Key bindings that the section `[keys]` of the settings changes.
 
+use super::chord::Chord;
+use super::table::{Action, BINDINGS, Binding};
 use crate::settings::suggestion;
-use crate::window::input::keymap::chord::Chord;
-use crate::window::input::keymap::{Action, BINDINGS, Binding};
+use clap::ValueEnum;
 use std::sync::OnceLock;
 use toml::{Table, Value};
 
+/// Why `[keys]` is ignored: one message for each problem.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct KeysError(Vec<String>);
+
+impl std::error::Error for KeysError {}
+
+impl std::fmt::Display for KeysError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "[keys] is ignored and the default keys apply: {}", self.0.join("; "))
+    }
+}
+
 static REBOUND: OnceLock<Vec<Binding>> = OnceLock::new();
 
-/// The table as the user has it: [`BINDINGS`], or what [`install`] made of them.
+/// The current bindings: [`BINDINGS`] with the changes of [`install`].
 pub fn bindings() -> &'static [Binding] {
     REBOUND.get().map_or(BINDINGS, Vec::as_slice)
 }
 
-/// Binds keys anew, once, before any of them is shown or pressed.
+/// Changes bindings once at startup, before any key is shown or pressed.
 ///
 /// # Errors
-/// As [`rebound`]; the keys stay as they were.
-pub fn install(keys: &Table) -> Result<(), String> {
+/// As [`rebound`]; the default keys then remain.
+pub fn install(keys: &Table) -> Result<(), KeysError> {
     let table = rebound(keys)?;
-    // A second call comes from a second start in one process; the first one's keys are shown already.
+    // A second call in one process has no effect, because the keys of the first are shown already.
     let _ = REBOUND.set(table);
     Ok(())
 }
 
-/// The table with other keys for some actions: `add-reference = "B"`, `forward = ["W", "Up"]`; an empty list takes the
-/// keys away.
+/// The default bindings with other keys for some actions: `add-reference = "B"`, `forward = ["W", "Up"]`; an
+/// empty list removes the keys of an action.
 ///
 /// # Errors
-/// Where an action or a key is unknown, or a key would do two things: one message for all of it, and nothing is changed.
-pub fn rebound(keys: &Table) -> Result<Vec<Binding>, String> {
+/// If an action or a key is unknown, or a key is bound to two actions: one message for all problems.
+pub fn rebound(keys: &Table) -> Result<Vec<Binding>, KeysError> {
     let names: Vec<String> = BINDINGS.iter().map(|b| b.action.name()).collect();
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    let (mut table, mut troubles) = (BINDINGS.to_vec(), Vec::new());
+    let (mut table, mut problems) = (BINDINGS.to_vec(), Vec::new());
     for (name, value) in keys {
         match (names.iter().position(|n| n == name), chords(value)) {
-            (None, _) => troubles.push(format!("there is no action '{name}', {}", suggestion(name, &names))),
-            (_, Err(cause)) => troubles.push(format!("{name}: {cause}")),
-            // Once in the life of the program.
+            (None, _) => problems.push(format!("there is no action '{name}', {}", suggestion(name, &names))),
+            (_, Err(cause)) => problems.push(format!("{name}: {cause}")),
+            // This runs once per process.
             (Some(at), Ok(chords)) => table[at].chords = chords.leak(),
         }
     }
-    troubles.extend(conflicts(&table));
-    if troubles.is_empty() {
-        return Ok(table);
-    }
-    Err(format!("[keys] is left aside, the usual keys hold: {}", troubles.join("; ")))
+    problems.extend(conflicts(&table));
+    if problems.is_empty() { Ok(table) } else { Err(KeysError(problems)) }
 }
 
-/// Keys that would do two things. What is held acts whatever modifiers do, so it takes its key with all of them but
-/// Ctrl.
+/// Messages about keys that are bound to two actions. The key of a held action conflicts with other held actions
+/// independently of modifiers, because held actions ignore these.
 fn conflicts(table: &[Binding]) -> Vec<String> {
     let all: Vec<(&Binding, Chord)> =
         table.iter().flat_map(|b| b.chords.iter().map(move |c| (b, *c))).collect();
     let clash = |(a, x): &(&Binding, Chord), (b, y): &(&Binding, Chord)| {
         x == y || ((a.held && b.held) && x.key == y.key)
     };
-    let mut troubles = Vec::new();
+    let mut problems = Vec::new();
     for (i, first) in all.iter().enumerate() {
         for second in all[i + 1..].iter().filter(|second| clash(first, second)) {
             let (a, b) = (first.0.action.name(), second.0.action.name());
-            troubles.push(format!("{} is bound to both {a} and {b}", second.1.name()));
+            problems.push(format!("{} is bound to both {a} and {b}", second.1.name()));
         }
     }
-    troubles
+    problems
 }
 
 fn chords(value: &Value) -> Result<Vec<Chord>, String> {
-    let wanted = "a key like \"Ctrl+K\" or a list of them is wanted";
+    let expected = "the value must be a key like \"Ctrl+K\" or a list of keys";
     match value {
         Value::String(text) => Ok(vec![Chord::parse(text)?]),
         Value::Array(list) => {
-            list.iter().map(|v| v.as_str().ok_or(wanted.to_owned()).and_then(Chord::parse)).collect()
+            list.iter().map(|v| v.as_str().ok_or(expected.to_owned()).and_then(Chord::parse)).collect()
         }
-        _ => Err(wanted.to_owned()),
+        _ => Err(expected.to_owned()),
     }
 }
 
 impl Action {
-    /// As it is written in files: `add-reference`.
+    /// Name of the action in settings files, such as `add-reference`.
     pub fn name(self) -> String {
-        let mut name = String::new();
-        for c in format!("{self:?}").chars() {
-            if c.is_uppercase() && !name.is_empty() {
-                name.push('-');
-            }
-            name.extend(c.to_lowercase());
-        }
-        name
+        self.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
     }
 }
 
@@ -96,11 +99,11 @@ mod tests {
     use super::*;
 
     fn table(text: &str) -> Result<Vec<Binding>, String> {
-        rebound(&text.parse().unwrap())
+        rebound(&text.parse().unwrap()).map_err(|error| error.to_string())
     }
 
     #[test]
-    fn keys_can_be_bound_anew() {
+    fn keys_can_be_changed() {
         let table = table("add-reference = 'B'\nforward = ['W', 'I']\nnext-view = []\nlevel = 'L'").unwrap();
         let keys = |action| table.iter().find(|b| b.action == action).map(Binding::keys);
         assert_eq!(keys(Action::AddReference).as_deref(), Some("B"));
@@ -111,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn conflicts_and_mistakes_are_refused_in_one_message() {
+    fn conflicts_and_mistakes_are_reported_in_one_message() {
         let error =
             table("add-reference = 'K'\nadd-refrence = 'B'\nlevel = 'Hyper+J'\nfocus = 7").unwrap_err();
         for words in [
@@ -119,7 +122,7 @@ mod tests {
             "did you mean 'add-reference'?",
             "no key 'Hyper+J'",
             "a key like",
-            "the usual keys hold",
+            "the default keys apply",
         ] {
             assert!(error.contains(words), "'{words}' is not in: {error}");
         }

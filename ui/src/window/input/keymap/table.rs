@@ -1,0 +1,168 @@
+//! The table of actions, their default keys and descriptions.
+
+use super::chord::{Chord, ctrl, ctrl_shift, plain, shift};
+use clap::ValueEnum;
+use egui::Key;
+
+/// What a key does. The names in files are those of [`ValueEnum`], such as `add-reference`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, ValueEnum)]
+#[allow(missing_docs, reason = "BINDINGS describes each action")]
+pub enum Action {
+    Forward,
+    Back,
+    Left,
+    Right,
+    Up,
+    Down,
+    ToggleWalk,
+    Focus,
+    FrameAll,
+    NextView,
+    PreviousView,
+    GoToView,
+    SaveView,
+    Level,
+    NarrowFov,
+    WidenFov,
+    DarkerExposure,
+    BrighterExposure,
+    ResetExposure,
+    CycleHeatmap,
+    ToggleByReference,
+    ToggleOutline,
+    ShowFull,
+    CompareSplit,
+    CompareErrors,
+    AddReference,
+    ClearCache,
+    Pause,
+    Open,
+    SaveSession,
+    Quit,
+    Reload,
+    Screenshot,
+    ScreenshotWithoutBackground,
+    SaveSequence,
+    CopyPose,
+    PastePose,
+    AddPathKey,
+    PlayPath,
+    Measure,
+    Undo,
+    Redo,
+    Help,
+    TogglePanels,
+    ToggleStatistics,
+    FullScreen,
+    Escape,
+}
+
+/// The keys of an action.
+#[derive(Clone, Copy, Debug)]
+pub struct Binding {
+    /// Action of the keys.
+    pub action: Action,
+    /// Alternative keys.
+    pub chords: &'static [Chord],
+    /// True if the action lasts while a key is held, independently of Shift and Alt.
+    pub held: bool,
+    /// Description for the user.
+    pub help: &'static str,
+}
+
+const fn hold(action: Action, chords: &'static [Chord], help: &'static str) -> Binding {
+    Binding { action, chords, held: true, help }
+}
+
+const fn press(action: Action, chords: &'static [Chord], help: &'static str) -> Binding {
+    Binding { action, chords, held: false, help }
+}
+
+/// The keys 1 to 9.
+const fn numbers(ctrl: bool) -> [Chord; 9] {
+    use Key::{Num1, Num2, Num3, Num4, Num5, Num6, Num7, Num8, Num9};
+    let keys = [Num1, Num2, Num3, Num4, Num5, Num6, Num7, Num8, Num9];
+    let mut chords = [Chord { key: Num1, shift: false, ctrl }; 9];
+    let mut i = 0;
+    while i < keys.len() {
+        chords[i].key = keys[i];
+        i += 1;
+    }
+    chords
+}
+
+const NUMBERS: [Chord; 9] = numbers(false);
+const CTRL_NUMBERS: [Chord; 9] = numbers(true);
+
+/// The default keys.
+pub const BINDINGS: &[Binding] = &[
+    hold(Action::Forward, &[plain(Key::W), plain(Key::ArrowUp)], "fly forward"),
+    hold(Action::Back, &[plain(Key::S), plain(Key::ArrowDown)], "fly back"),
+    hold(Action::Left, &[plain(Key::A), plain(Key::ArrowLeft)], "fly left"),
+    hold(Action::Right, &[plain(Key::D), plain(Key::ArrowRight)], "fly right"),
+    hold(Action::Up, &[plain(Key::E), plain(Key::PageUp)], "fly up"),
+    hold(Action::Down, &[plain(Key::Q), plain(Key::PageDown)], "fly down"),
+    press(Action::ToggleWalk, &[plain(Key::G)], "switch between flying and walking (gravity, steps, walls)"),
+    press(Action::Focus, &[plain(Key::F)], "look at the point under the cursor"),
+    press(Action::FrameAll, &[plain(Key::Home)], "show the whole model"),
+    press(Action::NextView, &[plain(Key::L)], "go to the next saved view"),
+    press(Action::PreviousView, &[shift(Key::L)], "go to the previous saved view"),
+    press(Action::GoToView, &NUMBERS, "go to a saved view"),
+    press(Action::SaveView, &CTRL_NUMBERS, "save this view under a number"),
+    press(Action::Level, &[plain(Key::J)], "level the horizon"),
+    press(Action::NarrowFov, &[plain(Key::OpenBracket)], "narrow the field of view"),
+    press(Action::WidenFov, &[plain(Key::CloseBracket)], "widen the field of view"),
+    press(Action::DarkerExposure, &[plain(Key::Minus)], "decrease the exposure by half a stop"),
+    press(Action::BrighterExposure, &[plain(Key::Equals)], "increase the exposure by half a stop"),
+    press(Action::ResetExposure, &[plain(Key::Num0)], "reset the exposure"),
+    press(Action::CycleHeatmap, &[plain(Key::T)], "show pixel types: off, blended, only"),
+    press(Action::ToggleByReference, &[shift(Key::T)], "colour pixels by type or by reference"),
+    press(Action::ToggleOutline, &[plain(Key::Y)], "outline areas of Type 3"),
+    hold(Action::ShowFull, &[plain(Key::X)], "show the full tracer's picture while held"),
+    press(Action::CompareSplit, &[plain(Key::C)], "compare with the full tracer: split picture"),
+    press(Action::CompareErrors, &[shift(Key::C)], "compare with the full tracer: error map"),
+    press(Action::AddReference, &[plain(Key::N)], "add a reference here"),
+    press(Action::ClearCache, &[shift(Key::Delete)], "clear all references (asks first)"),
+    press(Action::Pause, &[plain(Key::P)], "pause or resume the renderer"),
+    press(Action::Open, &[ctrl(Key::O)], "open a model, a session or a picture's view"),
+    press(Action::SaveSession, &[ctrl(Key::S)], "save the session"),
+    press(Action::Quit, &[ctrl(Key::Q)], "close the window"),
+    press(Action::Reload, &[plain(Key::F5)], "reload the scene"),
+    press(Action::Screenshot, &[plain(Key::F12)], "save a picture"),
+    press(Action::ScreenshotWithoutBackground, &[ctrl(Key::F12)], "save a picture without the sky"),
+    press(Action::SaveSequence, &[shift(Key::F12)], "save the camera path as numbered pictures"),
+    press(Action::CopyPose, &[ctrl(Key::C)], "copy the pose as flags of 'afterimage render'"),
+    press(Action::PastePose, &[ctrl(Key::V)], "go to the pose in the clipboard"),
+    press(Action::AddPathKey, &[plain(Key::K)], "add a key to the camera path"),
+    press(Action::PlayPath, &[plain(Key::Space)], "play or pause the camera path"),
+    press(Action::Measure, &[plain(Key::M)], "start or stop measuring distances"),
+    press(Action::Undo, &[ctrl(Key::Z)], "undo the last change of the scene"),
+    press(Action::Redo, &[ctrl_shift(Key::Z)], "redo the last undone change"),
+    press(Action::Help, &[plain(Key::F1), shift(Key::Slash)], "show or hide this help"),
+    press(Action::TogglePanels, &[plain(Key::F2)], "show or hide the panels"),
+    press(Action::ToggleStatistics, &[plain(Key::F3)], "show or hide the statistics"),
+    press(Action::FullScreen, &[plain(Key::F11)], "enter or leave full screen"),
+    press(Action::Escape, &[plain(Key::Escape)], "close the open dialog or view (never quits)"),
+];
+
+/// Mouse actions and modifiers for the help: input and description.
+pub const MOUSE: &[(&str, &str)] = &[
+    ("Drag, left or right button", "look around"),
+    ("Wheel", "fly towards the cursor"),
+    ("Right button + wheel", "change the speed (0.05 to 200 m/s)"),
+    ("Click", "inspect a pixel and select its material"),
+    ("Double click", "go to the point"),
+    ("Shift held", "five times as fast"),
+    ("Alt held", "a fifth as fast"),
+    ("Drop a file", "open a model, a session or a picture's view"),
+];
+
+impl Binding {
+    /// The keys as text; of more than three, only the first and the last.
+    pub fn keys(&self) -> String {
+        match self.chords {
+            [first, .., last] if self.chords.len() > 3 => format!("{}-{}", first.name(), last.name()),
+            chords => chords.iter().map(Chord::name).collect::<Vec<_>>().join(", "),
+        }
+    }
+}

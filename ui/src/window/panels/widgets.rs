@@ -1,0 +1,56 @@
+//! Small widgets and colours that several panels share.
+
+use crate::window::gpu::presentation::FILLED_COLOR;
+use crate::window::state::AppState;
+use afterimage::raster::pixel_types::TYPE_SRGB;
+use egui::{Color32, Ui};
+
+/// Names of the pixel types 1, 2 and 3.
+pub const TYPE_NAMES: [&str; 3] = ["Type 1, reused", "Type 2, mirror or glass", "Type 3, traced"];
+
+/// Name of the first stage of a frame: references are selected, the surface of each pixel is found, and the
+/// light known for it is looked up.
+pub const FIRST_STAGE: &str = "visibility + lookup";
+
+/// Colour of a pixel type, 0 for Type 1; numbers above 2 give the colour of filled pixels.
+pub fn type_color(number: usize) -> Color32 {
+    TYPE_SRGB.get(number).map_or(FILLED_COLOR, |&[r, g, b]| Color32::from_rgb(r, g, b))
+}
+
+/// Adjusts egui's style: contrast of labels is raised to 4.5 : 1 against the panel, and small text is
+/// enlarged to be legible at arm's length.
+pub fn install_style(ctx: &egui::Context) {
+    ctx.all_styles_mut(|style| {
+        if let Some(small) = style.text_styles.get_mut(&egui::TextStyle::Small) {
+            small.size = 10.5;
+        }
+        let visuals = &mut style.visuals;
+        let gray = if visuals.dark_mode { 190 } else { 50 };
+        visuals.widgets.noninteractive.fg_stroke.color = Color32::from_gray(gray);
+        visuals.weak_text_alpha = 0.8;
+    });
+}
+
+/// A small picture of the view of a camera; grey until it is rendered.
+pub fn thumbnail(ui: &mut Ui, state: &AppState, camera: &afterimage::Camera) {
+    let (rect, _) = ui.allocate_exact_size(egui::vec2(72.0, 45.0), egui::Sense::hover());
+    ui.painter().rect_filled(rect, 3.0, Color32::from_gray(70));
+    if let Some(texture) = state.thumbnails.of(camera) {
+        egui::Image::new(texture).corner_radius(3.0).paint_at(ui, rect);
+    }
+}
+
+/// A small square in the colour of a type, with the numbers of [`type_color`]. It is hatched from Type 3 on.
+pub fn swatch(ui: &mut Ui, number: usize) {
+    let (rect, _) = ui.allocate_exact_size(egui::vec2(14.0, 14.0), egui::Sense::hover());
+    let painter = ui.painter().with_clip_rect(rect);
+    painter.rect_filled(rect, 2.0, type_color(number));
+    if number >= 2 {
+        let stroke = egui::Stroke::new(1.5, Color32::from_rgb(0x70, 0x30, 0x00));
+        for step in 0..6 {
+            let x = rect.left() + step as f32 * 5.0;
+            let end = egui::pos2(x - rect.height(), rect.bottom());
+            painter.line_segment([egui::pos2(x, rect.top()), end], stroke);
+        }
+    }
+}
