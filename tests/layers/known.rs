@@ -35,11 +35,4 @@ pub(super) const KNOWN: &[(&str, &str)] = &[
     // trace
     ("trace/bvh/cone.rs", "trace/bvh/bundle.rs"),
     ("trace/bvh/packet.rs", "trace/bvh/mod.rs"),
-    // window/input
-    ("window/input/keymap/rebinding.rs", "window/input/keymap/mod.rs"),
-    // window/panels
-    ("window/panels/legend.rs", "window/panels/mod.rs"),
-    ("window/panels/mod.rs", "window/panels/plots.rs"),
-    ("window/panels/mod.rs", "window/panels/views.rs"),
-    ("window/panels/references.rs", "window/panels/mod.rs"),
 ];
