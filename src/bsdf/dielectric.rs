@@ -55,14 +55,14 @@ fn reflected(facing: &Facing, incident: Vec3, share: f32) -> Option<(Vec3, Vec3)
     (share > 0.0).then(|| (facing.reflect(incident), Vec3::splat(share)))
 }
 
-/// The share that a sheet reflects, from the share that each of its faces does: the geometric series
-/// of the light that bounces between them.
+/// The share that a sheet reflects, from the share that each of its faces does: the geometric
+/// series of the light that bounces between them.
 fn of_sheet(single: f32) -> f32 {
     2.0 * single / (1.0 + single)
 }
 
-/// The refracted direction by Snell's law, about the triangle's normal where the shading normal would
-/// keep it on the viewer's side.
+/// The refracted direction by Snell's law, about the triangle's normal where the shading normal
+/// would keep it on the viewer's side.
 fn refract(facing: &Facing, incident: Vec3, eta: f32) -> Vec3 {
     let about = |n: Vec3| {
         let cos = n.dot(-incident);

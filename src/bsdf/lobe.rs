@@ -23,8 +23,8 @@ impl Facing {
         self.shading_normal.dot(-incident).clamp(0.0, 1.0)
     }
 
-    /// Mirrors a direction about the shading normal, or about the triangle's normal where the shading
-    /// normal would send it into the surface.
+    /// Mirrors a direction about the shading normal, or about the triangle's normal where the
+    /// shading normal would send it into the surface.
     #[inline]
     pub(super) fn reflect(&self, incident: Vec3) -> Vec3 {
         let about = |n: Vec3| incident - n * (2.0 * incident.dot(n));

@@ -72,8 +72,8 @@ impl Bsdf<'_> {
         with_lobe!(self.material, lobe => lobe.evaluate(&self.facing, incident, scattered))
     }
 
-    /// Returns the density with which [`Self::sample`] chooses a direction, per steradian; zero for a
-    /// specular lobe.
+    /// Returns the density with which [`Self::sample`] chooses a direction, per steradian; zero for
+    /// a specular lobe.
     pub fn pdf(&self, incident: Vec3, scattered: Vec3) -> f32 {
         with_lobe!(self.material, lobe => lobe.pdf(&self.facing, incident, scattered))
     }

@@ -14,8 +14,8 @@ pub struct Scatter {
     pub is_transmitted: bool,
 }
 
-/// Every direction in which a path continues, at most two: both branches of a dielectric, the one of
-/// a mirror, or one sample of a lobe that is not specular.
+/// Every direction in which a path continues, at most two: both branches of a dielectric, the one
+/// of a mirror, or one sample of a lobe that is not specular.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScatterSet([Option<Scatter>; 2]);
 

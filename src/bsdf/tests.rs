@@ -89,8 +89,8 @@ fn assert_has_no_density(lobe: &impl Lobe, facing: &Facing, incident: Vec3) {
     }
 }
 
-/// The weight of each sample is value times cosine over density; the density integrates to the share
-/// of samples that are not absorbed, and so does its part in every octant.
+/// The weight of each sample is value times cosine over density; the density integrates to the
+/// share of samples that are not absorbed, and so does its part in every octant.
 fn assert_samples_its_density(lobe: &impl Lobe, facing: &Facing, incident: Vec3) {
     let octant = |d: Vec3| d.cmpgt(Vec3::ZERO).bitmask() as usize;
     let mut shares = [0.0; 8];

@@ -1,5 +1,5 @@
-//! Where a visit begins in a model of rooms that says nothing about it: inside. From outside one would see the backs of
-//! its walls, or nothing, where all light is inside.
+//! The start view of a model of rooms that brings none: inside a room. From outside one would see
+//! the backs of its walls, or nothing where all light is inside.
 
 use super::Tracer;
 use crate::camera::Camera;
@@ -9,46 +9,55 @@ use glam::{DQuat, DVec3};
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-/// Rays from the view of the whole model, per axis of a grid over its picture.
-const LOOKS: i32 = 24;
+/// Number of rays along each axis of the picture that shows the whole model.
+const OUTSIDE_RAYS: i32 = 24;
 
-// The shares below were chosen by looking at where six models begin: living room, staircase and office inside, FZK house and
-// Sponza outside, the open Cornell box before its opening.
+// The shares below were chosen by where six models should begin: living room, staircase and office
+// inside, FZK house and Sponza outside, the open Cornell box in front of its opening.
 
-/// From this share of backs among what is seen from outside on, it is the inside that the model shows.
+/// Smallest share of back faces among the hits from outside at which the model shows its inside.
 const MIN_BACKS: f64 = 0.4;
 
-/// Places tried along each side of the plan.
+/// Number of places tried along each side of the plan.
 const PLACES: i32 = 12;
 
-/// Storeys tried at a place.
+/// Largest number of floors tried at a place.
 const MAX_FLOORS: usize = 8;
 
-/// What was hit is passed by so much of the model's diagonal to look for the next floor: less than a storey is high.
+/// Distance below a hit at which the search for the next floor continues, as a share of the model's
+/// diagonal: less than the height of a storey.
 const PAST: f64 = 1e-3;
 
-/// A floor under less than this is no place to stand; who stands less above another floor stands on furniture.
+/// Smallest height above a floor at which one can stand, metres. A floor that lies less than this
+/// above another is the top of furniture.
 const HEADROOM_M: f64 = 2.0;
 
-/// Directions looked in from a place.
+/// Number of directions in which the surroundings of a place are measured.
 const DIRECTIONS: i32 = 96;
 
-/// Floors may differ by so much and still be one.
+/// Largest height difference within one floor, metres.
 const STEP_M: f64 = 0.3;
 
-/// A room has walls, floor and ceiling in this share of all directions; the rest are its windows.
+/// Smallest share of directions in which a room has a wall, floor or ceiling; the others are
+/// windows.
 const MIN_ENCLOSED: f64 = 0.85;
 
-/// And shows their fronts in this share.
+/// Smallest share of those surfaces that a room shows from the front.
 const MIN_FRONTS: f64 = 0.7;
 
-/// Directions of view tried, and the angles to all sides of each that it is judged by.
+/// Number of viewing directions tried.
 const HEADINGS: i32 = 24;
+
+/// Angles from a viewing direction, horizontally and vertically, in which the depth of the room is
+/// measured.
 const FAN: [f64; 5] = [-PI / 6.0, -PI / 12.0, 0.0, PI / 12.0, PI / 6.0];
 
 impl Tracer {
-    /// Begins the visit inside where the model brings no view of its own and shows its backs from outside, or no light falls
-    /// there; the view from outside becomes the second. The walk, where the model brings none, turns in that place.
+    /// Adds a start view inside where the model brings no view and, from outside, shows back faces
+    /// or is dark.
+    ///
+    /// The view from outside becomes the second. Where the model brings no camera path, the path
+    /// turns around at the start.
     #[must_use]
     pub fn beginning_indoors(mut self) -> Self {
         if self.scene().brings_view || !(self.is_dark_outside() || self.shows_backs()) {
@@ -64,24 +73,26 @@ impl Tracer {
         self
     }
 
+    /// True where neither sun nor sky lights the model.
     fn is_dark_outside(&self) -> bool {
         !self.scene().lights.iter().any(|light| matches!(light, Light::Sun { .. } | Light::Sky))
     }
 
-    /// True where the view of the whole model shows backs.
+    /// True where the view of the whole model shows back faces.
     fn shows_backs(&self) -> bool {
         let start = self.scene().start();
-        let unit = |i: i32| (f64::from(i) + 0.5) / f64::from(LOOKS) * 2.0 - 1.0;
+        let unit = |i: i32| (f64::from(i) + 0.5) / f64::from(OUTSIDE_RAYS) * 2.0 - 1.0;
         let tan = (start.fov_y / 2.0).tan();
         let axes = start.world_from_camera();
-        let looks = (0..LOOKS * LOOKS).map(|i| [unit(i % LOOKS) * tan, unit(i / LOOKS) * tan]);
+        let directions = (0..OUTSIDE_RAYS * OUTSIDE_RAYS).map(|i| [unit(i % OUTSIDE_RAYS) * tan, unit(i / OUTSIDE_RAYS) * tan]);
         let seen =
-            looks.filter_map(|[x, y]| self.probe(start.eye, axes * DVec3::new(x, y, -1.0), f64::INFINITY));
+            directions.filter_map(|[x, y]| self.probe(start.eye, axes * DVec3::new(x, y, -1.0), f64::INFINITY));
         let (backs, all) = seen.fold((0, 0), |(backs, all), p| (backs + i32::from(!p.is_front), all + 1));
         f64::from(backs) >= MIN_BACKS * f64::from(all.max(1))
     }
 
-    /// The eye of one who stands in the room with the most space around; `None` where there is no room.
+    /// Returns the eye of a person who stands in the room with the most space around; `None` where
+    /// there is no room. World metres.
     fn widest_place(&self) -> Option<DVec3> {
         let [low, high] = self.scene().bounds_m;
         let along = |i: i32, axis: usize| {
@@ -99,7 +110,7 @@ impl Tracer {
         floors.max_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, eye)| *eye)
     }
 
-    /// Eyes above all floors under a place at the model's top.
+    /// Returns the eyes of persons who stand on the floors below a point at the top of the model.
     fn standing_below(&self, top: DVec3) -> Vec<DVec3> {
         let [low, high] = self.scene().bounds_m;
         let past = (high - low).length() * PAST;
@@ -114,9 +125,10 @@ impl Tracer {
         eyes
     }
 
-    /// The median distance to what surrounds a place, metres; `None` outside of rooms and within bodies.
+    /// Returns the median distance to the surroundings of a place, metres; `None` outside rooms and
+    /// inside solids.
     fn space_around(&self, eye: DVec3) -> Option<f64> {
-        let directions = (0..DIRECTIONS).map(|i| spread(i, DIRECTIONS));
+        let directions = (0..DIRECTIONS).map(|i| direction_on_sphere(i, DIRECTIONS));
         let hits: Vec<_> = directions.filter_map(|d| self.probe(eye, d, f64::INFINITY)).collect();
         let fronts = hits.iter().filter(|p| p.is_front).count() as f64;
         let is_room = hits.len() as f64 >= MIN_ENCLOSED * f64::from(DIRECTIONS)
@@ -126,7 +138,8 @@ impl Tracer {
         is_room.then(|| distances[distances.len() / 2])
     }
 
-    /// From an eye to where the room is deepest. Windows count for neither more nor less.
+    /// Returns the view from an eye towards the deepest part of the room. Rays that leave through
+    /// windows do not count.
     fn widest_view(&self, eye: DVec3) -> Camera {
         let direction =
             |yaw: f64, pitch: f64| DQuat::from_rotation_y(yaw) * DQuat::from_rotation_x(pitch) * DVec3::NEG_Z;
@@ -143,8 +156,9 @@ impl Tracer {
     }
 }
 
-/// One of so many directions, evenly over the sphere: a spiral in steps of the golden angle.
-fn spread(i: i32, count: i32) -> DVec3 {
+/// Returns direction `i` of `count` evenly spread over the sphere: a spiral in steps of the golden
+/// angle.
+fn direction_on_sphere(i: i32, count: i32) -> DVec3 {
     let y = 1.0 - 2.0 * (f64::from(i) + 0.5) / f64::from(count);
     let (sine, angle) = ((1.0 - y * y).sqrt(), f64::from(i) * PI * (3.0 - 5f64.sqrt()));
     DVec3::new(sine * angle.cos(), y, sine * angle.sin())
@@ -156,7 +170,7 @@ mod tests {
     use crate::scene::{Material, Scene, SceneBuilder};
     use glam::{Vec2, Vec3};
 
-    /// The inside of a box: its faces look in, or out.
+    /// A box whose faces look in or out.
     fn shell(builder: &mut SceneBuilder, low: [f64; 3], high: [f64; 3], looks_in: bool) {
         let material = builder.add_material(Material::diffuse("wall", Vec3::splat(0.5)));
         let p = |bits: [usize; 3]| DVec3::from_array([0, 1, 2].map(|i| [low, high][bits[i]][i]));
@@ -209,6 +223,6 @@ mod tests {
     #[test]
     fn a_body_turned_inside_out_has_no_room_to_begin_in() {
         let low = begun(&[([0.0; 3], [5.0, 1.5, 5.0], true)], None);
-        assert_eq!(low.views.len(), 1, "nobody can stand in it");
+        assert_eq!(low.views.len(), 1, "the ceiling is too low");
     }
 }

@@ -1,23 +1,26 @@
-//! Tracing many pixels on all threads of the current pool, with the same bits at any number of them.
+//! Tracing many pixels on all threads of the current pool. The results have the same bits at any
+//! number of threads.
 
 use super::RayCounts;
 use rayon::prelude::*;
 use std::ops::AddAssign;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Pixels a thread takes at a time.
+/// Number of pixels that a thread takes at a time.
 const CHUNK: usize = 64;
 
-/// Side of the square tiles in which a picture is traced: neighbouring rays meet the same nodes.
+/// Side of the square tiles in which a picture is traced, pixels: neighbouring rays meet the same
+/// nodes.
 const TILE: u32 = 8;
 
-/// Asked before every pixel whether to stop: nanoseconds against the microseconds of shading.
+/// Returns whether to stop. Called before every pixel: nanoseconds against the microseconds of
+/// shading.
 pub type Stop<'a> = &'a (dyn Fn() -> bool + Sync);
 
-/// Never stops.
+/// A [`Stop`] that never stops.
 pub const NEVER: Stop<'static> = &|| false;
 
-/// All pixels of a picture, tile by tile.
+/// Returns the indices of all pixels of a picture, tile by tile.
 pub fn tile_order([width, height]: [u32; 2]) -> Vec<u32> {
     let mut order = Vec::with_capacity(width as usize * height as usize);
     for y0 in (0..height).step_by(TILE as usize) {
@@ -30,9 +33,11 @@ pub fn tile_order([width, height]: [u32; 2]) -> Vec<u32> {
     order
 }
 
-/// Calls `trace` for every pixel of the list and keeps the results in the list's order in `traced`.
+/// Calls `trace` for every pixel of the list and writes the results to `traced`, in the list's
+/// order.
 ///
-/// Returns the rays spent and whether the whole list was done. After a stop the entries not reached are `None`.
+/// Returns the rays traced, and whether the list was completed. After a stop the remaining entries
+/// are `None`.
 pub fn trace_pixels<R: Clone + Send>(
     pixels: &[u32],
     traced: &mut Vec<Option<R>>,
@@ -44,8 +49,8 @@ pub fn trace_pixels<R: Clone + Send>(
     trace_missing(pixels, traced, stop, trace)
 }
 
-/// [`trace_pixels`] for the pixels that have no result yet: goes on with a list that was stopped. What `trace` gathers
-/// beside the results is added up in the list's order.
+/// Resumes a list that was stopped: [`trace_pixels`] for the pixels without a result. The values
+/// that `trace` adds to its second argument are summed in the list's order.
 pub fn trace_missing<R: Send, G: Default + Send + AddAssign>(
     pixels: &[u32],
     traced: &mut [Option<R>],

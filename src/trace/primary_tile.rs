@@ -1,4 +1,4 @@
-//! What a tile of neighbouring pixels sees.
+//! The primary rays of a tile of neighbouring pixels, and their nearest hits.
 
 use super::bvh::{RayTile, TILE_RAYS, TILE_SIDE, TileHits};
 use super::{Hit, Tracer};
@@ -6,15 +6,18 @@ use crate::camera::View;
 use glam::Vec3;
 
 impl Tracer {
-    /// The nearest surface through each pixel centre of the tile whose top left pixel is (x0, y0): what
-    /// [`Self::closest`] finds, several times as fast. Rays beyond the picture's edge are traced as well.
+    /// Writes the nearest hits through the pixel centres of the tile whose top left pixel is
+    /// `corner`.
+    ///
+    /// The hits are those of [`Self::closest`], found several times as fast. Rays beyond the edge
+    /// of the picture are traced too. `tile` is overwritten.
     pub fn closest_in_tile(&self, view: &View, corner: [u32; 2], tile: &mut RayTile, hits: &mut TileHits) {
         *tile = primary_tile(view, corner);
         let stands = |ray: usize, hit: &Hit| self.stands(&tile.ray(ray), hit);
         self.bvh().closest_in_tile(tile, !self.scene().features.checks_hits(), stands, hits);
     }
 
-    /// The same, as if surfaces of glass that scatter nothing were not there.
+    /// [`Self::closest_in_tile`] without the surfaces of glass that have no diffuse part.
     pub fn closest_behind_glass_in_tile(
         &self,
         view: &View,
@@ -31,13 +34,14 @@ impl Tracer {
         self.bvh().closest_in_tile(tile, false, is_there, hits);
     }
 
+    /// True for a triangle of glass without a diffuse part.
     fn is_clear_glass(&self, triangle: u32) -> bool {
         let material = self.scene().material_of(triangle);
         material.is_glass() && material.diffuse == Vec3::ZERO
     }
 }
 
-/// The primary rays of the tile whose top left pixel is (x0, y0).
+/// Returns the primary rays of the tile whose top left pixel is (x0, y0).
 pub fn primary_tile(view: &View, [x0, y0]: [u32; 2]) -> RayTile {
     let (x0, y0, side) = (x0 as f32, y0 as f32, TILE_SIDE as f32);
     let corner = |dx: f32, dy: f32| view.direction_of_point(x0 + dx * side, y0 + dy * side);

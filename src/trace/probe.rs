@@ -1,34 +1,36 @@
-//! Questions about the model in metres: what stands in a direction, and how far. For walking, measuring and plans.
+//! Rays that measure the model, in world metres: for walking, measuring and plans.
 
 use super::{Hit, Tracer};
 use crate::math::Ray;
 use crate::scene::MaterialId;
 use glam::{DVec3, Vec3};
 
-/// A surface found in a direction.
+/// The nearest surface in a direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Probe {
-    /// From where it was asked, metres.
+    /// Distance from the ray's origin, metres.
     pub distance_m: f64,
-    /// On the surface, world metres.
+    /// Point on the surface, world metres.
     pub position_m: DVec3,
-    /// Unit normal of the triangle, on the side of who asks.
+    /// Unit normal of the triangle, on the side of the ray's origin.
     pub normal: Vec3,
     /// Index into the scene's triangles.
     pub triangle: u32,
-    /// Of the triangle.
+    /// Material of the triangle.
     pub material: MaterialId,
-    /// True where the side is seen from which the corners run counter-clockwise: the outside of a closed body.
+    /// True where the ray meets the side from which the corners run counter-clockwise: the outside
+    /// of a closed solid.
     pub is_front: bool,
 }
 
 impl Tracer {
-    /// The nearest surface from a place in a direction (any length), not further than `reach_m` metres.
+    /// Returns the nearest surface from a point (world metres) in a direction (any length), within
+    /// `reach_m` metres.
     pub fn probe(&self, origin_m: DVec3, direction: DVec3, reach_m: f64) -> Option<Probe> {
         self.probe_where(origin_m, direction, reach_m, |_| true)
     }
 
-    /// The same past all triangles that `stops` says no to.
+    /// [`Self::probe`] for the triangles for which `stops` holds.
     pub fn probe_where(
         &self,
         origin_m: DVec3,
@@ -44,6 +46,7 @@ impl Tracer {
         Some(self.probe_of(&ray, &hit))
     }
 
+    /// Converts a hit to world metres.
     fn probe_of(&self, ray: &Ray, hit: &Hit) -> Probe {
         let point = self.surface(ray, hit);
         let frame = &self.scene().frame;

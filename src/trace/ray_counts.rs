@@ -13,7 +13,8 @@ pub struct RayCounts {
     pub secondary: u64,
     /// Rays of diffuse bounces.
     pub indirect: u64,
-    /// Shadow rays so short that the irradiance of their light was bounded; counted in `shadow` too.
+    /// Shadow rays so short that the irradiance of their light was bounded; counted in `shadow`
+    /// too.
     pub clamped: u64,
 }
 

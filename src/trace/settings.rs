@@ -16,7 +16,8 @@ pub struct TraceSettings {
 const BOUNCE_NOISE: f32 = 8.0;
 
 impl TraceSettings {
-    /// Shadow rays per light for a surface that covers only a share (0..1) of the pixel; at least one.
+    /// Shadow rays per light for a surface that covers only a share (0..1) of the pixel; at least
+    /// one.
     pub fn samples_for(&self, share: f32) -> u32 {
         ((self.samples as f32 * share).ceil() as u32).clamp(1, self.samples.max(1))
     }

@@ -1,4 +1,4 @@
-//! A point on a surface: everything that shading asks of it.
+//! A point on a surface, with all that shading needs.
 
 use crate::bsdf::{Bsdf, Facing, Scatter, albedo};
 use crate::math::Ray;
@@ -9,27 +9,29 @@ use glam::{Vec2, Vec3};
 /// A point on a triangle, seen from one of its sides.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfacePoint {
-    /// On the triangle, scene space. From barycentrics, never from `origin + t * direction`: that would be off the
-    /// surface by the rounding of `t`.
+    /// Position on the triangle, scene space. Computed from barycentrics, because
+    /// `origin + t * direction` lies off the surface by the rounding of `t`.
     pub position: Vec3,
     /// Unit normal of the triangle, on the viewer's side.
     pub geometric_normal: Vec3,
     /// Unit interpolated normal, never pointing away from the viewer's side of the triangle.
     pub shading_normal: Vec3,
-    /// Texture coordinate; zero where the scene needs none.
+    /// Texture coordinate; zero in a scene without textures.
     pub uv: Vec2,
-    /// Of the triangle.
+    /// Material of the triangle.
     pub material: MaterialId,
     /// Index into the scene's triangles.
     pub triangle: u32,
     /// True where the viewer sees the side from which the corners run counter-clockwise.
     pub is_front: bool,
-    /// Largest coordinate of the triangle's corners: the scale of the position's rounding error.
+    /// Largest coordinate of the triangle's corners, which scales the rounding error of the
+    /// position.
     magnitude: f32,
 }
 
 impl SurfacePoint {
-    /// The point with barycentrics (b1, b2), seen along `view_direction` (from the viewer, any length).
+    /// The point with barycentrics (b1, b2), seen along `view_direction` (away from the viewer, any
+    /// length).
     pub fn new(scene: &Scene, triangle: u32, [b1, b2]: [f32; 2], view_direction: Vec3) -> Self {
         let [a, b, c] = scene.corners(triangle);
         let (e1, e2) = (b - a, c - a);
@@ -49,8 +51,8 @@ impl SurfacePoint {
         }
     }
 
-    /// The point of a triangle nearest to `position` in the triangle's plane: how a stored position, rounded, becomes
-    /// a point on the surface again.
+    /// The point of a triangle nearest to `position` in the triangle's plane. It restores a surface
+    /// point from a stored, rounded position.
     pub fn from_position(scene: &Scene, triangle: u32, position: Vec3, view_direction: Vec3) -> Self {
         let [a, b, c] = scene.corners(triangle).map(Vec3::as_dvec3);
         let (e1, e2, p) = (b - a, c - a, position.as_dvec3() - a);
@@ -58,19 +60,20 @@ impl SurfacePoint {
         let (p1, p2) = (p.dot(e1), p.dot(e2));
         let det = d11 * d22 - d12 * d12;
         let (b1, b2) = ((p1 * d22 - p2 * d12) / det, (p2 * d11 - p1 * d12) / det);
-        // The builder left no triangle without area, but f64 may still not resolve a needle: then its first corner.
+        // The builder leaves no triangle without area, but f64 may fail to resolve a needle: take
+        // its first corner then.
         let finite = b1.is_finite() && b2.is_finite();
         let b1 = if finite { b1.clamp(0.0, 1.0) } else { 0.0 };
         let b2 = if finite { b2.clamp(0.0, 1.0 - b1) } else { 0.0 };
         Self::new(scene, triangle, [b1 as f32, b2 as f32], view_direction)
     }
 
-    /// A start for rays that leave on the viewer's side.
+    /// Origin for rays that leave on the viewer's side, scene space.
     pub fn origin_in_front(&self) -> Vec3 {
         offset_from_surface(self.position, self.geometric_normal, self.magnitude)
     }
 
-    /// A start for rays that pass through.
+    /// Origin for rays that leave on the far side, scene space.
     pub fn origin_behind(&self) -> Vec3 {
         offset_from_surface(self.position, -self.geometric_normal, self.magnitude)
     }
@@ -103,8 +106,9 @@ impl SurfacePoint {
     }
 }
 
-/// How well a hit is determined: the sine between ray and plane times the triangle's height over its longest edge.
-/// Below [`ILL_CONDITIONED`] a hit may be lost, or lie off its ray by a thousandth of an edge.
+/// Returns how well a hit is determined: the sine between ray and plane, times the triangle's
+/// height over its longest edge. Below [`ILL_CONDITIONED`] a hit may be missed, or lie off its ray
+/// by a thousandth of an edge.
 pub(super) fn condition([a, b, c]: [Vec3; 3], direction: Vec3) -> f64 {
     let [a, b, c, d] = [a, b, c, direction].map(Vec3::as_dvec3);
     let n = (b - a).cross(c - a);
@@ -112,18 +116,20 @@ pub(super) fn condition([a, b, c]: [Vec3; 3], direction: Vec3) -> f64 {
     n.dot(d).abs() / (d.length() * longest2)
 }
 
-/// The least of that measure at which a hit is relied on; measured: 0.02 % of hits at 9e-6, 7 % at 9e-7 are off by more
-/// than a thousandth of an edge.
+/// Smallest condition of a hit that is relied on; see [`super::Tracer::condition`]. Measured: 0.02
+/// % of hits at 9e-6, and 7 % at 9e-7, are off by more than a thousandth of an edge.
 pub const ILL_CONDITIONED: f64 = 1e-5;
 
+/// Returns the unit normal of a triangle with edges `e1` and `e2`.
 fn unit_normal(e1: Vec3, e2: Vec3) -> Vec3 {
     let n = e1.cross(e2);
     n.try_normalize().unwrap_or_else(|| {
-        // The cross product of tiny edges underflows in f32; the builder left no triangle without area in f64.
+        // The cross product of tiny edges underflows in f32; in f64 every triangle has an area.
         e1.as_dvec3().cross(e2.as_dvec3()).try_normalize().map_or(Vec3::Y, |n| n.as_vec3())
     })
 }
 
+/// Returns the interpolated unit normal, on the side of `geometric`.
 fn shading_normal(scene: &Scene, triangle: u32, [b1, b2]: [f32; 2], geometric: Vec3) -> Vec3 {
     if scene.normals.is_empty() {
         return geometric;
@@ -133,7 +139,7 @@ fn shading_normal(scene: &Scene, triangle: u32, [b1, b2]: [f32; 2], geometric: V
     if n.dot(geometric) < 0.0 { -n } else { n }
 }
 
-/// Interpolated texture coordinate; zero where the scene has none.
+/// Returns the interpolated texture coordinate; zero in a scene without texture coordinates.
 pub(super) fn interpolate_uv(scene: &Scene, triangle: u32, [b1, b2]: [f32; 2]) -> Vec2 {
     if scene.uvs.is_empty() {
         return Vec2::ZERO;

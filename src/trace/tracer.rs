@@ -1,4 +1,4 @@
-//! The tracer: a scene with its hierarchy, and the rays that ask it questions.
+//! The tracer: a scene with its hierarchy, and the rays traced through it.
 
 use super::bvh::{Bvh, Hit, NO_TRIANGLE};
 use super::lights::LightGrid;
@@ -13,29 +13,30 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
-/// How far beyond its triangle a hit may lie, as a share of the distance.
+/// Largest distance by which a hit may lie in front of or behind its triangle, relative to its own
+/// distance. Beyond it the triangle test has failed on a needle.
 const REACH_SLACK: f32 = 1e-3;
 
-/// A scene made ready for rays.
+/// A scene that is ready to be traced.
 #[derive(Debug)]
 pub struct Tracer {
     scene: Arc<Scene>,
-    /// Shared with tracers of the same geometry under other light.
+    /// Shared with tracers of the same geometry.
     bvh: Arc<Bvh>,
     lights: LightGrid,
     epoch: SceneEpoch,
     build_secs: f64,
 }
 
-/// Names one state of one scene. Whatever changes light or geometry makes a new tracer and so a new epoch; what was
-/// traced in another epoch is never used.
+/// Identifies one state of one scene. Every change of light or geometry makes a new tracer, and so
+/// a new epoch; results of another epoch are never used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct SceneEpoch(u64);
 
 static NEXT_EPOCH: AtomicU64 = AtomicU64::new(0);
 
 impl Tracer {
-    /// Builds the hierarchy.
+    /// Builds the hierarchy over a scene.
     pub fn new(scene: Arc<Scene>) -> Self {
         let start = Instant::now();
         let corners: Vec<[Vec3; 3]> =
@@ -46,11 +47,11 @@ impl Tracer {
         Self { scene, bvh, lights, epoch, build_secs: start.elapsed().as_secs_f64() }
     }
 
-    /// A tracer of a scene whose triangles are those of this one: only materials or lights differ. The hierarchy is
-    /// shared.
+    /// Returns a tracer of a scene with the same triangles, whose materials or lights may differ.
+    /// It shares the hierarchy.
     ///
     /// # Panics
-    /// Where the numbers of triangles differ.
+    /// If the numbers of triangles differ.
     #[must_use]
     pub fn with_same_geometry(&self, scene: Arc<Scene>) -> Self {
         assert_eq!(
@@ -65,47 +66,47 @@ impl Tracer {
         Self { scene, bvh: self.bvh.clone(), lights, epoch, build_secs }
     }
 
-    /// The scene.
+    /// The scene that is traced.
     pub fn scene(&self) -> &Arc<Scene> {
         &self.scene
     }
 
-    /// To change what no picture depends on: views, the walk.
+    /// Mutable access, for parts that no picture depends on: views and the camera path.
     pub(super) fn scene_mut(&mut self) -> &mut Arc<Scene> {
         &mut self.scene
     }
 
-    /// The hierarchy.
+    /// The hierarchy over the scene's triangles.
     pub fn bvh(&self) -> &Bvh {
         &self.bvh
     }
 
-    /// Which lights matter where.
+    /// The grid of the lights that matter at each place.
     pub fn light_grid(&self) -> &LightGrid {
         &self.lights
     }
 
-    /// The lights to sample at a point, as indices into the scene's.
+    /// Returns the lights to sample at a point, as indices into the scene's lights.
     pub(super) fn lights_at(&self, position: Vec3) -> &[u32] {
         self.lights.lights_at(&self.scene, &self.bvh, position)
     }
 
-    /// Which state of the scene this is.
+    /// Identifier of this state of the scene.
     pub fn epoch(&self) -> SceneEpoch {
         self.epoch
     }
 
-    /// Seconds that building the hierarchy took.
+    /// Time that building the hierarchy took, seconds.
     pub fn build_secs(&self) -> f64 {
         self.build_secs
     }
 
-    /// The ray through the centre of a pixel; its `t` is depth along the viewing axis.
+    /// Returns the ray through the centre of a pixel; its `t` is depth along the viewing axis.
     pub fn primary_ray(view: &View, pixel: u32) -> Ray {
         Ray::new(view.eye, view.direction_of_pixel(pixel))
     }
 
-    /// The nearest surface along a ray. Cut-out texels are no surface.
+    /// Returns the nearest hit along a ray. Cut-out texels are not hit.
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
         if self.scene.features.checks_hits() {
             self.bvh.closest(ray, |hit| self.stands(ray, hit))
@@ -114,14 +115,15 @@ impl Tracer {
         }
     }
 
-    /// True where the surface is there and met where it lies.
+    /// True where a hit counts: it is not cut out, and lies on its triangle.
     pub(super) fn stands(&self, ray: &Ray, hit: &Hit) -> bool {
         let features = self.scene.features;
         (!features.alpha || self.is_covered(hit)) && (!features.needles || self.is_in_reach(ray, hit))
     }
 
-    /// True where a hit lies no nearer and no farther than its triangle, by a thousandth. On needles it may not: the
-    /// products of their corners have no more bits than they are wide (Embree, issue 387).
+    /// True where a hit lies between the nearest and the farthest corner of its triangle, within
+    /// [`REACH_SLACK`]. On needles it may not, because the products of their corners have no more
+    /// bits than they are wide (Embree, issue 387).
     fn is_in_reach(&self, ray: &Ray, hit: &Hit) -> bool {
         let along = ray.direction / ray.direction.length_squared();
         let t = self.scene.corners(hit.triangle).map(|corner| (corner - ray.origin).dot(along));
@@ -130,21 +132,22 @@ impl Tracer {
         low - slack <= hit.t && hit.t <= high + slack
     }
 
-    /// Alpha test: true where the surface is there.
+    /// Alpha test: true where the surface is not cut out.
     fn is_covered(&self, hit: &Hit) -> bool {
         let Some(map) = self.scene.material_of(hit.triangle).alpha_texture else { return true };
         let uv = interpolate_uv(&self.scene, hit.triangle, [hit.b1, hit.b2]);
         self.scene.textures[map.texture.0 as usize].alpha(uv * map.scale + map.offset) >= 0.5
     }
 
-    /// Where a ray meets a triangle, whatever else it meets: the same bits as [`Self::closest`] has for it.
+    /// Returns the hit of a ray with one triangle, whatever else the ray meets, with the bits of
+    /// [`Self::closest`].
     pub fn hit_on_triangle(&self, ray: &Ray, triangle: u32) -> Option<Hit> {
         (triangle != NO_TRIANGLE)
             .then(|| self.bvh.on_triangle(ray, triangle, self.scene.corners(triangle)))
             .flatten()
     }
 
-    /// Diffuse reflectance where a triangle was hit.
+    /// Returns the diffuse reflectance at a hit, per channel.
     #[inline(always)]
     pub fn albedo(&self, hit: &Hit) -> Vec3 {
         let uv = || interpolate_uv(&self.scene, hit.triangle, [hit.b1, hit.b2]);
@@ -156,23 +159,26 @@ impl Tracer {
         &self.scene.materials[point.material.0 as usize]
     }
 
-    /// True where part of the radiance of a surface depends on the viewer, so that it must be traced.
+    /// True where part of the radiance of a surface depends on the viewer, so that it must be
+    /// traced.
     pub fn is_view_dependent(&self, point: &SurfacePoint) -> bool {
         self.material(point).is_view_dependent()
     }
 
-    /// The surface point of a hit.
+    /// Returns the surface point of a hit.
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
         SurfacePoint::new(&self.scene, hit.triangle, [hit.b1, hit.b2], ray.direction)
     }
 
-    /// How well the hit of a ray of this direction on a triangle is determined; below [`super::ILL_CONDITIONED`] it may
-    /// be lost or misplaced, and must not be lent.
+    /// Returns how well the hit of a ray of this direction on a triangle is determined, 0..1.
+    ///
+    /// Below [`super::ILL_CONDITIONED`] the hit may be missed or misplaced, and must not be reused.
     pub fn condition(&self, direction: Vec3, triangle: u32) -> f64 {
         super::surface::condition(self.scene.corners(triangle), direction)
     }
 
-    /// What a ray that leaves the scene sees.
+    /// Returns the radiance that arrives from a direction (any length) along a ray that leaves the
+    /// scene.
     pub fn sky(&self, direction: Vec3) -> Vec3 {
         self.scene.sky.as_ref().map_or(Vec3::ZERO, |s| s.radiance(direction.normalize_or(Vec3::Y)))
     }

@@ -1,4 +1,4 @@
-//! Builds the binary tree (`cluster`), improves it with `obvhs`, and folds it (`fold`).
+//! Builds the hierarchy: a binary tree (`cluster`), improved by `obvhs`, then folded (`fold`).
 
 use super::cluster::cluster;
 use super::fold::Fold;
@@ -11,20 +11,23 @@ use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use rayon::prelude::*;
 
-/// The share of nodes put elsewhere in a round: rays of the gallery visit 1 to 4 % fewer nodes than after a twentieth.
+/// Share of the nodes that reinsertion moves in a round. Rays of the gallery visit 1 to 4 % fewer
+/// nodes than with 0.05.
 const REINSERTED: f32 = 0.2;
 
-/// Nodes that a ray may meet on average, above which none is put elsewhere: the search for a better place meets about as
-/// many, so that its time would grow with the square of the triangles. Of five real buildings 42 to 100 are met.
+/// Nodes that a random ray meets on average, above which reinsertion is skipped. The search for a
+/// better place meets about as many nodes, so its time would grow with the square of the number of
+/// triangles. Five real buildings have 42 to 100.
 const MAX_MET: f32 = 1000.0;
 
 impl Bvh {
-    /// Builds the tree over triangles given by their corners.
+    /// Builds the hierarchy over triangles given by their corners, scene space.
     pub fn build(corners: &[[Vec3; 3]]) -> Self {
         Self::build_without(corners, &[])
     }
 
-    /// The same without some of them, given ascending; not without all.
+    /// Builds the hierarchy without the triangles `hidden`, which are given in ascending order. It
+    /// is empty where all are hidden.
     pub fn build_without(corners: &[[Vec3; 3]], hidden: &[u32]) -> Self {
         let mut bvh = Self { nodes: Vec::new(), packets: Vec::new(), root: Child::NONE, level: Level::new() };
         if corners.len() == hidden.len() {
@@ -38,16 +41,21 @@ impl Bvh {
     }
 }
 
+/// Builds the binary tree over some of the triangles.
 fn binary(corners: &[[Vec3; 3]], triangles: &[u32]) -> Bvh2 {
     let boxes: Vec<Aabb> = triangles.par_iter().map(|&i| bounds_of(&corners[i as usize])).collect();
     let mut tree = cluster(&boxes, false);
+    // Move nodes to better places where that takes linear time.
     if nodes_met(&tree) <= MAX_MET {
         ReinsertionOptimizer::default().run(&mut tree, REINSERTED, None);
     }
+    // Build a flat tree where a traversal could not hold this one.
     if depth_of(&tree) > MAX_DEPTH {
         tree = cluster(&boxes, true);
     }
-    tree.primitive_indices.iter_mut().for_each(|i| *i = triangles[*i as usize]);
+    for index in &mut tree.primitive_indices {
+        *index = triangles[*index as usize];
+    }
     tree
 }
 
@@ -55,13 +63,14 @@ fn bounds_of([a, b, c]: &[Vec3; 3]) -> Aabb {
     Aabb { min: a.min(*b).min(*c).into(), max: a.max(*b).max(*c).into() }
 }
 
-/// The nodes that a random ray through the root meets on average, by their areas.
+/// Returns the number of nodes that a random ray through the root meets on average, from their
+/// surface areas.
 fn nodes_met(tree: &Bvh2) -> f32 {
     let area: f64 = tree.nodes.iter().map(|node| f64::from(node.aabb().half_area())).sum();
     (area / f64::from(tree.nodes[0].aabb().half_area())) as f32
 }
 
-/// The largest number of inner nodes on any way from the root to a leaf.
+/// Returns the largest number of inner nodes on any path from the root to a leaf.
 fn depth_of(tree: &Bvh2) -> usize {
     let mut deepest = 0;
     let mut stack = vec![(0u32, 0usize)];

@@ -1,16 +1,19 @@
-//! Shadow rays from one point towards one light: the tree is walked once for all of them.
+//! Any-hit traversal for a bundle of shadow rays: one walk down the tree serves all of them.
 //!
-//! The directions of a bundle are bounded by a box. A node is entered where some direction of that box, at some distance,
-//! lies in the node's box: for each axis that is the slab test of one ray, with the largest direction against the lower plane
-//! and the least against the upper one. It costs what one ray costs, and because rounding is monotone it passes
-//! wherever that of any ray of the bundle does. Triangles are tested by the arithmetic of single rays. So the answers are those of
+//! A box bounds the directions of a bundle. A node is entered where some direction of that box, at
+//! some distance, lies in the node's box. For each axis this is the slab test of one ray, with the
+//! largest direction against the lower plane and the smallest against the upper one. It costs what
+//! one ray costs, and because rounding is monotone it passes wherever the test of any single ray
+//! passes. Triangles are tested by the arithmetic of single rays, so the results are those of
 //! [`Bvh::any`].
 //!
-//! Source: interval traversal as in Boulos, Wald, Shirley, "Geometric and Arithmetic Culling Methods for Entire Ray Packets",
-//! University of Utah 2006. We differ: for boxes directions are not normalized to a plane, so that the end of a segment needs no bound of its
-//! own. Of a leaf the rays that meet its box are told first: where they are few, as on small triangles, they are tested one by one; where
-//! they are many, triangles are culled by the planes through the origin and their edges, and tested against eight rays at a time. Testing
-//! each triangle that the bundle may meet against all rays was slower than single rays are.
+//! Source: interval traversal as in Boulos, Wald, Shirley, "Geometric and Arithmetic Culling
+//! Methods for Entire Ray Packets", University of Utah 2006. We differ: directions are not
+//! normalized to a plane for the box test, so the end of a segment needs no bound of its own. At a
+//! leaf, the rays that meet its box are found first. Where they are few, as on small triangles,
+//! they are tested one by one. Where they are many, triangles are culled by the planes through the
+//! origin and their edges, and tested against eight rays at a time. Testing each triangle that the
+//! bundle may meet against all rays was slower than single rays.
 
 use super::cone::{Beam, Cone, Lanes};
 use super::hit::Hit;
@@ -24,28 +27,32 @@ use super::tree::Bvh;
 use arrayvec::ArrayVec;
 use fearless_simd::{Simd, SimdBase, SimdMask, dispatch, f32x4, f32x8};
 
-/// A leaf that at most so many rays reach is tested a ray at a time: four triangles in one step, where the other way takes two steps a
-/// triangle. Not tuned.
+/// Largest number of rays for which a leaf is tested one ray at a time: this takes one step for
+/// four triangles, the other way two steps per triangle. Not tuned.
 const FEW_RAYS: u32 = 4;
 
-/// After so many nodes a walk looks, before it goes further down, whether any single ray meets the box: sixteen rays leave gaps between them,
-/// and a bundle that finds many small boxes finds most of them in the gaps. On pictures of the gallery 32 took a tenth less time than never to
-/// look, 0 and 16 a twentieth.
-const NODES_UNLOOKED: u32 = 32;
+/// Number of visited nodes after which a walk also tests inner nodes against every single ray.
+/// Sixteen rays leave gaps between them, and most of many small boxes lie in the gaps. On pictures
+/// of the gallery 32 took 10 % less time than never to test, 0 and 16 took 5 % less.
+const NODES_UNTESTED: u32 = 32;
 
 impl Bvh {
-    /// Bit per ray of a bundle before whose end lies some triangle for which `accept(ray, hit)` holds. It is asked once for each ray
-    /// and triangle at most, and not always: not once a ray is blocked.
+    /// Returns a bit per ray that meets, before its end, a triangle for which `accept(ray, hit)`
+    /// holds.
+    ///
+    /// `accept` is called at most once for each ray and triangle, and no more once the ray is
+    /// blocked.
     pub fn any_in_bundle(&self, bundle: &RayBundle, accept: impl FnMut(usize, &Hit) -> bool) -> u32 {
         dispatch!(self.level, simd => self.bundle_of_any_axes::<_, true>(simd, bundle, accept))
     }
 
-    /// The same where every hit is accepted.
+    /// [`Self::any_in_bundle`] with every hit accepted.
     pub fn any_at_all_in_bundle(&self, bundle: &RayBundle) -> u32 {
         dispatch!(self.level, simd => self.bundle_of_any_axes::<_, false>(simd, bundle, |_, _| true))
     }
 
-    /// Rays are sheared along their largest axis; where that is not the same for all, each axis is a bundle of its own.
+    /// Traces the rays of each largest axis on their own, because they are sheared along it. `ASKS`
+    /// is false where every hit is accepted.
     #[inline(always)]
     fn bundle_of_any_axes<S: Simd, const ASKS: bool>(
         &self,
@@ -56,10 +63,12 @@ impl Bvh {
         let lanes = Lanes::new(simd, bundle);
         let mut blocked = 0;
         for axis in 0..3 {
+            // Select the rays whose largest axis this is.
             let rays = lanes.along[axis];
             if rays == 0 || self.root == Child::NONE {
                 continue;
             }
+            // Trace few or diverging rays one by one, others together.
             let cone = Cone::new(simd, &lanes, axis, rays);
             if (rays.count_ones() as usize) < MIN_RAYS || cone.is_wide {
                 blocked |= self.one_by_one::<_, ASKS>(simd, bundle, rays, &mut accept);
@@ -72,6 +81,7 @@ impl Bvh {
         blocked
     }
 
+    /// Traces some rays of a bundle one by one.
     #[inline(always)]
     fn one_by_one<S: Simd, const ASKS: bool>(
         &self,
@@ -89,23 +99,28 @@ impl Bvh {
     }
 }
 
-/// One walk down the tree for the rays of one largest axis.
+/// A traversal for the rays of one largest axis.
 struct Walk<'a, S: Simd> {
     simd: S,
     bvh: &'a Bvh,
+    /// Largest axis of the directions.
     axis: usize,
-    /// Bit per ray that nothing blocks so far.
+    /// Bit per ray that nothing has blocked so far.
     open: u32,
+    /// Shear of the rays, by half of the bundle.
     shear: [Shear8<S>; 2],
     /// One over the directions, by half and axis.
     inverse: [[f32x8<S>; 3]; 2],
     t_max: [f32x8<S>; 2],
+    /// Bounds of the rays against boxes.
     cone: Cone,
+    /// Bounds of the rays against triangles.
     beam: Beam,
     origin: [f32; 3],
 }
 
 impl<'a, S: Simd> Walk<'a, S> {
+    /// Prepares the rays `rays` (a bit each), whose largest axis is `axis`.
     #[inline(always)]
     fn new(
         simd: S,
@@ -130,7 +145,8 @@ impl<'a, S: Simd> Walk<'a, S> {
         }
     }
 
-    /// Children are visited as they come, as for single rays.
+    /// Traverses the tree until every ray is blocked. Children are visited in memory order, as for
+    /// single rays.
     #[inline(always)]
     fn run<const ASKS: bool>(&mut self, accept: &mut impl FnMut(usize, &Hit) -> bool) {
         let mut stack = ArrayVec::<u32, STACK>::new();
@@ -147,16 +163,19 @@ impl<'a, S: Simd> Walk<'a, S> {
         while let Some(inner) = stack.pop() {
             let node = &self.bvh.nodes[inner as usize];
             visited += 1;
+            // Test the children's boxes against all rays at once.
             let mut mask = self.cone.meets(self.simd, node, &origin);
             while mask != 0 {
                 let lane = mask.trailing_zeros() as usize;
                 mask &= mask - 1;
                 let packet = node.children[lane].packet();
-                let is_looked_at = packet.is_some() || visited > NODES_UNLOOKED;
-                let rays = if is_looked_at { self.rays_through(node, lane, &origin) } else { !0 };
+                // Test a leaf, or a node of a long walk, against each ray.
+                let tests_rays = packet.is_some() || visited > NODES_UNTESTED;
+                let rays = if tests_rays { self.rays_through(node, lane, &origin) } else { !0 };
                 if rays & self.open == 0 {
                     continue;
                 }
+                // Stack an inner node, test the triangles of a leaf.
                 let Some(packet) = packet else {
                     stack.push(node.children[lane].0);
                     continue;
@@ -169,7 +188,8 @@ impl<'a, S: Simd> Walk<'a, S> {
         }
     }
 
-    /// Bit per ray that meets the box of a child: the slab test of single rays, turned around.
+    /// Returns a bit per ray that meets the box of a child: the slab test with rays and boxes
+    /// exchanged.
     #[inline(always)]
     fn rays_through(&self, node: &Node, lane: usize, origin: &[f32x8<S>; 3]) -> u32 {
         let simd = self.simd;
@@ -188,6 +208,7 @@ impl<'a, S: Simd> Walk<'a, S> {
         rays
     }
 
+    /// Tests the triangles of a leaf against some rays.
     #[inline(always)]
     fn leaf<const ASKS: bool>(
         &mut self,
@@ -198,9 +219,11 @@ impl<'a, S: Simd> Walk<'a, S> {
         if rays.count_ones() <= FEW_RAYS {
             return self.packet::<ASKS>(packet, rays, accept);
         }
+        // Cull triangles by the beam of the rays.
         let [a, b, c] = packet.corners();
         let corners = [self.relative(a), self.relative(b), self.relative(c)];
         let mut mask = self.beam.meets_triangles(self.simd, &corners);
+        // Test each remaining triangle against eight rays at a time.
         while mask != 0 {
             let lane = mask.trailing_zeros() as usize;
             mask &= mask - 1;
@@ -210,7 +233,7 @@ impl<'a, S: Simd> Walk<'a, S> {
         }
     }
 
-    /// Tests a packet against some rays, one after the other.
+    /// Tests a packet of triangles against some rays, one ray at a time.
     #[inline(always)]
     fn packet<const ASKS: bool>(
         &mut self,
@@ -232,6 +255,7 @@ impl<'a, S: Simd> Walk<'a, S> {
         }
     }
 
+    /// A corner of four triangles relative to the rays' origin.
     #[inline(always)]
     fn relative(&self, corner: &[[f32; 4]; 3]) -> [f32x4<S>; 3] {
         let (simd, origin) = (self.simd, &self.origin);
@@ -242,8 +266,8 @@ impl<'a, S: Simd> Walk<'a, S> {
         ]
     }
 
-    /// Tests one triangle, corners relative to the origin, against some rays: not those that miss the leaf's box, for a ray alone would not meet it
-    /// either.
+    /// Tests one triangle, corners relative to the origin, against some rays. Rays that miss the
+    /// leaf's box are left out, because a single ray would not be tested either.
     #[inline(always)]
     fn triangle<const ASKS: bool>(
         &mut self,
@@ -259,9 +283,11 @@ impl<'a, S: Simd> Walk<'a, S> {
             if open == 0 {
                 continue;
             }
+            // Find the open rays that the triangle lies in front of.
             let Some(hits) = seen.intersect(&self.shear[half]) else { continue };
             let met = hits.inside & hits.t.simd_gt(zero) & hits.t.simd_lt(self.t_max[half]);
             let mut met = met.to_bitmask() as u32 & open;
+            // Ask whether each hit counts.
             if ASKS && met != 0 {
                 let [b1, b2] = hits.barycentrics();
                 let asked = met;
@@ -277,6 +303,7 @@ impl<'a, S: Simd> Walk<'a, S> {
     }
 }
 
+/// The shear of half a bundle along an axis.
 #[inline(always)]
 fn shear<S: Simd>(simd: S, bundle: &RayBundle, axis: usize, which: usize) -> Shear8<S> {
     let [x, y, z] = [(axis + 1) % 3, (axis + 2) % 3, axis];
@@ -288,6 +315,7 @@ fn shear<S: Simd>(simd: S, bundle: &RayBundle, axis: usize, which: usize) -> She
     }
 }
 
+/// One over the directions of half a bundle.
 #[inline(always)]
 fn inverse<S: Simd>(simd: S, lanes: &Lanes<S>, which: usize) -> [f32x8<S>; 3] {
     let ([x, y, z], one) = (lanes.safe_directions[which], f32x8::splat(simd, 1.0));

@@ -1,4 +1,4 @@
-//! What bounds the rays of a bundle: a box of directions for the boxes of nodes, a pyramid for triangles.
+//! Bounds of the rays of a bundle: a box of directions against nodes, a pyramid against triangles.
 
 use super::node::Node;
 use super::ray_bundle::{RayBundle, lane_values};
@@ -7,24 +7,29 @@ use super::slab::{FAR_SLACK, TINY};
 use super::vectors::{cross, dot, sub};
 use fearless_simd::{Simd, SimdBase, SimdMask, f32x4, f32x8, mask32x8, prelude::*};
 
-/// The widest bundle, as the side of the box of directions over the largest component of any of them. Chosen so that rays part by less than
-/// some 45 degrees; not tuned.
+/// Largest width of a bundle that is traced together: the side of the box of directions over the
+/// largest component of any direction. Rays then diverge by less than about 45 degrees. Not tuned.
 const WIDEST: f32 = 1.0;
 
-/// By what share of the product of their lengths the cross product of two vectors may be off, with room to spare.
+/// Error of the cross product of two vectors, relative to the product of their lengths, with a
+/// margin.
 const ROUNDING: f32 = 64.0 * f32::EPSILON;
 
-/// The rays of a bundle, eight at a time.
+/// The rays of a bundle in two vectors of eight.
 #[derive(Clone, Copy)]
 pub(super) struct Lanes<S: Simd> {
-    /// By half and axis, what [`super::slab::safe_component`] makes of them.
+    /// Directions by half and axis, with components that may be divided by
+    /// ([`super::slab::safe_component`]).
     pub(super) safe_directions: [[f32x8<S>; 3]; 2],
+    /// Ends of the rays, by half.
     pub(super) t_max: [f32x8<S>; 2],
-    /// Bit per ray that is largest along an axis; broken rays, which hit nothing, have none.
+    /// For each axis, a bit per ray whose direction is largest along it. Rays with a NaN or an
+    /// infinity, which hit nothing, have no bit.
     pub(super) along: [u32; 3],
 }
 
 impl<S: Simd> Lanes<S> {
+    /// Loads the rays of a bundle.
     #[inline(always)]
     pub(super) fn new(simd: S, bundle: &RayBundle) -> Self {
         let mut lanes = Self {
@@ -39,7 +44,7 @@ impl<S: Simd> Lanes<S> {
         lanes
     }
 
-    /// [`super::packet::largest_axis`] and [`super::traverse::is_sound`] for eight rays.
+    /// Computes [`super::packet::largest_axis`] and [`super::traverse::is_sound`] for eight rays.
     #[inline(always)]
     fn sort(&mut self, simd: S, half: usize, bundle: &RayBundle) {
         let [x, y, z] = &bundle.directions;
@@ -61,21 +66,26 @@ impl<S: Simd> Lanes<S> {
     }
 }
 
-/// All directions between those of a bundle.
+/// The box of directions of a bundle, prepared for box tests.
 #[derive(Clone, Copy)]
 pub(super) struct Cone {
-    /// By plane of a box, as in [`Node::bounds`]: one over the largest direction for lower planes, over the least for upper ones.
+    /// By plane of a box, as in [`Node::bounds`]: one over the largest direction for lower planes,
+    /// over the smallest for upper ones.
     inverse: [f32; 6],
-    /// Per axis the plane met first, an index into [`Node::bounds`]; the other is `^ 1`.
+    /// Per axis, the index into [`Node::bounds`] of the plane met first; that of the other is `^
+    /// 1`.
     near: [usize; 3],
-    /// Per axis, whether directions of both signs occur: then each plane is met first by some.
+    /// Per axis, whether directions of both signs occur, so that each plane is met first by some
+    /// ray.
     is_mixed: [bool; 3],
+    /// The farthest end of any ray.
     t_max: f32,
-    /// Too wide for one walk to pay.
+    /// True where the rays diverge too much for a common traversal to pay off.
     pub(super) is_wide: bool,
 }
 
 impl Cone {
+    /// Bounds the rays `rays` (a bit each), whose largest axis is `along`.
     #[inline(always)]
     pub(super) fn new<S: Simd>(simd: S, lanes: &Lanes<S>, along: usize, rays: u32) -> Self {
         let (mut least, mut most) = ([0.0; 3], [0.0; 3]);
@@ -93,16 +103,17 @@ impl Cone {
             near: std::array::from_fn(|axis| 2 * axis + usize::from(most[axis] < 0.0)),
             is_mixed: std::array::from_fn(|axis| least[axis] < 0.0 && most[axis] > 0.0),
             t_max: range(simd, lanes.t_max, rays)[1],
-            // Rays that go both ways along their largest axis have no pyramid about them.
+            // No pyramid bounds rays that run both ways along their largest axis.
             is_wide: widest > WIDEST * longest || least[along] < 0.0 && most[along] > 0.0,
         }
     }
 
-    /// Which of a node's boxes some direction may meet.
+    /// Returns a bit per child of a node whose box some direction may meet.
     #[inline(always)]
     pub(super) fn meets<S: Simd>(&self, simd: S, node: &Node, origin: &[f32x8<S>; 3]) -> u32 {
         let mut enter = f32x8::splat(simd, 0.0);
         let mut leave = f32x8::splat(simd, f32::INFINITY);
+        // Intersect the intervals in which the rays may be between the planes of each axis.
         for axis in 0..3 {
             let near = self.near[axis];
             let first = plane(simd, node, near, origin) * f32x8::splat(simd, self.inverse[near]);
@@ -119,17 +130,20 @@ impl Cone {
     }
 }
 
-/// The directions of rays of one largest axis, scaled so that their component along it is one or minus one.
+/// A pyramid around rays of one largest axis: their directions, scaled so that the component along
+/// that axis is one or minus one.
 #[derive(Clone, Copy)]
 pub(super) struct Beam {
     /// The permuted axes; the last is the largest.
     axes: [usize; 3],
+    /// Smallest components, in permuted axes.
     low: [f32; 3],
+    /// Largest components, in permuted axes.
     high: [f32; 3],
 }
 
 impl Beam {
-    /// Of rays that go one way along the axis.
+    /// Bounds rays that run one way along the axis.
     #[inline(always)]
     pub(super) fn new<S: Simd>(simd: S, shear: &[Shear8<S>; 2], axis: usize, rays: u32) -> Self {
         let axes = [(axis + 1) % 3, (axis + 2) % 3, axis];
@@ -143,20 +157,23 @@ impl Beam {
         }
     }
 
-    /// Which of four triangles, corners relative to the origin, no plane through the origin and one of their edges parts from the beam.
+    /// Returns a bit per triangle, corners relative to the origin, that the rays may meet: no plane
+    /// through the origin and one of its edges separates it from them.
     #[inline(always)]
     pub(super) fn meets_triangles<S: Simd>(&self, simd: S, corners: &[[f32x4<S>; 3]; 3]) -> u32 {
         let [a, b, c] = corners;
         let edges = [sub(b, a), sub(c, b), sub(a, c)];
-        // What rounding can do to a plane, and to where the arithmetic of a ray sees an edge.
+        // Bound the rounding error of a plane, and of the edge functions of single rays.
         let longest = extent(&edges[0]).max(extent(&edges[1])).max(extent(&edges[2]));
         let slack = longest * extent(a).max(extent(b)).max(extent(c)) * f32x4::splat(simd, ROUNDING);
+        // Find the side of the planes on which the triangles lie.
         let planes = [cross(a, &edges[0]), cross(b, &edges[1]), cross(c, &edges[2])];
         let facing = dot(&planes[0], c);
         let unsure = slack * extent(c);
         let (front, back) = (facing.simd_gt(unsure), facing.simd_lt(-unsure));
-        // An empty lane; where numbers overflow, nothing is culled.
+        // Cull unused lanes (NaN); where numbers overflow, nothing is culled.
         let mut outside = a[0].simd_ne(a[0]);
+        // Cull a triangle where a plane has all rays on its other side.
         for plane in &planes {
             let [least, most] = self.range_along(simd, plane);
             outside |= (front & most.simd_lt(-slack)) | (back & least.simd_gt(slack));
@@ -164,7 +181,7 @@ impl Beam {
         !outside.to_bitmask() as u32 & 0xf
     }
 
-    /// How far the beam reaches along four normals, at least and at most.
+    /// Returns the smallest and the largest component of the directions along four normals.
     #[inline(always)]
     fn range_along<S: Simd>(&self, simd: S, normal: &[f32x4<S>; 3]) -> [f32x4<S>; 2] {
         let mut range = [f32x4::splat(simd, 0.0); 2];
@@ -177,7 +194,7 @@ impl Beam {
     }
 }
 
-/// The sum of the components' sizes: a bound on the length.
+/// Returns the sum of the components' magnitudes, a bound on the length.
 #[inline(always)]
 fn extent<S: Simd>(v: &[f32x4<S>; 3]) -> f32x4<S> {
     v[0].abs() + v[1].abs() + v[2].abs()
@@ -193,14 +210,14 @@ fn safe_directions<S: Simd>(simd: S, bundle: &RayBundle, which: usize) -> [f32x8
     ]
 }
 
-/// [`super::slab::safe_component`] for eight numbers.
+/// Computes [`super::slab::safe_component`] for eight numbers.
 #[inline(always)]
 fn safe_components<S: Simd>(simd: S, d: f32x8<S>) -> f32x8<S> {
     let tiny = f32x8::splat(simd, TINY);
     d.abs().simd_lt(tiny).select(tiny.copysign(d), d)
 }
 
-/// The least and the largest of what some rays have, what is not a number left out.
+/// Returns the smallest and the largest value of some rays (a bit each), NaN left out.
 #[inline(always)]
 fn range<S: Simd>(simd: S, [first, second]: [f32x8<S>; 2], rays: u32) -> [f32; 2] {
     let (low, high) = (f32x8::splat(simd, f32::INFINITY), f32x8::splat(simd, f32::NEG_INFINITY));
@@ -211,7 +228,7 @@ fn range<S: Simd>(simd: S, [first, second]: [f32x8<S>; 2], rays: u32) -> [f32; 2
     [least.into_iter().fold(f32::INFINITY, f32::min), most.into_iter().fold(f32::NEG_INFINITY, f32::max)]
 }
 
-/// A plane of each of a node's boxes, relative to an origin.
+/// Returns one plane of each of a node's boxes, relative to an origin.
 #[inline(always)]
 fn plane<S: Simd>(simd: S, node: &Node, which: usize, origin: &[f32x8<S>; 3]) -> f32x8<S> {
     f32x8::load_array_ref(simd, &node.bounds[which]) - origin[which / 2]

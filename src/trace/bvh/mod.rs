@@ -4,8 +4,8 @@
 //! of four triangles, each tested by one SIMD step. The instructions are chosen at run time
 //! (`fearless_simd`); every choice gives the same bits, because none fuses a multiplication with an
 //! addition. The traversal of `obvhs` is not used because it has neither boxes that rounding never
-//! misses (Ize) nor a watertight triangle test, and both must be one piece with the traversal: once a
-//! box is missed, the best triangle test is of no use.
+//! misses (Ize) nor a watertight triangle test, and both must be one piece with the traversal: once
+//! a box is missed, the best triangle test is of no use.
 //!
 //! | files | contents |
 //! |---|---|

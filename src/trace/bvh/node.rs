@@ -14,8 +14,8 @@ pub(super) const MAX_DEPTH: usize = 80;
 #[repr(C, align(32))]
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Node {
-    /// Lower x, upper x, lower y, upper y, lower z, upper z of each child, scene units; the box of an
-    /// absent child is inverted.
+    /// Lower x, upper x, lower y, upper y, lower z, upper z of each child, scene units; the box of
+    /// an absent child is inverted.
     pub(super) bounds: [[f32; WIDTH]; 6],
     /// The child of each lane.
     pub(super) children: [Child; WIDTH],

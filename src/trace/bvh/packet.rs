@@ -1,35 +1,40 @@
-//! Four triangles tested at once, watertight.
+//! Intersects a ray with four triangles at once, watertight.
 //!
-//! Source: Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2013. The ray is sheared to the +z axis
-//! of a permuted space; two triangles that share an edge compute that edge's sign from the same numbers, so a ray
-//! cannot pass between them. Where a sign is exactly zero it is decided in f64, as in the paper. We differ: the
-//! corners are tested four triangles at a time, and winding is not swapped with the axes (both sides are hit).
+//! Source: Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2013. The ray is
+//! sheared to the +z axis of a permuted space. Two triangles that share an edge compute the sign of
+//! that edge from the same numbers, so a ray cannot pass between them. A sign that is exactly zero
+//! is decided in f64, as in the paper. We differ: four triangles are tested at a time, and winding
+//! is not swapped with the axes, because both sides are hit.
 
 use super::hit::{Hit, NO_TRIANGLE};
 use crate::math::Ray;
 use fearless_simd::{f32x4, prelude::*};
 use glam::Vec3;
 
-/// Corners of up to four triangles, transposed: `corners[corner][axis][lane]`.
+/// Up to four triangles, with their corners transposed.
 #[repr(C, align(32))]
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TrianglePacket {
+    /// `[corner][axis][lane]`, scene space; NaN in unused lanes.
     corners: [[[f32; 4]; 3]; 3],
+    /// Triangle index of each lane.
     triangles: [u32; 4],
 }
 
 const _: () = assert!(size_of::<TrianglePacket>() == 160);
 
-/// A ray prepared once for all triangles it will meet.
+/// A ray, prepared once for all triangles it will meet.
 #[derive(Clone, Copy)]
 pub(super) struct ShearedRay<S: Simd> {
     origin: [f32x4<S>; 3],
-    /// The permuted axes; the last is the direction's largest.
+    /// The permuted axes; the last is the largest of the direction.
     axes: [usize; 3],
+    /// Factors that shear the direction to +z, and one over its largest component.
     shear: [f32x4<S>; 3],
 }
 
 impl<S: Simd> ShearedRay<S> {
+    /// Prepares a ray.
     #[inline(always)]
     pub(super) fn new(simd: S, ray: &Ray) -> Self {
         let d = ray.direction.to_array();
@@ -39,14 +44,15 @@ impl<S: Simd> ShearedRay<S> {
         Self::from_shear(simd, ray.origin.to_array(), axis, [d[x] * inverse, d[y] * inverse, inverse])
     }
 
-    /// From its origin, its largest axis, and the shear along it.
+    /// A ray given by its origin, its largest axis, and the shear along that axis.
     #[inline(always)]
     pub(super) fn from_shear(simd: S, origin: [f32; 3], axis: usize, shear: [f32; 3]) -> Self {
         Self { origin: splat3(simd, origin), axes: axes(axis), shear: splat3(simd, shear) }
     }
 }
 
-/// The axes in cyclic order, the largest last. Spelled out, so that the compiler sees that no index is out of bounds.
+/// Returns the axes in cyclic order, the largest last. Written out, so that the compiler sees that
+/// no index is out of bounds.
 #[inline(always)]
 fn axes(largest: usize) -> [usize; 3] {
     match largest {
@@ -56,7 +62,7 @@ fn axes(largest: usize) -> [usize; 3] {
     }
 }
 
-/// The axis along which a direction is largest.
+/// Returns the axis along which a direction has its largest component.
 #[inline(always)]
 pub(super) fn largest_axis(d: [f32; 3]) -> usize {
     let magnitude = d.map(f32::abs);
@@ -74,9 +80,9 @@ fn splat3<S: Simd>(simd: S, [x, y, z]: [f32; 3]) -> [f32x4<S>; 3] {
     [f32x4::splat(simd, x), f32x4::splat(simd, y), f32x4::splat(simd, z)]
 }
 
-/// What the test of a packet leaves: which lanes are hit, and where.
+/// The hits of a ray with the triangles of a packet.
 pub(super) struct PacketHits {
-    /// Bit per lane.
+    /// Bit per lane that is hit.
     pub(super) mask: u32,
     t: [f32; 4],
     b1: [f32; 4],
@@ -84,12 +90,13 @@ pub(super) struct PacketHits {
 }
 
 impl PacketHits {
+    /// The hit of one lane.
     pub(super) fn hit(&self, lane: usize, packet: &TrianglePacket) -> Hit {
         Hit { t: self.t[lane], triangle: packet.triangles[lane], b1: self.b1[lane], b2: self.b2[lane] }
     }
 }
 
-/// Where a ray meets one triangle, by the arithmetic of the hierarchy: the same bits.
+/// Intersects a ray with one triangle by the arithmetic of the hierarchy, with the same bits.
 #[inline(always)]
 pub(super) fn intersect_triangle(
     simd: impl Simd,
@@ -104,9 +111,10 @@ pub(super) fn intersect_triangle(
 }
 
 impl TrianglePacket {
-    /// Lanes of NaN corners are never hit.
+    /// A packet without triangles: lanes with NaN corners are never hit.
     pub(super) const EMPTY: Self = Self { corners: [[[f32::NAN; 4]; 3]; 3], triangles: [NO_TRIANGLE; 4] };
 
+    /// Writes the triangle of a lane.
     pub(super) fn set(&mut self, lane: usize, triangle: u32, corners: [Vec3; 3]) {
         self.triangles[lane] = triangle;
         for (corner, position) in corners.iter().enumerate() {
@@ -116,17 +124,17 @@ impl TrianglePacket {
         }
     }
 
-    /// `[corner][axis][lane]`; of absent triangles not a number.
+    /// The corners as `[corner][axis][lane]`; NaN in unused lanes.
     pub(super) fn corners(&self) -> &[[[f32; 4]; 3]; 3] {
         &self.corners
     }
 
-    /// Which triangle a lane holds.
+    /// Triangle index of a lane.
     pub(super) fn triangle(&self, lane: usize) -> u32 {
         self.triangles[lane]
     }
 
-    /// A corner seen from the ray's origin, in the permuted and sheared space.
+    /// A corner relative to the ray's origin, in the permuted and sheared space.
     #[inline(always)]
     fn sheared<S: Simd>(&self, corner: usize, ray: &ShearedRay<S>) -> [f32x4<S>; 3] {
         let [x, y, z] = ray.axes;
@@ -138,16 +146,19 @@ impl TrianglePacket {
         ]
     }
 
+    /// One coordinate of a corner relative to the ray's origin.
     #[inline(always)]
     fn relative<S: Simd>(&self, corner: usize, axis: usize, ray: &ShearedRay<S>) -> f32x4<S> {
         let origin = ray.origin[axis];
         f32x4::load_array_ref(origin.simd, &self.corners[corner][axis]) - origin
     }
 
-    /// Tests all four against a ray, hits beyond `t_max` left out (one at `t_max` is kept, for ties).
+    /// Intersects a ray with all four triangles. Hits beyond `t_max` are left out; one at `t_max`
+    /// is kept, for ties.
     #[inline(always)]
     pub(super) fn intersect<S: Simd>(&self, ray: &ShearedRay<S>, t_max: f32) -> PacketHits {
         let simd = ray.origin[0].simd;
+        // Compute the edge functions in the sheared space.
         let [ax, ay, az] = self.sheared(0, ray);
         let [bx, by, bz] = self.sheared(1, ray);
         let [cx, cy, cz] = self.sheared(2, ray);
@@ -156,12 +167,12 @@ impl TrianglePacket {
         let mut w = bx * ay - by * ax;
         let zero = f32x4::splat(simd, 0.0);
         let (least, most) = (u.min(v).min(w), u.max(v).max(w));
-        // False for NaN (an empty lane, a broken ray).
+        // Accept edge functions of one sign; NaN (an unused lane, a broken ray) compares false.
         let mut inside = least.simd_ge(zero) | most.simd_le(zero);
         if inside.to_bitmask() == 0 {
             return PacketHits { mask: 0, t: [0.0; 4], b1: [0.0; 4], b2: [0.0; 4] };
         }
-        // A zero beside two different signs decides nothing.
+        // Decide in f64 where an edge function is zero.
         let undecided = least.simd_eq(zero) | most.simd_eq(zero);
         if undecided.to_bitmask() != 0 {
             u = decide_in_f64(u, [cx, by, cy, bx]);
@@ -170,6 +181,7 @@ impl TrianglePacket {
             let (least, most) = (u.min(v).min(w), u.max(v).max(w));
             inside = least.simd_ge(zero) | most.simd_le(zero);
         }
+        // Compute the distance and the barycentrics.
         let det = u + v + w;
         let inverse = f32x4::splat(simd, 1.0) / det;
         let t = (u * az + v * bz + w * cz) * ray.shear[2] * inverse;
@@ -184,8 +196,9 @@ impl TrianglePacket {
     }
 }
 
-/// `a * b - c * d` where the f32 result is zero: the products are exact in f64, so the sign is right. Other lanes keep
-/// theirs, so that a result never depends on which triangles share a packet.
+/// Computes `a * b - c * d` in f64 in lanes whose f32 result is zero. The products are exact in
+/// f64, so the sign is right. Other lanes keep their result, which so never depends on the
+/// triangles that share the packet.
 #[cold]
 fn decide_in_f64<S: Simd>(rounded: f32x4<S>, [a, b, c, d]: [f32x4<S>; 4]) -> f32x4<S> {
     let exact = |i: usize| (f64::from(a[i]) * f64::from(b[i]) - f64::from(c[i]) * f64::from(d[i])) as f32;

@@ -5,46 +5,47 @@ use crate::math::Ray;
 use fearless_simd::{Simd, SimdBase, f32x8};
 use glam::Vec3;
 
-/// Rays of a bundle at most.
+/// Largest number of rays of a bundle.
 pub const BUNDLE_RAYS: usize = 2 * LANES;
 
-/// Fewer rays are traced one at a time.
+/// Smallest number of rays that are traced as a bundle; fewer are traced one at a time.
 pub const MIN_RAYS: usize = 3;
 
-/// Rays from one origin.
+/// Up to [`BUNDLE_RAYS`] rays from one origin, scene space.
 #[derive(Clone, Debug)]
 pub struct RayBundle {
     pub(super) origin: Vec3,
+    /// Directions by axis.
     pub(super) directions: [[f32; BUNDLE_RAYS]; 3],
     pub(super) t_max: [f32; BUNDLE_RAYS],
     pub(super) len: usize,
 }
 
 impl RayBundle {
-    /// No rays yet.
+    /// A bundle without rays.
     pub fn new(origin: Vec3) -> Self {
         Self { origin, directions: [[0.0; BUNDLE_RAYS]; 3], t_max: [0.0; BUNDLE_RAYS], len: 0 }
     }
 
-    /// Where its rays start.
+    /// Origin of the rays.
     pub fn origin(&self) -> Vec3 {
         self.origin
     }
 
-    /// Rays in it.
+    /// Number of rays.
     pub fn len(&self) -> usize {
         self.len
     }
 
-    /// True where there are none.
+    /// True where the bundle has no ray.
     pub fn is_empty(&self) -> bool {
         self.len == 0
     }
 
-    /// Adds a ray; its origin is the bundle's.
+    /// Adds a ray from the bundle's origin.
     ///
     /// # Panics
-    /// Where there are [`BUNDLE_RAYS`] already.
+    /// If the bundle has [`BUNDLE_RAYS`] rays already.
     #[inline(always)]
     pub fn push(&mut self, direction: Vec3, t_max: f32) {
         let [dx, dy, dz] = &mut self.directions;
@@ -68,7 +69,10 @@ impl RayBundle {
     }
 }
 
-// Here and elsewhere no closure returns vectors: such a one is not compiled for the level that is dispatched to.
+/// Loads eight of a bundle's values: those of the first (0) or the second (1) half.
+///
+/// Here and elsewhere no closure returns vectors: it would not be compiled for the SIMD level that
+/// is dispatched to.
 #[inline(always)]
 pub(super) fn lane_values<S: Simd>(simd: S, from: &[f32; BUNDLE_RAYS], half: usize) -> f32x8<S> {
     f32x8::from_slice(simd, &from[half * LANES..(half + 1) * LANES])

@@ -1,30 +1,36 @@
-//! One triangle against eight rays of one origin and one largest axis: the arithmetic of [`super::packet`], turned around,
-//! and so the same bits.
+//! Intersects eight rays of one origin and one largest axis with one triangle.
+//!
+//! The arithmetic is that of [`super::packet`] with rays and triangles exchanged, so the bits are
+//! the same.
 
 use fearless_simd::{Simd, SimdBase, SimdMask, f32x8, mask32x8};
 
-/// Rays tested at once.
+/// Number of rays tested at once.
 pub(super) const LANES: usize = 8;
 
-/// A triangle as eight rays see it: corners relative to their origin, axes permuted so that the last is the largest of the
-/// directions.
+/// A triangle relative to the origin of eight rays, with the axes permuted so that the largest axis
+/// of the directions comes last.
 #[derive(Clone, Copy)]
 pub(super) struct SeenTriangle<S: Simd> {
     corners: [[f32x8<S>; 3]; 3],
 }
 
-/// Woop's shear of eight rays.
+/// The shear of eight rays (Woop).
 #[derive(Clone, Copy)]
 pub(super) struct Shear8<S: Simd> {
+    /// Shear of the first permuted axis.
     pub(super) x: f32x8<S>,
+    /// Shear of the second permuted axis.
     pub(super) y: f32x8<S>,
+    /// One over the component along the largest axis.
     pub(super) z: f32x8<S>,
 }
 
-/// Where eight rays meet the triangle.
+/// The hits of eight rays with a triangle.
 pub(super) struct Hits8<S: Simd> {
-    /// Rays that pass through it, before or behind their origin.
+    /// Rays whose line passes through the triangle, in front of or behind their origin.
     pub(super) inside: mask32x8<S>,
+    /// Distance, in units of the direction.
     pub(super) t: f32x8<S>,
     v: f32x8<S>,
     w: f32x8<S>,
@@ -40,18 +46,19 @@ impl<S: Simd> Hits8<S> {
 }
 
 impl<S: Simd> SeenTriangle<S> {
-    /// From corners relative to the origin, in the scene's order of axes.
+    /// A triangle given by its corners relative to the origin, in the scene's order of axes.
     #[inline(always)]
     pub(super) fn new(simd: S, corners: [[f32; 3]; 3], axis: usize) -> Self {
         let [a, b, c] = corners;
         Self { corners: [permuted(simd, a, axis), permuted(simd, b, axis), permuted(simd, c, axis)] }
     }
 
-    /// `None` where no ray passes through it.
+    /// Intersects eight rays with the triangle; `None` where no line passes through it.
     #[inline(always)]
     pub(super) fn intersect(&self, shear: &Shear8<S>) -> Option<Hits8<S>> {
         let simd = shear.x.simd;
         let zero = f32x8::splat(simd, 0.0);
+        // Compute the edge functions in the sheared space.
         let [a, b, c] = &self.corners;
         let (sx, sy) = (shear.x, shear.y);
         let (ax, ay) = (a[0] - sx * a[2], a[1] - sy * a[2]);
@@ -60,12 +67,14 @@ impl<S: Simd> SeenTriangle<S> {
         let mut u = cx * by - cy * bx;
         let mut v = ax * cy - ay * cx;
         let mut w = bx * ay - by * ax;
+        // Decide in f64 where an edge function is zero.
         let undecided = u.simd_eq(zero) | v.simd_eq(zero) | w.simd_eq(zero);
         if undecided.any_true() {
             u = decide_in_f64(u, [cx, by, cy, bx]);
             v = decide_in_f64(v, [ax, cy, ay, cx]);
             w = decide_in_f64(w, [bx, ay, by, ax]);
         }
+        // Accept edge functions of one sign.
         let negative = u.simd_lt(zero) | v.simd_lt(zero) | w.simd_lt(zero);
         let positive = u.simd_gt(zero) | v.simd_gt(zero) | w.simd_gt(zero);
         let det = u + v + w;
@@ -79,14 +88,15 @@ impl<S: Simd> SeenTriangle<S> {
     }
 }
 
-// Not as a closure: one that returns vectors is not compiled for the level that is dispatched to.
+/// A point in the permuted axes, in all lanes. Not a closure: one that returns vectors would not be
+/// compiled for the SIMD level that is dispatched to.
 #[inline(always)]
 fn permuted<S: Simd>(simd: S, p: [f32; 3], axis: usize) -> [f32x8<S>; 3] {
     let (x, y, z) = (p[(axis + 1) % 3], p[(axis + 2) % 3], p[axis]);
     [f32x8::splat(simd, x), f32x8::splat(simd, y), f32x8::splat(simd, z)]
 }
 
-/// As for single rays: where an edge function is zero in f32, its sign is decided in f64.
+/// Computes `a * b - c * d` in f64 in lanes whose f32 result is zero, as for single rays.
 #[cold]
 fn decide_in_f64<S: Simd>(rounded: f32x8<S>, factors: [f32x8<S>; 4]) -> f32x8<S> {
     let [a, b, c, d] = factors.map(f32x8::to_array);

@@ -1,20 +1,21 @@
-//! The boxes of a node's children against a ray, all in one step.
+//! Intersects a ray with the boxes of a node's children, all in one step.
 //!
-//! Source: Ize, "Robust BVH Ray Traversal", JCGT 2013: the far distance is widened by the rounding error of its own
-//! computation, so that no box is missed whose content is hit.
+//! Source: Ize, "Robust BVH Ray Traversal", JCGT 2013: the far distance is widened by the rounding
+//! error of its own computation, so that no box is missed whose content is hit.
 
 use super::node::{Node, WIDTH};
 use crate::math::Ray;
 use fearless_simd::{f32x8, prelude::*};
 
-/// 1 + 2 gamma(3), the bound on the relative error of `(bound - origin) * inverse`.
+/// Factor of the far distance: 1 + 2 gamma(3), with gamma(3) the bound on the relative error of
+/// `(bound - origin) * inverse`.
 pub(super) const FAR_SLACK: f32 = 1.000_000_4;
 
-/// The least component of a direction: 2^-80.
+/// Smallest magnitude of a direction's component: 2^-80.
 pub(super) const TINY: f32 = f32::from_bits((127 - 80) << 23);
 
-/// A component of a direction that may be divided by. Zero would make 0 * inf = NaN for an origin in the plane; it has a
-/// finite inverse and bends the ray by less than any rounding.
+/// Returns a component of a direction whose inverse is finite. A zero would give 0 * inf = NaN for
+/// an origin in the plane; [`TINY`] bends the ray by less than any rounding.
 #[inline(always)]
 pub(super) fn safe_component(d: f32) -> f32 {
     if d.abs() < TINY { TINY.copysign(d) } else { d }
@@ -23,12 +24,15 @@ pub(super) fn safe_component(d: f32) -> f32 {
 /// A ray prepared for box tests.
 pub(super) struct SlabRay<S: Simd> {
     origin: [f32x8<S>; 3],
+    /// One over the components of the direction.
     inverse: [f32x8<S>; 3],
-    /// Index into [`Node::bounds`] of the plane met first, per axis; the other is `^ 1`.
+    /// Per axis, the index into [`Node::bounds`] of the plane met first; that of the other is `^
+    /// 1`.
     near: [usize; 3],
 }
 
 impl<S: Simd> SlabRay<S> {
+    /// Prepares a ray.
     #[inline(always)]
     pub(super) fn new(simd: S, ray: &Ray) -> Self {
         let inverse = ray.direction.to_array().map(|d| 1.0 / safe_component(d));
@@ -39,19 +43,22 @@ impl<S: Simd> SlabRay<S> {
         }
     }
 
-    /// Which children the ray meets before `t_max` (a bit each), and where it enters them.
+    /// Returns a bit per child that the ray meets before `t_max`, and the distances at which it
+    /// enters them.
     #[inline(always)]
     pub(super) fn children(&self, node: &Node, t_max: f32) -> (u32, [f32; WIDTH]) {
         let simd = self.origin[0].simd;
         let [x, y, z] = self.near;
+        // Enter at the farthest near plane, not before the origin.
         let enter = self.plane(node, x).max(self.plane(node, y)).max(self.plane(node, z));
         let enter = enter.max(f32x8::splat(simd, 0.0));
+        // Leave at the nearest far plane, not after the end.
         let leave = self.plane(node, x ^ 1).min(self.plane(node, y ^ 1)).min(self.plane(node, z ^ 1));
         let leave = (leave * f32x8::splat(simd, FAR_SLACK)).min(f32x8::splat(simd, t_max));
         (enter.simd_le(leave).to_bitmask() as u32, enter.into())
     }
 
-    /// Where the ray meets the plane `which` of each child.
+    /// Distance to plane `which` of each child's box.
     #[inline(always)]
     fn plane(&self, node: &Node, which: usize) -> f32x8<S> {
         let (origin, inverse) = (self.origin[which / 2], self.inverse[which / 2]);

@@ -1,11 +1,13 @@
-//! Nearest hits of a tile of rays that share their origin: what eight by eight neighbouring pixels see.
+//! Nearest hits of a tile of rays that share their origin: the primary rays of 8 x 8 pixels.
 //!
-//! The tree is walked once for the tile's frustum instead of once for each ray; a triangle that the frustum meets is
-//! tested against eight rays at a time. Hits are those of [`Bvh::closest`] bit for bit, because each ray meets each
-//! triangle by the same arithmetic, and culling keeps a margin of half a pixel.
+//! The tree is traversed once for the tile's frustum instead of once for each ray; a triangle that
+//! the frustum meets is tested against eight rays at a time. Hits have the bits of
+//! [`Bvh::closest`], because each ray meets each triangle by the same arithmetic, and culling keeps
+//! a margin of half a pixel.
 //!
-//! Source: frustum traversal as in Reshetov, Soupikov, Hurley, "Multi-Level Ray Tracing Algorithm", SIGGRAPH 2005. We
-//! differ: one level, and triangles are culled by the planes through the eye and their edges as well.
+//! Source: frustum traversal as in Reshetov, Soupikov, Hurley, "Multi-Level Ray Tracing Algorithm",
+//! SIGGRAPH 2005. We differ: there is one level, and triangles are also culled by the planes
+//! through the eye and their edges.
 
 use super::hit::{Hit, NO_TRIANGLE};
 use super::node::{Child, Node};
@@ -22,22 +24,24 @@ use glam::Vec3;
 /// Side of a tile in pixels.
 pub const TILE_SIDE: usize = 8;
 
-/// Rays of a tile.
+/// Number of rays of a tile.
 pub const TILE_RAYS: usize = TILE_SIDE * TILE_SIDE;
 
-/// The same as [`super::traverse::FARTHER`], from the other side.
+/// Factor of a box's depth before it is compared with the farthest hit; see
+/// [`super::traverse::FARTHER`].
 const DEPTH_SLACK: f32 = 1.0 - 1e-5;
 
-/// Rays from one eye through a square of the picture, row by row.
+/// Rays from one eye through a square of pixels, row by row. Scene space.
 #[derive(Clone, Debug)]
 pub struct RayTile {
-    /// Common origin, scene space.
+    /// Origin of all rays.
     pub origin: Vec3,
-    /// Unit viewing axis: distances along the rays are depths along it.
+    /// Unit viewing axis. Distances along the rays are depths along it.
     pub forward: Vec3,
-    /// Directions, by axis; their component along `forward` is one.
+    /// Directions by axis; their component along `forward` is one.
     pub directions: [[f32; TILE_RAYS]; 3],
-    /// Directions through the four corners of the tile, in order around it. They lie outside all rays by a margin.
+    /// Directions through the four corners of the tile, in order around it. All rays lie between
+    /// them, by a margin of half a pixel.
     pub corners: [Vec3; 4],
 }
 
@@ -48,12 +52,12 @@ impl RayTile {
     }
 }
 
-/// What the rays of a tile meet.
+/// The nearest hits of the rays of a tile.
 #[derive(Clone, Debug)]
 pub struct TileHits {
-    /// Distance along each ray; infinite where nothing is met.
+    /// Distance along each ray; infinite without a hit.
     pub t: [f32; TILE_RAYS],
-    /// Triangle met; `NO_TRIANGLE` for none.
+    /// Triangle of each hit, or [`NO_TRIANGLE`].
     pub triangle: [u32; TILE_RAYS],
     /// Barycentric weights of the second corner.
     pub b1: [f32; TILE_RAYS],
@@ -62,7 +66,7 @@ pub struct TileHits {
 }
 
 impl TileHits {
-    /// Nothing met.
+    /// No ray hits anything.
     pub const NONE: Self = Self {
         t: [f32::INFINITY; TILE_RAYS],
         triangle: [NO_TRIANGLE; TILE_RAYS],
@@ -70,7 +74,7 @@ impl TileHits {
         b2: [0.0; TILE_RAYS],
     };
 
-    /// What one of the rays meets.
+    /// The hit of one ray.
     pub fn hit(&self, ray: usize) -> Option<Hit> {
         let triangle = self.triangle[ray];
         (triangle != NO_TRIANGLE).then(|| Hit {
@@ -83,8 +87,8 @@ impl TileHits {
 }
 
 impl Bvh {
-    /// The nearest triangle along each ray of a tile for which `accept(ray, hit)` holds; `accepts_all` says that it
-    /// always does, and spares the asking.
+    /// Writes the nearest hit along each ray of a tile for which `accept(ray, hit)` holds.
+    /// `accepts_all` promises that it always holds: it is then not called.
     pub fn closest_in_tile(
         &self,
         tile: &RayTile,
@@ -103,7 +107,7 @@ impl Bvh {
         }
     }
 
-    /// Rays are sheared along their largest axis; where that is not the same for all, one walk serves each axis.
+    /// Traverses once for each largest axis that occurs, because rays are sheared along theirs.
     #[inline(always)]
     fn tile_of_any_axes<S: Simd, const ASKS: bool>(
         &self,
@@ -115,12 +119,13 @@ impl Bvh {
         let (shear, present) = TileShear::new(tile);
         for axis in 0..3 {
             if present & (1 << axis) != 0 {
-                // A distance of -1 takes a ray out: no hit is nearer.
+                // Take rays of other axes out: no hit is nearer than a negative distance.
                 for ray in 0..TILE_RAYS {
                     if shear.largest[ray] as usize != axis {
                         hits.t[ray] = -hits.t[ray];
                     }
                 }
+                // Traverse for the rays of this axis.
                 let mut walk = Walk { simd, bvh: self, tile, shear: &shear, axis, hits };
                 walk.run::<ASKS>(accept);
                 for ray in 0..TILE_RAYS {
@@ -133,17 +138,20 @@ impl Bvh {
     }
 }
 
-/// Woop's shear of each ray.
+/// The shear of each ray (Woop).
 struct TileShear {
     /// The axis along which each direction is largest.
     largest: [u8; TILE_RAYS],
+    /// Shear of the next axis after the largest, cyclically.
     x: [f32; TILE_RAYS],
+    /// Shear of the axis after that.
     y: [f32; TILE_RAYS],
+    /// One over the largest component.
     z: [f32; TILE_RAYS],
 }
 
 impl TileShear {
-    /// With a bit for each largest axis that occurs.
+    /// Returns the shear, and a bit for each largest axis that occurs.
     #[inline(always)]
     fn new(tile: &RayTile) -> (Self, u32) {
         let zero = [0.0; TILE_RAYS];
@@ -164,26 +172,31 @@ impl TileShear {
     }
 }
 
-/// One walk down the tree for the rays of one largest axis.
+/// A traversal for the rays of one largest axis.
 struct Walk<'a, S: Simd> {
     simd: S,
     bvh: &'a Bvh,
     tile: &'a RayTile,
     shear: &'a TileShear,
+    /// Largest axis of the directions.
     axis: usize,
     hits: &'a mut TileHits,
 }
 
-/// A plane through the eye; what lies on its positive side may be met.
+/// A plane through the eye. Only triangles that reach its positive side may be met.
 #[derive(Clone, Copy)]
 struct SidePlane<S: Simd> {
+    /// Normal, for four triangles.
     normal: [f32x4<S>; 3],
+    /// Normal, for eight boxes.
     wide_normal: [f32x8<S>; 3],
-    /// Index into [`Node::bounds`] of the box's outermost plane along the normal, by axis.
+    /// By axis, the index into [`Node::bounds`] of the plane of a box that lies farthest along the
+    /// normal.
     outermost: [usize; 3],
 }
 
 impl<S: Simd> Walk<'_, S> {
+    /// Traverses the tree, nearest nodes first.
     #[inline(always)]
     fn run<const ASKS: bool>(&mut self, accept: &impl Fn(usize, &Hit) -> bool) {
         let simd = self.simd;
@@ -195,21 +208,26 @@ impl<S: Simd> Walk<'_, S> {
         let mut stack = ArrayVec::<(Child, f32), STACK>::new();
         stack.push((self.bvh.root, 0.0));
         while let Some((mut child, near)) = stack.pop() {
+            // Skip a node that begins behind the farthest hit of the tile.
             if near > farthest {
                 continue;
             }
             loop {
+                // Test the triangles of a leaf.
                 if let Some(packet) = child.packet() {
                     self.leaf::<ASKS>(&self.bvh.packets[packet], origin, &sides, accept, &mut farthest);
                     break;
                 }
                 let node = &self.bvh.nodes[child.0 as usize];
+                // Find the children that begin before the farthest hit.
                 let near = extent(simd, node, &wide_origin, &forward);
                 let near = -near * f32x8::splat(simd, DEPTH_SLACK);
                 let mut met = near.simd_le(f32x8::splat(simd, farthest));
+                // Clip their boxes against the sides of the tile.
                 for side in &sides {
                     met &= extent(simd, node, &wide_origin, side).simd_ge(f32x8::splat(simd, 0.0));
                 }
+                // Descend to the nearest and stack the others.
                 let mask = met.to_bitmask() as u32;
                 if mask == 0 {
                     break;
@@ -219,7 +237,7 @@ impl<S: Simd> Walk<'_, S> {
         }
     }
 
-    /// The planes between neighbouring corners, facing inwards.
+    /// Returns the planes through the eye and two neighbouring corners, facing inwards.
     #[inline(always)]
     fn side_planes(&self) -> [SidePlane<S>; 4] {
         let c = &self.tile.corners;
@@ -230,6 +248,7 @@ impl<S: Simd> Walk<'_, S> {
         })
     }
 
+    /// Returns the distance of the farthest hit of the tile.
     #[inline(always)]
     fn farthest(&self) -> f32 {
         let mut most = f32x8::splat(self.simd, 0.0);
@@ -239,6 +258,7 @@ impl<S: Simd> Walk<'_, S> {
         most.to_array().into_iter().fold(0.0, f32::max)
     }
 
+    /// Tests the triangles of a leaf against all rays.
     #[inline(always)]
     fn leaf<const ASKS: bool>(
         &mut self,
@@ -252,6 +272,7 @@ impl<S: Simd> Walk<'_, S> {
             let p: [f32x4<S>; 3] = std::array::from_fn(|axis| f32x4::load_array_ref(self.simd, &c[axis]));
             [p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]]
         });
+        // Cull triangles outside the tile, then test the others against eight rays at a time.
         let mut mask = self.may_be_met(&corners, sides);
         while mask != 0 {
             let lane = mask.trailing_zeros() as usize;
@@ -264,21 +285,24 @@ impl<S: Simd> Walk<'_, S> {
         }
     }
 
-    /// Bit per triangle of a packet that no plane through the eye separates from the tile: none of the tile's sides and
-    /// none of the triangle's edges.
+    /// Returns a bit per triangle of a packet that no plane through the eye separates from the
+    /// tile: neither a side of the tile nor a plane through an edge of the triangle.
     #[inline(always)]
     fn may_be_met(&self, corners: &[[f32x4<S>; 3]; 3], sides: &[SidePlane<S>; 4]) -> u32 {
         let simd = self.simd;
         let zero = f32x4::splat(simd, 0.0);
         let [a, b, c] = corners;
-        // A x (B - A) is A x B without its cancellation where the edge is short.
+        // Compute the planes through the edges. A x (B - A) is A x B without its cancellation where
+        // the edge is short.
         let planes = [cross(a, &sub(b, a)), cross(b, &sub(c, b)), cross(c, &sub(a, c))];
         let facing = dot(&planes[0], c);
         let mut outside = facing.simd_ne(facing);
+        // Cull a triangle that lies outside a side of the tile.
         for side in sides {
             let n = &side.normal;
             outside |= dot(n, a).max(dot(n, b)).max(dot(n, c)).simd_lt(zero);
         }
+        // Cull a triangle where the plane of an edge has the whole tile on its other side.
         let corner = |k: usize| self.tile.corners[k].to_array().map(|x| f32x4::splat(simd, x));
         let tile = [corner(0), corner(1), corner(2), corner(3)];
         let (front, back) = (facing.simd_gt(zero), facing.simd_lt(zero));
@@ -291,7 +315,8 @@ impl<S: Simd> Walk<'_, S> {
         !outside.to_bitmask() as u32 & 0xf
     }
 
-    /// Tests one triangle (corners relative to the eye) against all rays; true where some ray met it first.
+    /// Tests one triangle (corners relative to the eye) against all rays. True where it became the
+    /// nearest hit of some ray.
     #[inline(always)]
     fn triangle<const ASKS: bool>(
         &mut self,
@@ -307,7 +332,9 @@ impl<S: Simd> Walk<'_, S> {
             let at = row * LANES..(row + 1) * LANES;
             let load = |from: &[f32; TILE_RAYS]| f32x8::from_slice(simd, &from[at.clone()]);
             let shear = Shear8 { x: load(&self.shear.x), y: load(&self.shear.y), z: load(&self.shear.z) };
+            // Intersect eight rays.
             let Some(met) = seen.intersect(&shear) else { continue };
+            // Keep hits nearer than the best; at one distance the lower index wins.
             let t = met.t;
             let best = load(&self.hits.t);
             let known = u32x8::from_slice(simd, &self.hits.triangle[at.clone()]);
@@ -319,6 +346,7 @@ impl<S: Simd> Walk<'_, S> {
                 continue;
             }
             let [b1, b2] = met.barycentrics();
+            // Ask whether each hit counts.
             if ASKS {
                 let mut bits = 0u64;
                 for lane in (0..LANES).filter(|&lane| wins.test(lane)) {
@@ -327,6 +355,7 @@ impl<S: Simd> Walk<'_, S> {
                 }
                 wins &= fearless_simd::mask32x8::from_bitmask(simd, bits);
             }
+            // Store the hits.
             wins.select(t, best).store_slice(&mut self.hits.t[at.clone()]);
             wins.select(this, known).store_slice(&mut self.hits.triangle[at.clone()]);
             wins.select(b1, load(&self.hits.b1)).store_slice(&mut self.hits.b1[at.clone()]);
@@ -337,6 +366,7 @@ impl<S: Simd> Walk<'_, S> {
     }
 }
 
+/// Prepares a plane through the eye for box and triangle tests.
 #[inline(always)]
 fn side_plane<S: Simd>(simd: S, normal: Vec3) -> SidePlane<S> {
     let n = normal.to_array();
@@ -347,7 +377,7 @@ fn side_plane<S: Simd>(simd: S, normal: Vec3) -> SidePlane<S> {
     }
 }
 
-/// How far each child's box reaches along a plane's normal.
+/// Returns how far each child's box reaches along a plane's normal, from the eye.
 #[inline(always)]
 fn extent<S: Simd>(simd: S, node: &Node, origin: &[f32x8<S>; 3], plane: &SidePlane<S>) -> f32x8<S> {
     let x = f32x8::load_array_ref(simd, &node.bounds[plane.outermost[0]]) - origin[0];

@@ -1,4 +1,4 @@
-//! Walks the tree along a ray.
+//! Traversal along one ray: nearest hit and any hit.
 
 use super::hit::{Hit, NO_TRIANGLE};
 use super::node::{Child, MAX_DEPTH, Node, WIDTH};
@@ -10,46 +10,50 @@ use arrayvec::ArrayVec;
 use fearless_simd::{Simd, dispatch};
 use glam::Vec3;
 
-/// A node's children but one at every level, and the root.
+/// Size of the traversal stack: at every level all children of a node but one, and the root.
 pub(super) const STACK: usize = (WIDTH - 1) * MAX_DEPTH + 1;
 
-/// A box counts as behind what was hit only where it begins beyond it by this share: far more than the rounding of
-/// either distance. Without it, which of two triangles at one distance is found would be up to the tree.
+/// A box is skipped only where it begins beyond the nearest hit by this factor, far more than the
+/// rounding of either distance. Without it the shape of the tree would decide which of two
+/// triangles at one distance is found.
 pub(super) const FARTHER: f32 = 1.0 + 1e-5;
 
-/// The packet that blocked the last ray of a bundle.
+/// The packet of triangles that blocked the last of several similar rays.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Occluder(Option<u32>);
 
-// The walks are compiled once for every level of SIMD, and all they call must be inlined into them: a function left
-// outside would be compiled for the least processor, and passing vectors to it costs more than what it does.
+// Traversals are compiled once for every SIMD level, and everything they call must be inlined into
+// them: a function left outside would be compiled for the baseline processor, and passing vectors
+// to it costs more than its work.
 impl Bvh {
-    /// The nearest triangle along the ray for which `accept(hit)` holds.
+    /// Returns the nearest hit along the ray for which `accept(hit)` holds.
     ///
-    /// Of several at the very same distance the one with the lowest index wins, so the answer does not depend on the
-    /// shape of the tree.
+    /// Among hits at one distance the triangle with the lowest index wins, so the result does not
+    /// depend on the shape of the tree.
     #[inline]
     pub fn closest(&self, ray: &Ray, accept: impl Fn(&Hit) -> bool) -> Option<Hit> {
         dispatch!(self.level, simd => self.walk_closest(simd, ray, accept))
     }
 
-    /// True where some triangle for which `accept(hit)` holds lies before the ray's end.
+    /// True where a hit for which `accept(hit)` holds lies before the ray's end.
     pub fn any(&self, ray: &Ray, accept: impl FnMut(&Hit) -> bool) -> bool {
         self.any_near(ray, &mut Occluder::default(), accept)
     }
 
-    /// The same for one of a bundle of rays: what blocked the last one is tested first, and `occluder` is kept up to
-    /// date. The answer does not depend on it.
+    /// [`Self::any`] for one of several similar rays: the packet that blocked the last one is
+    /// tested first, and `occluder` is updated. The result does not depend on it.
     #[inline]
     pub fn any_near(&self, ray: &Ray, occluder: &mut Occluder, accept: impl FnMut(&Hit) -> bool) -> bool {
         dispatch!(self.level, simd => self.walk_any(simd, ray, occluder, accept))
     }
 
-    /// Where a ray meets one triangle, whatever else it meets: the bits that [`Self::closest`] has for it.
+    /// Returns the hit of a ray with one triangle, whatever else the ray meets, with the bits of
+    /// [`Self::closest`].
     pub fn on_triangle(&self, ray: &Ray, triangle: u32, corners: [Vec3; 3]) -> Option<Hit> {
         dispatch!(self.level, simd => intersect_triangle(simd, ray, triangle, corners))
     }
 
+    /// [`Self::closest`] for one SIMD level.
     #[inline(always)]
     fn walk_closest<S: Simd>(&self, simd: S, ray: &Ray, accept: impl Fn(&Hit) -> bool) -> Option<Hit> {
         if !is_sound(ray) {
@@ -60,6 +64,7 @@ impl Bvh {
         let mut stack = ArrayVec::<(Child, f32), STACK>::new();
         let mut next = self.root;
         while next != Child::NONE {
+            // Test the triangles of a leaf, or descend to the nearest child of a node.
             if let Some(packet) = next.packet() {
                 closest_in_packet(&self.packets[packet], &sheared, &mut best, &accept);
             } else {
@@ -70,6 +75,7 @@ impl Bvh {
                     continue;
                 }
             }
+            // Resume with the last stacked child that begins before the nearest hit.
             next = Child::NONE;
             while let Some((child, enter)) = stack.pop() {
                 if enter <= best.t * FARTHER {
@@ -81,8 +87,10 @@ impl Bvh {
         (best.triangle != NO_TRIANGLE).then_some(best)
     }
 
-    /// Children are visited as they come: two rays of three are not blocked and visit them all, and no order by area
-    /// or by area a triangle saved even a hundredth of the nodes.
+    /// [`Self::any_near`] for one SIMD level.
+    ///
+    /// Children are visited in memory order: two rays of three are not blocked and visit all of
+    /// them, and no order by area, or by area per triangle, saved even 1 % of the nodes.
     #[inline(always)]
     pub(super) fn walk_any<S: Simd>(
         &self,
@@ -94,6 +102,7 @@ impl Bvh {
         if !is_sound(ray) {
             return false;
         }
+        // Test the packet that blocked the last ray.
         let sheared = ShearedRay::new(simd, ray);
         let last = occluder.0.take();
         if let Some(packet) = last
@@ -102,6 +111,7 @@ impl Bvh {
             occluder.0 = last;
             return true;
         }
+        // Visit all nodes that the ray meets until a triangle blocks it.
         let slab = SlabRay::new(simd, ray);
         let mut stack = ArrayVec::<Child, STACK>::new();
         if self.root != Child::NONE {
@@ -109,7 +119,7 @@ impl Bvh {
         }
         while let Some(child) = stack.pop() {
             if let Some(packet) = child.packet() {
-                // What was tested before the walk must not be asked again: `accept` may count what it lets pass.
+                // Do not test the first packet twice: `accept` may count what it lets pass.
                 if last == Some(packet as u32) {
                     continue;
                 }
@@ -130,13 +140,14 @@ impl Bvh {
     }
 }
 
-/// False where a number of the ray is broken. Such a ray hits nothing, but no box turns it away: it took 65 times as
-/// long as another.
+/// False where a number of the ray is NaN or infinite. Such a ray hits nothing, but passes every
+/// box test: it took 65 times as long as another.
 #[inline(always)]
 fn is_sound(ray: &Ray) -> bool {
     ray.origin.is_finite() && ray.direction.is_finite() && !ray.t_max.is_nan()
 }
 
+/// True where a triangle of the packet for which `accept(hit)` holds lies before `t_max`.
 #[inline(always)]
 pub(super) fn any_in_packet(
     packet: &TrianglePacket,
@@ -156,6 +167,7 @@ pub(super) fn any_in_packet(
     false
 }
 
+/// Replaces `best` by the nearest accepted hit with the triangles of a packet, where one is nearer.
 #[inline(always)]
 fn closest_in_packet(
     packet: &TrianglePacket,
@@ -168,7 +180,7 @@ fn closest_in_packet(
     while mask != 0 {
         let hit = hits.hit(mask.trailing_zeros() as usize, packet);
         let nearer = hit.t < best.t || (hit.t == best.t && hit.triangle < best.triangle);
-        // An end of the ray is no hit: `best.triangle` is MAX until something nearer than the end is found.
+        // The ray's end is no hit: `best` has no triangle until a hit before the end is found.
         let at_end = best.triangle == NO_TRIANGLE && hit.t == best.t;
         if nearer && !at_end && accept(&hit) {
             *best = hit;
@@ -177,7 +189,7 @@ fn closest_in_packet(
     }
 }
 
-/// Returns the child entered first and stacks the others, the nearest on top.
+/// Returns the child that is entered first and pushes the others, the nearest on top.
 #[inline(always)]
 pub(super) fn nearest_first(
     node: &Node,

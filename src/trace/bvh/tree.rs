@@ -15,8 +15,8 @@ pub struct Bvh {
 }
 
 impl Bvh {
-    /// The same hierarchy, traversed with only those instructions that every processor of the target
-    /// has. Hits have the same bits.
+    /// The same hierarchy, traversed with only those instructions that every processor of the
+    /// target has. Hits have the same bits.
     #[must_use]
     pub fn with_baseline_simd(self) -> Self {
         Self { level: Level::baseline(), ..self }

@@ -24,8 +24,9 @@ impl Tracer {
         self.irradiance_through(point, samples, key, |bundle, _, _| bundles.push(bundle.clone()));
     }
 
-    /// Sums the irradiance of all lights. `trace` receives each bundle of shadow rays with the number
-    /// of its rays whose irradiance was bounded, and writes the share of light that passes along each.
+    /// Sums the irradiance of all lights. `trace` receives each bundle of shadow rays with the
+    /// number of its rays whose irradiance was bounded, and writes the share of light that passes
+    /// along each.
     #[inline(always)]
     fn irradiance_through(
         &self,

@@ -1,60 +1,70 @@
-//! Which lights matter where: a building with a hundred lamps must not pay for those nobody sees.
+//! The lights that matter at each place: shading must not pay for lamps in other rooms.
 //!
-//! The scene is cut into cells. When a surface in a cell is shaded for the first time, random lines are drawn from the
-//! cell and half a cell around it to every light. A light that none of n lines reaches is seen from less than 3/n of
-//! them at 95 % confidence, so it brings at most 3/n of its unshadowed irradiance. It is cut from the cell once that
-//! bound is below [`TOLERANCE`] of the light that does arrive. Cells depend on the scene alone, so every mode, every
-//! thread and every run cuts the same lights.
+//! The scene is divided into cells. When a surface in a cell is shaded for the first time, random
+//! lines are drawn from the cell, enlarged by half a cell on each side, to every light. A light
+//! that none of n lines reaches is visible along less than 3/n of all lines at 95 % confidence, so
+//! it contributes at most 3/n of its unshadowed irradiance. It is culled from the cell once that
+//! bound is below [`TOLERANCE`] of the light that does arrive. Cells depend on the scene alone, so
+//! every mode, every thread and every run culls the same lights.
 
+use super::sample::point_on;
 use crate::math::Ray;
 use crate::math::key::Key;
-use crate::math::sampling::lattice;
-use crate::scene::{Light, Scene, point_on_mesh};
+use crate::scene::{Light, Scene};
 use crate::trace::Bvh;
 use glam::{UVec3, Vec3};
 use std::sync::OnceLock;
 
-/// Side of a cell in scene units: 1/32 to 1/64 of the scene's diagonal, about a metre in a house.
+/// Side of a cell, scene units: 1/32 to 1/64 of the scene's diagonal, about a metre in a house.
 const CELL: f32 = 16.0;
 
-/// What a cut light may bring on average, as a share of the light in the cell: one step in the 256 of a display.
+/// Largest mean contribution of a culled light, relative to the light in the cell: one of the 256
+/// levels of a display.
 const TOLERANCE: f32 = 1.0 / 256.0;
 
-/// Lines drawn to every light, and at most to one that none has reached yet.
+/// Number of lines drawn to every light.
 const FIRST_LINES: u32 = 32;
+
+/// Largest number of lines drawn to a light that none has reached yet.
 const MAX_LINES: u32 = 1024;
 
-/// Lines drawn from one cell in all, some 20 ms at the rate of shadow rays: a cell is found in one go.
+/// Largest number of lines drawn from one cell to all lights: about 20 ms of shadow rays, because a
+/// cell is computed without interruption.
 const CELL_LINES: u32 = 1 << 17;
 
-/// Fewer lights than this are always all sampled: there is nothing to win.
-const FEWEST_LIGHTS: usize = 3;
+/// Smallest number of lights for which any is culled: with fewer nothing is gained.
+const MIN_LIGHTS: usize = 3;
 
-/// The lights that matter in each cell, found when first asked for.
+/// The lights that matter in each cell, computed at its first use.
 #[derive(Debug)]
 pub struct LightGrid {
+    /// Lower corner of the grid, scene space.
     low: Vec3,
+    /// Number of cells along each axis.
     dimensions: UVec3,
+    /// Indices of the lights of each cell; no cells in a scene of few lights.
     cells: Vec<OnceLock<Box<[u32]>>>,
+    /// Indices of all lights.
     all: Box<[u32]>,
 }
 
-/// What the cells visited so far have cut.
+/// Statistics of the lights that the cells used so far have culled.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LightCuts {
-    /// Cells in which something was shaded.
+    /// Number of cells in which a surface was shaded.
     pub cells: usize,
-    /// Lights in the scene.
+    /// Number of lights in the scene.
     pub lights: usize,
-    /// Lights sampled per cell, on average.
+    /// Mean number of lights sampled per cell.
     pub kept_mean: f64,
 }
 
 impl LightGrid {
-    pub(crate) fn new(scene: &Scene) -> Self {
+    /// A grid over a scene, with no cell computed yet.
+    pub(in crate::trace) fn new(scene: &Scene) -> Self {
         let all: Box<[u32]> = (0..scene.lights.len() as u32).collect();
         let bounds = scene.bounds_m.map(|p| scene.frame.scene_from_world_f64(p).as_vec3());
-        let dimensions = if all.len() < FEWEST_LIGHTS {
+        let dimensions = if all.len() < MIN_LIGHTS {
             UVec3::ZERO
         } else {
             ((bounds[1] - bounds[0]) / CELL).floor().as_uvec3() + 1
@@ -63,13 +73,13 @@ impl LightGrid {
         Self { low: bounds[0], dimensions, cells: (0..count).map(|_| OnceLock::new()).collect(), all }
     }
 
-    /// The lights to sample at a point, as indices into the scene's.
-    pub(crate) fn lights_at(&self, scene: &Scene, bvh: &Bvh, position: Vec3) -> &[u32] {
+    /// Returns the lights to sample at a point, as indices into the scene's lights.
+    pub(in crate::trace) fn lights_at(&self, scene: &Scene, bvh: &Bvh, position: Vec3) -> &[u32] {
         if self.cells.is_empty() {
             return &self.all;
         }
         let place = (position - self.low) / CELL;
-        // What lies far outside the bulk of the scene has no cell of its own.
+        // Points far outside the bulk of the scene have no cell.
         if place.min_element() < -1.0 || (place - self.dimensions.as_vec3()).max_element() > 1.0 {
             return &self.all;
         }
@@ -78,7 +88,7 @@ impl LightGrid {
         self.cells[index].get_or_init(|| self.find(scene, bvh, index as u32, at))
     }
 
-    /// What has been cut so far.
+    /// Statistics of the cells used so far.
     pub fn cuts(&self) -> LightCuts {
         let visited: Vec<usize> = self.cells.iter().filter_map(|c| c.get()).map(|c| c.len()).collect();
         let kept: usize = visited.iter().sum();
@@ -89,6 +99,7 @@ impl LightGrid {
         }
     }
 
+    /// Computes the lights of cell `index`, which lies at `at`.
     fn find(&self, scene: &Scene, bvh: &Bvh, index: u32, at: UVec3) -> Box<[u32]> {
         let low = self.low + at.as_vec3() * CELL - CELL / 2.0;
         let region = Region { low, size: CELL * 2.0, key: Key::of_pixel(0, index) };
@@ -96,20 +107,23 @@ impl LightGrid {
         let first_lines = FIRST_LINES.min((CELL_LINES / self.all.len() as u32).max(1));
         let mut lines_left = CELL_LINES;
         let mut arriving = 0.0;
+        // Draw a few lines to every light.
         for &light in &self.all {
             let lines = 0..first_lines;
             let reached = lines.filter(|&line| region.reaches(scene, bvh, light, line)).count();
             let share = reached as f32 / first_lines as f32;
             seen[light as usize] = reached > 0;
-            // As from the cell's far side, so that a lamp near its middle does not drown the others.
+            // Estimate the light for the far side of the cell, so that a lamp near the middle does
+            // not make the others seem negligible.
             arriving += share * unshadowed(&scene.lights[light as usize], region.centre(), -region.radius());
         }
+        // Draw more lines to each light that none has reached, until its bound is low enough.
         for &light in self.all.iter().filter(|&&light| !seen[light as usize]).collect::<Vec<_>>() {
             let most = unshadowed(&scene.lights[light as usize], region.centre(), region.radius());
-            // In a dark cell every light counts; the quotient is then infinite.
+            // In a dark cell the quotient is infinite: every light counts.
             let needed = (3.0 * most / (TOLERANCE * arriving)).min(MAX_LINES as f32) as u32;
             let mut lines = first_lines..needed.max(first_lines);
-            // A light there are no lines left for is kept: it may be seen.
+            // Keep a light for which no lines are left: it may be visible.
             seen[light as usize] = match lines_left.checked_sub(lines.len() as u32) {
                 Some(left) => {
                     lines_left = left;
@@ -122,7 +136,7 @@ impl LightGrid {
     }
 }
 
-/// A cell with its surroundings.
+/// A cell, enlarged by half a cell on each side.
 struct Region {
     low: Vec3,
     size: f32,
@@ -134,37 +148,25 @@ impl Region {
         self.low + self.size / 2.0
     }
 
-    /// Of the sphere around it.
+    /// Radius of the sphere around the region.
     fn radius(&self) -> f32 {
         self.size / 2.0 * 3f32.sqrt()
     }
 
-    /// True where line `line` from the region to a light meets nothing opaque.
+    /// True where line number `line` from the region to a light meets nothing opaque.
     fn reaches(&self, scene: &Scene, bvh: &Bvh, light: u32, line: u32) -> bool {
         let key = self.key.with(light).with(line);
         let [x, y] = key.pair();
         let [z, _] = key.with(1).pair();
         let from = self.low + Vec3::new(x, y, z) * self.size;
         let Some(to) = point_on(&scene.lights[light as usize], key.with(2).pair()) else { return true };
-        // Textured cut-outs and glass let light through: they never hide a lamp for good.
+        // Glass and cut-out texels let light through, so they hide no lamp for certain.
         !bvh.any(&Ray::segment(from, to), |hit| scene.material_of(hit.triangle).is_opaque())
     }
 }
 
-/// A random point of a light; `None` for lights without a place, which are never cut.
-fn point_on(light: &Light, random: [f32; 2]) -> Option<Vec3> {
-    let u = lattice(0, 1, random);
-    match light {
-        Light::Quad { corner, edge_u, edge_v, .. } => Some(*corner + *edge_u * u[0] + *edge_v * u[1]),
-        Light::Triangles { corners, cumulative_area, .. } => {
-            Some(point_on_mesh(corners, cumulative_area, u).0)
-        }
-        Light::Point { position, .. } => Some(*position),
-        Light::Sun { .. } | Light::Sky => None,
-    }
-}
-
-/// The largest channel of the irradiance a light can bring to a point within `slack` of `at` with nothing in the way.
+/// Returns a bound on the unshadowed irradiance (largest channel) that a light brings to a point
+/// within `slack` of `at`.
 fn unshadowed(light: &Light, at: Vec3, slack: f32) -> f32 {
     let falloff = |centre: Vec3, radius: f32| {
         let nearest = (centre.distance(at) - radius - slack).max(0.0);

@@ -1,5 +1,6 @@
 //! Sampling of the scene's light sources: which of them matter where (`grid`), points on them
-//! (`sample`, `quad`), what passes on the way (`shadow`), and the irradiance that arrives (`direct`).
+//! (`sample`, `quad`), what passes on the way (`shadow`), and the irradiance that arrives
+//! (`direct`).
 
 mod direct;
 mod grid;

@@ -1,7 +1,7 @@
-//! Sixteen samples of a parallelogram at once: what `light_sample` makes of each, the same bits.
+//! Sixteen samples of a parallelogram light at once, with the bits of `sample`.
 //!
-//! Most area lights are parallelograms, and sampling them a point at a time took a quarter of a picture's time once shadow rays were
-//! traced together.
+//! Most area lights are parallelograms. Sampling them one point at a time took a quarter of the
+//! time of a picture once shadow rays were traced in bundles.
 
 use crate::math::{Ray, simd};
 use crate::trace::bvh::{BUNDLE_RAYS, RayBundle};
@@ -12,27 +12,30 @@ use std::ops::Range;
 
 const LANES: usize = 8;
 
-/// A light of this shape.
+/// A parallelogram light, scene space.
 #[derive(Clone, Copy)]
-pub(crate) struct Quad {
-    pub(crate) corner: Vec3,
-    pub(crate) edge_u: Vec3,
-    pub(crate) edge_v: Vec3,
-    /// Nearer than the root of this a sample's irradiance is bounded.
-    pub(crate) nearest2: f32,
+pub(super) struct Quad {
+    pub(super) corner: Vec3,
+    pub(super) edge_u: Vec3,
+    pub(super) edge_v: Vec3,
+    /// Squared distance below which the irradiance of a sample is bounded.
+    pub(super) nearest2: f32,
 }
 
-/// Which points of the unit square: some of a lattice of `count`, moved by `shift`.
+/// Some points of a lattice of `count` points in the unit square, moved by `shift`.
 #[derive(Clone)]
-pub(crate) struct Points {
-    pub(crate) range: Range<u32>,
-    pub(crate) count: u32,
-    pub(crate) shift: [f32; 2],
+pub(super) struct Points {
+    pub(super) range: Range<u32>,
+    pub(super) count: u32,
+    pub(super) shift: [f32; 2],
 }
 
-/// Adds the shadow rays of some samples, a bundle at most, that bring light to an empty bundle, and writes by what the light's radiance is to be multiplied. False, with
-/// nothing done, where some sample is so near that it is bounded.
-pub(crate) fn sample_quad(
+/// Adds the shadow rays of samples that bring light to an empty bundle, and writes for each the
+/// factor from the light's radiance to the unshadowed irradiance.
+///
+/// The points must fit into one bundle. Returns false, with nothing done, where a sample is so near
+/// that its irradiance must be bounded.
+pub(super) fn sample_quad(
     quad: &Quad,
     point: &SurfacePoint,
     points: &Points,
@@ -42,6 +45,7 @@ pub(crate) fn sample_quad(
     dispatch!(simd::level(), simd => sample_with(simd, quad, point, points, bundle, factors))
 }
 
+/// [`sample_quad`] for one SIMD level.
 #[inline(always)]
 fn sample_with<S: Simd>(
     simd: S,
@@ -51,6 +55,7 @@ fn sample_with<S: Simd>(
     bundle: &mut RayBundle,
     factors: &mut [f32; BUNDLE_RAYS],
 ) -> bool {
+    // Compute eight samples at a time.
     let mut samples = [Samples::new(simd); 2];
     for (half, samples) in samples.iter_mut().enumerate() {
         let first = points.range.start + (half * LANES) as u32;
@@ -58,6 +63,7 @@ fn sample_with<S: Simd>(
             return false;
         }
     }
+    // Add the rays of those that bring light.
     for samples in &samples {
         let [x, y, z] = [0, 1, 2].map(|axis| samples.on_light[axis].to_array());
         let factor = samples.factor.to_array();
@@ -70,11 +76,14 @@ fn sample_with<S: Simd>(
     true
 }
 
+/// Eight samples of a light.
 #[derive(Clone, Copy)]
 struct Samples<S: Simd> {
+    /// Points on the light, scene space.
     on_light: [f32x8<S>; 3],
+    /// Factors from radiance to unshadowed irradiance.
     factor: f32x8<S>,
-    /// Bit per lane.
+    /// Bit per sample that brings light.
     brings_light: u32,
 }
 
@@ -85,7 +94,7 @@ impl<S: Simd> Samples<S> {
         Self { on_light: [zero; 3], factor: zero, brings_light: 0 }
     }
 
-    /// False where some sample is bounded.
+    /// Computes the samples from point `first` on. Returns false where one must be bounded.
     #[inline(always)]
     fn fill(&mut self, simd: S, quad: &Quad, point: &SurfacePoint, points: &Points, first: u32) -> bool {
         let [u, v] = lattice(simd, first, points.count, points.shift);
@@ -95,6 +104,7 @@ impl<S: Simd> Samples<S> {
             u * edge_u.y + corner.y + v * edge_v.y,
             u * edge_u.z + corner.z + v * edge_v.z,
         ];
+        // Drop samples behind the surface.
         let [x, y, z] = self.on_light;
         let d = [x - point.position.x, y - point.position.y, z - point.position.z];
         let zero = f32x8::splat(simd, 0.0);
@@ -102,11 +112,13 @@ impl<S: Simd> Samples<S> {
         let is_above = along(&d, point.geometric_normal).simd_gt(zero) & along_normal.simd_gt(zero);
         let is_there = (1u32 << (points.range.end - first).min(LANES as u32)) - 1;
         self.brings_light = is_above.to_bitmask() as u32 & is_there;
+        // Give up where a sample is too near.
         let distance2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
         let is_bounded = distance2.simd_lt(f32x8::splat(simd, nearest2));
         if is_bounded.to_bitmask() as u32 & self.brings_light != 0 {
             return false;
         }
+        // Both cosines contain a length, so two quotients by the square need no root.
         let inverse = f32x8::splat(simd, 1.0) / distance2;
         let along_light = along(&d, edge_u.cross(edge_v)).abs();
         self.factor = (along_normal * inverse) * (along_light * inverse);
@@ -114,12 +126,13 @@ impl<S: Simd> Samples<S> {
     }
 }
 
+/// Dot products with one vector.
 #[inline(always)]
 fn along<S: Simd>(d: &[f32x8<S>; 3], v: Vec3) -> f32x8<S> {
     d[0] * v.x + d[1] * v.y + d[2] * v.z
 }
 
-/// [`crate::math::sampling::lattice`] for eight indices in a row.
+/// Computes [`crate::math::sampling::lattice`] for eight consecutive indices.
 #[inline(always)]
 fn lattice<S: Simd>(simd: S, first: u32, count: u32, shift: [f32; 2]) -> [f32x8<S>; 2] {
     use crate::math::sampling::{BELOW_ONE, GOLDEN};

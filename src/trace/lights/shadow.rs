@@ -9,8 +9,8 @@ use glam::Vec3;
 impl Tracer {
     /// Writes the share of light (0..1 per channel) that passes along each ray of a bundle.
     ///
-    /// It equals [`Self::transmittance`] of each ray; behind several sheets of glass the last bit may
-    /// differ.
+    /// It equals [`Self::transmittance`] of each ray; behind several sheets of glass the last bit
+    /// may differ.
     pub fn transmittances(&self, bundle: &RayBundle, passed: &mut [Vec3; BUNDLE_RAYS]) {
         // Trace a few rays one at a time.
         if bundle.len() < MIN_RAYS {
@@ -36,9 +36,9 @@ impl Tracer {
     /// Returns the share of light (0..1 per channel) that passes along a shadow ray.
     ///
     /// Glass does not block: each of its surfaces multiplies by the share that it lets through, and
-    /// does not bend the ray. So windows light their room, and caustics are left out. Rays towards one
-    /// light from one point share `occluder`; with three sheets of glass in a row it may decide the
-    /// order in which their shares are multiplied.
+    /// does not bend the ray. So windows light their room, and caustics are left out. Rays towards
+    /// one light from one point share `occluder`; with three sheets of glass in a row it may decide
+    /// the order in which their shares are multiplied.
     pub fn transmittance(&self, ray: &Ray, occluder: &mut Occluder) -> Vec3 {
         if self.is_any_hit_a_block() {
             return if self.bvh().any_near(ray, occluder, |_| true) { Vec3::ZERO } else { Vec3::ONE };

@@ -21,8 +21,8 @@ enum Next {
 }
 
 impl Tracer {
-    /// Returns the irradiance from other surfaces: `samples` paths of up to `bounces` vertices, with
-    /// one shadow ray per light at each.
+    /// Returns the irradiance from other surfaces: `samples` paths of up to `bounces` vertices,
+    /// with one shadow ray per light at each.
     ///
     /// Light that arrives straight from a source is left out: [`Self::irradiance`] includes it.
     pub(super) fn indirect_irradiance(
@@ -81,8 +81,9 @@ impl Tracer {
         radiance
     }
 
-    /// Follows a ray to the next point that scatters diffusely, through mirrors and glass on the way.
-    /// At a surface with several lobes one is chosen at random, by the share of light that it carries.
+    /// Follows a ray to the next point that scatters diffusely, through mirrors and glass on the
+    /// way. At a surface with several lobes one is chosen at random, by the share of light that it
+    /// carries.
     fn next_diffuse_point(
         &self,
         mut ray: Ray,

@@ -7,10 +7,11 @@ use crate::trace::{RayCounts, SurfacePoint, TraceSettings, Tracer};
 use glam::Vec3;
 
 impl Tracer {
-    /// Returns the emitted plus diffusely reflected radiance of a surface point, on the viewer's side.
+    /// Returns the emitted plus diffusely reflected radiance of a surface point, on the viewer's
+    /// side.
     ///
-    /// `share` (0..1) is how much of the pixel the point covers: shadow rays are spent in proportion,
-    /// at least one per light.
+    /// `share` (0..1) is how much of the pixel the point covers: shadow rays are spent in
+    /// proportion, at least one per light.
     pub fn diffuse_radiance(
         &self,
         point: &SurfacePoint,
@@ -22,8 +23,9 @@ impl Tracer {
         self.diffuse_radiance_and_light(point, share, settings, key, rays)[0]
     }
 
-    /// Returns [`Self::diffuse_radiance`] and the arriving light as the radiance of a white surface,
-    /// which references store. For a black surface no ray is traced, and its light is zero.
+    /// Returns [`Self::diffuse_radiance`] and the arriving light as the radiance of a white
+    /// surface, which references store. For a black surface no ray is traced, and its light is
+    /// zero.
     pub(crate) fn diffuse_radiance_and_light(
         &self,
         point: &SurfacePoint,

@@ -1,5 +1,5 @@
-//! The radiance of a pixel: its diffuse light, the bounces of that light, and what mirrors and glass
-//! add.
+//! The radiance of a pixel: its diffuse light, the bounces of that light, and what mirrors and
+//! glass add.
 
 mod bounces;
 mod diffuse;

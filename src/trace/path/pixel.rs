@@ -16,7 +16,8 @@ pub struct PixelTrace {
     pub radiance: Vec3,
     /// First surface; `None` for the sky.
     pub hit: Option<Hit>,
-    /// Specular bounces of the longest branch; 0 where the first surface has no viewer-dependent part.
+    /// Specular bounces of the longest branch; 0 where the first surface has no viewer-dependent
+    /// part.
     pub reflections: u32,
 }
 
@@ -34,8 +35,8 @@ impl Tracer {
         })
     }
 
-    /// Traces what a reference image stores: the diffuse part, the first hit, and how often light is
-    /// reflected or refracted on its way to the eye. Surfaces after the first are not shaded.
+    /// Traces what a reference image stores: the diffuse part, the first hit, and how often light
+    /// is reflected or refracted on its way to the eye. Surfaces after the first are not shaded.
     pub fn reference_pixel(
         &self,
         view: &View,
@@ -89,7 +90,8 @@ impl Tracer {
         (radiance, bounces)
     }
 
-    /// Returns the diffuse part of what a primary ray hit, and the surface point; no point for the sky.
+    /// Returns the diffuse part of what a primary ray hit, and the surface point; no point for the
+    /// sky.
     pub(crate) fn shade_hit(
         &self,
         ray: &Ray,

@@ -1,4 +1,5 @@
-//! The radiance that a surface reflects or lets through: it depends on the viewer and must be traced.
+//! The radiance that a surface reflects or lets through: it depends on the viewer and must be
+//! traced.
 //!
 //! All branches are followed, as in Whitted, "An Improved Illumination Model for Shaded Display",
 //! Communications of the ACM 23(6), 1980. We differ: a loop over a small stack takes the place of
@@ -52,11 +53,11 @@ pub struct PathVertex {
 }
 
 impl Tracer {
-    /// Follows every branch of the viewer-dependent light of `point`, seen along `direction`, and sums
-    /// what `shade` returns for the surfaces, and the sky, that the branches meet.
+    /// Follows every branch of the viewer-dependent light of `point`, seen along `direction`, and
+    /// sums what `shade` returns for the surfaces, and the sky, that the branches meet.
     ///
-    /// Returns the radiance and the number of bounces of the longest branch; adds the number of rays
-    /// to `secondary`.
+    /// Returns the radiance and the number of bounces of the longest branch; adds the number of
+    /// rays to `secondary`.
     pub fn follow_specular(
         &self,
         point: &SurfacePoint,
