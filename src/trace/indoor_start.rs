@@ -84,9 +84,10 @@ impl Tracer {
         let unit = |i: i32| (f64::from(i) + 0.5) / f64::from(OUTSIDE_RAYS) * 2.0 - 1.0;
         let tan = (start.fov_y / 2.0).tan();
         let axes = start.world_from_camera();
-        let directions = (0..OUTSIDE_RAYS * OUTSIDE_RAYS).map(|i| [unit(i % OUTSIDE_RAYS) * tan, unit(i / OUTSIDE_RAYS) * tan]);
-        let seen =
-            directions.filter_map(|[x, y]| self.probe(start.eye, axes * DVec3::new(x, y, -1.0), f64::INFINITY));
+        let directions = (0..OUTSIDE_RAYS * OUTSIDE_RAYS)
+            .map(|i| [unit(i % OUTSIDE_RAYS) * tan, unit(i / OUTSIDE_RAYS) * tan]);
+        let seen = directions
+            .filter_map(|[x, y]| self.probe(start.eye, axes * DVec3::new(x, y, -1.0), f64::INFINITY));
         let (backs, all) = seen.fold((0, 0), |(backs, all), p| (backs + i32::from(!p.is_front), all + 1));
         f64::from(backs) >= MIN_BACKS * f64::from(all.max(1))
     }
