@@ -2,8 +2,8 @@
 //! in light looked up in the references.
 //!
 //! Hits are found for tiles of pixels together, which costs a fifth of a single ray each, so
-//! nothing about visibility is guessed; the references save the shading. Where the look-up is a guess, mode
-//! `exact` traces a few rays to check it, and mode `fast` shows it as it is.
+//! nothing about visibility is guessed; the references save the shading. Where the look-up is a
+//! guess, mode `exact` traces a few rays to check it, and mode `fast` shows it as it is.
 
 use super::{LookupQuality, LookupSet, TileLight, TileSurfaces, ViewLookup, pixels_of_tile};
 use crate::camera::View;

@@ -1,8 +1,9 @@
-//! Gathers one reference's light for a row of eight pixels at a time, in SIMD lanes. The scalar twin
-//! is `LookupReference::light_at` in `point.rs`.
+//! Gathers one reference's light for a row of eight pixels at a time, in SIMD lanes. The scalar
+//! twin is `LookupReference::light_at` in `point.rs`.
 //!
-//! The projection is the warp equation in reverse, with the view as source. Whether a sample lies on
-//! a pixel's surface is decided in disparity, which is linear in picture coordinates over a plane.
+//! The projection is the warp equation in reverse, with the view as source. Whether a sample lies
+//! on a pixel's surface is decided in disparity, which is linear in picture coordinates over a
+//! plane.
 
 use super::point::LookupReference;
 use super::policy::{DEPTH_ROUNDING, EDGE_GAP, MAX_MAGNIFICATION, MIN_WEIGHT, PLANE_TOLERANCE};
@@ -25,9 +26,9 @@ pub(super) struct ReferenceProjection<'a> {
 }
 
 impl ReferenceProjection<'_> {
-    /// Rates this reference for a pixel: samples per pixel, up to one; a hundredth of that where the
-    /// point projects into the picture but the sample there belongs to another surface or is unlit;
-    /// zero where the point is outside the picture or faces away.
+    /// Rates this reference for a pixel: samples per pixel, up to one; a hundredth of that where
+    /// the point projects into the picture but the sample there belongs to another surface or is
+    /// unlit; zero where the point is outside the picture or faces away.
     pub(super) fn rank(&self, points: &TilePoints, pixel: usize) -> f32 {
         let [x0, y0] = points.corner;
         let (x, y) = (x0 + (pixel % TILE_SIDE) as u32, y0 + (pixel / TILE_SIDE) as u32);
@@ -167,7 +168,8 @@ struct Footprint<S: Simd> {
     y: f32x8<S>,
     /// Samples per pixel of the view.
     density: f32x8<S>,
-    /// Disparity of the pixel's plane: its slope per picture coordinate, and its value at the corner.
+    /// Disparity of the pixel's plane: its slope per picture coordinate, and its value at the
+    /// corner.
     plane: [f32x8<S>; 3],
     /// The difference allowed between the disparities of a sample and of the plane, as a share.
     tolerance: f32x8<S>,

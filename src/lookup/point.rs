@@ -191,13 +191,14 @@ pub struct LookupSet<'a> {
 }
 
 impl<'a> LookupSet<'a> {
-    /// All enabled references of a cache that belong to an epoch. References smaller than two pixels
-    /// a side are left out, because a look-up interpolates between two samples per axis.
+    /// All enabled references of a cache that belong to an epoch. References smaller than two
+    /// pixels a side are left out, because a look-up interpolates between two samples per axis.
     pub fn new(cache: &'a ReferenceCache, epoch: SceneEpoch) -> Self {
         Self::from_parts(cache.directory(), cache.entries(), epoch)
     }
 
-    /// The same references as [`Self::new`], from a snapshot of a cache that another thread may use.
+    /// The same references as [`Self::new`], from a snapshot of a cache that another thread may
+    /// use.
     pub fn of_snapshot(known: &'a ReferenceSnapshot, epoch: SceneEpoch) -> Self {
         Self::from_parts(known.directory(), known.entries(), epoch)
     }

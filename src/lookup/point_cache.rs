@@ -5,7 +5,8 @@
 //! Source: a hash table of cells whose size follows the path's footprint, Binder, Fricke, Keller,
 //! "Massively Parallel Path Space Filtering" (2019). We differ: a cell stores one traced point
 //! instead of a sum, and its light is reused only at points on its plane with nearly its normal;
-//! and points are inserted between frames in pixel order, so that the bits do not depend on threads.
+//! and points are inserted between frames in pixel order, so that the bits do not depend on
+//! threads.
 
 use super::policy::{
     BLOCK, BLOCK_BUCKETS, BORDER, BUCKETS, CELL_EDGE, LEVELS, LEVELS_READ, PLANE_SHARE, WAYS,
@@ -87,8 +88,8 @@ const NO_TAG: u32 = 0;
 pub struct CachedLight {
     /// Arriving light, as the radiance of a white surface.
     pub light: Vec3,
-    /// True where a shadow's edge is near, so that the light of another point of the cell may be far
-    /// off.
+    /// True where a shadow's edge is near, so that the light of another point of the cell may be
+    /// far off.
     pub is_at_edge: bool,
     /// True where the light replaced a guess when it was traced.
     pub replaced_guess: bool,

@@ -15,8 +15,8 @@ use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use std::time::Instant;
 
-/// A tile of a reference in the making: its hits, and one bit per pixel that can be lit and that has
-/// to be lit.
+/// A tile of a reference in the making: its hits, and one bit per pixel that can be lit and that
+/// has to be lit.
 struct HitTile {
     corner: [u32; 2],
     t: [f32; TILE_RAYS],
@@ -59,8 +59,8 @@ impl ReferenceFrame {
         Some(frame)
     }
 
-    /// Makes a reference of pixels that a frame has lit, with their light. `hits` holds the distance
-    /// and triangle of every pixel, row-major.
+    /// Makes a reference of pixels that a frame has lit, with their light. `hits` holds the
+    /// distance and triangle of every pixel, row-major.
     pub fn from_lit_pixels(
         tracer: &Tracer,
         camera: &Camera,
@@ -176,8 +176,8 @@ struct Marks {
     is_open: Vec<bool>,
 }
 
-/// The pixels to be lit, tile by tile: the open ones and their neighbours, so that a look-up between
-/// lit and unlit pixels finds all its samples in one reference.
+/// The pixels to be lit, tile by tile: the open ones and their neighbours, so that a look-up
+/// between lit and unlit pixels finds all its samples in one reference.
 fn open_pixels(tiles: &[HitTile], view: &View) -> Vec<u32> {
     let stride = view.size[0] as usize + 2;
     let mut marks = Marks { stride, is_open: vec![false; stride * (view.size[1] as usize + 2)] };

@@ -37,8 +37,8 @@ impl<'a> ViewLookup<'a> {
         Self { set, view: *view, max_averaged: max_averaged.clamp(1, MAX_AVERAGED_BEST), projections }
     }
 
-    /// Finds the light of the wanted pixels of a tile. Where the tile shows one plane, four rows are
-    /// looked up, and the others only where the rows around them differ.
+    /// Finds the light of the wanted pixels of a tile. Where the tile shows one plane, four rows
+    /// are looked up, and the others only where the rows around them differ.
     pub fn gather(&self, points: &TilePoints, found: &mut TileLight) {
         *found = TileLight { choice: found.choice.take(), noise: self.set.noise, ..TileLight::NONE };
         if self.set.usable == 0 || points.wanted == 0 {
@@ -77,8 +77,8 @@ impl<'a> ViewLookup<'a> {
         found.divide_by_weight(pixels);
     }
 
-    /// The best references for a pixel, or those chosen for the previous tile where it showed a point
-    /// in the same cell with nearly the same normal.
+    /// The best references for a pixel, or those chosen for the previous tile where it showed a
+    /// point in the same cell with nearly the same normal.
     fn choice_near(
         &self,
         points: &TilePoints,

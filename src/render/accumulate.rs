@@ -1,10 +1,11 @@
-//! Accumulation of passes: a picture that is refined while the camera is stationary, an anti-aliased
-//! picture, and a picture rendered in bands are all means of N passes of the full tracer.
+//! Accumulation of passes: a picture that is refined while the camera is stationary, an
+//! anti-aliased picture, and a picture rendered in bands are all means of N passes of the full
+//! tracer.
 //!
 //! Pass k traces every pixel through one point of the pixel, with its own seed, and a pixel shows
 //! the mean of its passes so far. The first point is the pixel's centre and the first seed that of
-//! the settings, so after one pass the picture is that of mode `full`. Each pixel sums its passes in
-//! order, so the bits depend neither on threads nor on when the work was interrupted.
+//! the settings, so after one pass the picture is that of mode `full`. Each pixel sums its passes
+//! in order, so the bits depend neither on threads nor on when the work was interrupted.
 
 use super::frame::{Frame, RefineState};
 use super::request::FrameRequest;
@@ -172,7 +173,8 @@ pub(super) struct Accumulation {
     passes: u32,
     /// Number of the current pass; `passes` where none is left.
     pass: u32,
-    /// Neighbours in the list are apart in the picture, so that an unfinished pass is spread evenly.
+    /// Neighbours in the list are apart in the picture, so that an unfinished pass is spread
+    /// evenly.
     tiles: Vec<PassTile>,
     rays: RayCounts,
 }

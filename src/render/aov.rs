@@ -1,4 +1,4 @@
-//! What a finished frame knows of its pixels, as channels of a file and as pictures.
+//! Data of a finished frame's pixels, as channels of a file and as pictures.
 
 use super::bands::Band;
 use super::frame::Frame;
@@ -10,23 +10,24 @@ use crate::trace::{SurfacePoint, Tracer};
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// Something other than colour that a file can hold of each pixel.
+/// Data other than colour that a file can store per pixel (arbitrary output variable).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Aov {
-    /// `depth.Z`: metres along the viewing axis; infinite for the sky.
+    /// `depth.Z`: depth along the viewing axis in metres; infinite for the sky.
     Depth,
     /// `normal.X`, `.Y`, `.Z`: the unit shading normal in world space; zero for the sky.
     Normal,
-    /// `type.V`: 1, 2 or 3.
+    /// `type.V`: type of the pixel, 1, 2 or 3.
     Type,
-    /// `reference.V`: which reference supplied it, by its position in the list; 4294967295 for none.
+    /// `reference.V`: position in the list of the reference that supplied the pixel; 4294967295 for
+    /// none.
     Reference,
-    /// `primitive.V`: the triangle seen; 4294967295 for the sky.
+    /// `primitive.V`: index of the first triangle; 4294967295 for the sky.
     Primitive,
 }
 
 impl Aov {
-    /// All of them.
+    /// All variants.
     pub const ALL: [Self; 5] = [Self::Depth, Self::Normal, Self::Type, Self::Reference, Self::Primitive];
 
     /// The name used on the command line.
@@ -40,7 +41,7 @@ impl Aov {
         }
     }
 
-    /// The names of its channels, and whether they are indices rather than measures.
+    /// Names of the channels, and whether their values are indices rather than quantities.
     pub fn channel_names(self) -> &'static [(&'static str, bool)] {
         match self {
             Self::Depth => &[("depth.Z", false)],
@@ -51,7 +52,7 @@ impl Aov {
         }
     }
 
-    /// Its channels.
+    /// The channels with the values of a band.
     pub fn channels(self, band: &Band, tracer: &Tracer) -> Vec<Channel> {
         match self {
             Self::Depth => {
@@ -75,7 +76,7 @@ impl Aov {
     }
 }
 
-/// World axes and scene axes are parallel.
+/// Unit shading normals in world space, whose axes are parallel to those of scene space.
 fn normals(band: &Band, tracer: &Tracer) -> Vec<Vec3> {
     let first = band.first_row * band.view.size[0];
     let normal = |(pixel, (&triangle, &disparity)): (usize, (&u32, &f32))| {
@@ -89,13 +90,13 @@ fn normals(band: &Band, tracer: &Tracer) -> Vec<Vec3> {
     band.triangle.par_iter().zip(&band.disparity).enumerate().map(normal).collect()
 }
 
-/// The rows as a screen shows them.
+/// Display values, 8-bit sRGB, of some rows.
 pub fn display_rows(radiance: &[Vec3], exposure_ev: f32, tone_map: ToneMap) -> Vec<[u8; 3]> {
     radiance.par_iter().map(|r| srgb8(*r, exposure_ev, tone_map)).collect()
 }
 
-/// The rows as a screen shows them, without the background: colours of what covers a pixel, and how much of it is
-/// covered. For bands whose background was left out.
+/// Display values of a band whose background was left out: 8-bit sRGB of the surfaces, and coverage
+/// as alpha.
 pub fn display_rows_alpha(band: &Band, exposure_ev: f32, tone_map: ToneMap) -> Vec<[u8; 4]> {
     let pixel = |(&radiance, &coverage): (&Vec3, &f32)| {
         let own = if coverage > 0.0 { radiance / coverage } else { Vec3::ZERO };
@@ -105,17 +106,17 @@ pub fn display_rows_alpha(band: &Band, exposure_ev: f32, tone_map: ToneMap) -> V
     band.radiance.par_iter().zip(&band.coverage).map(pixel).collect()
 }
 
-/// The frame as a screen shows it.
+/// Display values, 8-bit sRGB, of a frame.
 pub fn display_picture(frame: &Frame, exposure_ev: f32, tone_map: ToneMap) -> Vec<[u8; 3]> {
     display_rows(&frame.radiance, exposure_ev, tone_map)
 }
 
-/// The type of every pixel, in exactly three colours.
+/// The types of a frame's pixels, in exactly three colours.
 pub fn types_picture(frame: &Frame) -> Vec<[u8; 3]> {
     types_rows(&frame.types)
 }
 
-/// The type of some pixels, in exactly three colours.
+/// The types of some pixels, in exactly three colours.
 pub fn types_rows(types: &[PixelType]) -> Vec<[u8; 3]> {
     types.iter().map(|t| t.srgb()).collect()
 }

@@ -93,7 +93,8 @@ pub struct FrameStats {
     pub is_complete: bool,
     /// Progress of refinement. Times and types are those of the frame before refinement.
     pub refined: RefineState,
-    /// Error estimated from audits of this frame and earlier ones; `None` where audits are disabled.
+    /// Error estimated from audits of this frame and earlier ones; `None` where audits are
+    /// disabled.
     pub audit: Option<AuditEstimate>,
     /// Comparison with the previous frame; `None` where it is disabled.
     pub temporal_stability: Option<TemporalStability>,

@@ -1,7 +1,9 @@
-//! Rendering: from a pose and the references at hand to a finished frame, and from frames to a walk.
+//! Rendering: from a pose and the references at hand to a finished frame, and from frames to a
+//! walk.
 //!
-//! [`Renderer`] renders one [`FrameRequest`], [`Walkthrough`] renders frame after frame from a cache
-//! of references, and [`render_antialiased`] and [`bands`] render pictures without references.
+//! [`Renderer`] renders one [`FrameRequest`], [`Walkthrough`] renders frame after frame from a
+//! cache of references, and [`render_antialiased`] and [`bands`] render pictures without
+//! references.
 
 mod accumulate;
 pub mod aov;

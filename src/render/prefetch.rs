@@ -1,20 +1,21 @@
-//! References that a policy wants before they are needed: which of them are still to be made.
+//! The references that a policy wants before they are needed, and which of them are missing.
 
 use crate::camera::Camera;
 use crate::reference::ReferenceCache;
 use crate::reference::placement::{PlacementPolicy, PrefetchRequest};
 use crate::trace::{SceneEpoch, Tracer};
 
-/// The share of the cache that such references may fill; the rest is for those that frames show to be missing.
+/// The share of the cache that prefetched references may fill, 0..1. The rest is for references
+/// that frames turn out to need.
 const CACHE_SHARE: f64 = 0.75;
 
-/// Memory of a reference at most.
+/// Memory of a reference, bytes per pixel: an upper bound.
 const BYTES_PER_PIXEL: f64 = 16.0;
 
-/// At most, whatever the cache holds: three quarters of the references that it can tell apart.
-const MAX_AHEAD: usize = 96;
+/// Prefetched references at most, whatever the budget: three quarters of a cache's slots.
+const MAX_PREFETCHED: usize = 96;
 
-/// What decides the list.
+/// What the list of poses depends on.
 #[derive(Clone, Debug, PartialEq)]
 struct Basis {
     rule: &'static str,
@@ -22,16 +23,17 @@ struct Basis {
     request: PrefetchRequest,
 }
 
-/// The poses that are still missing.
+/// The poses of references that are still missing.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Ahead {
+pub(super) struct Prefetch {
     basis: Option<Basis>,
     missing: Vec<Camera>,
 }
 
-impl Ahead {
-    /// The missing pose next to a viewer. A reference that was made once is not made again, evicted or not.
-    pub(crate) fn next(
+impl Prefetch {
+    /// The missing pose nearest to a viewer. A reference that was traced once is not requested
+    /// again, even if it was evicted.
+    pub(super) fn next(
         &mut self,
         tracer: &Tracer,
         cache: &ReferenceCache,
@@ -43,7 +45,7 @@ impl Ahead {
         let request = PrefetchRequest {
             size,
             fov_y: viewer.fov_y,
-            max_references: (room as usize).clamp(1, MAX_AHEAD),
+            max_references: (room as usize).clamp(1, MAX_PREFETCHED),
         };
         let basis = Basis { rule: policy.rule.name, epoch: tracer.epoch(), request };
         if self.basis.as_ref() != Some(&basis) {

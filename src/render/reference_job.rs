@@ -1,4 +1,4 @@
-//! A reference to be traced, by this thread or another.
+//! A reference to be traced, on this thread or another.
 
 use crate::camera::Camera;
 use crate::lookup::LookupSet;
@@ -10,20 +10,21 @@ use std::sync::Arc;
 /// A reference to be traced.
 #[derive(Clone, Debug)]
 pub struct ReferenceJob {
-    /// Of this scene.
+    /// The scene, ready to be traced.
     pub tracer: Arc<Tracer>,
-    /// Here.
+    /// The pose.
     pub camera: Camera,
-    /// In pixels.
+    /// Width and height in pixels.
     pub size: [u32; 2],
-    /// Samples, bounces, seed.
+    /// Sample count, bounces and seed.
     pub settings: TraceSettings,
-    /// What is known already and need not be lit; `None` lights every pixel, as the paper does.
+    /// References whose light is known and need not be traced again; `None` lights every pixel, as
+    /// mode `paper` needs it.
     pub known: Option<ReferenceSnapshot>,
 }
 
 impl ReferenceJob {
-    /// Traces it on the current thread pool. `None` after a stop.
+    /// Traces the reference on the current thread pool. Returns `None` after a stop.
     pub fn trace(&self, stop: Stop<'_>) -> Option<ReferenceFrame> {
         let (tracer, camera, size, settings) = (&self.tracer, &self.camera, self.size, &self.settings);
         match &self.known {

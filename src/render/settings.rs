@@ -12,7 +12,8 @@ pub enum Mode {
     Full,
     /// The paper's method exactly as published, for comparison.
     Paper,
-    /// A primary ray for every pixel, with light looked up in the one best reference and not checked.
+    /// A primary ray for every pixel, with light looked up in the one best reference and not
+    /// checked.
     Fast,
     /// A primary ray for every pixel, with light averaged over references and checked where it is
     /// a guess.

@@ -1,7 +1,8 @@
-//! How steady a walk looks: the same surface points from one frame to the next.
+//! Temporal stability of a walk: how much the same surface points change from frame to frame.
 //!
-//! A matte point has the same light wherever it is seen from, so every change of its colour is an error that flickers. Points
-//! of the last frame on a lattice are projected into the new one; compared are those that show the same triangle there.
+//! A matte point has the same radiance from every viewpoint, so a change of its colour is an error
+//! that flickers. Points on a lattice of the last frame are projected into the new one, and those
+//! that show the same triangle there are compared.
 
 use super::frame::{Frame, TemporalStability};
 use crate::camera::PixelWarp;
@@ -12,36 +13,39 @@ use crate::scene::Scene;
 use crate::trace::NO_TRIANGLE;
 use glam::Vec3;
 
-/// One pixel in so many per axis is compared: 57,600 of 1280x720, at under a hundredth of the frame's time.
+/// One pixel in this many per axis is compared: 57,600 of 1280x720, in under 1 % of the frame's
+/// time.
 const LATTICE: usize = 4;
 
-/// A point of the last frame.
+/// A pixel of the last frame to be compared.
 #[derive(Clone, Copy, Debug)]
 struct Point {
     pixel: [u32; 2],
     disparity: f32,
     triangle: u32,
-    is_lent: bool,
-    /// Where its colour is one of a plain matte surface.
+    /// True where a reference supplied the colour.
+    is_reused: bool,
+    /// Display values in sRGB, 0..1, of a matte surface without texture; `None` for others.
     shown: Option<Vec3>,
 }
 
-/// Compares each frame with the one before it.
+/// Compares each frame with the previous one.
 #[derive(Debug, Default)]
-pub(crate) struct TemporalStabilityWatch {
+pub(super) struct TemporalStabilityMeter {
     view: Option<View>,
     points: Vec<Point>,
 }
 
-impl TemporalStabilityWatch {
-    /// Compares a frame with the last one and keeps its points for the next. `None` for the first.
-    pub(crate) fn compare(&mut self, scene: &Scene, frame: &Frame) -> Option<TemporalStability> {
-        let temporal_stability = self.view.map(|last| self.against(&last, frame));
-        self.take(scene, frame);
-        temporal_stability
+impl TemporalStabilityMeter {
+    /// Compares a frame with the previous one and keeps its points for the next. Returns `None` for
+    /// the first frame.
+    pub(super) fn measure(&mut self, scene: &Scene, frame: &Frame) -> Option<TemporalStability> {
+        let stability = self.view.map(|last| self.compare(&last, frame));
+        self.keep_points(scene, frame);
+        stability
     }
 
-    fn against(&self, last: &View, frame: &Frame) -> TemporalStability {
+    fn compare(&self, last: &View, frame: &Frame) -> TemporalStability {
         let warp = PixelWarp::new(last, &frame.view);
         let (mut compared, mut flips, mut matte, mut squares) = (0u32, 0u32, 0u32, 0f64);
         for point in &self.points {
@@ -53,7 +57,7 @@ impl TemporalStabilityWatch {
                 continue;
             }
             compared += 1;
-            flips += u32::from((frame.supplier[at] != NO_SUPPLIER) != point.is_lent);
+            flips += u32::from((frame.supplier[at] != NO_SUPPLIER) != point.is_reused);
             if let Some(shown) = point.shown {
                 matte += 1;
                 squares += f64::from((display(frame.radiance[at]) - shown).length_squared());
@@ -67,7 +71,7 @@ impl TemporalStabilityWatch {
         }
     }
 
-    fn take(&mut self, scene: &Scene, frame: &Frame) {
+    fn keep_points(&mut self, scene: &Scene, frame: &Frame) {
         self.view = Some(frame.view);
         self.points.clear();
         let [width, height] = frame.view.size.map(|s| s as usize);
@@ -84,7 +88,7 @@ impl TemporalStabilityWatch {
                     pixel: [x as u32, y as u32],
                     disparity: frame.disparity[at],
                     triangle,
-                    is_lent: frame.supplier[at] != NO_SUPPLIER,
+                    is_reused: frame.supplier[at] != NO_SUPPLIER,
                     shown: is_plain.then(|| display(frame.radiance[at])),
                 });
             }

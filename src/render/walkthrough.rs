@@ -1,16 +1,18 @@
-//! A walk: frame after frame from the cache, and the wish for a new reference where the policy has one.
+//! A walk: frame after frame from a cache of references, and requests for new references where the
+//! placement policy wants them.
 //!
-//! The window and the headless tour run the same walk; they differ only in when a wished reference is traced.
+//! The window and the headless tour run the same walk. They differ only in when a requested
+//! reference is traced.
 
 use super::accumulate::{Accumulation, CONVERGED_PASSES};
 use super::audit::{Audited, Auditor};
 use super::frame::{Frame, RefineState};
-use super::prefetch::Ahead;
+use super::prefetch::Prefetch;
 use super::reference_job::ReferenceJob;
 use super::renderer::Renderer;
 use super::request::{FrameRequest, References};
 use super::settings::{Mode, RenderSettings};
-use super::temporal_stability::TemporalStabilityWatch;
+use super::temporal_stability::TemporalStabilityMeter;
 use crate::camera::{Camera, View};
 use crate::lookup::{LookupSet, open_percent};
 use crate::reference::cache::CachedReference;
@@ -23,21 +25,21 @@ use crate::warp::ReferenceSelector;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// What a walk is made with.
+/// The settings of a walk.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WalkthroughSettings {
-    /// Mode, samples, bounces, seed.
+    /// Mode, sample count, bounces and seed.
     pub render: RenderSettings,
-    /// Where references are added.
+    /// The policy that decides where references are added.
     pub placement: PlacementPolicy,
-    /// References a frame uses at most.
+    /// References that a frame of mode `paper` warps at most.
     pub max_references: usize,
     /// Memory for references, bytes.
     pub cache_bytes: usize,
-    /// Whether a few pixels of every looked-up frame are traced in full as well, to know how good it is and to find
-    /// references that are wrong. How many depends on the clock.
+    /// Whether a few pixels of every looked-up frame are audited: traced in full as well, to
+    /// estimate the error and to find references that are wrong. How many depends on the clock.
     pub audits: bool,
-    /// Whether every frame is compared with the one before it, to see what flickers.
+    /// Whether every frame is compared with the previous one, to measure flicker.
     pub measures_stability: bool,
 }
 
@@ -64,24 +66,25 @@ pub struct Walkthrough {
     settings: WalkthroughSettings,
     previous: Option<Camera>,
     wanted: Option<Camera>,
-    ahead: Ahead,
+    prefetch: Prefetch,
     used: Vec<ReferenceId>,
     references_made: u32,
     has_kept: bool,
-    /// What the last frame was made with: settings, the references that were warped, the state of the cache.
+    /// What the last frame was rendered from: its settings, the references that mode `paper`
+    /// warped, and the version of the cache.
     rendered: RenderSettings,
     selected: Vec<CachedReference>,
     rendered_from: u64,
-    /// While frames are checked.
+    /// `None` while audits are disabled.
     auditor: Option<Auditor>,
-    /// While frames are compared.
-    watch: Option<TemporalStabilityWatch>,
-    /// Of the last frame's pose, from the first [`Self::refine`] on.
+    /// `None` while stability is not measured.
+    stability: Option<TemporalStabilityMeter>,
+    /// The picture of the last frame's pose, once [`Self::refine`] has begun it.
     refinement: Option<Accumulation>,
 }
 
 impl Walkthrough {
-    /// A walk with an empty cache.
+    /// Starts a walk with an empty cache.
     pub fn new(tracer: Arc<Tracer>, settings: WalkthroughSettings) -> Self {
         let cache = ReferenceCache::new(tracer.scene(), settings.cache_bytes);
         Self {
@@ -92,7 +95,7 @@ impl Walkthrough {
             settings,
             previous: None,
             wanted: None,
-            ahead: Ahead::default(),
+            prefetch: Prefetch::default(),
             used: Vec::new(),
             references_made: 0,
             has_kept: false,
@@ -100,22 +103,22 @@ impl Walkthrough {
             selected: Vec::new(),
             rendered_from: 0,
             auditor: None,
-            watch: None,
+            stability: None,
             refinement: None,
         }
     }
 
-    /// The scene being walked.
+    /// The scene of the walk, ready to be traced.
     pub fn tracer(&self) -> &Arc<Tracer> {
         &self.tracer
     }
 
-    /// Another scene, or the same one edited: references of the old one are dropped.
+    /// Changes the scene, or its state. References of the old scene are dropped.
     pub fn set_tracer(&mut self, tracer: Arc<Tracer>) {
         self.tracer = tracer;
         self.cache = ReferenceCache::new(self.tracer.scene(), self.settings.cache_bytes);
         (self.previous, self.wanted) = (None, None);
-        (self.refinement, self.auditor, self.watch) = (None, None, None);
+        (self.refinement, self.auditor, self.stability) = (None, None, None);
         *self.renderer.frame_mut() = Frame::default();
         self.selected.clear();
     }
@@ -130,18 +133,18 @@ impl Walkthrough {
         &mut self.cache
     }
 
-    /// What the walk is made with.
+    /// The settings of the next frame.
     pub fn settings(&self) -> &WalkthroughSettings {
         &self.settings
     }
 
-    /// Changes what the walk is made with from the next frame on.
+    /// Changes the settings from the next frame on.
     pub fn set_settings(&mut self, settings: WalkthroughSettings) {
         self.cache.set_budget_bytes(settings.cache_bytes);
         self.settings = settings;
     }
 
-    /// The same walk for someone who looks on: frames may be stopped and shown unfinished.
+    /// The same walk for display: frames may be stopped and shown before they are complete.
     #[must_use]
     pub fn progressive(mut self) -> Self {
         self.renderer.set_progressive(true);
@@ -153,32 +156,20 @@ impl Walkthrough {
         self.renderer.frame()
     }
 
-    /// The references the last frame used, in the order of [`Frame::supplier`].
+    /// The references that the last frame used, in the order of [`Frame::supplier`].
     pub fn used(&self) -> &[ReferenceId] {
         &self.used
     }
 
-    /// Renders the next frame; afterwards [`Self::wanted_reference`] tells whether the policy wants a new reference.
+    /// Renders the next frame. Afterwards [`Self::wanted_reference`] returns the pose of a new
+    /// reference, if the policy wants one.
     pub fn render(&mut self, camera: &Camera, size: [u32; 2], stop: Stop<'_>) -> &Frame {
         let start = Instant::now();
         self.keep_refinement(camera, size);
-        let view = View::new(camera, &self.tracer.scene().frame, size);
-        let selected = match self.settings.render.mode {
-            Mode::Full | Mode::Fast | Mode::Exact => Vec::new(),
-            Mode::Paper => {
-                let most = self.settings.max_references;
-                self.selector.select(&mut self.cache, &view, self.tracer.epoch(), most)
-            }
-        };
+        self.rendered = self.settings.render;
+        self.select(camera, size);
         let select_secs = start.elapsed().as_secs_f64();
-        let settings = self.settings.render;
-        self.selected = selected;
-        let frames: Vec<&ReferenceFrame> = self.selected.iter().map(|r| &*r.frame).collect();
-        let references = references_of(settings.mode, &self.cache, &frames);
-        let request =
-            FrameRequest { tracer: &self.tracer, camera, size, settings: &settings, references, stop };
-        self.renderer.render(&request);
-        self.rendered = settings;
+        self.run(camera, size, stop, Renderer::render);
         self.conclude(select_secs);
         self.previous = Some(*camera);
         if let Some(refinement) = &self.refinement {
@@ -187,42 +178,57 @@ impl Walkthrough {
         self.renderer.frame()
     }
 
-    /// Goes on with the last frame where a stop left it. It stays as it is where it is complete, and where settings or
-    /// references have changed since.
+    /// Continues the last frame where a stop left it. A frame that is complete, or whose settings
+    /// or references have changed since, stays as it is.
     pub fn resume(&mut self, stop: Stop<'_>) -> &Frame {
-        if !self.can_resume() {
-            return self.renderer.frame();
+        if self.can_resume() {
+            let (camera, size) = (self.frame().camera, self.frame().view.size);
+            self.run(&camera, size, stop, Renderer::resume);
+            self.conclude(0.0);
         }
-        let settings = self.rendered;
-        let frames: Vec<&ReferenceFrame> = self.selected.iter().map(|r| &*r.frame).collect();
-        let references = references_of(settings.mode, &self.cache, &frames);
-        let Frame { camera, view, .. } = self.renderer.frame();
-        let (camera, size) = (*camera, view.size);
-        let request = FrameRequest {
-            tracer: &self.tracer,
-            camera: &camera,
-            size,
-            settings: &settings,
-            references,
-            stop,
-        };
-        self.renderer.resume(&request);
-        self.conclude(0.0);
         self.renderer.frame()
     }
 
-    /// True where the last frame was stopped and can be gone on with.
+    /// True where the last frame was stopped and [`Self::resume`] can continue it.
     pub fn can_resume(&self) -> bool {
         let frame = self.renderer.frame();
         let is_same = self.rendered == self.settings.render && self.cache.version() == self.rendered_from;
         is_same && !frame.stats.is_complete && !frame.radiance.is_empty()
     }
 
-    /// What follows from a frame: who gave how much, whether it is kept, where a reference is wanted.
+    /// Mode `paper`: chooses the references to be warped. Other modes use the whole cache.
+    fn select(&mut self, camera: &Camera, size: [u32; 2]) {
+        self.selected.clear();
+        if self.rendered.mode == Mode::Paper {
+            let view = View::new(camera, &self.tracer.scene().frame, size);
+            let (epoch, most) = (self.tracer.epoch(), self.settings.max_references);
+            self.selected = self.selector.select(&mut self.cache, &view, epoch, most);
+        }
+    }
+
+    /// Starts or resumes a frame with the selected references.
+    fn run(
+        &mut self,
+        camera: &Camera,
+        size: [u32; 2],
+        stop: Stop<'_>,
+        render: impl for<'r> Fn(&'r mut Renderer, &FrameRequest<'_>) -> &'r Frame,
+    ) {
+        let frames: Vec<&ReferenceFrame> = self.selected.iter().map(|r| &*r.frame).collect();
+        let references = match self.rendered.mode {
+            Mode::Paper => References::Warped(&frames),
+            _ => References::Cached(&self.cache),
+        };
+        let (tracer, settings) = (&*self.tracer, &self.rendered);
+        render(&mut self.renderer, &FrameRequest { tracer, camera, size, settings, references, stop });
+    }
+
+    /// Updates the cache after a frame, decides whether a reference is wanted, and measures the
+    /// frame's error and stability where that is enabled.
     fn conclude(&mut self, select_secs: f64) {
         let start = Instant::now();
         self.rendered_from = self.cache.version();
-        self.keep_what_was_lit();
+        self.keep_frame();
         self.used = match self.settings.render.mode.looks_up() {
             true => self.cache.ids_by_slot(),
             false => self.selected.iter().map(|r| r.id).collect(),
@@ -240,18 +246,25 @@ impl Walkthrough {
         self.measure_stability();
     }
 
-    /// Compares the last frame with the one before it, where that is asked for.
-    fn measure_stability(&mut self) {
-        if !self.settings.measures_stability {
-            self.watch = None;
-        } else if self.renderer.frame().stats.is_complete {
-            let watch = self.watch.get_or_insert_default();
-            let temporal_stability = watch.compare(self.tracer.scene(), self.renderer.frame());
-            self.renderer.frame_mut().stats.temporal_stability = temporal_stability;
+    /// Turns a looked-up frame that had to shade many pixels itself into a reference, for the cost
+    /// of a copy.
+    fn keep_frame(&mut self) {
+        let stats = &self.renderer.frame().stats;
+        let shaded = stats.types.percentages().unseen_percent;
+        let settings = &self.settings.render;
+        self.has_kept =
+            settings.mode.looks_up() && stats.is_complete && self.settings.placement.keeps(shaded);
+        if self.has_kept {
+            let reference = self.renderer.shaded_reference(&self.tracer, settings);
+            self.cache.insert(Arc::new(reference));
         }
     }
 
-    /// Checks a few pixels of the last frame, where that is asked for.
+    /// True where the last frame became a reference.
+    pub fn has_kept_frame(&self) -> bool {
+        self.has_kept
+    }
+
     fn audit(&mut self) {
         let settings = &self.settings;
         if !settings.audits || !settings.render.mode.looks_up() {
@@ -270,26 +283,20 @@ impl Walkthrough {
         }
     }
 
-    /// A looked-up frame that had to light much itself becomes a reference, at the price of a copy.
-    fn keep_what_was_lit(&mut self) {
-        let stats = &self.renderer.frame().stats;
-        let lit = stats.types.percentages().unseen_percent;
-        let settings = &self.settings.render;
-        self.has_kept = settings.mode.looks_up() && stats.is_complete && self.settings.placement.keeps(lit);
-        if self.has_kept {
-            let reference = self.renderer.shaded_reference(&self.tracer, settings);
-            self.cache.insert(Arc::new(reference));
+    fn measure_stability(&mut self) {
+        if !self.settings.measures_stability {
+            self.stability = None;
+        } else if self.renderer.frame().stats.is_complete {
+            let meter = self.stability.get_or_insert_default();
+            let stability = meter.measure(self.tracer.scene(), self.renderer.frame());
+            self.renderer.frame_mut().stats.temporal_stability = stability;
         }
     }
 
-    /// True where the last frame became a reference.
-    pub fn has_kept_frame(&self) -> bool {
-        self.has_kept
-    }
-
-    /// Goes on refining the last frame's picture, until it has converged or `stop` says so: for a camera at rest.
-    /// Pixels that are done show what they are so far, the others what they showed before. Work that was stopped is
-    /// taken up again, also after another [`Self::render`] of the same pose; any other pose drops it and its memory.
+    /// Refines the last frame's picture, for a stationary camera, until it has converged or `stop`
+    /// is true. Pixels that had a pass show the mean of their passes, the others what they showed
+    /// before. Stopped work is continued by the next call, also after another [`Self::render`] of
+    /// the same pose; any other pose drops it and its memory.
     pub fn refine(&mut self, stop: Stop<'_>) -> RefineState {
         let (render, frame) = (self.settings.render, self.renderer.frame());
         let (camera, size, stats) = (frame.camera, frame.view.size, frame.stats);
@@ -297,11 +304,11 @@ impl Walkthrough {
             return RefineState { is_complete: true, ..RefineState::default() };
         }
         self.keep_refinement(&camera, size);
-        let is_untouched = stats.is_complete && stats.refined == RefineState::default();
-        let is_full = render.mode == Mode::Full && self.rendered == render && is_untouched;
+        let is_unrefined = stats.is_complete && stats.refined == RefineState::default();
+        let is_first_pass = render.mode == Mode::Full && self.rendered == render && is_unrefined;
         let refinement = self.refinement.get_or_insert_with(|| {
             let mut new = Accumulation::new(&self.tracer, &camera, size, &render.trace, CONVERGED_PASSES);
-            if is_full {
+            if is_first_pass {
                 new.take_first_pass(self.renderer.frame());
             }
             new
@@ -311,12 +318,12 @@ impl Walkthrough {
         refinement.state()
     }
 
-    /// Drops the work of [`Self::refine`], so that the next frame is again as its mode makes it.
+    /// Drops the work of [`Self::refine`], so that the next frame shows its mode's picture again.
     pub fn drop_refinement(&mut self) {
         self.refinement = None;
     }
 
-    /// Drops the refinement of another pose or other settings.
+    /// Drops the refinement if it belongs to another pose or other settings.
     fn keep_refinement(&mut self, camera: &Camera, size: [u32; 2]) {
         let render = &self.settings.render;
         let is_wanted =
@@ -324,6 +331,7 @@ impl Walkthrough {
         self.refinement = self.refinement.take().filter(is_wanted);
     }
 
+    /// The pose of the reference that the policy wants after a frame.
     fn decide(&mut self, camera: &Camera, size: [u32; 2]) -> Option<Camera> {
         if self.settings.render.mode == Mode::Full {
             return None;
@@ -356,13 +364,13 @@ impl Walkthrough {
         })
     }
 
-    /// The pose of a reference that the policy wants before this frame is rendered, whatever it shows.
+    /// The pose of a reference that the policy wants before this frame is rendered, whatever the
+    /// frame shows.
     pub fn wanted_ahead(&mut self, camera: &Camera, size: [u32; 2]) -> Option<Camera> {
-        let (placement, mode) = (self.settings.placement, self.settings.render.mode);
-        if mode == Mode::Full {
+        if self.settings.render.mode == Mode::Full {
             return None;
         }
-        self.ahead.next(&self.tracer, &self.cache, &placement, (camera, size))
+        self.prefetch.next(&self.tracer, &self.cache, &self.settings.placement, (camera, size))
     }
 
     /// The pose at which the policy wants a reference after the last frame.
@@ -370,8 +378,8 @@ impl Walkthrough {
         self.wanted
     }
 
-    /// What tracing a reference at a pose takes, for this thread or another. Each has a seed of its own, so that the
-    /// noise of several references is independent.
+    /// A job that traces a reference at a pose, on this thread or another. Each job has its own
+    /// seed, so that the noise of several references is independent.
     pub fn reference_job(&mut self, camera: Camera, size: [u32; 2]) -> ReferenceJob {
         self.references_made += 1;
         let trace = self.settings.render.trace;
@@ -384,18 +392,8 @@ impl Walkthrough {
         }
     }
 
-    /// Adds a finished reference. One of another epoch is refused and `None` returned.
+    /// Adds a finished reference. Returns `None` and drops it where it belongs to another epoch.
     pub fn insert(&mut self, reference: ReferenceFrame) -> Option<ReferenceId> {
         (reference.epoch == self.tracer.epoch()).then(|| self.cache.insert(Arc::new(reference)))
     }
-}
-
-/// The references that a frame of a mode reuses: those selected for the view in mode `paper`, the
-/// whole cache elsewhere.
-fn references_of<'a>(
-    mode: Mode,
-    cache: &'a ReferenceCache,
-    selected: &'a [&'a ReferenceFrame],
-) -> References<'a> {
-    if mode == Mode::Paper { References::Warped(selected) } else { References::Cached(cache) }
 }

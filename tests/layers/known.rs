@@ -30,8 +30,6 @@ pub(super) const KNOWN: &[(&str, &str)] = &[
     ("experiment/throughput/mod.rs", "experiment/throughput/feature_speed.rs"),
     ("experiment/throughput/mod.rs", "experiment/throughput/stage_speed.rs"),
     ("experiment/throughput/mod.rs", "experiment/throughput/warp_speed.rs"),
-    // lookup
-    // render
     // trace
     ("trace/bvh/cone.rs", "trace/bvh/bundle.rs"),
     ("trace/bvh/packet.rs", "trace/bvh/mod.rs"),

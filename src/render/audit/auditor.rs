@@ -1,11 +1,12 @@
-//! The check on look-ups: a few pixels of every looked-up frame are traced in full anyway and compared with what was
-//! shown.
+//! The auditor: traces a few pixels of every looked-up frame in full and compares them with what
+//! was shown.
 //!
-//! Each is traced twice with random numbers of its own, so that the noise of the check does not count as an error of the
-//! picture (see [`statistics`]). Where a pixel looks wrong it is traced with
-//! many samples, and the references whose light there is off are looked at; a part of a reference that is at fault
-//! forgets its light (`blame`). Times decide how many pixels are checked, so an audited walk may differ from
-//! run to run where a reference is at fault; elsewhere a picture does not depend on being checked.
+//! Each pixel is traced twice with independent random numbers, so that the noise of the audit does
+//! not count as an error of the picture (see `statistics`). A pixel that looks wrong is traced with
+//! many samples, and the references whose light there is off are examined; a block of a reference
+//! that is at fault forgets its light (see `blame`). The clock decides how many pixels are audited,
+//! so an audited walk may differ from run to run where a reference is at fault; otherwise a picture
+//! does not depend on being audited.
 
 use super::audited::Audited;
 use super::blame::{self, Blame};
@@ -19,33 +20,37 @@ use glam::Vec3;
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-/// The share of a frame's time that checking it may take.
+/// The share of a frame's time that its audit may take, 0..1.
 const MAX_TIME: f64 = 0.05;
 
-/// Not more than one pixel in so many is checked, however cheap: beyond that the estimate gains little.
+/// At most one pixel in this many is audited, however fast that is: more pixels hardly improve the
+/// estimate.
 const MIN_SPACING: usize = 16;
 
-/// Checked in the first frame, when it is not known what that costs.
+/// Pixels audited in the first frame, when their cost is not known.
 const FIRST_PIXELS: usize = 32;
 
-/// Weight of the newest frame in the cost of a checked pixel: fast enough to follow a walk from room to room.
+/// Weight, 0..1, of the newest frame in the moving average of a pixel's cost: it adapts fast enough
+/// to follow a walk from room to room.
 const NEWEST: f64 = 0.25;
 
-/// Each check takes so many times the frame's samples. In the same time fewer pixels are then checked, but the product of
-/// two errors has a sixteenth of the variance, and the bend of the display curve under noise hardly shows.
+/// Samples of an audit relative to the frame's. Fewer pixels are audited in the same time, but the
+/// product of two errors has a sixteenth of the variance, and the curvature of the display curve
+/// under noise has little effect.
 const CHECKING_SAMPLES: u32 = 4;
 
-/// A pixel that looks wrong is traced with so many times the frame's samples: a quarter of its noise.
+/// Samples, relative to the frame's, of a pixel that looks wrong: a quarter of its noise.
 const CONFIRMING_SAMPLES: u32 = 16;
 
-/// Keeps the random numbers of checks apart from those of frames and references, which count upwards from small seeds.
+/// Keeps the random numbers of audits apart from those of frames and references, whose seeds count
+/// upwards from small numbers.
 const AUDIT_SEED: u64 = 0xa0d1_7000_0000_0000;
 
-/// Unspent time is kept for so many frames, so that where one pixel takes longer than a frame allows, some are checked
-/// all the same.
-const KEPT_FRAMES: f64 = 4.0;
+/// Unspent time is saved for this many frames, so that pixels are audited even where a single one
+/// takes longer than one frame allows.
+const SAVED_FRAMES: f64 = 4.0;
 
-/// Checks frame after frame.
+/// Audits frame after frame.
 #[derive(Debug, Default)]
 pub struct Auditor {
     frames: u64,
@@ -57,20 +62,20 @@ pub struct Auditor {
     confirmed: Vec<Option<PixelTrace>>,
 }
 
-/// How much time is left for checks.
+/// The time left for audits.
 #[derive(Debug, Default)]
 struct Budget {
     secs: f64,
-    /// What a checked pixel takes, fading; `None` before the first.
+    /// Moving average of the cost of a pixel, seconds; `None` before the first audit.
     secs_per_pixel: Option<f64>,
 }
 
 impl Budget {
-    /// How many of a frame's pixels can be checked, going by what they took so far.
+    /// The number of a frame's pixels that can be audited at the cost measured so far.
     fn pixels_to_check(&mut self, pixels: usize, frame_secs: f64) -> usize {
         let allowed = MAX_TIME * frame_secs;
         let one = self.secs_per_pixel.unwrap_or(0.0);
-        self.secs = (self.secs + allowed).min((KEPT_FRAMES * allowed).max(one));
+        self.secs = (self.secs + allowed).min((SAVED_FRAMES * allowed).max(one));
         let affordable = if one > 0.0 { (self.secs.max(0.0) / one) as usize } else { FIRST_PIXELS };
         affordable.min(pixels / MIN_SPACING)
     }
@@ -86,7 +91,8 @@ impl Budget {
 }
 
 impl Auditor {
-    /// Checks as much of a frame as its time allows. Returns the seconds that took and what the last frames' checks say.
+    /// Audits as many pixels of a frame as its time allows. Returns the seconds that took, and the
+    /// estimate from the last frames.
     pub fn audit(&mut self, audited: &Audited<'_>, cache: &mut ReferenceCache) -> (f64, AuditEstimate) {
         let start = Instant::now();
         let frame = audited.frame;
@@ -97,7 +103,7 @@ impl Auditor {
         (secs, estimate)
     }
 
-    /// Checks so many pixels of a frame. References that are found at fault forget what is wrong.
+    /// Audits `count` pixels of a frame. Blocks of references that are at fault forget their light.
     pub fn check(
         &mut self,
         audited: &Audited<'_>,
@@ -121,7 +127,7 @@ impl Auditor {
         AuditEstimate { forgotten_blocks: self.forgotten_blocks, ..self.window.estimate() }
     }
 
-    /// Traces every chosen pixel twice.
+    /// Traces every chosen pixel twice, independently.
     fn trace_twice(&mut self, audited: &Audited<'_>, pixels: &[u32]) {
         let Audited { tracer, frame, trace } = *audited;
         let check = |which: u64| TraceSettings {
@@ -142,7 +148,7 @@ impl Auditor {
         wrong.map(|(pixel, _)| *pixel).collect()
     }
 
-    /// Traces them with many samples.
+    /// Traces the pixels that look wrong with many samples.
     fn confirm(&mut self, audited: &Audited<'_>, suspects: &[u32]) {
         let (Audited { tracer, frame, .. }, settings) = (*audited, self.confirming(audited.trace));
         trace_pixels(suspects, &mut self.confirmed, NEVER, |pixel, rays| {
@@ -159,7 +165,8 @@ impl Auditor {
         TraceSettings { samples, seed: trace.seed ^ AUDIT_SEED.wrapping_add(4 * self.frames + 2), ..*trace }
     }
 
-    /// Counts the pixels that are wrong, and makes the references at fault forget what they know there.
+    /// Counts the pixels that are wrong, and makes blocks of references at fault forget their
+    /// light.
     fn judge(&mut self, audited: &Audited<'_>, cache: &mut ReferenceCache, suspects: &[u32]) -> usize {
         let (frame, settings) = (audited.frame, self.confirming(audited.trace));
         let mut wrong = 0;
@@ -177,14 +184,14 @@ impl Auditor {
     }
 }
 
-/// So many pixels, one at a random place in each of as many equal parts of the picture.
+/// `count` pixels, one at a random position in each of `count` equal parts of the picture.
 fn chosen_pixels(frame: u64, pixels: usize, count: usize) -> Vec<u32> {
-    let place = |i: usize| {
+    let pixel = |i: usize| {
         let [random, _] = Key::of_pixel(AUDIT_SEED.wrapping_add(frame), i as u32).pair();
         let at = (i as f64 + f64::from(random)) * pixels as f64 / count as f64;
         (at as usize).min(pixels - 1) as u32
     };
-    (0..count).map(place).collect()
+    (0..count).map(pixel).collect()
 }
 
 #[cfg(test)]
@@ -192,8 +199,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn checks_take_a_twentieth_of_the_time_whatever_a_pixel_takes() {
-        // Frames of 5 to 20 ms; pixels from a microsecond to longer than a frame allows, changing all the time.
+    fn audits_take_a_twentieth_of_the_time_whatever_a_pixel_costs() {
+        // Frames of 5 to 20 ms; pixels that take from a microsecond to longer than a frame allows,
+        // varying from frame to frame.
         for [cheapest, dearest] in [[1e-6, 2e-6], [1e-5, 1e-4], [1e-3, 4e-3]] {
             let mut budget = Budget::default();
             let (mut frames, mut checks, mut checked) = (0.0, 0.0, 0);
@@ -205,11 +213,11 @@ mod tests {
                 budget.spend(secs, count);
                 (frames, checks, checked) = (frames + frame_secs, checks + secs, checked + count);
             }
-            // What is guessed wrong in one frame is made up for in the next.
+            // Time spent in excess in one frame is saved in the next.
             let once =
-                (FIRST_PIXELS as f64 * dearest).max(MAX_TIME * 0.02 * KEPT_FRAMES * dearest / cheapest);
+                (FIRST_PIXELS as f64 * dearest).max(MAX_TIME * 0.02 * SAVED_FRAMES * dearest / cheapest);
             assert!(checks <= MAX_TIME * frames + once, "{checks} s of {frames} s");
-            assert!(checked > 400, "{checked} pixels checked");
+            assert!(checked > 400, "{checked} pixels audited");
         }
         assert_eq!(Budget::default().pixels_to_check(100, 1.0), 100 / MIN_SPACING);
         assert_eq!(Budget::default().pixels_to_check(0, 1.0), 0);

@@ -1,7 +1,8 @@
-//! Which part of which reference is at fault where a pixel looks wrong.
+//! Finds the block of a reference that is at fault where a pixel looks wrong.
 //!
-//! A wrong pixel by itself proves little: at the edge of a shadow the light between two samples is a guess, and nobody's
-//! fault. So pixels of the block are traced anew where the reference was, and it is at fault where those are off.
+//! A single wrong pixel proves little: at the edge of a shadow the light between two samples is a
+//! guess, and the reference may be right. So pixels of the block are traced again from the
+//! reference's pose, and the block is at fault where those are off.
 
 use super::audited::Audited;
 use super::statistics::visibly_brighter;
@@ -12,29 +13,29 @@ use crate::render::frame::Frame;
 use crate::trace::{PixelTrace, RayCounts, TraceSettings, Tracer};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Side of the squares of a reference that are judged as one, pixels.
+/// Side of the blocks of a reference that are judged as a whole, pixels.
 pub(super) const BLOCK: u32 = 16;
 
-/// A reference's sample is that of a point where their distances differ by less than this share: the tolerance by which
-/// measured pixels show another surface than they should.
+/// A reference's sample belongs to a point where their depths differ by less than this share: the
+/// tolerance with which measurements count pixels that show another surface than they should.
 const SAME_DEPTH: f32 = 0.01;
 
-/// A block is looked at where so many wrong pixels speak against it.
-const ENOUGH_WRONG: u32 = 2;
+/// Wrong pixels after which a block is examined.
+const MIN_ACCUSATIONS: u32 = 2;
 
-/// So many pixels of it are then traced anew.
+/// Pixels of an examined block that are traced again.
 const RETRACED: usize = 32;
 
-/// It is at fault where its light is off by more than this share on average...
+/// A block is at fault where its light is off by more than this share on average...
 const MIN_OFF: f64 = 0.1;
 
-/// ...and by so many standard errors of that average, which noise alone never is.
+/// ...and by more than this many standard errors of the average, which noise alone never causes.
 const MIN_SIGMAS: f64 = 6.0;
 
-/// Blocks that are remembered at a time: what a whole reference of 1280x720 has.
+/// Blocks remembered at most: those of one reference of 1280x720.
 const MAX_REMEMBERED: usize = 3600;
 
-/// A square of a reference.
+/// A block of a reference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Block {
     pub(super) reference: ReferenceId,
@@ -42,7 +43,7 @@ pub(super) struct Block {
     pub(super) corner: [u32; 2],
 }
 
-/// The blocks under suspicion, and those that were found to be right.
+/// The blocks under suspicion, and those found to be right.
 #[derive(Debug, Default)]
 pub(super) struct Blame {
     accusations: BTreeMap<Block, u32>,
@@ -50,8 +51,8 @@ pub(super) struct Blame {
 }
 
 impl Blame {
-    /// A pixel that was wrong speaks against the blocks whose light there is off. Returns those that are at fault.
-    /// `trace` is what pixels are traced anew with.
+    /// Accuses the blocks whose light is off at a wrong pixel. Returns those that are at fault.
+    /// `trace` holds the settings that pixels are traced again with.
     pub(super) fn accuse(
         &mut self,
         audited: &Audited<'_>,
@@ -81,7 +82,7 @@ impl Blame {
         }
         let accusations = self.accusations.entry(block).or_default();
         *accusations += 1;
-        let is_enough = *accusations >= ENOUGH_WRONG;
+        let is_enough = *accusations >= MIN_ACCUSATIONS;
         if is_enough {
             self.accusations.remove(&block);
         }
@@ -89,7 +90,8 @@ impl Blame {
     }
 }
 
-/// True where pixels of a block, traced anew where the reference was, show that their light was never right.
+/// True where pixels of a block, traced again from the reference's pose, show that its light is
+/// wrong.
 fn is_at_fault(tracer: &Tracer, reference: &ReferenceFrame, corner: [u32; 2], trace: &TraceSettings) -> bool {
     let [width, height] = reference.view.size;
     let columns = corner[0]..(corner[0] + BLOCK).min(width);
@@ -108,13 +110,13 @@ fn is_at_fault(tracer: &Tracer, reference: &ReferenceFrame, corner: [u32; 2], tr
         (all, count) = (all + f64::from(right.element_sum()), count + 1.0);
     }
     let spread = (off_squared - off * off / count).max(0.0);
-    // Both sides are sums, not means: `count` cancels.
+    // Both sides are sums instead of means: `count` cancels.
     count >= RETRACED as f64 / 2.0
         && off.abs() > MIN_OFF * all
         && off.abs() > MIN_SIGMAS * (spread * count / (count - 1.0)).sqrt()
 }
 
-/// The blocks that hold light for what a pixel sees which is visibly off.
+/// The blocks whose light for the point that a pixel shows is visibly off.
 fn differing_blocks<'a>(
     tracer: &Tracer,
     frame: &Frame,
@@ -131,8 +133,8 @@ fn differing_blocks<'a>(
         let warp = PixelWarp::new(&frame.view, &reference.view);
         let Some((sx, sy, disparity)) = warp.target(x, y, 1.0 / hit.t) else { continue };
         let sample = sy * reference.view.size[0] + sx;
-        let is_same = (reference.disparity()[sample as usize] / disparity - 1.0).abs() < SAME_DEPTH;
-        if !is_same
+        let is_same_point = (reference.disparity()[sample as usize] / disparity - 1.0).abs() < SAME_DEPTH;
+        if !is_same_point
             || !reference.has_light(sample)
             || !sees_same_side(tracer, hit.triangle, &frame.view, &reference.view)
         {

@@ -1,61 +1,66 @@
-//! What checks of single pixels say of the pictures.
+//! Estimates the error of pictures from audited pixels.
 //!
-//! The estimator: a pixel that shows s is traced twice, independently; a and b are without bias for what it should show,
-//! m, so the mean of (s - a)(s - b) is (s - m)^2, whatever the noise of a and b. In display values (sRGB, clipped at one,
-//! as PSNR is measured everywhere here) the product is scaled by the square of the display curve's slope between s and
-//! (a + b) / 2. The mean over pixels, drawn evenly from the picture, and over the last frames estimates the mean squared
-//! error against a converged picture; its standard error comes from the spread of the products. Of a pixel that looks
-//! wrong the many samples that confirm it stand for both a and b: clipped, its noise would hide how wrong it is.
+//! The estimator: a pixel that shows s is traced twice, independently; a and b are unbiased
+//! estimates of the correct value m, so the mean of (s - a)(s - b) is (s - m)^2, whatever the noise
+//! of a and b. In display values (sRGB, clipped at one, as PSNR is measured everywhere here) the
+//! product is scaled by the square of the display curve's slope between s and (a + b) / 2. The mean
+//! over pixels, drawn evenly from the picture, and over the last frames estimates the mean squared
+//! error against a converged picture; its standard error follows from the variance of the products.
+//! For a pixel that looks wrong, the many samples that confirm it replace both a and b: clipped,
+//! their noise would hide how wrong the pixel is.
 
 use crate::raster::color::srgb_from_linear;
 use glam::Vec3;
 use serde::Serialize;
 use std::collections::VecDeque;
 
-/// Frames of so many seconds together are looked back on.
+/// Seconds of frames that the estimate covers.
 const WINDOW_SECS: f64 = 4.0;
 
-/// And at least so many frames, where each takes long.
+/// Frames that the estimate covers at least, however long each takes.
 const MIN_FRAMES: usize = 16;
 
-/// So many standard errors on either side hold the true mean in 95 % of all cases.
+/// Standard errors on either side of the mean that contain the true mean with a probability of 95
+/// %.
 const STANDARD_ERRORS: f64 = 1.96;
 
-/// Checked pixels from which on the spread says how sure their mean is.
+/// Audited pixels needed before the variance is used to estimate the standard error.
 const MIN_PIXELS: usize = 64;
 
-/// A pixel looks wrong where a channel is off by more than this in display values: a tenth of black to white.
+/// A pixel looks wrong where a channel is off by more than this in display values, where white is
+/// 1.
 const VISIBLE: f32 = 0.1;
 
-/// What the last frames' checks say.
+/// The error of the last frames, estimated from audited pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct AuditEstimate {
-    /// Pixels checked.
+    /// Pixels audited.
     pub pixels: usize,
-    /// The estimated PSNR against a converged picture, decibels of display values; `None` where the error cannot be told
-    /// from none.
+    /// Estimated PSNR of display values against a converged picture, in decibels; `None` where the
+    /// error cannot be distinguished from zero, or before enough pixels were audited.
     pub psnr_db: Option<f64>,
-    /// 95 % sure that it is not lower; `None` before enough pixels were checked.
+    /// Lower end of the 95 % confidence interval; `None` before enough pixels were audited.
     pub psnr_low_db: Option<f64>,
-    /// 95 % sure that it is not higher; `None` where the error cannot be told from none.
+    /// Upper end of the 95 % confidence interval; `None` where the error cannot be distinguished
+    /// from zero.
     pub psnr_high_db: Option<f64>,
-    /// Pixels that show something clearly else than they should.
+    /// Share of the audited pixels, in percent, that are visibly wrong.
     pub wrong_percent: f64,
     /// Blocks of references whose light was forgotten because it was wrong, since the walk began.
     pub forgotten_blocks: usize,
 }
 
 impl AuditEstimate {
-    /// Half the width of the 95 % interval, decibels; `None` where it has an open end.
+    /// Half the width of the 95 % confidence interval, in decibels; `None` where an end is open.
     pub fn plus_minus_db(&self) -> Option<f64> {
         Some((self.psnr_high_db? - self.psnr_low_db?) / 2.0)
     }
 }
 
-/// What the checks of one frame add up to.
+/// Sums over the audited pixels of one frame.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct FrameSums {
-    /// Seconds of the frame.
+    /// Seconds that the frame took.
     pub(super) secs: f64,
     pub(super) pixels: usize,
     pub(super) error: f64,
@@ -71,7 +76,7 @@ impl FrameSums {
     }
 }
 
-/// The last frames' sums.
+/// The sums of the last frames.
 #[derive(Debug, Default)]
 pub(super) struct Window {
     frames: VecDeque<FrameSums>,
@@ -107,13 +112,13 @@ impl Window {
     }
 }
 
-/// A channel as a screen shows it, 0..1.
+/// Display value of a linear channel, 0..1.
 fn display(linear: f32) -> f32 {
     srgb_from_linear(linear.clamp(0.0, 1.0))
 }
 
-/// The squared display error of a pixel, mean of its channels, without the noise of the two that check it; may be
-/// negative.
+/// Estimated squared display error of a pixel, mean over channels, unbiased by the noise of the two
+/// audits; may be negative.
 pub(super) fn display_error(shown: Vec3, [a, b]: [Vec3; 2]) -> f64 {
     let channel = |k: usize| {
         let (s, m) = (shown[k], (a[k] + b[k]) / 2.0);
@@ -123,23 +128,24 @@ pub(super) fn display_error(shown: Vec3, [a, b]: [Vec3; 2]) -> f64 {
     (channel(0) + channel(1) + channel(2)) / 3.0
 }
 
-/// Of the display curve between two values.
+/// Mean slope of the display curve between two values.
 fn slope(a: f32, b: f32) -> f32 {
-    // Nearer together the difference of rounded values says nothing; a step this wide keeps three digits.
+    // The difference of closer values is dominated by rounding; this step keeps three digits.
     const MIN_STEP: f32 = 1.0 / 1024.0;
     let (low, high) = (a.min(b), a.max(b));
     let (low, high) = if high - low < MIN_STEP { (low, low + MIN_STEP) } else { (low, high) };
     (display(high) - display(low)) / (high - low)
 }
 
-/// By how much `shown` is brighter on a screen than `right`, where that is clearly visible: the channel that is off most.
+/// By how much `shown` is brighter than `right` in the display value that differs most; `None`
+/// where the difference is not visible.
 pub(super) fn visibly_brighter(shown: Vec3, right: Vec3) -> Option<f32> {
     let off = |k: usize| display(shown[k]) - display(right[k]);
     let most = (0..3).map(off).max_by(|a, b| a.abs().total_cmp(&b.abs()))?;
     (most.abs() > VISIBLE).then_some(most)
 }
 
-/// True where both checks say that a pixel is visibly off, to the same side.
+/// True where both audits find a pixel visibly off in the same direction.
 pub(super) fn looks_wrong(shown: Vec3, [a, b]: [Vec3; 2]) -> bool {
     match (visibly_brighter(shown, a), visibly_brighter(shown, b)) {
         (Some(a), Some(b)) => a * b > 0.0,
@@ -152,14 +158,14 @@ mod tests {
     use super::*;
     use crate::math::key::Key;
 
-    /// Even noise around `middle`, of a width.
+    /// Uniform noise around `middle`.
     fn noisy(key: Key, middle: f32, width: f32) -> Vec3 {
         let [x, y] = key.pair();
         Vec3::new(middle + (x - 0.5) * width, middle + (y - 0.5) * width, middle)
     }
 
     #[test]
-    fn the_noise_of_the_check_is_no_error_of_the_picture() {
+    fn the_noise_of_the_audit_is_no_error_of_the_picture() {
         for (shown, right) in [(0.5f32, 0.5f32), (0.52, 0.5), (0.2, 0.25)] {
             let mut sums = FrameSums::default();
             for i in 0..20_000 {
@@ -173,24 +179,24 @@ mod tests {
             let estimate = window.estimate();
             let low = 10f64.powf(-estimate.psnr_low_db.unwrap() / 10.0);
             let high = estimate.psnr_high_db.map_or(0.0, |db| 10f64.powf(-db / 10.0));
-            // The display curve's bend under a noise of a tenth leaves a little.
+            // The curvature of the display curve under a noise of 0.1 adds a little.
             assert!(truth <= low * 1.2 && truth >= high * 0.8, "{truth} not in {high}..{low}");
             assert!(low - high < 2e-4, "{high}..{low}");
         }
     }
 
     #[test]
-    fn what_is_clearly_wrong_is_told_from_noise() {
+    fn visibly_wrong_pixels_are_distinguished_from_noise() {
         let white = Vec3::splat(0.6);
         assert!(looks_wrong(white, [Vec3::splat(0.2), Vec3::splat(0.1)]));
-        assert!(!looks_wrong(white, [Vec3::splat(0.2), Vec3::splat(0.9)]), "to both sides");
+        assert!(!looks_wrong(white, [Vec3::splat(0.2), Vec3::splat(0.9)]), "in both directions");
         assert!(!looks_wrong(white, [Vec3::splat(0.55), Vec3::splat(0.1)]), "only one");
         assert!(
             !looks_wrong(Vec3::splat(2.0), [Vec3::splat(5.0), Vec3::splat(9.0)]),
             "both white on a screen"
         );
         assert_eq!(display_error(Vec3::splat(2.0), [Vec3::splat(5.0), Vec3::splat(9.0)]), 0.0);
-        // Black where it should be white is one, not more.
+        // Black where it should be white has an error of one, not more.
         let error = display_error(Vec3::ZERO, [Vec3::ONE, Vec3::ONE]);
         assert!((error - 1.0).abs() < 1e-3, "{error}");
     }
