@@ -46,7 +46,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Damaged parts never stop an import that leaves something to show. Here the material 7 does
     // not exist.
     for warning in &scene.warnings {
-        println!("{}, line {}: {}", warning.file, warning.line, warning.message);
+        println!("{}: {}", warning.file, warning.message);
     }
     Ok(())
 }

@@ -23,6 +23,11 @@ pub const FORMATS: &[Format] = &[
     Format { name: "glTF", extensions: &["gltf", "glb"], read: gltf::read },
 ];
 
+/// Returns the file name extensions of all formats, lower case, without the dot.
+pub fn extensions() -> impl Iterator<Item = &'static str> {
+    FORMATS.iter().flat_map(|format| format.extensions).copied()
+}
+
 impl Format {
     /// Returns the format of a file by its extension, in upper or lower case.
     pub fn of(path: &Path) -> Option<&'static Self> {

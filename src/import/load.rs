@@ -1,7 +1,7 @@
 //! The entry point of the importer.
 
 use super::context::Import;
-use super::formats::{FORMATS, Format};
+use super::formats::{Format, extensions};
 use super::options::ImportOptions;
 use super::progress::{Progress, Steps};
 use crate::scene::{Scene, SceneError};
@@ -16,7 +16,7 @@ use std::path::Path;
 ///
 /// let scene = load("house.glb".as_ref(), &ImportOptions::default(), &|_phase, _part| true)?;
 /// for warning in &scene.warnings {
-///     eprintln!("{}, line {}: {}", warning.file, warning.line, warning.message);
+///     eprintln!("{}: {}", warning.file, warning.message);
 /// }
 /// # Ok::<(), afterimage::scene::SceneError>(())
 /// ```
@@ -37,10 +37,9 @@ pub fn load(path: &Path, options: &ImportOptions, progress: Progress) -> Result<
 fn read(path: &Path, options: &ImportOptions, steps: Steps) -> Result<Scene, SceneError> {
     let mut import = Import::new(path, options, steps)?;
     let Some(format) = Format::of(path) else {
-        let extensions: Vec<String> =
-            FORMATS.iter().flat_map(|f| f.extensions).map(|e| format!(".{e}")).collect();
+        let known: Vec<String> = extensions().map(|e| format!(".{e}")).collect();
         let cause = "models of this format are not read".to_owned();
-        return Err(import.failed(cause, format!("export the model as one of {}", extensions.join(", "))));
+        return Err(import.failed(cause, format!("export the model as one of {}", known.join(", "))));
     };
     (format.read)(&mut import)?;
     import.finish()

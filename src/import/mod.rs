@@ -27,7 +27,7 @@ mod text;
 mod trouble;
 mod units;
 
-pub use formats::{FORMATS, Format};
+pub use formats::{FORMATS, Format, extensions};
 pub use load::load;
 pub use options::{ImportOptions, Limits};
 pub use progress::{Phase, Progress};

@@ -158,9 +158,11 @@ fn escape(state: &mut AppState, services: &Services) {
 fn browse(services: &mut Services) {
     if services.file_dialog.is_none() {
         services.file_dialog = Some(spawn_task("dialog", services.wake.clone(), |_| {
+            let extensions: Vec<&str> =
+                afterimage::import::extensions().chain(["toml", "png", "exr"]).collect();
             let dialog = rfd::FileDialog::new()
                 .set_title("Open a model, a session or a picture")
-                .add_filter("Models, sessions, pictures", &["obj", "gltf", "glb", "toml", "png", "exr"]);
+                .add_filter("Models, sessions, pictures", &extensions);
             Ok(dialog.pick_file())
         }));
     }

@@ -46,7 +46,8 @@ fn default_folders() -> Vec<PathBuf> {
 fn stem(scene_name: &str) -> String {
     let plain = |c: char| if c.is_alphanumeric() || c == '-' || c == '_' { c } else { '-' };
     let name = scene_name.trim_start_matches("builtin:");
-    let name = [".obj", ".gltf", ".glb"].iter().find_map(|end| name.strip_suffix(end)).unwrap_or(name);
+    let mut extensions = afterimage::import::extensions();
+    let name = extensions.find_map(|e| name.strip_suffix(e)?.strip_suffix('.')).unwrap_or(name);
     let name: String = name.chars().take(60).map(plain).collect();
     format!("afterimage-{name}")
 }
