@@ -1,4 +1,4 @@
-//! Everything a person touches: the command line and the window. No ray and no triangle is handled here.
+//! The user interfaces: the command line and the window. The crate `afterimage` does the rendering.
 
 pub mod cli;
 pub mod picture;

@@ -1,4 +1,4 @@
-//! The program. Everything is in the library, so that tests drive the real thing.
+//! The program. All code is in the library, so that tests can use it.
 
 fn main() -> std::process::ExitCode {
     afterimage_ui::cli::run()

@@ -1,8 +1,8 @@
 //! Settings that the command line and the window share.
 //!
-//! The layers, from the weakest to the strongest: the program's defaults, the user's file, `[settings]` in the scene's
-//! `.afterimage.toml`, the environment (`AFTERIMAGE_*`), flags. Invalid settings are reported with a suggestion and
-//! ignored; they never stop the program.
+//! The layers, from the weakest to the strongest: the program's defaults, the user's file,
+//! `[settings]` in the scene's `.afterimage.toml`, the environment (`AFTERIMAGE_*`), flags. Invalid
+//! settings are reported with a suggestion and ignored; they never stop the program.
 
 use afterimage::Mode;
 use afterimage::raster::color::ToneMap;
@@ -34,8 +34,8 @@ impl Theme {
     }
 }
 
-/// The settings of all layers together; `None` leaves the program's default. A setting with the name of a flag is the
-/// default of that flag.
+/// The settings of all layers together; `None` leaves the program's default. A setting with the
+/// name of a flag is the default of that flag.
 ///
 /// To add a setting, add a field here and its row to [`RULES`].
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
@@ -70,26 +70,29 @@ pub struct Settings {
 }
 
 /// Name of a setting, the values it takes in words, and a check of what its type does not say.
-type Rule = (&'static str, &'static str, fn(&Settings) -> bool);
+type Rule = (&'static str, &'static str, fn(&Settings) -> Option<bool>);
 
 /// All settings in the order of the documentation.
 const RULES: [Rule; 13] = [
-    ("mode", "'full', 'paper', 'fast' or 'exact'", |_| true),
-    ("samples", "a whole number from 1 to 1048576", |s| {
-        s.samples.is_some_and(|n| (1..=1 << 20).contains(&n))
-    }),
-    ("bounces", "a whole number from 0 to 64", |s| s.bounces.is_some_and(|n| n <= 64)),
-    ("seed", "a whole number from 0", |_| true),
-    ("threads", "a whole number from 1 to 1024", |s| s.threads.is_some_and(|n| (1..=1024).contains(&n))),
-    ("size", "a size like '1280x720'", |s| s.size.as_deref().is_some_and(|text| picture_size(text).is_ok())),
-    ("exposure", "a number of stops from -64 to 64", |s| s.exposure.is_some_and(|ev| ev.abs() <= 64.0)),
-    ("tone_map", "'aces' or 'linear'", |_| true),
-    ("pictures", "a folder", |_| true),
-    ("theme", "'system', 'dark' or 'light'", |_| true),
-    ("ui_scale", "a number from 0.5 to 3", |s| s.ui_scale.is_some_and(|scale| UI_SCALES.contains(&scale))),
-    ("reduced_motion", "true or false", |_| true),
-    ("keys", "a section [keys] with actions and their keys", |_| true),
+    ("mode", "'full', 'paper', 'fast' or 'exact'", any),
+    ("samples", "a whole number from 1 to 1048576", |s| Some((1..=1 << 20).contains(&s.samples?))),
+    ("bounces", "a whole number from 0 to 64", |s| Some(s.bounces? <= 64)),
+    ("seed", "a whole number from 0", any),
+    ("threads", "a whole number from 1 to 1024", |s| Some((1..=1024).contains(&s.threads?))),
+    ("size", "a size like '1280x720'", |s| Some(picture_size(s.size.as_deref()?).is_ok())),
+    ("exposure", "a number of stops from -64 to 64", |s| Some(s.exposure?.abs() <= 64.0)),
+    ("tone_map", "'aces' or 'linear'", any),
+    ("pictures", "a folder", any),
+    ("theme", "'system', 'dark' or 'light'", any),
+    ("ui_scale", "a number from 0.5 to 3", |s| Some(UI_SCALES.contains(&s.ui_scale?))),
+    ("reduced_motion", "true or false", any),
+    ("keys", "a section [keys] with actions and their keys", any),
 ];
+
+/// The check of settings whose type says all.
+fn any(_: &Settings) -> Option<bool> {
+    Some(true)
+}
 
 /// Parses a picture size like `1280x720`.
 pub(crate) fn picture_size(text: &str) -> Result<[u32; 2], &'static str> {
@@ -102,7 +105,8 @@ pub(crate) fn picture_size(text: &str) -> Result<[u32; 2], &'static str> {
 /// Range of [`Settings::ui_scale`].
 pub const UI_SCALES: std::ops::RangeInclusive<f32> = 0.5..=3.0;
 
-/// Maximum length in bytes of a settings file, the user's or a scene's. The importer has the same limit.
+/// Maximum length in bytes of a settings file, the user's or a scene's. The importer has the same
+/// limit.
 pub(crate) const MAX_BYTES: u64 = 16 << 20;
 
 /// Environment variable with the path of the user's settings file.
@@ -122,7 +126,8 @@ pub struct Layers {
 }
 
 impl Layers {
-    /// Reads all layers. `scene` is the name of the scene as given by the user, `variables` is the environment.
+    /// Reads all layers. `scene` is the name of the scene as given by the user, `variables` is the
+    /// environment.
     pub fn load(
         user_file: Option<PathBuf>,
         scene: Option<&str>,
@@ -173,7 +178,8 @@ impl Layers {
     }
 }
 
-/// The value of a setting with the type that [`Settings`] asks for, or a sentence about the values it takes.
+/// The value of a setting with the type that [`Settings`] asks for, or a sentence about the values
+/// it takes.
 fn checked(name: &str, value: Value) -> Result<Value, String> {
     let Some((_, values, is_valid)) = RULES.iter().find(|(known, ..)| *known == name) else {
         return Err(format!(
@@ -183,7 +189,7 @@ fn checked(name: &str, value: Value) -> Result<Value, String> {
     };
     let fits = |value: &Value| {
         let settings: Result<Settings, _> = Table::from_iter([(name.to_owned(), value.clone())]).try_into();
-        settings.is_ok_and(|settings| is_valid(&settings))
+        settings.is_ok_and(|settings| is_valid(&settings) == Some(true))
     };
     // Environment variables are text; a file may have quotes around a number.
     let spelled = value.as_str().and_then(|text| format!("value = {text}").parse::<Table>().ok());
@@ -243,8 +249,8 @@ pub(crate) fn suggestion(word: &str, known: &[&str]) -> String {
     }
 }
 
-/// Writes one setting into the user's file, or removes it if `value` is `None`. The rest of the file, with its
-/// comments, stays as it is.
+/// Writes one setting into the user's file, or removes it if `value` is `None`. The rest of the
+/// file, with its comments, stays as it is.
 ///
 /// # Errors
 /// If the file cannot be read or written, or is not valid TOML.

@@ -1,4 +1,5 @@
-//! What the program is made of may be given away with it: every package's licence, from the packages themselves.
+//! What the program is made of may be given away with it: every package's licence, from the
+//! packages themselves.
 
 use serde_json::Value;
 use std::collections::{BTreeSet, HashMap};

@@ -28,7 +28,8 @@ pub(crate) fn run(args: &CompareArgs, flags: &Flags) -> Result<(), Failure> {
     }
     let size = a.size;
     let (shown_a, shown_b) = (a.display(), b.display());
-    // relMSE and the largest difference are measured in linear light unless both pictures are display-referred.
+    // relMSE and the largest difference are measured in linear light unless both pictures are
+    // display-referred.
     let both_display = a.kind == PictureKind::Display && b.kind == PictureKind::Display;
     let (value_a, value_b) = if both_display { (a.values, b.values) } else { (a.linear(), b.linear()) };
     let psnr = psnr_db(&shown_a, &shown_b);

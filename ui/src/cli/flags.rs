@@ -72,8 +72,8 @@ pub(crate) struct Flags {
     /// A saved view of the scene [default: the first one, if no pose is given].
     #[arg(long, global = true, value_name = "NAME")]
     pub(crate) view: Option<String>,
-    /// Exposure of display-referred pictures, stops [default: 0; in the window metered for an opened
-    /// model].
+    /// Exposure of display-referred pictures, stops [default: 0; in the window metered for an
+    /// opened model].
     #[arg(long, global = true, value_name = "EV", allow_hyphen_values = true)]
     #[arg(value_parser = number_in(-64.0_f32..=64.0, " stops"))]
     pub(crate) exposure: Option<f32>,

@@ -63,8 +63,8 @@ fn light_kinds(scene: &Scene) -> Vec<(&'static str, usize)> {
     ]
 }
 
-/// The largest reflectance of all mirrors, and a bound on the radiance that is lost by ending chains of
-/// mirrors early, relative to the largest radiance reflected; `None` if it is unbounded.
+/// The largest reflectance of all mirrors, and a bound on the radiance that is lost by ending
+/// chains of mirrors early, relative to the largest radiance reflected; `None` if it is unbounded.
 fn mirrors(scene: &Scene) -> (f32, Option<f32>) {
     let r = scene.materials.iter().map(Material::max_mirror_reflectance).fold(0.0, f32::max);
     let bound = if r > 0.0 { truncation_bound(r, 1.0) } else { 0.0 };

@@ -1,4 +1,5 @@
-//! Ctrl+C: the first interrupt asks the work to stop and keep its results, the second exits at once.
+//! Ctrl+C: the first interrupt asks the work to stop and keep its results, the second exits at
+//! once.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 

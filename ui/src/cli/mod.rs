@@ -1,4 +1,5 @@
-//! The command line: each command checks its flags, calls the engine, and writes results to stdout and files.
+//! The command line: each command checks its flags, calls the engine, and writes results to stdout
+//! and files.
 //!
 //! Data goes to stdout, messages to stderr. Only `doctor` and the window use graphics.
 
@@ -22,7 +23,7 @@ mod tour;
 mod walk;
 
 use crate::settings::{CONFIG_VARIABLE, Layers};
-use crate::window::input::keymap;
+use crate::window::input::keymap::{self, KeysError};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use failure::Failure;
 use flags::Flags;
@@ -38,7 +39,7 @@ fn long_help() -> String {
     format!("Keys in the window:\n{}\n{EXIT_CODES}", keymap::help_text())
 }
 
-/// Walk through ray-traced buildings; reference images are reused.
+/// Interactive walkthrough of ray-traced buildings that reuses reference images.
 #[derive(Debug, Parser)]
 #[command(name = "afterimage", version, about, subcommand_precedence_over_arg = true)]
 #[command(after_help = EXIT_CODES, after_long_help = long_help())]
@@ -92,39 +93,39 @@ pub fn run() -> ExitCode {
     // Keys are installed first because `--help` lists them.
     let layers = Layers::load(user_file.clone(), None, std::env::vars());
     let key_error = layers.settings().keys.and_then(|keys| keymap::install(&keys).err());
-    let cli = match parse(Cli::command()) {
-        Ok(cli) => cli,
-        Err(exit_code) => return exit_code,
-    };
+    match with_settings(user_file, key_error) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(exit_code) => exit_code,
+    }
+}
+
+/// Parses the arguments, with the settings as defaults of flags, and runs the command.
+fn with_settings(user_file: Option<PathBuf>, key_error: Option<KeysError>) -> Result<(), ExitCode> {
+    let cli = parse(Cli::command())?;
     let scene = cli.scene.as_deref().or_else(|| cli.command.as_ref().and_then(Command::scene));
     let mut layers = Layers::load(user_file, scene, std::env::vars());
     layers.warnings.extend(key_error.map(|error| error.to_string()));
     for warning in &layers.warnings {
         output::say(&format!("warning: {warning}"));
     }
-    let with_settings = Cli::command().mut_args(|arg| {
+    let command = Cli::command().mut_args(|arg| {
         let name = arg.get_long().unwrap_or_default().replace('-', "_");
         match layers.flag_value(&name) {
             Some(value) => arg.default_value(value),
             None => arg,
         }
     });
-    let cli = match parse(with_settings) {
-        Ok(cli) => cli,
-        Err(exit_code) => return exit_code,
-    };
+    let cli = parse(command)?;
     let outcome =
         check(&cli.flags).and_then(|()| start_threads(&cli.flags)).and_then(|()| dispatch(&cli, &layers));
-    match outcome {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => {
-            output::say(&failure.to_string());
-            ExitCode::from(failure.exit_code())
-        }
-    }
+    outcome.map_err(|failure| {
+        output::say(&failure.to_string());
+        ExitCode::from(failure.exit_code())
+    })
 }
 
-/// Parses the arguments of the process. Prints clap's errors, and the texts of `--help` and `--version`.
+/// Parses the arguments of the process. Prints clap's errors, and the texts of `--help` and
+/// `--version`.
 fn parse(command: clap::Command) -> Result<Cli, ExitCode> {
     command.try_get_matches().and_then(|matches| Cli::from_arg_matches(&matches)).map_err(|error| {
         let _ = error.print();

@@ -25,8 +25,8 @@ pub(crate) fn given(flags: &Flags) -> Option<Camera> {
     Some(Camera::look_at(flags.eye?, flags.look_at?, degrees))
 }
 
-/// The camera at the pose or view given by the flags, or at the scene's first view. The flags must have
-/// passed [`check`].
+/// The camera at the pose or view given by the flags, or at the scene's first view. The flags must
+/// have passed [`check`].
 pub(crate) fn camera(flags: &Flags, scene: &Scene) -> Result<Camera, Failure> {
     let degrees = |found: &Camera| flags.fov_y.unwrap_or(found.fov_y.to_degrees());
     let with_fov = |found: &Camera| Camera { fov_y: degrees(found).to_radians(), ..*found };

@@ -1,5 +1,5 @@
-//! Progress of a long job: a bar with rate and remaining time on a terminal, a line every few seconds
-//! elsewhere.
+//! Progress of a long job: a bar with rate and remaining time on a terminal, a line every few
+//! seconds elsewhere.
 
 use super::output::say;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -86,8 +86,8 @@ impl SharedProgress {
         self.note(part, "");
     }
 
-    /// Shows the finished part, 0..1; `note` describes the current step. A thread that would have to wait
-    /// for the lock returns at once: other threads report soon.
+    /// Shows the finished part, 0..1; `note` describes the current step. A thread that would have
+    /// to wait for the lock returns at once: other threads report soon.
     pub(crate) fn note(&self, part: f64, note: &str) {
         if let Ok(mut inner) = self.inner.try_lock() {
             inner.at((part * Self::STEPS as f64) as u64, note);

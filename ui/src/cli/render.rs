@@ -33,7 +33,8 @@ pub(crate) struct RenderArgs {
     #[arg(long = "reference", value_name = "EX,EY,EZ:LX,LY,LZ", value_parser = eye_and_target)]
     #[arg(allow_hyphen_values = true)]
     references: Vec<[DVec3; 2]>,
-    /// Trace every pixel in full, with N primary rays through different points of it, for smooth edges.
+    /// Trace every pixel in full, with N primary rays through different points of it, for smooth
+    /// edges.
     #[arg(long, value_name = "N", conflicts_with = "references")]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=4096))]
     antialias: Option<u32>,

@@ -30,7 +30,8 @@ impl Loaded {
         self.tracer.scene()
     }
 
-    /// Statistics of the light grid: how many of the scene's lights are sampled in the cells shaded so far.
+    /// Statistics of the light grid: how many of the scene's lights are sampled in the cells shaded
+    /// so far.
     pub(crate) fn light_cuts(&self) -> Value {
         let cuts = self.tracer.light_grid().cuts();
         json!({"lights": cuts.lights, "cells": cuts.cells, "kept_mean": cuts.kept_mean})

@@ -37,7 +37,8 @@ pub(super) fn start(
     tour::run(&headless_tour(scene), &flags)
 }
 
-/// Refuses a word that is neither a file nor could be the name of a model: it is a misspelled command.
+/// Refuses a word that is neither a file nor could be the name of a model: it is a misspelled
+/// command.
 fn check_is_no_command(word: &str, commands: &clap::Command) -> Result<(), Failure> {
     if word.contains(['.', '/', '\\', ':']) || Path::new(word).exists() {
         return Ok(());

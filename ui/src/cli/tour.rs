@@ -35,7 +35,8 @@ pub(crate) struct TourArgs {
     /// A recorded camera path (JSON) [default: the scene's own]; FILE#NAME selects one of several.
     #[arg(long, value_name = "FILE[#NAME]")]
     pub(super) path: Option<String>,
-    /// Folder for frames.csv, references.csv, summary.json and pictures; created if it does not exist.
+    /// Folder for frames.csv, references.csv, summary.json and pictures; created if it does not
+    /// exist.
     #[arg(long, value_name = "DIR")]
     pub(super) out: PathBuf,
     /// Rule that places new references.
@@ -56,11 +57,12 @@ pub(crate) struct TourArgs {
     /// Write every frame, and the types of its pixels, to images/.
     #[arg(long)]
     pub(super) pictures: bool,
-    /// Check a few looked-up pixels of every frame by tracing them, in up to a twentieth of its time.
+    /// Check a few looked-up pixels of every frame by tracing them, in up to a twentieth of its
+    /// time.
     #[arg(long)]
     pub(super) audit: bool,
-    /// End every frame after this time, as the window does while the camera moves; unfinished pixels are
-    /// filled from their neighbours, ms.
+    /// End every frame after this time, as the window does while the camera moves; unfinished
+    /// pixels are filled from their neighbours, ms.
     #[arg(long, value_name = "MS", value_parser = clap::value_parser!(u32).range(1..=3_600_000))]
     pub(super) budget_ms: Option<u32>,
     /// Measure errors and the full tracer's time on some frames.

@@ -5,7 +5,8 @@ use afterimage::camera::CameraPath;
 use afterimage::raster::load::read_bounded;
 use std::path::Path;
 
-/// Maximum length in bytes of a file of camera paths; a path of a million key frames has about 100 MB.
+/// Maximum length in bytes of a file of camera paths; a path of a million key frames has about 100
+/// MB.
 const MAX_BYTES: u64 = 256 << 20;
 
 /// Reads the camera path in `FILE`, or the one called `NAME` in `FILE#NAME`.

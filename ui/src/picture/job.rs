@@ -28,8 +28,8 @@ pub struct PictureJob {
     pub size: [u32; 2],
     /// Mode, samples, bounces and seed.
     pub settings: RenderSettings,
-    /// Number of primary rays through different points of each pixel, all traced in full; `None` for one
-    /// ray through its centre.
+    /// Number of primary rays through different points of each pixel, all traced in full; `None`
+    /// for one ray through its centre.
     pub antialias: Option<u32>,
     /// Whether the sky is shown.
     pub background: Background,
@@ -69,8 +69,8 @@ pub struct MadePicture {
 }
 
 impl PictureJob {
-    /// True if every pixel is traced on its own. The picture is then rendered in bands, and no buffer of
-    /// its size is allocated.
+    /// True if every pixel is traced on its own. The picture is then rendered in bands, and no
+    /// buffer of its size is allocated.
     pub fn is_banded(&self, references: &[Arc<ReferenceFrame>]) -> bool {
         self.antialias.is_some() || self.settings.mode.traces_all(references.is_empty())
     }
@@ -85,8 +85,8 @@ impl PictureJob {
     }
 
     /// Renders the picture and writes its files. `progress` is called from several threads with the
-    /// finished part, 0..1. If it is stopped, the files contain the finished part of the picture and are
-    /// marked as incomplete.
+    /// finished part, 0..1. If it is stopped, the files contain the finished part of the picture
+    /// and are marked as incomplete.
     ///
     /// # Errors
     /// [`SaveError`] of the first file that cannot be written; then no file is left.
@@ -178,7 +178,8 @@ impl PictureJob {
         Ok(stats)
     }
 
-    /// Renders a picture that reuses references in one piece: a reference may contain points of all of it.
+    /// Renders a picture that reuses references in one piece: a reference may contain points of all
+    /// of it.
     fn whole(
         &self,
         tracer: &Tracer,

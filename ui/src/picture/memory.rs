@@ -56,7 +56,8 @@ pub(crate) fn check_banded(pixels: u64) -> Result<(), TooLarge> {
 
 /// Checks a picture that is rendered in one piece, with `references` reference images of its size.
 pub(crate) fn check(pixels: u64, references: u64) -> Result<(), TooLarge> {
-    // In addition to the renderer: the 8-bit picture, the picture of types, a copy for EXR channels.
+    // In addition to the renderer: the 8-bit picture, the picture of types, a copy for EXR
+    // channels.
     const OUTPUT: u64 = 3 + 3 + 12;
     let tracing = if references > 0 { ReferenceFrame::TRACING_BYTES_PER_PIXEL as u64 } else { 0 };
     let held = references * ReferenceFrame::BYTES_PER_PIXEL as u64;

@@ -1,5 +1,5 @@
-//! Picture files: rendering and writing them, and restoring a view from one. The command line and the
-//! window share this module, so that both write the same bits.
+//! Picture files: rendering and writing them, and restoring a view from one. The command line and
+//! the window share this module, so that both write the same bits.
 
 mod job;
 pub(crate) mod memory;

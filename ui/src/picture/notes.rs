@@ -28,7 +28,8 @@ pub(crate) struct Made<'a> {
     pub(crate) tone_map: ToneMap,
 }
 
-/// Names and values of the metadata. Whether the picture is complete is added when its file is closed.
+/// Names and values of the metadata. Whether the picture is complete is added when its file is
+/// closed.
 pub(crate) fn notes(made: &Made<'_>) -> Vec<(&'static str, String)> {
     let c = made.camera;
     let (eye, at) = (c.eye, c.eye + c.forward());
@@ -43,8 +44,8 @@ pub(crate) fn notes(made: &Made<'_>) -> Vec<(&'static str, String)> {
     ]
 }
 
-/// The settings as flags of `afterimage render`. A converged picture is the one that the full tracer
-/// renders with anti-aliasing.
+/// The settings as flags of `afterimage render`. A converged picture is the one that the full
+/// tracer renders with anti-aliasing.
 fn settings(made: &Made<'_>) -> String {
     let (trace, refined) = (&made.settings.trace, made.refined);
     let has_converged = refined.is_complete && refined.of > 0;

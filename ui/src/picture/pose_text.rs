@@ -26,8 +26,8 @@ pub fn pose_flags(camera: &Camera) -> String {
     )
 }
 
-/// Finds a pose in a text that contains its flags, such as a whole command line. Without `--fov-y`, the
-/// field of view is that of `before`.
+/// Finds a pose in a text that contains its flags, such as a whole command line. Without `--fov-y`,
+/// the field of view is that of `before`.
 ///
 /// # Errors
 /// [`PoseError`] if a flag is missing or invalid.
@@ -68,8 +68,8 @@ fn point(text: &str, flag: &str) -> Result<DVec3, PoseError> {
 /// Parses a point like `-1.5,2,0.25`.
 ///
 /// # Errors
-/// [`PoseError`] if the text is not three numbers, or a number is beyond 1e12: there, an `f64` position
-/// in metres no longer resolves millimetres.
+/// [`PoseError`] if the text is not three numbers, or a number is beyond 1e12: there, an `f64`
+/// position in metres no longer resolves millimetres.
 pub(crate) fn parse_point(text: &str) -> Result<DVec3, PoseError> {
     let number = |t: &str| t.trim().parse::<f64>().ok().filter(|n| n.abs() <= 1e12);
     let numbers: Option<Vec<f64>> = text.split(',').map(number).collect();

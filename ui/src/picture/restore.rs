@@ -49,8 +49,8 @@ pub fn read_view(path: &Path) -> anyhow::Result<PictureView> {
     Ok(PictureView { scene: scene.to_owned(), scene_hash: scene_hash.to_owned(), camera, exposure_ev })
 }
 
-/// Looks for the model of a view also in the folder of its picture: a relative path in the file refers
-/// to the folder that the program was started in.
+/// Looks for the model of a view also in the folder of its picture: a relative path in the file
+/// refers to the folder that the program was started in.
 pub fn beside(view: PictureView, picture: &Path) -> PictureView {
     let model = Path::new(&view.scene);
     if view.scene.starts_with("builtin:") || model.exists() {

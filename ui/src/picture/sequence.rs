@@ -67,7 +67,8 @@ pub fn film_command(folder: &Path) -> String {
 }
 
 impl Sequence {
-    /// Renders the missing pictures of the sequence, below the first of `folders` that can be written.
+    /// Renders the missing pictures of the sequence, below the first of `folders` that can be
+    /// written.
     ///
     /// # Errors
     /// If the pictures are too large, or cannot be written; finished pictures are kept.

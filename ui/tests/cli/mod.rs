@@ -57,7 +57,8 @@ impl Bench {
         names
     }
 
-    /// Runs the program in the folder, words parted at spaces. No display, no cache but the folder's own.
+    /// Runs the program in the folder, words parted at spaces. No display, no cache but the
+    /// folder's own.
     fn run(&self, line: &str) -> Output {
         self.run_with(line, &[])
     }

@@ -23,11 +23,12 @@ pub(crate) struct ExperimentArgs {
     /// folders of the shards.
     #[arg(value_name = "SCENE")]
     pub(super) inputs: Vec<String>,
-    /// Folder of the run. An interrupted run of the same experiment is resumed; a folder of any other
-    /// run is refused.
+    /// Folder of the run. An interrupted run of the same experiment is resumed; a folder of any
+    /// other run is refused.
     #[arg(long, value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
-    /// Run every N-th cell, from I on; in an array job, the scheduler's environment gives I or both.
+    /// Run every N-th cell, from I on; in an array job, the scheduler's environment gives I or
+    /// both.
     #[arg(long, value_name = "I/N", allow_hyphen_values = true)]
     pub(super) shard: Option<String>,
     /// Small pictures and few steps: seconds to a few minutes.

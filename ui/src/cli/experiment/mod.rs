@@ -1,4 +1,5 @@
-//! `afterimage experiment NAME`: runs an experiment into a folder, and merges the folders of shards.
+//! `afterimage experiment NAME`: runs an experiment into a folder, and merges the folders of
+//! shards.
 
 mod args;
 mod run;

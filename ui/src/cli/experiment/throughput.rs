@@ -1,4 +1,5 @@
-//! `afterimage experiment throughput` without a folder: measures the speed of each stage, and prints it.
+//! `afterimage experiment throughput` without a folder: measures the speed of each stage, and
+//! prints it.
 
 use super::args::ExperimentArgs;
 use crate::cli::failure::Failure;

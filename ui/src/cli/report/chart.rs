@@ -1,7 +1,8 @@
 //! Draws a chart as SVG, for files, for the HTML page, and rasterised for PNG.
 //!
-//! No plotting library is used: none offers, in its SVG, values on hover, styles by the page (light and dark),
-//! and marks that differ in shape as well as in colour. Here these take about ten lines each.
+//! No plotting library is used: none offers, in its SVG, values on hover, styles by the page (light
+//! and dark), and marks that differ in shape as well as in colour. Here these take about ten lines
+//! each.
 
 use super::axis::{Span, tick_label};
 use afterimage::experiment::run::report::{Chart, Drawn, Point, Series};
@@ -15,8 +16,8 @@ const BOTTOM: f64 = 52.0;
 const TITLE: f64 = 34.0;
 const LEGEND_ROW: f64 = 20.0;
 
-/// Default colours of series: distinct on light and dark backgrounds and, together with the shapes of
-/// the marks, under colour blindness.
+/// Default colours of series: distinct on light and dark backgrounds and, together with the shapes
+/// of the marks, under colour blindness.
 const PALETTE: [&str; 8] =
     ["#0072b2", "#d55e00", "#009e73", "#b8559a", "#a87900", "#3d9bd4", "#7a68d8", "#808080"];
 
@@ -227,7 +228,8 @@ fn color(series: &Series, number: usize) -> &str {
     if is_color { &series.color } else { PALETTE[number % PALETTE.len()] }
 }
 
-/// For element content and attributes of XML and HTML. Control characters, which XML forbids, are left out.
+/// For element content and attributes of XML and HTML. Control characters, which XML forbids, are
+/// left out.
 pub(super) fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {

@@ -1,5 +1,5 @@
-//! The report of a run: lines of text, and files in the run folder: `plots/*.svg`, `plots/*.png`, and
-//! `report.html`, which needs no other file.
+//! The report of a run: lines of text, and files in the run folder: `plots/*.svg`, `plots/*.png`,
+//! and `report.html`, which needs no other file.
 
 mod axis;
 mod chart;

@@ -33,7 +33,8 @@ fn file_name(name: &str) -> String {
     name.chars().map(|c| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' }).collect()
 }
 
-/// Rasterises a drawing. Its text uses the embedded font, so that plots are the same on all machines.
+/// Rasterises a drawing. Its text uses the embedded font, so that plots are the same on all
+/// machines.
 pub(super) fn png(svg: &str) -> anyhow::Result<Vec<u8>> {
     let mut options = Options::default();
     let fonts = Arc::make_mut(&mut options.fontdb);

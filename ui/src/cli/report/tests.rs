@@ -96,7 +96,8 @@ fn points_lie_at_their_values() {
         panic!("zero has no place on a logarithmic axis: {places:?}")
     };
     assert!(x1 < x2 && y1 > y2, "right is more, up is more: {places:?}");
-    // From 0.005 to 0.2, the ranges' ends, 0.01 to 0.1 is this share of the inner 92 % of the width.
+    // From 0.005 to 0.2, the ranges' ends, 0.01 to 0.1 is this share of the inner 92 % of the
+    // width.
     let width = 760.0 - 76.0 - 20.0;
     let share = 10f64.ln() / 40f64.ln() / 1.08;
     assert!(((x2 - x1) / width - share).abs() < 1e-3, "{places:?}");

@@ -1,10 +1,10 @@
-//! Shared parts of passes over a whole target: one triangle that covers it, its pipeline, bindings and
-//! textures.
+//! Shared parts of passes over a whole target: one triangle that covers it, its pipeline, bindings
+//! and textures.
 
 use egui_wgpu::wgpu;
 
-/// A pipeline without depth buffer and with one sample per pixel, as egui's own. It runs the entry points
-/// `vertex` and `fragment` of a shader with the given override constants.
+/// A pipeline without depth buffer and with one sample per pixel, as egui's own. It runs the entry
+/// points `vertex` and `fragment` of a shader with the given override constants.
 pub(crate) fn pipeline(
     device: &wgpu::Device,
     label: &str,

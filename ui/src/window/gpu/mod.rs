@@ -1,5 +1,5 @@
-//! Passes on the graphics card: the newest frame is tone-mapped, reprojected to the current camera, and
-//! drawn.
+//! Passes on the graphics card: the newest frame is tone-mapped, reprojected to the current camera,
+//! and drawn.
 
 pub mod adapter;
 pub mod full_screen_pass;

@@ -1,7 +1,8 @@
-// Shows a tone-mapped frame and the types of its pixels. viewport.rs prepends the constants TYPE1, TYPE2, TYPE3
-// and FILLED, the colours of the heatmap.
+// Shows a tone-mapped frame and the types of its pixels. viewport.rs prepends the constants TYPE1,
+// TYPE2, TYPE3 and FILLED, the colours of the heatmap.
 
-// Each combination is a pipeline of its own, because software rasterizers execute both sides of every branch.
+// Each combination is a pipeline of its own, because software rasterizers execute both sides of
+// every branch.
 override IS_WARPED: bool;        // the frame is reprojected by the map
 override SHOWS_TYPES: bool;      // heatmap or outline is shown
 override IS_OVERLAID: bool;      // the full tracer's picture or the error map is shown
@@ -36,8 +37,8 @@ struct Vertex {
     @location(3) @interpolate(flat) p2: vec4<u32>,
 };
 
-// The vertex shader passes the uniforms on, because lavapipe (Mesa 22) recompiles a fragment shader at every draw
-// for each value of a uniform that it branches on, at half a megabyte each.
+// The vertex shader passes the uniforms on, because lavapipe (Mesa 22) recompiles a fragment shader
+// at every draw for each value of a uniform that it branches on, at half a megabyte each.
 var<private> p: Params;
 
 // Restores the parameters from their bits.

@@ -54,7 +54,8 @@ impl Projection {
         Some([self.on_screen(p)?, self.on_screen(q)?])
     }
 
-    /// Snaps a point on a triangle to a corner or, failing that, to an edge that is near it in the viewport.
+    /// Snaps a point on a triangle to a corner or, failing that, to an edge that is near it in the
+    /// viewport.
     pub fn snapped(&self, on_surface_m: DVec3, corners_m: &[DVec3; 3]) -> Snap {
         let cursor = self.point(on_surface_m);
         let is_near = |p: &DVec3| match (cursor, self.point(*p)) {

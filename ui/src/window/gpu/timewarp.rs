@@ -1,14 +1,14 @@
-//! Reprojects the last frame to the current camera on the graphics card, so that the view follows the
-//! user's input at the display's refresh rate even while the renderer is slower.
+//! Reprojects the last frame to the current camera on the graphics card, so that the view follows
+//! the user's input at the display's refresh rate even while the renderer is slower.
 //!
-//! Each pixel of the new view is traced through the depth image of the last frame. Along its ray, source
-//! pixel and disparity change linearly in the image, so a march along a line from near to far finds the
-//! first surface: relief mapping (Policarpo, Oliveira and Comba, I3D 2005) with the depth image as the
-//! relief. Squares of pixels that the ray passes in front of or behind are skipped in one step (Tevs,
-//! Ihrke and Seidel, I3D 2008, with minima as well as maxima), so no surface is missed however far the
-//! camera has moved. If the last frame does not contain the first surface, the pixel is filled from the
-//! surroundings of the surface that hides it, and marked as filled. Source of the idea: positional
-//! timewarp (van Waveren, VRST 2016).
+//! Each pixel of the new view is traced through the depth image of the last frame. Along its ray,
+//! source pixel and disparity change linearly in the image, so a march along a line from near to
+//! far finds the first surface: relief mapping (Policarpo, Oliveira and Comba, I3D 2005) with the
+//! depth image as the relief. Squares of pixels that the ray passes in front of or behind are
+//! skipped in one step (Tevs, Ihrke and Seidel, I3D 2008, with minima as well as maxima), so no
+//! surface is missed however far the camera has moved. If the last frame does not contain the first
+//! surface, the pixel is filled from the surroundings of the surface that hides it, and marked as
+//! filled. Source of the idea: positional timewarp (van Waveren, VRST 2016).
 
 use crate::window::gpu::full_screen_pass as pass;
 use crate::window::rendering::depth_ranges::{DepthRanges, LEVELS};
@@ -20,11 +20,12 @@ use glam::{DMat3, DVec3};
 /// Maximum number of steps of a march, which bounds the time of a draw for all depths.
 pub const MAX_STEPS: u32 = 128;
 
-/// Maximum number of texels of the map with a software rasterizer, which takes its time from the renderer.
+/// Maximum number of texels of the map with a software rasterizer, which takes its time from the
+/// renderer.
 pub const MAX_TEXELS_IN_SOFTWARE: u32 = 96 * 1024;
 
-/// Displacement in pixels, and whether the pixel is filled. Half floats represent a displacement of 64
-/// pixels to within 1/32.
+/// Displacement in pixels, and whether the pixel is filled. Half floats represent a displacement of
+/// 64 pixels to within 1/32.
 const MAP_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
 /// Mapping from pixels of a new view to pixels of the last frame.
@@ -32,7 +33,8 @@ const MAP_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 pub struct Reprojection {
     /// Frame pixel (x, y, 1) of a pixel of the new view, for points at infinity.
     source_from_target: DMat3,
-    /// Image of the new eye in the frame; multiplied by inverse depth, it is the parallax of a point.
+    /// Image of the new eye in the frame; multiplied by inverse depth, it is the parallax of a
+    /// point.
     epipole: DVec3,
     size: [u32; 2],
     /// Largest disparity of the frame, in scene units.
@@ -40,8 +42,8 @@ pub struct Reprojection {
 }
 
 impl Reprojection {
-    /// Mapping from the frame of one camera to the view of another. `nearest` is the largest disparity of
-    /// the frame, in scene units.
+    /// Mapping from the frame of one camera to the view of another. `nearest` is the largest
+    /// disparity of the frame, in scene units.
     pub fn new(from: &Camera, to: &Camera, scene: &SceneFrame, size: [u32; 2], nearest: f32) -> Self {
         let [source, target] = [from, to].map(|camera| View::new(camera, scene, size));
         let source_pixel_from_scene = source.scene_from_pixel_f64.inverse();
@@ -85,7 +87,8 @@ struct Params {
 
 const _: () = assert!(size_of::<Params>() == 144);
 
-/// The pass that computes a map: for every pixel of the new view, its displacement into the last frame.
+/// The pass that computes a map: for every pixel of the new view, its displacement into the last
+/// frame.
 pub struct Timewarp {
     pipeline: wgpu::RenderPipeline,
     layout: wgpu::BindGroupLayout,
@@ -93,7 +96,8 @@ pub struct Timewarp {
     max_texels: u32,
 }
 
-/// A map of the frame's size, or smaller by an integer factor, and the depths that it is computed from.
+/// A map of the frame's size, or smaller by an integer factor, and the depths that it is computed
+/// from.
 pub struct WarpMap {
     /// Displacement in frame pixels; the third channel is 1 if the pixel is filled.
     pub map: wgpu::Texture,
@@ -106,8 +110,8 @@ pub struct WarpMap {
 }
 
 impl Timewarp {
-    /// Creates the pipeline. `None` if the adapter cannot render to the map's format: frames are then shown
-    /// without reprojection.
+    /// Creates the pipeline. `None` if the adapter cannot render to the map's format: frames are
+    /// then shown without reprojection.
     pub fn new(adapter: &wgpu::Adapter, device: &wgpu::Device) -> Option<Self> {
         let uses = adapter.get_texture_format_features(MAP_FORMAT).allowed_usages;
         if !uses.contains(wgpu::TextureUsages::RENDER_ATTACHMENT) {

@@ -1,4 +1,5 @@
-// Finds each pixel of a new view in the last frame. Coordinates are in pixels of the frame; see timewarp.rs.
+// Finds each pixel of a new view in the last frame. Coordinates are in pixels of the frame; see
+// timewarp.rs.
 
 struct Warp {
     source_from_target: mat3x3<f32>, // frame pixel (x, y, 1) of a pixel of the new view, at infinity
@@ -46,8 +47,8 @@ fn unpack(v: Vertex) {
     warp.nearest = bitcast<f32>(v.w8.w);
 }
 
-// Maximum distance in pixels at which a source pixel covers a target pixel. Half a diagonal is 0.7 pixels; the
-// rest allows for surfaces that motion enlarges by three quarters.
+// Maximum distance in pixels at which a source pixel covers a target pixel. Half a diagonal is 0.7
+// pixels; the rest allows for surfaces that motion enlarges by three quarters.
 const REACH: f32 = 1.25;
 
 // Distance in pixels by which a step ends beyond the border of a cell.
@@ -59,7 +60,8 @@ const FILL_OFFSET: f32 = 0.5;
 // Replaces zero in divisors: smaller than any displacement in pixels and than any disparity.
 const TINY: f32 = 1.0e-20;
 
-// Minimum remaining fraction of the nearest depth: surfaces that the camera has passed are not searched.
+// Minimum remaining fraction of the nearest depth: surfaces that the camera has passed are not
+// searched.
 const MIN_DEPTH_LEFT: f32 = 0.25;
 
 @vertex
@@ -99,7 +101,8 @@ fn part_inside(line: Line) -> vec2<f32> {
     return vec2<f32>(max(max(near.x, near.y), 0.0), min(min(far.x, far.y), 1.0));
 }
 
-// Offset in pixels from a target pixel to the projection of a source pixel with disparity d in the new view.
+// Offset in pixels from a target pixel to the projection of a source pixel with disparity d in the
+// new view.
 fn missed(source: vec2<f32>, d: f32, target_pixel: vec2<f32>) -> vec2<f32> {
     let q = warp.target_from_source * vec3<f32>(source, 1.0) + d * warp.back;
     if (q.z <= 0.0) {
@@ -118,8 +121,8 @@ fn disparity_at(source: vec2<f32>) -> f32 {
     return textureLoad(ranges, vec2<i32>(source), 0).x;
 }
 
-// Finds the first surface on the ray of a line. Cells in which the ray stays in front of all surfaces, or behind
-// all, are skipped in one step.
+// Finds the first surface on the ray of a line. Cells in which the ray stays in front of all
+// surfaces, or behind all, are skipped in one step.
 fn found(line: Line, at: vec2<f32>) -> vec4<f32> {
     let pixel = 1.0 / max(length(line.direction), OVER);
     let over = OVER * pixel;
@@ -129,7 +132,8 @@ fn found(line: Line, at: vec2<f32>) -> vec4<f32> {
     var level = 0u;
     var part = 0.0;
     var was_before = true;
-    // Where the ray went behind a surface without meeting it, and where it came out again: the candidates for filling.
+    // Where the ray went behind a surface without meeting it, and where it came out again: the
+    // candidates for filling.
     var entry = 1.0;
     var exit = 1.0;
     for (var i = 0u; i < warp.max_steps && part < 1.0; i++) {

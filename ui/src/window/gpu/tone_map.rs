@@ -1,5 +1,5 @@
-//! The tone mapping pass: radiance to display colour. It runs once per frame and exposure, because the
-//! window is redrawn far more often than either changes.
+//! The tone mapping pass: radiance to display colour. It runs once per frame and exposure, because
+//! the window is redrawn far more often than either changes.
 
 use crate::window::gpu::full_screen_pass as pass;
 use afterimage::raster::color::ToneMap;

@@ -1,5 +1,5 @@
-// Tone-maps radiance for display, one pixel of the frame per pixel of the target. The operations are those of
-// src/raster/color.rs.
+// Tone-maps radiance for display, one pixel of the frame per pixel of the target. The operations
+// are those of src/raster/color.rs.
 
 struct Params {
     exposure: f32, // scale factor of radiance

@@ -25,7 +25,8 @@ struct Params {
 // The layout is that of `Params` in present.wgsl; the size of a uniform is a multiple of 16 bytes.
 const _: () = assert!(size_of::<Params>() == 48);
 
-/// Parts of the shader that a picture needs. Each combination has its own pipeline, created on first use.
+/// Parts of the shader that a picture needs. Each combination has its own pipeline, created on
+/// first use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct ShaderFeatures {
     is_warped: bool,
@@ -139,8 +140,8 @@ impl Show {
         Params {
             size,
             map_size,
-            // The height always fits: a frame with another aspect ratio is cropped, or has borders on the left and
-            // right.
+            // The height always fits: a frame with another aspect ratio is cropped, or has borders
+            // on the left and right.
             uv_scale: [self.aspect / frame_aspect, 1.0],
             heatmap: p.heatmap as u32,
             coloring: p.coloring as u32,

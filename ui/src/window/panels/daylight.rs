@@ -55,8 +55,8 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     }
 }
 
-/// The new daylight. A part that was switched on or moved gets the values of a clear day; other parts keep
-/// theirs.
+/// The new daylight. A part that was switched on or moved gets the values of a clear day; other
+/// parts keep theirs.
 fn daylight(
     now: &Daylight,
     before: &SunControls,

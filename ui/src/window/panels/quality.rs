@@ -9,8 +9,8 @@ use egui::{Slider, SliderClamping, Ui};
 
 const MB: usize = 1 << 20;
 
-/// Values from the command line may be outside a slider's range or between its steps; showing them must not
-/// change them.
+/// Values from the command line may be outside a slider's range or between its steps; showing them
+/// must not change them.
 const KEEP: SliderClamping = SliderClamping::Edits;
 
 /// Shows the settings.

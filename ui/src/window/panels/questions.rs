@@ -1,5 +1,5 @@
-//! Modal questions. They have the keyboard focus: Tab cycles through the answers, Enter selects one, Escape
-//! selects the one that changes nothing.
+//! Modal questions. They have the keyboard focus: Tab cycles through the answers, Enter selects
+//! one, Escape selects the one that changes nothing.
 
 use super::super::state::{Answer, AppState, Command, FileCommand, Leaving};
 use crate::window::rendering::scene_loading::SceneSource;
@@ -16,8 +16,8 @@ pub fn show(ctx: &Context, state: &AppState, commands: &mut Vec<Command>) {
     }
 }
 
-/// Shows a question and its answers; the first has the focus. `otherwise` is the answer for Escape and for a
-/// click outside.
+/// Shows a question and its answers; the first has the focus. `otherwise` is the answer for Escape
+/// and for a click outside.
 fn ask(
     ctx: &Context,
     name: &str,

@@ -36,7 +36,8 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     });
 }
 
-/// Height of the list in points: two references and a part of the next, which shows that there are more.
+/// Height of the list in points: two references and a part of the next, which shows that there are
+/// more.
 const LIST_HEIGHT: f32 = 250.0;
 
 fn buttons(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
@@ -58,8 +59,8 @@ fn buttons(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     });
 }
 
-/// Shows a reference with its picture, contribution and actions. `whose` distinguishes the accessible names of
-/// buttons in two places.
+/// Shows a reference with its picture, contribution and actions. `whose` distinguishes the
+/// accessible names of buttons in two places.
 pub fn entry(
     ui: &mut Ui,
     state: &AppState,

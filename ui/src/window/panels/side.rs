@@ -6,8 +6,8 @@ use super::{
 use crate::window::state::{AppState, Command};
 use egui::{RichText, Ui};
 
-/// Shows the panel. Contents that are too wide are clipped: a wider panel would change the size of the
-/// viewport, and thus of the picture and its references.
+/// Shows the panel. Contents that are too wide are clipped: a wider panel would change the size of
+/// the viewport, and thus of the picture and its references.
 pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     let room = ui.available_rect_before_wrap();
     ui.allocate_rect(room, egui::Sense::hover());

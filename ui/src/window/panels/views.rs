@@ -16,7 +16,8 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
         commands.push(Command::Navigate(NavigationCommand::AddView));
     }
     let area = egui::ScrollArea::vertical().id_salt("views").max_height(LIST_HEIGHT);
-    // As wide as the panel, so that the scroll bar does not cover buttons; the height is kept inside the scrolled panel.
+    // As wide as the panel, so that the scroll bar does not cover buttons; the height is kept
+    // inside the scrolled panel.
     area.min_scrolled_height(LIST_HEIGHT).auto_shrink([false, true]).show(ui, |ui| {
         for (i, view) in scene.views.iter().enumerate() {
             entry(ui, state, i, view, commands);

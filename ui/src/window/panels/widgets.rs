@@ -8,8 +8,8 @@ use egui::{Color32, Ui};
 /// Names of the pixel types 1, 2 and 3.
 pub const TYPE_NAMES: [&str; 3] = ["Type 1, reused", "Type 2, mirror or glass", "Type 3, traced"];
 
-/// Name of the first stage of a frame: references are selected, the surface of each pixel is found, and the
-/// light known for it is looked up.
+/// Name of the first stage of a frame: references are selected, the surface of each pixel is found,
+/// and the light known for it is looked up.
 pub const FIRST_STAGE: &str = "visibility + lookup";
 
 /// Colour of a pixel type, 0 for Type 1; numbers above 2 give the colour of filled pixels.
@@ -17,8 +17,8 @@ pub fn type_color(number: usize) -> Color32 {
     TYPE_SRGB.get(number).map_or(FILLED_COLOR, |&[r, g, b]| Color32::from_rgb(r, g, b))
 }
 
-/// Adjusts egui's style: contrast of labels is raised to 4.5 : 1 against the panel, and small text is
-/// enlarged to be legible at arm's length.
+/// Adjusts egui's style: contrast of labels is raised to 4.5 : 1 against the panel, and small text
+/// is enlarged to be legible at arm's length.
 pub fn install_style(ctx: &egui::Context) {
     ctx.all_styles_mut(|style| {
         if let Some(small) = style.text_styles.get_mut(&egui::TextStyle::Small) {
@@ -40,7 +40,8 @@ pub fn thumbnail(ui: &mut Ui, state: &AppState, camera: &afterimage::Camera) {
     }
 }
 
-/// A small square in the colour of a type, with the numbers of [`type_color`]. It is hatched from Type 3 on.
+/// A small square in the colour of a type, with the numbers of [`type_color`]. It is hatched from
+/// Type 3 on.
 pub fn swatch(ui: &mut Ui, number: usize) {
     let (rect, _) = ui.allocate_exact_size(egui::vec2(14.0, 14.0), egui::Sense::hover());
     let painter = ui.painter().with_clip_rect(rect);

@@ -37,9 +37,10 @@ pub struct Keyboard {
 }
 
 impl Keyboard {
-    /// Processes the events of one window frame and returns the pressed actions. While text is typed, no key is
-    /// pressed or held. While a control has the focus, the keys that operate it are ignored. When the window
-    /// loses the focus, all keys are released, because their release events do not arrive.
+    /// Processes the events of one window frame and returns the pressed actions. While text is
+    /// typed, no key is pressed or held. While a control has the focus, the keys that operate it
+    /// are ignored. When the window loses the focus, all keys are released, because their release
+    /// events do not arrive.
     pub fn update(&mut self, events: &[Event], attention: Attention) -> Vec<Pressed> {
         let typing = attention == Attention::Text;
         let is_taken = |key| typing || attention == Attention::Control && operates_controls(key);
@@ -68,7 +69,8 @@ impl Keyboard {
         if !modifiers.command && !self.down.contains(&place) {
             self.down.push(place);
         }
-        // The position of the question mark depends on the layout, so this key is identified by its character.
+        // The position of the question mark depends on the layout, so this key is identified by its
+        // character.
         let chord = match key {
             Key::Questionmark => shift(Key::Slash),
             _ => Chord { key: place, shift: modifiers.shift, ctrl: modifiers.command },

@@ -37,11 +37,12 @@ pub fn install(keys: &Table) -> Result<(), KeysError> {
     Ok(())
 }
 
-/// The default bindings with other keys for some actions: `add-reference = "B"`, `forward = ["W", "Up"]`; an
-/// empty list removes the keys of an action.
+/// The default bindings with other keys for some actions: `add-reference = "B"`, `forward = ["W",
+/// "Up"]`; an empty list removes the keys of an action.
 ///
 /// # Errors
-/// If an action or a key is unknown, or a key is bound to two actions: one message for all problems.
+/// If an action or a key is unknown, or a key is bound to two actions: one message for all
+/// problems.
 pub fn rebound(keys: &Table) -> Result<Vec<Binding>, KeysError> {
     let names: Vec<String> = BINDINGS.iter().map(|b| b.action.name()).collect();
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
@@ -58,8 +59,8 @@ pub fn rebound(keys: &Table) -> Result<Vec<Binding>, KeysError> {
     if problems.is_empty() { Ok(table) } else { Err(KeysError(problems)) }
 }
 
-/// Messages about keys that are bound to two actions. The key of a held action conflicts with other held actions
-/// independently of modifiers, because held actions ignore these.
+/// Messages about keys that are bound to two actions. The key of a held action conflicts with other
+/// held actions independently of modifiers, because held actions ignore these.
 fn conflicts(table: &[Binding]) -> Vec<String> {
     let all: Vec<(&Binding, Chord)> =
         table.iter().flat_map(|b| b.chords.iter().map(move |c| (b, *c))).collect();
