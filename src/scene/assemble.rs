@@ -34,11 +34,24 @@ impl SceneBuilder {
             return Err(self.empty_error(count));
         }
         self.light_if_dark();
-        let (walk, [brings_view, brings_walk]) = self.views_and_walk(bounds_m);
         let point_lights = self.point_lights(&frame);
+        let mut scene = self.into_scene(positions, frame, bounds_m);
+        let duplicates = Duplicates::find(&scene);
+        (repairs.duplicates_hidden, repairs.duplicates_seen) = (duplicates.hidden.len(), duplicates.seen);
+        scene.hidden = duplicates.hidden;
+        scene.conditioning = Conditioning::of(&scene, repairs);
+        scene.features.needles = scene.conditioning.needles > 0;
+        scene.derive(point_lights);
+        scene.update_light_numbers();
+        Ok(scene)
+    }
+
+    /// Moves everything into a scene. What follows from the rest is still missing.
+    fn into_scene(mut self, positions: Vec<Vec3>, frame: SceneFrame, bounds_m: [DVec3; 2]) -> Scene {
+        let (walk, [brings_view, brings_walk]) = self.views_and_walk(bounds_m);
         let is_textured =
             self.materials.iter().any(|m| m.diffuse_texture.is_some() || m.alpha_texture.is_some());
-        let mut scene = Scene {
+        Scene {
             name: self.name,
             hash: String::new(),
             frame,
@@ -62,15 +75,7 @@ impl SceneBuilder {
             bounds_m,
             hidden: Vec::new(),
             conditioning: Conditioning::default(),
-        };
-        let duplicates = Duplicates::find(&scene);
-        (repairs.duplicates_hidden, repairs.duplicates_seen) = (duplicates.hidden.len(), duplicates.seen);
-        scene.hidden = duplicates.hidden;
-        scene.conditioning = Conditioning::of(&scene, repairs);
-        scene.features.needles = scene.conditioning.needles > 0;
-        scene.derive(point_lights);
-        scene.update_light_numbers();
-        Ok(scene)
+        }
     }
 
     fn check_sizes(&self) -> Result<(), SceneError> {

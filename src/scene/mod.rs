@@ -5,10 +5,10 @@
 
 mod assemble;
 mod bounds;
-pub mod builder;
+mod builder;
 pub mod builtin;
 mod condition_numbers;
-pub mod conditioning;
+mod conditioning;
 mod connectivity;
 mod data;
 mod derive;
@@ -16,17 +16,17 @@ mod duplicates;
 mod edit;
 mod emissive;
 mod error;
-pub mod features;
+mod features;
 mod hash;
 mod light;
-pub mod material;
+mod material;
 mod sanitize;
 pub mod shapes;
 mod sky;
 pub mod solar;
 mod solids;
 mod sun;
-pub mod texture;
+mod texture;
 mod views;
 
 pub use crate::camera::SceneFrame;
