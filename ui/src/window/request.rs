@@ -9,38 +9,40 @@ use afterimage::trace::TraceSettings;
 use afterimage::{Camera, WalkthroughSettings};
 use std::path::PathBuf;
 
-/// What the window is opened with.
+/// Options with which the window is opened.
 #[derive(Clone, Debug)]
 pub struct WindowRequest {
-    /// The scene; the embedded gallery where none is named.
+    /// Scene to open; `None` for the embedded gallery.
     pub scene: Option<SceneSource>,
-    /// What to walk with at first.
+    /// Settings of the walkthrough at the start.
     pub settings: WalkthroughSettings,
-    /// Diffuse bounces for models from files: made for no renderer in particular, they are dark without any.
+    /// Diffuse bounces for models from files. They are made for renderers with indirect light, and
+    /// are dark without it.
     pub model_bounces: u32,
-    /// Where to start instead of at the scene's start view.
+    /// Pose to start at instead of the scene's start view.
     pub camera: Option<Camera>,
-    /// Start at the saved view of this name. `camera` goes before it.
+    /// Name of the saved view to start at. `camera` takes precedence.
     pub view: Option<String>,
-    /// Vertical field of view at the start, in degrees, where it is not the view's own.
+    /// Vertical field of view at the start in degrees; `None` for that of the view.
     pub fov_y_deg: Option<f64>,
-    /// Exposure in stops; where nothing is said it is 0, and an opened model's is metered.
+    /// Exposure in stops. With `None` it is 0, and metered for a model that is opened.
     pub exposure_ev: Option<f32>,
-    /// From radiance to display.
+    /// Tone mapping from radiance to display.
     pub tone_map: ToneMap,
-    /// Threads that render; all there are where nothing is said.
+    /// Number of threads that render; `None` for all.
     pub threads: Option<usize>,
-    /// Where pictures are saved; the current folder, or the user's pictures, where nothing is said.
+    /// Folder for pictures; `None` for the current folder or the user's folder for pictures.
     pub pictures: Option<PathBuf>,
-    /// How pictures are saved at first.
+    /// Settings of saved pictures at the start.
     pub picture: PictureSettings,
-    /// The looks of the window.
+    /// Theme, scale and motion of the window.
     pub appearance: Appearance,
-    /// Where changed looks are kept; nowhere where nothing is said.
+    /// File that keeps a changed appearance; `None` to keep it nowhere.
     pub settings_file: Option<PathBuf>,
-    /// Where recent files and sessions for the case of a crash are kept; nowhere where nothing is said.
+    /// Folder for recent files and for sessions kept in case of a crash; `None` to keep them
+    /// nowhere.
     pub state_folder: Option<PathBuf>,
-    /// What is to be said at the start: settings that could not be used.
+    /// Messages to show at the start: settings that are invalid.
     pub warnings: Vec<String>,
 }
 

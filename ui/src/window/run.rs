@@ -7,19 +7,20 @@ use anyhow::anyhow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// The Debian packages without which a window cannot be opened.
+/// Debian packages without which a window cannot be opened.
 const PACKAGES: &str = "libx11-6 libx11-xcb1 libxcursor1 libxi6 libxkbcommon0 libxkbcommon-x11-0 libwayland-egl1 mesa-vulkan-drivers";
 
-/// True where there is a display to open a window on.
+/// True where there is a display for a window.
 pub fn has_display() -> bool {
     let is_set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
     cfg!(not(target_os = "linux")) || ["WAYLAND_DISPLAY", "WAYLAND_SOCKET", "DISPLAY"].into_iter().any(is_set)
 }
 
-/// Opens the window and returns when it is closed. Must be called on the program's first thread.
+/// Opens the window and returns when it is closed. Must be called on the program's main thread.
 ///
 /// # Errors
-/// Where there is no display, no graphics adapter or a system library is missing, with what to install.
+/// Where there is no display, no graphics adapter, or a system library is missing; the message says
+/// what to install.
 pub fn run(request: WindowRequest) -> anyhow::Result<()> {
     if !has_display() {
         return Err(anyhow!(
@@ -36,7 +37,8 @@ pub fn run(request: WindowRequest) -> anyhow::Result<()> {
             .with_min_inner_size([480.0, 320.0])
             .with_drag_and_drop(true),
         persist_window: false,
-        // Its noise would be seen in the picture's flat colours, and costs time on a software adapter.
+        // Its noise would be visible in the picture's flat colours, and costs time on a software
+        // adapter.
         dithering: false,
         ..Default::default()
     };
@@ -57,13 +59,13 @@ pub fn run(request: WindowRequest) -> anyhow::Result<()> {
     Err(failure(is_open.load(Ordering::Acquire), &reason))
 }
 
-/// What the system shows for the window; nothing where it cannot be read.
+/// Returns the icon of the window; an empty one where it cannot be decoded.
 fn icon() -> egui::IconData {
     let png = include_bytes!("../../../assets/desktop/afterimage.png");
     eframe::icon_data::from_png_bytes(png).unwrap_or_default()
 }
 
-/// Once it was open, nothing is missing that could be installed.
+/// Once the window was open, no package can be missing.
 fn failure(was_open: bool, reason: &str) -> anyhow::Error {
     if was_open {
         return anyhow!("the window failed: {reason}");

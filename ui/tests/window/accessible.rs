@@ -1,4 +1,4 @@
-//! Whoever does not see the window finds every control by its name.
+//! A user of a screen reader finds every control by its name.
 
 use super::*;
 use afterimage_ui::window::input::keymap::BINDINGS;
@@ -8,9 +8,9 @@ use egui_kittest::kittest::{NodeT, by};
 
 type Window = Harness<'static, App>;
 
-/// Controls without a name, as people would look for them.
+/// Returns the controls without a name, as assistive software would find them.
 fn nameless(window: &Window) -> Vec<String> {
-    // What is said of a scroll bar is its role.
+    // A scroll bar is announced by its role.
     let others =
         [Role::Window, Role::GenericContainer, Role::Pane, Role::ScrollView, Role::ScrollBar, Role::Label];
     let is_control = move |role| role != Role::Unknown && !others.contains(&role);
@@ -26,7 +26,7 @@ fn nameless(window: &Window) -> Vec<String> {
         .collect()
 }
 
-/// Names that two controls of a role share: whoever hears one cannot tell which it is.
+/// Returns names that two controls of a role share: a listener cannot tell them apart.
 fn shared_names(window: &Window) -> Vec<String> {
     let controls =
         [Role::Button, Role::CheckBox, Role::RadioButton, Role::Slider, Role::ComboBox, Role::TextInput];
@@ -49,7 +49,7 @@ fn check(window: &Window, what: &str) {
     assert!(found.is_empty(), "{what}: names that stand for several controls: {found:#?}");
 }
 
-/// Opens what is closed at first, by the names of the sections.
+/// Opens the sections that are closed at first, by their names.
 fn open_all(window: &mut Window) {
     for section in ["Camera path", "Sun and sky", "Features", "Numerical conditioning"] {
         window.query_all_by_label(section).next().expect("a section").click_accesskit();
@@ -60,7 +60,8 @@ fn open_all(window: &mut Window) {
 #[test]
 fn every_control_has_a_name_of_its_own() {
     let mut window = app();
-    // As high as all of the side panel, for what is scrolled away is not laid out, and hardly wider.
+    // As high as the whole side panel, because parts that are scrolled away are not laid out, and
+    // hardly wider.
     window.set_size(vec2(420.0, 4000.0));
     window.run_steps(3);
     open_all(&mut window);

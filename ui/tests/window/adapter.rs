@@ -1,14 +1,14 @@
-//! The graphics card: none, one that is lost, and the processor in its place.
+//! The graphics adapter: absent, lost, or replaced by the processor.
 
 use super::desk::Desk;
 use super::*;
 use afterimage_ui::window::state::Severity;
 use std::sync::Mutex;
 
-/// The app on a device that the test can take away.
+/// The app on a device that the test can destroy.
 fn app_and_device() -> Option<(Harness<'static, App>, wgpu::Device, wgpu::AdapterInfo)> {
     if !has_adapter() {
-        // Says so, or fails where graphics are required.
+        // Reports it, or fails where graphics are required.
         app_with_graphics();
         return None;
     }
@@ -17,21 +17,21 @@ fn app_and_device() -> Option<(Harness<'static, App>, wgpu::Device, wgpu::Adapte
     let builder = Harness::builder().with_size([900.0, 600.0]).with_step_dt(1.0 / 60.0).wgpu();
     let mut harness = builder.build_eframe(move |cc| {
         let graphics = cc.wgpu_render_state.as_ref().expect("graphics");
-        *given.lock().expect("nobody panics") = Some((graphics.device.clone(), graphics.adapter.get_info()));
+        *given.lock().expect("no test panics") = Some((graphics.device.clone(), graphics.adapter.get_info()));
         App::new(cc, request()).expect("the threads start")
     });
     settle(&mut harness);
-    let (device, info) = taken.lock().expect("nobody panics").take().expect("a device");
+    let (device, info) = taken.lock().expect("no test panics").take().expect("a device");
     Some((harness, device, info))
 }
 
 #[test]
-fn a_lost_graphics_card_is_said_with_what_to_do() {
+fn a_lost_graphics_card_is_reported_with_a_remedy() {
     let Some((mut harness, device, _)) = app_and_device() else { return };
     device.destroy();
-    // The system tells of it when it is next asked.
+    // The system reports the loss at the next poll.
     let _ = device.poll(wgpu::PollType::Poll);
-    // Frames go on: each is sent to a device that is gone.
+    // Frames are still rendered; each is sent to a device that is gone.
     harness.key_press(egui::Key::N);
     step_until(&mut harness, "a message", |app| {
         app.state().notices.iter().any(|n| n.text.contains("start the program again"))

@@ -1,4 +1,4 @@
-//! The picture against the full tracer's.
+//! The comparison with the full tracer.
 
 use super::*;
 use afterimage::FrameRequest;
@@ -51,7 +51,7 @@ fn a_picture_that_is_compared_is_not_refined() {
     let mut request = request();
     request.settings.render.mode = Mode::Exact;
     let mut harness = open(request, false);
-    // The full tracer has every pixel of the window to trace, sixteen times.
+    // The full tracer traces every pixel of the window sixteen times.
     harness.set_size(egui::vec2(560.0, 400.0));
     settle(&mut harness);
     harness.key_press(Key::C);
@@ -60,7 +60,7 @@ fn a_picture_that_is_compared_is_not_refined() {
     assert_eq!(refined.of, 0, "it would be the full tracer's own picture");
 }
 
-/// The picture's pixels in the middle row, from the middle to the right.
+/// Returns the picture's pixels of the middle row, from the centre to the right.
 fn row(harness: &mut Harness<'static, App>) -> Vec<[u8; 3]> {
     let rect = harness.get_by_label("3D viewport").rect();
     let image = harness.render().expect("a picture of the window");
@@ -77,7 +77,7 @@ fn held_x_shows_the_other_picture_and_c_a_part_of_it() {
     harness.run_steps(2);
     let full = row(&mut harness);
     harness.key_up(Key::X);
-    // A reference may have come meanwhile.
+    // A reference may have been added meanwhile.
     settle(&mut harness);
     harness.run_steps(2);
     let own = row(&mut harness);
@@ -87,7 +87,7 @@ fn held_x_shows_the_other_picture_and_c_a_part_of_it() {
     let half = own.len() / 2;
     let differing = |a: &[[u8; 3]], b: &[[u8; 3]]| a.iter().zip(b).filter(|(a, b)| a != b).count();
     assert!(differing(&own, &full) > half / 4, "another noise, at least");
-    // The line itself, and what is filtered beside it.
+    // The line itself, and the filtered pixels next to it.
     assert!(differing(&split[..half - 8], &own[..half - 8]) < 4, "left: the picture");
     assert!(differing(&split[half + 8..], &own[half + 8..]) > half / 8, "right: the full tracer's");
     harness.key_press_modifiers(Modifiers::SHIFT, Key::C);

@@ -1,4 +1,4 @@
-//! A real window on a virtual display, and what a person could do there and see.
+//! A real window on a virtual display, and what a user can do and see there.
 
 use super::*;
 use afterimage::Camera;
@@ -12,10 +12,10 @@ use std::thread::sleep;
 const PROGRAM: &str = env!("CARGO_BIN_EXE_afterimage");
 const SCREEN: [u32; 2] = [1280, 800];
 
-/// Another process decides when it is done; it is asked so often.
+/// Interval at which another process is polled.
 pub(super) const POLL: Duration = Duration::from_millis(40);
 
-/// A floor with two blocks; the importer gives it a sun and a sky.
+/// A floor with two blocks. The importer adds a sun and a sky.
 pub(super) const COURTYARD: &str = "\
 v -6 0 -6\nv 6 0 -6\nv 6 0 6\nv -6 0 6
 v -2 0 -2\nv 0 0 -2\nv 0 2 -2\nv -2 2 -2\nv -2 0 -4\nv 0 0 -4\nv 0 2 -4\nv -2 2 -4
@@ -38,8 +38,8 @@ impl Drop for Display {
 
 static STARTING: Mutex<()> = Mutex::new(());
 
-/// A display of our own, which does not start anew whenever its last client leaves: one that comes then is refused.
-/// `None`, said aloud, where a tool is missing.
+/// A display of the test's own. It does not restart when its last client leaves: a client that
+/// connects meanwhile would be refused. `None`, with a message, where a tool is missing.
 pub(super) fn display() -> Option<Display> {
     let has = |tool: &str| {
         let found = Command::new("sh").args(["-c", &format!("command -v {tool}")]).output();
@@ -55,7 +55,7 @@ pub(super) fn display() -> Option<Display> {
         return None;
     }
     let screen = format!("{}x{}x24", SCREEN[0], SCREEN[1]);
-    // Two servers that look for a free number at once may take the same.
+    // Two servers that search for a free number at once may choose the same.
     let _starting = STARTING.lock().unwrap_or_else(PoisonError::into_inner);
     let mut server = Command::new("Xvfb")
         .args(["-displayfd", "1", "-screen", "0", &screen, "-nolisten", "tcp", "-noreset"])
@@ -68,7 +68,7 @@ pub(super) fn display() -> Option<Display> {
     Some(Display { server, name: format!(":{}", number.trim()) })
 }
 
-/// Programs that draw by the processor take every core: two beside each other waited a minute for their windows.
+/// A software rasteriser uses every core: two windows at once took a minute to open.
 static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
 
 pub(super) struct Desk {
@@ -79,7 +79,7 @@ pub(super) struct Desk {
     _turn: MutexGuard<'static, ()>,
 }
 
-/// What the program said, in its folder.
+/// The program's output, in its folder.
 const SAID: &str = "said.txt";
 
 impl Drop for Desk {
@@ -89,7 +89,7 @@ impl Drop for Desk {
     }
 }
 
-/// The program on a display, with nothing of the user's own settings.
+/// The program on a display, without any settings of the user.
 pub(super) fn program(display: &str, folder: &Path) -> Command {
     let path = std::env::var("AFTERIMAGE_PROGRAM").unwrap_or_else(|_| PROGRAM.to_owned());
     let mut command = Command::new(path);
@@ -106,17 +106,17 @@ impl Desk {
         Self::open_with_model(COURTYARD)
     }
 
-    /// A window on a model, by its text.
+    /// Opens a window on a model given as text.
     pub(super) fn open_with_model(model: &str) -> Option<Self> {
         Self::start(Some(model), &["model.obj", "--samples", "1"], &[])
     }
 
-    /// A window on the courtyard, with variables of the environment.
+    /// Opens a window on the courtyard with environment variables.
     pub(super) fn open_in(variables: &[(&str, &str)]) -> Option<Self> {
         Self::start(Some(COURTYARD), &["model.obj", "--samples", "1"], variables)
     }
 
-    /// A window opened with arguments.
+    /// Opens a window with arguments.
     pub(super) fn open_with(arguments: &[&str]) -> Option<Self> {
         Self::start(None, arguments, &[])
     }
@@ -139,7 +139,7 @@ impl Desk {
             let found = desk.run("xdotool", &["search", "--onlyvisible", "--name", "^Afterimage"]);
             found.lines().last().map(str::to_owned)
         });
-        // Without a window manager nobody else gives the keys to it.
+        // Without a window manager, nothing else gives it the keyboard.
         desk.run("xdotool", &["windowfocus", "--sync", &desk.window]);
         Some(desk)
     }
@@ -148,12 +148,12 @@ impl Desk {
         &self.display.name
     }
 
-    /// The window's number.
+    /// Returns the window's identity.
     pub(super) fn window(&self) -> u32 {
         self.window.parse().expect("a number")
     }
 
-    /// Where the program was started.
+    /// Returns the folder in which the program was started.
     pub(super) fn folder(&self) -> &Path {
         self.folder.path()
     }
@@ -175,7 +175,7 @@ impl Desk {
             if let Some(found) = look() {
                 return found;
             }
-            assert!(start.elapsed() < DEADLINE, "waited in vain: {what}; {}", self.evidence());
+            assert!(start.elapsed() < DEADLINE, "timed out waiting for: {what}; {}", self.evidence());
             sleep(POLL);
         }
     }
@@ -185,7 +185,7 @@ impl Desk {
         format!("see {}; the program said: {said}", self.shoot("in-vain"))
     }
 
-    /// The pose that the program copies, once it no longer changes.
+    /// Returns the pose that the program copies, once it no longer changes.
     pub(super) fn pose(&self) -> Camera {
         let mut before = None;
         self.wait_for("a pose at rest", || {
@@ -208,7 +208,7 @@ impl Desk {
         })
     }
 
-    /// Seconds of processor that the program has taken, and the memory it holds, KiB.
+    /// Returns the processor seconds that the program has used, and its memory in KiB.
     pub(super) fn usage(&self) -> (f64, u64) {
         const TICKS_PER_SEC: f64 = 100.0;
         let read =
@@ -222,7 +222,7 @@ impl Desk {
         (ticks / TICKS_PER_SEC, kilobytes)
     }
 
-    /// Saves the screen for people to look at; returns where.
+    /// Saves the screen as a picture for people, and returns its path.
     pub(super) fn shoot(&self, name: &str) -> String {
         let path = format!("{}/window-{name}.png", env!("CARGO_TARGET_TMPDIR"));
         self.run("import", &["-window", "root", &path]);
@@ -233,7 +233,7 @@ impl Desk {
         image::open(self.shoot(name)).expect("a screenshot").to_rgb8()
     }
 
-    /// The share of the screen in a colour.
+    /// Returns the share of the screen that has a colour.
     pub(super) fn share(&self, name: &str, color: [u8; 3]) -> f64 {
         let screen = self.screen(name);
         screen.pixels().filter(|p| p.0 == color).count() as f64 / f64::from(SCREEN[0] * SCREEN[1])

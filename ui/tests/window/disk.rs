@@ -1,4 +1,4 @@
-//! A real window whose disk is slow, or full.
+//! A real window whose disk is slow or full.
 
 use super::desk::{Desk, POLL};
 use super::*;
@@ -6,16 +6,17 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
 
-/// Every file that the program syncs takes so long.
+/// Time that each sync of a file takes.
 const SLOW_DISK: Duration = Duration::from_secs(10);
 
-/// What a full disk answers from a thread's fourth file on: systems that allocate late say so when a file is synced.
+/// Error of a full disk from a thread's fourth file on: systems that allocate late report it when a
+/// file is synced.
 const FULL_DISK: &str = "error=ENOSPC:when=4+";
 
-/// The ground of a message that something failed.
+/// Background of a message that something failed.
 const ERROR: [u8; 3] = [130, 28, 28];
 
-/// What the system answers to a program that syncs a file; ends when dropped.
+/// Injects the results of a program's syncs; ends when dropped.
 struct Disk(Child);
 
 impl Drop for Disk {
@@ -25,7 +26,8 @@ impl Drop for Disk {
     }
 }
 
-/// A disk that does what `strace` injects; `None`, said aloud, where that is missing or not allowed to trace.
+/// Injects results by `strace`. `None`, with a message, where that is missing or not allowed to
+/// trace.
 fn disk(program: u32, does: &str) -> Option<Disk> {
     let inject = format!("inject=fsync,fdatasync:{does}");
     let arguments = ["-f", "-p", &program.to_string(), "-e", "trace=fsync,fdatasync", "-e", &inject];
@@ -74,7 +76,7 @@ fn a_slow_disk_holds_nothing_up() {
     drop(disk);
 }
 
-/// Names in a folder, sorted.
+/// Returns the names in a folder, sorted.
 fn names(folder: &Path) -> Vec<String> {
     let files = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let mut names: Vec<String> = files.map(|file| file.file_name().to_string_lossy().into_owned()).collect();

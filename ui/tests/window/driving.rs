@@ -54,7 +54,7 @@ fn a_drag_turns_and_the_wheel_dollies_or_changes_the_speed() {
         source: egui::MouseWheelSource::Unknown,
         modifiers: Modifiers::NONE,
     };
-    // A release takes the test's cursor away.
+    // A release removes the test's cursor.
     harness.hover_at(centre);
     harness.step();
     harness.event(wheel.clone());
@@ -116,7 +116,7 @@ fn at_rest_everything_is_reused_or_mirrored() {
     let p = frame.stats.types.percentages();
     assert!(p.type1_percent > 50.0 && p.type2_percent > 0.0 && p.type3_percent < 5.0, "{p:?}");
     let start = harness.state().state().navigation.fly.camera();
-    assert!(frame.references.iter().all(|r| r.camera == *start), "one stands where nobody ever was");
+    assert!(frame.references.iter().all(|r| r.camera == *start), "no reference is at another pose");
 }
 
 #[test]
@@ -173,7 +173,7 @@ fn the_help_lists_every_key() {
 }
 
 #[test]
-fn a_broken_path_is_said_and_the_scene_stays() {
+fn a_broken_path_is_reported_and_the_scene_stays() {
     let mut harness = app();
     harness.get_by_role_and_label(Role::TextInput, "Model file").focus();
     harness.step();
@@ -255,7 +255,7 @@ fn a_dropped_model_replaces_the_scene_and_its_warnings_are_listed() {
 }
 
 #[test]
-fn what_was_asked_for_at_the_start_is_kept() {
+fn options_of_the_start_are_kept() {
     let asked = WindowRequest {
         view: Some("mirror".to_owned()),
         fov_y_deg: Some(8.5),
@@ -274,7 +274,7 @@ fn what_was_asked_for_at_the_start_is_kept() {
 }
 
 #[test]
-fn an_unknown_view_is_said_with_those_there_are() {
+fn an_unknown_view_is_reported_with_the_known_ones() {
     let harness = open(WindowRequest { view: Some("kitchen".to_owned()), ..request() }, false);
     let notice = &harness.state().state().notices[0];
     assert_eq!(notice.severity, Severity::Error);
@@ -282,7 +282,7 @@ fn an_unknown_view_is_said_with_those_there_are() {
 }
 
 #[test]
-fn without_a_scene_nothing_is_said_to_be_filling() {
+fn without_a_scene_nothing_is_filling() {
     let broken = WindowRequest { scene: Some(SceneSource::file("/no/such/model.obj")), ..request() };
     let mut harness = begin(broken, false);
     step_until(&mut harness, "a message", |app| !app.state().notices.is_empty());
@@ -291,7 +291,7 @@ fn without_a_scene_nothing_is_said_to_be_filling() {
 }
 
 #[test]
-fn at_rest_the_picture_has_every_pixel_of_the_window_and_fewer_while_one_moves() {
+fn at_rest_the_picture_has_every_pixel_of_the_window_and_fewer_in_motion() {
     let mut request = request();
     request.settings.render.mode = Mode::Exact;
     let mut harness = open(request, false);

@@ -1,4 +1,5 @@
-//! Files dropped on a real window by the desktop's protocol, as a file manager drops them (XDND, version 5).
+//! Files dropped on a real window by the desktop's protocol, as a file manager does it (XDND,
+//! version 5).
 
 use super::desk::{Desk, POLL};
 use super::real::MIDDLE;
@@ -30,7 +31,7 @@ x11rb::atom_manager! {
     }
 }
 
-/// One who drags a file: owns the selection that names it.
+/// A client that drags a file: it owns the selection that names the file.
 struct Source {
     connection: RustConnection,
     atoms: Atoms,
@@ -64,7 +65,7 @@ impl Source {
         self.connection
             .change_property8(PropMode::REPLACE, requestor, property, asked.target, self.uri.as_bytes())
             .expect("the names");
-        let told = SelectionNotifyEvent {
+        let reply = SelectionNotifyEvent {
             response_type: x11rb::protocol::xproto::SELECTION_NOTIFY_EVENT,
             sequence: 0,
             time: asked.time,
@@ -73,11 +74,12 @@ impl Source {
             target: asked.target,
             property,
         };
-        self.connection.send_event(false, requestor, EventMask::NO_EVENT, told).expect("a message");
+        self.connection.send_event(false, requestor, EventMask::NO_EVENT, reply).expect("a message");
         self.connection.flush().expect("the display");
     }
 
-    /// Enters, moves to a point of the screen, lets go once the target has taken the names, and waits for its thanks.
+    /// Enters, moves to a point of the screen, drops once the target has read the names, and waits
+    /// for the confirmation.
     fn drop_at(&self, x: u32, y: u32) {
         let atoms = &self.atoms;
         self.tell(atoms.XdndEnter, [self.own, VERSION << 24, atoms.UriList, 0, 0]);
@@ -91,10 +93,10 @@ impl Source {
                     self.hand_over(&asked);
                     has_names = true;
                 }
-                Some(Event::ClientMessage(told)) if told.type_ == atoms.XdndStatus => {
-                    is_welcome = told.data.as_data32()[1] & 1 == 1;
+                Some(Event::ClientMessage(reply)) if reply.type_ == atoms.XdndStatus => {
+                    is_welcome = reply.data.as_data32()[1] & 1 == 1;
                 }
-                Some(Event::ClientMessage(told)) if told.type_ == atoms.XdndFinished => return,
+                Some(Event::ClientMessage(reply)) if reply.type_ == atoms.XdndFinished => return,
                 Some(_) => {}
                 None => sleep(POLL),
             }

@@ -1,4 +1,4 @@
-//! Materials, sun and sky, and the way back.
+//! Edits of materials, sun and sky, undone and redone.
 
 use super::*;
 use afterimage::scene::MaterialKind;
@@ -13,7 +13,7 @@ fn scene(app: &App) -> &SceneInfo {
     app.state().scene.as_ref().expect("a scene")
 }
 
-/// Clicks a point of the viewport, right and down from its centre in points.
+/// Clicks a point of the viewport, given right and down from its centre in points.
 pub(super) fn click(harness: &mut Harness<'static, App>, right: f32, down: f32) {
     let at = viewport_centre(harness) + egui::vec2(right, down);
     harness.hover_at(at);

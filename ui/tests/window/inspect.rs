@@ -1,4 +1,4 @@
-//! The inspector, distances, single references, the plan, small pictures.
+//! The inspector, distances, single references, the plan, thumbnails.
 
 use super::editing::click;
 use super::*;
@@ -22,7 +22,7 @@ fn a_click_tells_what_is_there() {
     assert_eq!(facts.at, frame.size.map(|s| s / 2));
     assert!(
         facts.supplier.is_some() || facts.kind.number() == 3,
-        "someone lent what is not traced: {facts:?}"
+        "a supplier of a pixel that is not traced: {facts:?}"
     );
     assert!(facts.radiance.is_finite() && facts.radiance.max_element() > 0.0);
     harness.get_by_label("Copy the inspected values").click_accesskit();
@@ -90,8 +90,8 @@ fn a_reference_is_switched_off_shown_and_chosen() {
     step_until(&mut harness, "a frame with it", |app| first(app).is_enabled);
     harness.get_by_label(&format!("Show reference {number}")).click_accesskit();
     step_until(&mut harness, "its picture", |app| selection(app).reference_view.is_some());
-    let lent = selection(harness.state()).reference_view.clone().expect("its picture");
-    assert!(lent.id.0 == number && lent.lit > 0.5, "{lent:?}");
+    let view = selection(harness.state()).reference_view.clone().expect("its picture");
+    assert!(view.id.0 == number && view.lit > 0.5, "{view:?}");
     harness.key_press(Key::Escape);
     harness.run_steps(2);
     assert!(selection(harness.state()).reference_view.is_none());
@@ -116,7 +116,8 @@ fn the_plan_is_cut_zoomed_and_clicked() {
     settle(&mut harness);
     harness.get_by_label("Plan map").scroll_to_me();
     harness.run_steps(30);
-    // The first reference stands where one is: in the middle of the plan that follows. What arrives above moves the plan.
+    // The first reference is at the camera: in the centre of the plan, which follows the camera.
+    // Content that appears above moves the plan.
     let mut at = egui::Pos2::ZERO;
     while harness.get_by_label("Plan map").rect().center() != at {
         at = harness.get_by_label("Plan map").rect().center();

@@ -1,4 +1,4 @@
-//! Every key of the map does what the map says; one without a check here fails.
+//! Every key of the map does what the map says. A key without a check here fails.
 
 use super::*;
 use afterimage_ui::window::input::fly_camera::MoveMode;
@@ -35,7 +35,7 @@ fn arrive(window: &mut Window) {
     panic!("the camera never arrives");
 }
 
-/// The way that a held key leads, as a person sees it: right, up, ahead.
+/// Motion of a held key as the user sees it: right, up, forward.
 fn way(window: &mut Window, key: Key) -> DVec3 {
     let before = camera(window);
     window.key_down(key);
@@ -50,14 +50,14 @@ fn says(window: &Window, text: &str) -> bool {
     state(window).notices.iter().any(|notice| notice.text.contains(text))
 }
 
-/// Presses a key and returns what was switched on before and is after.
+/// Presses a key, and returns the options before and after.
 fn options(window: &mut Window, chord: Chord) -> [Options; 2] {
     let before = state(window).options;
     press(window, chord);
     [before, state(window).options]
 }
 
-fn orders(window: &Window, wanted: &ViewportCommand) -> bool {
+fn sends(window: &Window, wanted: &ViewportCommand) -> bool {
     window.output().viewport_output.values().any(|viewport| viewport.commands.contains(wanted))
 }
 
@@ -183,7 +183,7 @@ fn shows(window: &mut Window, action: Action, chord: Chord) {
         Action::FullScreen => {
             window.key_down(chord.key);
             window.step();
-            assert!(orders(window, &ViewportCommand::Fullscreen(true)));
+            assert!(sends(window, &ViewportCommand::Fullscreen(true)));
             window.key_up(chord.key);
         }
         _ => works(window, action, chord),
@@ -232,7 +232,7 @@ fn works(window: &mut Window, action: Action, chord: Chord) {
             let (key, physical_key, modifiers) = (chord.key, Some(chord.key), Modifiers::COMMAND);
             window.event(egui::Event::Key { key, physical_key, pressed: true, repeat: false, modifiers });
             window.step();
-            assert!(orders(window, &ViewportCommand::Close));
+            assert!(sends(window, &ViewportCommand::Close));
         }
         _ => asks(window, action, chord),
     }
@@ -275,7 +275,8 @@ fn asks(window: &mut Window, action: Action, chord: Chord) {
             press(window, chord);
             assert!(!state(window).navigation.playback.is_playing);
         }
-        // Only that the key asks for it: a dialog of the desktop would stay open, the others have tests of their own.
+        // Checks only that the key requests it: a dialog of the desktop would stay open, and the
+        // others have tests of their own.
         Action::Open
         | Action::SaveSession
         | Action::ScreenshotWithoutBackground

@@ -16,28 +16,30 @@ use x11rb::rust_connection::RustConnection;
 
 const PRESSES: usize = 40;
 
-/// Between a key's release and the next look.
+/// Time between the release of a key and the next look.
 const PAUSE: Duration = Duration::from_millis(700);
 
-/// Sixteen passes over every pixel of the window, by the processor.
+/// Time limit of sixteen passes over every pixel of the window, on the processor.
 const LONGEST_TO_CONVERGE: Duration = Duration::from_secs(900);
 
-/// Left, top, width, height of what is looked at.
+/// Left, top, width and height of the region that is compared.
 const PART: [i16; 4] = [500, 420, 300, 280];
 
-/// Levels of 255 that a pixel differs by.
+/// Difference, in levels of 255, from which a pixel has changed.
 const VISIBLE: u8 = 16;
 
-/// The share of such pixels from which on a picture that is refined meanwhile has moved, and one that is not.
+/// Share of changed pixels from which a picture has moved: while it is refined, and while it is
+/// not.
 const MOVED: f64 = 0.02;
 const MOVED_AT_ALL: f64 = 1e-4;
 
-/// Says a figure past the test runner.
+/// Prints a figure past the test runner.
 fn say(text: &str) {
     writeln!(std::io::stderr(), "measured: {text}").expect("stderr");
 }
 
-/// One who presses keys and looks at the picture without another program between: a look takes a millisecond.
+/// Presses keys and reads the picture without another program in between: a look takes a
+/// millisecond.
 struct Person {
     connection: RustConnection,
     root: u32,
@@ -50,7 +52,7 @@ impl Person {
         Self { connection, root }
     }
 
-    /// The picture's part of the screen, without figures and panels; four bytes a pixel.
+    /// Returns the picture's part of the screen, without figures and panels; four bytes per pixel.
     fn picture(&self) -> Vec<u8> {
         let [x, y, width, height] = PART;
         let image = self.connection.get_image(
@@ -65,7 +67,7 @@ impl Person {
         image.expect("the display").reply().expect("a picture").data
     }
 
-    /// Presses a letter, or lets it go.
+    /// Presses or releases a letter.
     fn key(&self, letter: u8, is_down: bool) {
         let setup = self.connection.setup();
         let (least, most) = (setup.min_keycode, setup.max_keycode);
@@ -79,26 +81,26 @@ impl Person {
     }
 }
 
-/// Milliseconds until something holds.
+/// Returns the milliseconds until a condition holds.
 fn ms_until(since: Instant, mut holds: impl FnMut() -> bool) -> f64 {
     while !holds() {
-        assert!(since.elapsed() < DEADLINE, "waited in vain");
+        assert!(since.elapsed() < DEADLINE, "timed out");
     }
     since.elapsed().as_secs_f64() * 1e3
 }
 
-/// The share of pixels that look different to a person. What a pass of refinement changes does not.
+/// Returns the share of pixels that look different to a person. A pass of refinement changes fewer.
 fn changed(before: &[u8], after: &[u8]) -> f64 {
     let differs = |(a, b): &(&[u8], &[u8])| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > VISIBLE);
     let pixels = before.chunks_exact(4).zip(after.chunks_exact(4));
     pixels.filter(differs).count() as f64 / (before.len() / 4) as f64
 }
 
-/// The picture once nothing but refinement changes it.
+/// Returns the picture once only refinement changes it.
 fn still_picture(person: &Person, most: f64) -> Vec<u8> {
     let (start, mut before) = (Instant::now(), person.picture());
     loop {
-        assert!(start.elapsed() < DEADLINE, "the picture changes while nobody moves");
+        assert!(start.elapsed() < DEADLINE, "the picture changes without motion");
         sleep(Duration::from_millis(300));
         let now = person.picture();
         if changed(&before, &now) < most {
@@ -108,7 +110,8 @@ fn still_picture(person: &Person, most: f64) -> Vec<u8> {
     }
 }
 
-/// Presses a key again and again; milliseconds from each press to a picture that has moved, sorted.
+/// Presses a key repeatedly; returns the sorted milliseconds from each press to a picture that has
+/// moved.
 fn latencies(person: &Person, moved: f64) -> Vec<f64> {
     let mut all: Vec<f64> = (0..PRESSES)
         .map(|i| {
@@ -126,7 +129,8 @@ fn latencies(person: &Person, moved: f64) -> Vec<f64> {
     all
 }
 
-/// Milliseconds from one picture to the next while a key is held: what a display frame is on this machine.
+/// Returns the milliseconds between pictures while a key is held: the frame time of the display on
+/// this machine.
 fn frame_ms(person: &Person) -> f64 {
     person.key(b'd', true);
     let (start, mut last, mut pictures) = (Instant::now(), person.picture(), 0);
@@ -167,7 +171,7 @@ fn measured_start() {
 #[test]
 #[ignore = "a measurement, alone on the machine"]
 fn measured_latency() {
-    // At rest the renderer is busy with refining.
+    // At rest the renderer refines the picture.
     let Some(desk) = Desk::open_with(&["builtin:gallery"]) else { return };
     desk.pose();
     say_latencies("gallery, renderer busy", &Person::at(&desk), MOVED);
@@ -209,9 +213,9 @@ fn measured_rest() {
         sleep(Duration::from_secs(secs));
         (desk.usage().0 - busy) / from.elapsed().as_secs_f64()
     };
-    // References are added, the picture converges to the last of its passes, notices go away.
+    // References are added, the picture converges, messages disappear.
     while share(5) > 0.2 {
-        assert!(start.elapsed() < LONGEST_TO_CONVERGE, "the picture goes on for ever");
+        assert!(start.elapsed() < LONGEST_TO_CONVERGE, "the picture does not converge");
     }
     say(&format!("converged after {:.0} s", start.elapsed().as_secs_f64()));
     say(&format!("at rest: {:.2} % of a core", share(30) * 100.0));

@@ -32,7 +32,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// Far beyond what anything here takes, even on a busy machine.
+/// Deadline that is never reached, even on a busy machine.
 const DEADLINE: Duration = Duration::from_secs(60);
 
 fn small_room() -> Arc<Scene> {
@@ -46,7 +46,7 @@ fn request() -> WindowRequest {
         ..WindowRequest::default()
     };
     request.settings.render.trace.samples = 1;
-    // In it most pixels of a frame at rest are of Type 1.
+    // In this mode most pixels of a frame at rest are of Type 1.
     request.settings.render.mode = Mode::Paper;
     request
 }
@@ -61,14 +61,14 @@ fn app_saving_to(pictures: PathBuf) -> Harness<'static, App> {
     open(WindowRequest { pictures: Some(pictures), ..request() }, false)
 }
 
-/// The same with a graphics adapter; `None`, said aloud, where there is none.
+/// The same with a graphics adapter; `None`, with a message, where there is none.
 fn app_with_graphics() -> Option<Harness<'static, App>> {
     if has_adapter() {
         return Some(open(request(), true));
     }
     let is_required = std::env::var("AFTERIMAGE_REQUIRE_GRAPHICS").is_ok_and(|v| v == "1");
     assert!(!is_required, "no graphics adapter");
-    // Written past the test runner, which keeps what passing tests print to itself.
+    // Printed past the test runner, which captures the output of passing tests.
     writeln!(std::io::stderr(), "skipped: no graphics adapter").expect("stderr");
     None
 }
@@ -85,7 +85,7 @@ fn open(request: WindowRequest, with_graphics: bool) -> Harness<'static, App> {
     harness
 }
 
-/// The app as it is opened, before its scene is there.
+/// The app as it is opened, before its scene is loaded.
 fn begin(request: WindowRequest, with_graphics: bool) -> Harness<'static, App> {
     let builder =
         Harness::builder().with_size([900.0, 600.0]).with_step_dt(1.0 / 60.0).with_render_cursor(false);
@@ -93,26 +93,31 @@ fn begin(request: WindowRequest, with_graphics: bool) -> Harness<'static, App> {
     builder.build_eframe(move |cc| App::new(cc, request).expect("the threads start"))
 }
 
-/// Steps until something holds.
+/// Steps until a condition holds.
 fn step_until(harness: &mut Harness<'static, App>, what: &str, holds: impl Fn(&App) -> bool) {
     let start = Instant::now();
     harness.step();
     while !holds(harness.state()) {
-        assert!(start.elapsed() < DEADLINE, "waited in vain: {what}; {:?}", harness.state().state().work);
+        assert!(
+            start.elapsed() < DEADLINE,
+            "timed out waiting for: {what}; {:?}",
+            harness.state().state().work
+        );
         // The threads need the processor more than the window does.
         std::thread::yield_now();
         harness.step();
     }
 }
 
-/// Steps until the newest wish is shown in full, and no reference is in the making.
+/// Steps until the newest request is shown and complete, and no reference is being traced.
 fn settle(harness: &mut Harness<'static, App>) {
     step_until(harness, "a complete frame", is_settled);
 }
 
 fn is_settled(app: &App) -> bool {
     let threads = app.threads();
-    // Asked before the generation: a reference that is done raises it before it no longer counts as being added.
+    // Read before the generation: a finished reference raises the generation before it no longer
+    // counts as being added.
     let is_adding = threads.is_adding_reference();
     app.loading().is_none()
         && !is_adding

@@ -1,4 +1,4 @@
-//! Walking, going, saved views, the camera path.
+//! Walking, going to surfaces, saved views, the camera path.
 
 use super::*;
 use afterimage::Camera;

@@ -1,4 +1,4 @@
-//! Sessions, recent files, settings of the window, models that change on the disk.
+//! Sessions, recent files, settings of the window, models that change on disk.
 
 use super::*;
 use afterimage_ui::window::state::{Appearance, Severity};
@@ -6,7 +6,7 @@ use egui::{Key, Modifiers};
 
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 
-/// What a user has on the disk.
+/// Files of a user.
 struct Home {
     folder: tempfile::TempDir,
 }
@@ -97,7 +97,7 @@ fn a_session_is_opened_by_name() {
 }
 
 #[test]
-fn the_session_of_one_scene_is_not_written_over_by_another() {
+fn the_session_of_one_scene_is_not_overwritten_by_another() {
     let home = Home::new();
     std::fs::write(home.path("other.obj"), format!("{TRIANGLE}v 1 1 0\nf 2 3 4\n")).expect("a file");
     let mut harness = home.open();
@@ -115,7 +115,7 @@ fn the_session_of_one_scene_is_not_written_over_by_another() {
 }
 
 #[test]
-fn a_session_of_another_version_is_said_and_left_alone() {
+fn a_session_of_another_version_is_reported_and_left_alone() {
     let home = Home::new();
     let path = home.path("a.afterimage-session.toml");
     std::fs::write(&path, "version = 7\nscene = 'builtin:room'\n").expect("a file");
@@ -127,10 +127,10 @@ fn a_session_of_another_version_is_said_and_left_alone() {
 }
 
 #[test]
-fn after_a_crash_one_goes_on_where_one_was() {
+fn after_a_crash_the_session_is_restored() {
     let home = Home::new();
     std::fs::create_dir(home.path("state")).expect("a folder");
-    // No process has such a number.
+    // No process has this number.
     let left = home.path("state/recovery-4000000000.afterimage-session.toml");
     let mut first = home.open();
     first.key_press_modifiers(Modifiers::COMMAND, Key::S);
@@ -143,7 +143,7 @@ fn after_a_crash_one_goes_on_where_one_was() {
     harness.get_by_label("Restore").click();
     settle(&mut harness);
     assert!(!left.exists(), "it is not offered again");
-    // One that cannot be read is put aside.
+    // A session that cannot be read is renamed.
     std::fs::write(&left, "version =").expect("a file");
     let mut harness = begin(home.request(), false);
     harness.step();
@@ -207,7 +207,7 @@ fn settings_of_the_window_are_kept_and_reset_one_by_one() {
 }
 
 #[test]
-fn what_could_not_be_used_of_the_settings_is_said() {
+fn invalid_settings_are_reported() {
     let request =
         WindowRequest { warnings: vec!["settings.toml: 'sampels' is left aside".to_owned()], ..request() };
     let mut harness = open(request, false);

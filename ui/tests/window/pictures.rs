@@ -1,4 +1,4 @@
-//! Pictures of the window: of any size, off its thread, with a way back to their view.
+//! Saved pictures: of any size, off the window's thread, and the way back to their view.
 
 use super::*;
 use afterimage::raster::load::{Picture, read_notes};
@@ -7,7 +7,7 @@ use afterimage::{FrameRequest, Mode, Tracer};
 use afterimage_ui::window::state::{PictureFormat, PictureSettings, PictureSize, Severity};
 use egui::{Key, Modifiers};
 
-/// The room's app with a picture of this kind asked for by F12.
+/// The room's app with settings of the picture that F12 saves.
 fn saving(folder: &std::path::Path, settings: PictureSettings) -> Harness<'static, App> {
     open(WindowRequest { pictures: Some(folder.to_owned()), picture: settings, ..request() }, false)
 }
@@ -118,7 +118,7 @@ fn a_picture_is_cancelled_and_leaves_nothing() {
 }
 
 #[test]
-fn a_folder_that_takes_no_file_is_told_with_the_remedy() {
+fn a_folder_that_accepts_no_file_is_reported_with_a_remedy() {
     let mut harness = saving(std::path::Path::new("/no/such/folder"), small());
     harness.key_press(Key::F12);
     let (severity, text) = notice(&mut harness);
@@ -151,7 +151,7 @@ fn a_dropped_picture_leads_back_to_its_view() {
 }
 
 #[test]
-fn a_picture_of_elsewhere_is_refused_in_words() {
+fn a_picture_of_another_program_is_refused_with_a_message() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("holiday.png");
     image::RgbImage::new(2, 2).save(&path).expect("a picture");

@@ -1,9 +1,9 @@
-//! What is really drawn, on a real device.
+//! Pixels that are drawn on a real device.
 
 use super::*;
 use egui::Key;
 
-/// A patch below and to the right of the viewport's centre: the figures lie on its upper left.
+/// Returns a patch below and to the right of the viewport's centre: figures are at its upper left.
 fn patch(harness: &mut Harness<'static, App>) -> Vec<[u8; 4]> {
     let centre = viewport_centre(harness) + egui::vec2(100.0, 50.0);
     let image = harness.render().expect("a picture of the window");
@@ -42,7 +42,7 @@ fn the_picture_is_developed_as_the_engine_does_it() {
     let centre = viewport_centre(&harness);
     let image = harness.render().expect("a picture of the window");
     let shown = image.get_pixel(centre.x as u32, centre.y as u32).0;
-    // Between four pixels of one wall, filtered: noise of one sample a light is what may differ.
+    // Filtered between four pixels of one wall: only noise of one sample per light may differ.
     let distance = (0..3).map(|c| shown[c].abs_diff(expected[c])).max();
     assert!(distance < Some(40), "{shown:?} for {expected:?}");
 }
@@ -55,7 +55,7 @@ fn the_picture_stands_upright() {
     let image = harness.render().expect("a picture of the window");
     let frame = harness.state().state().frame.as_ref().expect("a frame");
     let ([width, height], types) = (frame.size, &frame.types);
-    // The mirror is the only Type 2; its rows on the screen lie where they lie in the frame.
+    // The mirror is the only Type 2; its rows on the screen are those of the frame.
     let rows: Vec<u32> = (0..height)
         .filter(|y| types[(y * width) as usize..((y + 1) * width) as usize].contains(&2))
         .collect();

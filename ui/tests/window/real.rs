@@ -1,13 +1,14 @@
-//! A real window on a virtual display, driven as a person would: keys, drags, clicks. What it did is read from the
-//! clipboard, from files and from the screen; screenshots are left in the build folder to be looked at.
+//! A real window on a virtual display, driven as by a user: keys, drags, clicks. Its effects are
+//! read from the clipboard, from files and from the screen; screenshots are kept in the build
+//! folder.
 
 use super::desk::{COURTYARD, Desk, display, program};
 use std::process::{Command, Output};
 
 pub(super) const TYPE1: [u8; 3] = [0x00, 0x72, 0xB2];
-/// The ground of panels: a fifth of the window, half of it with the help.
+/// Background of panels: a fifth of the window, half of it with the help.
 const PANEL: [u8; 3] = [0x1B, 0x1B, 0x1B];
-/// A point of the picture, away from panels and figures.
+/// A point of the picture away from panels and figures.
 pub(super) const MIDDLE: &str = "600 500";
 
 #[test]
@@ -25,7 +26,7 @@ fn a_person_walks_looks_and_saves() {
     );
 
     desk.xdotool(&format!("mousemove {MIDDLE} sleep 0.3 mousedown 1 sleep 0.6"));
-    // Slowly: within one frame of a busy machine, press and release are a click.
+    // Slowly: press and release within one frame of a busy machine are a click.
     for _ in 0..4 {
         desk.xdotool("mousemove_relative 25 0 sleep 0.4");
     }
@@ -45,7 +46,7 @@ fn a_person_walks_looks_and_saves() {
     let back = desk.pose();
     assert!(back.eye.distance(start.eye) < 1e-3, "1 goes to the first saved view");
 
-    // A key pressed again within the time of one frame counts as held down.
+    // A key pressed again within one frame counts as held.
     desk.xdotool("key t sleep 1 key t");
     desk.wait_for_share("types", TYPE1, 0.2);
 
@@ -68,7 +69,7 @@ fn a_person_walks_looks_and_saves() {
 
 #[test]
 fn drawing_again_and_again_takes_no_memory() {
-    // In the other modes the picture at rest grows, and its memory with it.
+    // In the other modes the picture at rest is refined at full size, and memory grows with it.
     let arguments = ["model.obj", "--samples", "1", "--mode", "paper"];
     let Some(desk) = Desk::start(Some(COURTYARD), &arguments, &[]) else { return };
     let wander = |steps: u32| {
@@ -77,20 +78,20 @@ fn drawing_again_and_again_takes_no_memory() {
             .collect();
         desk.xdotool(&moves);
     };
-    // What is made once is made by then.
+    // Everything that is created once exists by then.
     wander(40);
     let (_, before) = desk.usage();
     wander(120);
     let (_, after) = desk.usage();
-    // Shaders compiled at every draw took 0.5 MB a step.
+    // Shaders compiled at every draw took 0.5 MB per step.
     assert!(after < before + 16 * 1024, "{before} KiB grew to {after} KiB; {}", desk.evidence());
 }
 
 #[test]
-fn what_is_missing_is_said_in_one_sentence() {
+fn missing_parts_are_reported_in_one_sentence() {
     let Some(display) = display() else { return };
     let folder = tempfile::tempdir().expect("a folder");
-    let told = |command: &mut Command| {
+    let failure = |command: &mut Command| {
         let Output { status, stderr, .. } = command.output().expect("the program runs");
         (status.code(), String::from_utf8_lossy(&stderr).into_owned())
     };
@@ -102,7 +103,7 @@ fn what_is_missing_is_said_in_one_sentence() {
     ]);
     let mut no_server = program(":987", folder.path());
     for (what, command) in [("no driver", &mut no_driver), ("no server", &mut no_server)] {
-        let (code, text) = told(command);
+        let (code, text) = failure(command);
         assert_eq!(code, Some(1), "{what}: {text}");
         assert!(
             text.contains("the window cannot be opened") && text.contains("mesa-vulkan-drivers"),

@@ -7,7 +7,7 @@ use glam::{DVec3, Vec2, Vec3};
 /// Builds the room: 8 x 3 x 6 metres.
 ///
 /// # Errors
-/// As of [`SceneBuilder::finish`].
+/// Those of [`SceneBuilder::finish`].
 pub(super) fn room(name: &str) -> Result<Scene, SceneError> {
     let mut b = SceneBuilder::new(&format!("builtin:{name}"));
     let white = b.add_material(Material::diffuse("plaster", Vec3::splat(0.75)));

@@ -1,5 +1,6 @@
-//! Threads that are given trouble: a storm of wishes and orders, a scene that makes tiles panic, pictures too large for
-//! memory, light that is no number. Each ends in one message, and the next frame comes.
+//! Threads in trouble: a storm of requests and commands, a scene that makes tiles panic, pictures
+//! too large for memory, light that is not a number. Each ends in one message, and the next frame
+//! is rendered.
 
 use super::small_room;
 use afterimage::reference::PlacementPolicy;
@@ -42,7 +43,7 @@ impl Storm {
         Self { thread, bell, shown: None, tracers, newest: 0, random: 0x9e37_79b9_7f4a_7c15 }
     }
 
-    /// The next of a row of random numbers below `bound`.
+    /// Returns the next random number below `bound`.
     fn below(&mut self, bound: u64) -> u64 {
         self.random ^= self.random << 13;
         self.random ^= self.random >> 7;
@@ -71,7 +72,8 @@ impl Storm {
         }
     }
 
-    /// One of: move, resize and change mode; load or edit; add a reference; clear; take a picture.
+    /// Sends one of: move, resize and change mode; load or edit; add a reference; clear; take a
+    /// picture.
     fn event(&mut self) {
         let generation = match self.below(20) {
             0 => {
@@ -94,7 +96,8 @@ impl Storm {
         self.newest = generation;
     }
 
-    /// Takes what is there; no frame may be older than the one before, and nothing may have failed.
+    /// Takes frames and messages. No frame may be older than the one before, and nothing may have
+    /// failed.
     fn look(&mut self) {
         let before = self.shown.as_ref().map_or(0, |f| f.generation);
         while self.thread.take_frame(&mut self.shown) {}
@@ -105,7 +108,7 @@ impl Storm {
         }
     }
 
-    /// A good wish in a good scene, shown in full.
+    /// Shows a valid request in a valid scene to its end.
     fn recovers(&mut self) {
         self.thread.send(RenderCommand::SetTracer(self.tracers[0].clone()));
         let request = RenderRequest {
@@ -117,12 +120,12 @@ impl Storm {
         let generation = self.thread.request(request);
         while !self.shown.as_ref().is_some_and(|f| f.generation >= generation && f.stats.is_complete) {
             if !self.thread.take_frame(&mut self.shown) {
-                self.bell.recv_timeout(DEADLINE).expect("the thread goes on");
+                self.bell.recv_timeout(DEADLINE).expect("the thread continues");
             }
         }
     }
 
-    /// The text of the one message of failure that a wish in a scene ends in.
+    /// Returns the message of the one failure in which a request in a scene ends.
     fn failure(&mut self, scene: Scene, request: RenderRequest) -> String {
         self.thread.send(RenderCommand::SetTracer(Arc::new(Tracer::new(Arc::new(scene)))));
         self.thread.request(request);
@@ -165,14 +168,15 @@ fn ten_thousand_random_events_never_bring_an_older_frame() {
     }
     storm.recovers();
     storm.look();
-    assert!(storm.thread.frames_rendered() < 10_000, "what nobody waits for is left out");
+    assert!(storm.thread.frames_rendered() < 10_000, "stale requests are skipped");
 }
 
 #[test]
 fn a_panic_in_a_tile_is_one_message_and_the_next_scene_is_shown() {
     let mut storm = Storm::new();
     let mut broken = Scene::clone(&small_room());
-    // No builder makes such a scene: a bug of ours, met by every ray that meets this triangle.
+    // No builder creates such a scene: it simulates a bug, met by every ray that hits this
+    // triangle.
     broken.triangle_materials.iter_mut().for_each(|m| *m = MaterialId(u32::MAX));
     let request = storm.plain_request();
     let text = storm.failure(broken, request);
@@ -181,7 +185,7 @@ fn a_panic_in_a_tile_is_one_message_and_the_next_scene_is_shown() {
 }
 
 #[test]
-fn a_picture_beyond_memory_is_refused_in_words() {
+fn a_picture_beyond_memory_is_refused_with_a_message() {
     let mut storm = Storm::new();
     let request = RenderRequest { size: [60_000, 60_000], ..storm.plain_request() };
     let text = storm.failure(Scene::clone(&small_room()), request);

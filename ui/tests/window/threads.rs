@@ -1,4 +1,4 @@
-//! The render thread by itself: the newest pose wins, and rest costs nothing.
+//! The render thread alone: the newest pose wins, and rest costs nothing.
 
 use super::small_room;
 use afterimage::reference::PlacementPolicy;
@@ -49,14 +49,14 @@ impl Bench {
         }
     }
 
-    /// Orders the picture that is there and waits for it.
+    /// Asks for the picture and waits for it.
     fn picture(&self) -> Picture {
         self.thread.send(RenderCommand::Picture);
         loop {
             match self.thread.messages().next() {
                 Some(Message::Picture(picture)) => return picture,
                 Some(Message::Failed(text)) => panic!("{text}"),
-                Some(Message::Reference(reference)) => panic!("nobody asked for {:?}", reference.id),
+                Some(Message::Reference(reference)) => panic!("unexpected reference {:?}", reference.id),
                 None => self.bell.recv_timeout(DEADLINE).expect("the picture"),
             }
         }
@@ -87,7 +87,7 @@ fn the_newest_pose_wins() {
     bench.wait_for(last);
     let shown = bench.shown.as_ref().expect("a frame");
     assert_eq!(shown.camera, bench.request(1.99).camera);
-    assert!(bench.thread.frames_rendered() < 200, "poses that nobody waits for are left out");
+    assert!(bench.thread.frames_rendered() < 200, "stale poses are skipped");
 }
 
 #[test]
@@ -96,13 +96,14 @@ fn rest_renders_nothing() {
     let generation = bench.thread.request(bench.request(0.0));
     bench.wait_for(generation);
     let rendered = bench.thread.frames_rendered();
-    // A picture needs the thread but no new frame: when it is there, the thread has been round its loop once more.
+    // A picture needs the thread but no new frame: when it arrives, the thread has passed its loop
+    // once more.
     assert_eq!(bench.picture().size, [96, 64]);
     assert_eq!(bench.thread.frames_rendered(), rendered);
 }
 
 #[test]
-fn a_reference_asked_for_is_added_and_removed() {
+fn a_reference_is_added_and_removed_on_command() {
     let mut bench = Bench::new();
     let generation = bench.thread.request(bench.request(0.0));
     bench.wait_for(generation);
@@ -129,7 +130,7 @@ fn nothing_is_rendered_without_pixels_or_while_paused() {
         RenderRequest { is_paused: true, ..bench.request(0.5) },
     ] {
         bench.thread.request(idle);
-        // The picture there was comes back once the wish has been taken in.
+        // The old picture arrives once the request has been read.
         assert_eq!(bench.picture().camera, bench.request(0.0).camera);
         assert_eq!(bench.thread.frames_rendered(), rendered, "{idle:?}");
     }
@@ -147,7 +148,7 @@ fn a_picture_at_rest_converges_and_then_costs_nothing() {
     bench.wait_for(generation);
     while !bench.shown.as_ref().is_some_and(|f| f.stats.refined.is_complete) {
         if !bench.thread.take_frame(&mut bench.shown) {
-            bench.bell.recv_timeout(DEADLINE).expect("the thread goes on");
+            bench.bell.recv_timeout(DEADLINE).expect("the thread continues");
         }
         assert_eq!(bench.shown.as_ref().map(|f| f.generation), Some(generation));
     }
@@ -157,7 +158,7 @@ fn a_picture_at_rest_converges_and_then_costs_nothing() {
         render_antialiased(&FrameRequest::new(&bench.tracer, camera, request.size, render), passes);
     let picture = bench.picture();
     assert!(picture.radiance == expected.radiance && picture.refined.is_complete);
-    // The thread has been round its loop for the picture, and had nothing more to show.
+    // The thread has passed its loop for the picture, and had nothing more to show.
     assert!(!bench.thread.take_frame(&mut bench.shown));
     assert_eq!(bench.thread.frames_rendered(), 1);
 }

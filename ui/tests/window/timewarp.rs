@@ -1,4 +1,5 @@
-//! The last frame seen from elsewhere: the shader against rays, and the whole window against the frame that follows.
+//! The last frame seen from another pose: the shader against rays, and the whole window against the
+//! frame that follows.
 
 use super::*;
 use afterimage::Camera;
@@ -11,7 +12,7 @@ use glam::{DVec3, Vec2, Vec3};
 const SIZE: [u32; 2] = [160, 100];
 const WORLD: SceneFrame = SceneFrame { origin_in_world_m: DVec3::ZERO, units_per_metre: 1.0 };
 
-/// A wall 6 m away and a board of 1.2 m before it.
+/// A wall 6 m away and a board of 1.2 m in front of it.
 fn depth(view: &View, direction: Vec3) -> (f32, bool) {
     let board = (-3.0 - view.eye.z) / direction.z;
     let at = view.eye + direction * board;
@@ -118,7 +119,8 @@ fn a_turn_moves_every_pixel_to_where_its_ray_is_seen() {
     assert!((13_000..15_500).contains(&kept), "{kept} of 16000 pixels are seen from both");
 }
 
-/// What a pixel of the new view truly is: on the board or not, and where the frame shows it, if it does.
+/// Ground truth of a pixel of the new view: on the board or not, and where the frame shows it, if
+/// it does.
 fn truth(source: &View, target: &View, pixel: usize) -> (bool, Option<Vec2>) {
     let direction = target.direction_of_pixel(pixel as u32);
     let (t, is_board) = depth(target, direction);
@@ -137,7 +139,8 @@ fn is_plain(kinds: &[(bool, bool)], pixel: usize) -> bool {
         .all(|(x, y)| kinds[(y * width + x) as usize] == kinds[pixel])
 }
 
-/// Checks every pixel off the silhouettes; `seen` and `hidden` are how many there are to check at least.
+/// Checks every pixel off the silhouettes; `seen` and `hidden` are the least numbers of pixels to
+/// check.
 fn agrees_with_rays(to: &Camera, seen: usize, hidden: usize) {
     let from = camera(0.0, 0.0, 0.0, 0.0);
     let Some(map) = warp(&from, to) else { return };
@@ -195,7 +198,7 @@ fn what_was_hidden_is_filled_from_the_wall_behind() {
     assert!(filled > 150 && by_board * 10 < filled, "{by_board} of {filled} are filled from the board");
 }
 
-/// The viewport's pixels, figures at its upper left left out.
+/// Returns the viewport's pixels without the figures at its upper left.
 fn shown(harness: &mut Harness<'static, App>) -> Vec<[u8; 4]> {
     let rect = harness.get_by_label("3D viewport").rect().shrink(12.0);
     let image = harness.render().expect("a picture of the window");

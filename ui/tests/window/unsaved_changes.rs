@@ -1,10 +1,10 @@
-//! Changes that are not saved are asked about before they are lost.
+//! Unsaved changes are asked about before they would be lost.
 
 use super::*;
 use afterimage_ui::window::state::{Edits, Severity};
 use egui::{Key, ViewportCommand, ViewportEvent, ViewportId};
 
-/// A wall on the disk that was made a mirror, which is not saved yet.
+/// A wall on disk that was made a mirror, unsaved.
 struct Changed {
     folder: tempfile::TempDir,
     window: Harness<'static, App>,
@@ -26,7 +26,7 @@ impl Changed {
     }
 }
 
-/// Changes what is seen so far below the centre.
+/// Changes the material at a point below the centre, in points.
 fn make_mirror(window: &mut Harness<'static, App>, down: f32) {
     editing::click(window, 0.0, down);
     window.get_by_label("Mirror").click_accesskit();
@@ -38,24 +38,24 @@ fn is_unsaved(app: &App) -> bool {
     app.state().edits.as_ref().is_some_and(Edits::is_unsaved)
 }
 
-/// The desktop asks the window to close; true where that was held up.
+/// Requests to close the window; true where that was held up.
 fn close(window: &mut Harness<'static, App>) -> bool {
     window.input_mut().viewports.entry(ViewportId::ROOT).or_default().events.push(ViewportEvent::Close);
     window.step();
-    let is_held = orders(window, &ViewportCommand::CancelClose);
+    let is_held = sends(window, &ViewportCommand::CancelClose);
     window.input_mut().viewports.entry(ViewportId::ROOT).or_default().events.clear();
     window.run_steps(2);
     is_held
 }
 
-fn orders(window: &Harness<'static, App>, wanted: &ViewportCommand) -> bool {
+fn sends(window: &Harness<'static, App>, wanted: &ViewportCommand) -> bool {
     window.output().viewport_output.values().any(|viewport| viewport.commands.contains(wanted))
 }
 
 /// Steps until the window closes itself.
 fn wait_for_close(window: &mut Harness<'static, App>) {
     let start = Instant::now();
-    while !orders(window, &ViewportCommand::Close) {
+    while !sends(window, &ViewportCommand::Close) {
         assert!(start.elapsed() < DEADLINE, "it stays open");
         std::thread::yield_now();
         window.step();
@@ -104,7 +104,7 @@ fn what_cannot_be_saved_is_not_left() {
     step_until(&mut changed.window, "a message", |app| {
         app.state().notices.iter().any(|n| n.severity == Severity::Error)
     });
-    assert!(!orders(&changed.window, &ViewportCommand::Close) && is_unsaved(changed.window.state()));
+    assert!(!sends(&changed.window, &ViewportCommand::Close) && is_unsaved(changed.window.state()));
     assert!(changed.window.state().state().dialogs.leaving.is_none(), "the message can be read");
 }
 
@@ -128,7 +128,8 @@ fn another_scene_waits_for_the_answer() {
     assert!(!close(&mut changed.window), "nothing is left to be lost");
 }
 
-/// The file is dropped and the surface changed in the same frame, so that the scene comes after the change.
+/// The file is dropped and the surface changed in the same update, so that the scene arrives after
+/// the change.
 #[test]
 fn what_is_changed_while_another_scene_loads_is_asked_about() {
     for answer in ["Cancel", "Don't save", "Save"] {

@@ -1,4 +1,4 @@
-//! From what is under the cursor to a view of it.
+//! Views of a surface or of the whole scene.
 
 use crate::window::input::walking::EYE_HEIGHT_M;
 use afterimage::Camera;
@@ -6,38 +6,39 @@ use afterimage::trace::Probe;
 use glam::DVec3;
 use std::f64::consts::FRAC_PI_2;
 
-/// A surface whose normal rises more than this is stood upon. The cosine of 45 degrees.
+/// Cosine of 45 degrees: a surface whose normal rises more than this is a floor.
 const FLOOR_COSINE: f32 = 0.707;
 
-/// One stops so far before a wall that one goes to, metres: an arm's length and a bit.
+/// Distance in metres that is kept from a wall: an arm's length and a bit.
 const BEFORE_WALL_M: f64 = 1.2;
 
-/// A thing that is focused is looked at from at most so far away, metres.
+/// Largest distance in metres from which a focused point is viewed.
 const FOCUS_M: f64 = 3.0;
 
-/// All of a model is seen from so far above the horizon, radians: 25 degrees show floors and facades.
+/// Pitch in radians of the view of a whole model: 25 degrees down shows floors and facades.
 const OVERVIEW_PITCH: f64 = -0.436;
 
-/// The view after going to a surface: standing on a floor, or an arm's length before anything else.
+/// Returns the view after going to a surface: standing on a floor, or an arm's length before
+/// anything else.
 pub(crate) fn gone_to(probe: &Probe, camera: &Camera) -> Camera {
     if probe.normal.y > FLOOR_COSINE {
         return Camera { eye: probe.position_m + DVec3::Y * EYE_HEIGHT_M, ..*camera };
     }
-    let way = probe.position_m - camera.eye;
+    let offset = probe.position_m - camera.eye;
     let left = BEFORE_WALL_M.min(probe.distance_m / 2.0);
-    let eye = camera.eye + way * (1.0 - left / probe.distance_m.max(left));
+    let eye = camera.eye + offset * (1.0 - left / probe.distance_m.max(left));
     Camera { fov_y: camera.fov_y, ..Camera::look_at(eye, probe.position_m, camera.fov_y.to_degrees()) }
 }
 
-/// The view with a surface in its centre, from not far away.
+/// Returns the view with a surface in its centre, from at most [`FOCUS_M`].
 pub(crate) fn focused_on(probe: &Probe, camera: &Camera) -> Camera {
-    let way = probe.position_m - camera.eye;
+    let offset = probe.position_m - camera.eye;
     let nearer = (1.0 - FOCUS_M / probe.distance_m.max(FOCUS_M)).max(0.0);
-    let eye = camera.eye + way * nearer;
+    let eye = camera.eye + offset * nearer;
     Camera { fov_y: camera.fov_y, ..Camera::look_at(eye, probe.position_m, camera.fov_y.to_degrees()) }
 }
 
-/// The view of a whole box, world metres, from the side one looks from already.
+/// Returns the view of a whole box in world metres, seen in the current direction.
 pub(crate) fn framing([low, high]: [DVec3; 2], camera: &Camera, aspect: f64) -> Camera {
     let centre = low + (high - low) / 2.0;
     let radius = (high - low).length() / 2.0;
@@ -64,7 +65,7 @@ mod tests {
     }
 
     #[test]
-    fn a_floor_is_stood_upon_and_a_wall_stopped_before() {
+    fn going_to_a_floor_stands_on_it_and_going_to_a_wall_stops_before_it() {
         let c = camera();
         let floor = gone_to(&probe(DVec3::new(1.0, 0.5, -4.0), Vec3::Y, c.eye), &c);
         assert_eq!((floor.eye, floor.yaw), (DVec3::new(1.0, 0.5 + EYE_HEIGHT_M, -4.0), c.yaw));
@@ -76,7 +77,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_focused_is_in_the_centre() {
+    fn a_focused_point_is_in_the_centre() {
         let c = camera();
         for at in [DVec3::new(3.0, 2.0, -9.0), DVec3::new(0.5, 1.0, -1.0)] {
             let focused = focused_on(&probe(at, Vec3::Z, c.eye), &c);

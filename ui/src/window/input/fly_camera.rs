@@ -1,75 +1,76 @@
-//! Flying and walking: how keys, drags and the wheel move the camera. World metres, no roll.
+//! The camera of the window: flying and walking by keys, drags and the wheel. World metres, no
+//! roll.
 
 use crate::window::input::walking::{Obstacles, Walker};
 use afterimage::Camera;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// Walking speed through a building, metres per second.
+/// Default speed in metres per second: walking through a building.
 pub const DEFAULT_SPEED: f64 = 2.5;
 
-/// Slower than 5 cm/s nothing seems to move, faster than 200 m/s nobody can steer.
+/// Range of the speed in metres per second: below 5 cm/s nothing seems to move, above 200 m/s
+/// steering fails.
 pub const SPEED_RANGE: std::ops::RangeInclusive<f64> = 0.05..=200.0;
 
-/// Held Shift multiplies the speed by this, held Alt divides by it.
+/// Shift multiplies the speed by this factor, Alt divides by it.
 pub const SPEED_FACTOR: f64 = 5.0;
 
-/// One notch of the wheel changes the speed by this factor.
+/// Factor of the speed per notch of the wheel.
 const SPEED_STEP: f64 = 1.25;
 
-/// One notch of the wheel moves as far as flying for so long, in seconds.
+/// Time of flight in seconds that equals one notch of the wheel.
 const DOLLY_SECS: f64 = 0.2;
 
-/// One press of a bracket changes the field of view by so many degrees.
+/// Change of the field of view per press of a bracket, in degrees.
 const FOV_STEP_DEGREES: f64 = 5.0;
 
-/// What a person still calls a picture, in degrees.
+/// Range of the vertical field of view in degrees; pictures beyond it are not legible.
 const FOV_DEGREES: std::ops::RangeInclusive<f64> = 10.0..=130.0;
 
-/// A drag over the viewport's height turns by this many fields of view: more than one, so that looking back does not
-/// take three strokes.
+/// Turn per drag over the viewport's height, in fields of view: more than one, so that looking back
+/// does not take three strokes.
 const TURN_PER_HEIGHT: f64 = 2.5;
 
-/// How long a change of view is eased, in seconds: the first for a small one, the second for a large one.
+/// Duration of an eased change of view in seconds: of a small one, and of a large one.
 const EASE_SECS: [f64; 2] = [0.2, 0.7];
 
-/// A change of view over so many metres, or half a turn, is a large one.
+/// Distance in metres of a large change of view; half a turn is a large one too.
 const LARGE_CHANGE_M: f64 = 6.0;
 
-/// A frame of the window that took longer moves no further than this, in seconds: after a hitch nobody wants to find
-/// himself behind the next wall.
+/// Longest time step in seconds: after a hitch, the camera must not be behind the next wall.
 const LONGEST_STEP_SECS: f64 = 0.25;
 
-/// Which way to fly, each axis in -1..1.
+/// Direction of motion, each axis in -1..1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion {
-    /// To the right.
+    /// Motion to the right.
     pub right: f64,
-    /// Up, along the world's axis.
+    /// Motion up, along the world's axis.
     pub up: f64,
-    /// Where the camera looks.
+    /// Motion in the viewing direction.
     pub forward: f64,
-    /// Multiplies the speed.
+    /// Factor of the speed.
     pub factor: f64,
 }
 
-/// How one moves.
+/// How the camera moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MoveMode {
-    /// Through everything, in all directions.
+    /// In all directions, through everything.
     #[default]
     Fly,
-    /// On the floor, past obstacles.
+    /// On the floor, stopped by obstacles.
     Walk,
 }
 
-/// How a view changes to another one.
+/// How the camera changes to another view.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ViewChange {
-    /// Over a moment, so that a person keeps the bearings.
+    /// In a short flight, which keeps the user's orientation.
     #[default]
     Eased,
-    /// For people whom motion makes ill.
+    /// At once, for users whom motion makes ill.
     AtOnce,
 }
 
@@ -81,7 +82,7 @@ struct Ease {
     secs: f64,
 }
 
-/// A camera that is flown.
+/// The camera of the window.
 #[derive(Clone, Debug)]
 pub struct FlyCamera {
     camera: Camera,
@@ -107,27 +108,27 @@ impl FlyCamera {
         }
     }
 
-    /// How it moves.
+    /// Returns how it moves.
     pub fn move_mode(&self) -> MoveMode {
         self.move_mode
     }
 
-    /// Changes how it moves. A walker falls to the floor.
+    /// Changes how it moves. Walking begins with a fall to the floor.
     pub fn set_move_mode(&mut self, move_mode: MoveMode) {
         (self.move_mode, self.walker) = (move_mode, Walker::default());
     }
 
-    /// How views change from now on.
+    /// Sets how views change from now on.
     pub fn set_view_change(&mut self, view_change: ViewChange) {
         self.view_change = view_change;
     }
 
-    /// Where it is.
+    /// Returns its pose.
     pub fn camera(&self) -> &Camera {
         &self.camera
     }
 
-    /// Metres per second without Shift or Alt.
+    /// Returns the speed in metres per second, without Shift or Alt.
     pub fn speed_m_per_s(&self) -> f64 {
         self.speed_m_per_s
     }
@@ -142,13 +143,13 @@ impl FlyCamera {
         self.set_speed(self.speed_m_per_s * SPEED_STEP.powf(notches));
     }
 
-    /// Is there at once.
+    /// Moves to a pose at once.
     pub fn jump_to(&mut self, camera: Camera) {
         self.camera = camera;
         self.ease = None;
     }
 
-    /// Is there after a short, smooth flight, so that a person keeps the bearings.
+    /// Moves to a pose in a short flight, unless views change at once.
     pub fn ease_to(&mut self, camera: Camera) {
         if self.view_change == ViewChange::AtOnce {
             return self.jump_to(camera);
@@ -157,15 +158,16 @@ impl FlyCamera {
         self.ease = Some(Ease { from: self.camera, to: camera, elapsed_secs: 0.0, secs });
     }
 
-    /// True while the camera moves by itself: a change of view is under way, or it falls or climbs.
+    /// True while the camera moves by itself: in a change of view, or falling or climbing.
     pub fn is_easing(&self) -> bool {
         self.ease.is_some() || self.is_settling
     }
 
-    /// Lets time pass. A person's own motion ends an eased one. Without obstacles a walker moves level.
+    /// Advances by `secs`. The user's own motion ends a change of view. Without obstacles, walking
+    /// is level.
     pub fn advance(&mut self, motion: &Motion, secs: f64, obstacles: Option<&Obstacles>) {
-        let way = self.way(motion);
-        if way != DVec3::ZERO {
+        let offset = self.direction(motion);
+        if offset != DVec3::ZERO {
             self.ease = None;
         }
         let step_secs = secs.clamp(0.0, LONGEST_STEP_SECS);
@@ -174,12 +176,12 @@ impl FlyCamera {
             self.camera = ease.now();
             self.ease = (ease.elapsed_secs < ease.secs).then_some(ease);
         } else {
-            self.travel(way * (self.speed_m_per_s * motion.factor * step_secs), step_secs, obstacles);
+            self.travel(offset * (self.speed_m_per_s * motion.factor * step_secs), step_secs, obstacles);
         }
     }
 
-    /// The direction of a motion, unit or zero; level for a walker.
-    fn way(&self, motion: &Motion) -> DVec3 {
+    /// Returns the direction of a motion, unit or zero; level for walking.
+    fn direction(&self, motion: &Motion) -> DVec3 {
         let m = self.camera.world_from_camera();
         match self.move_mode {
             MoveMode::Fly => m.x_axis * motion.right + DVec3::Y * motion.up - m.z_axis * motion.forward,
@@ -188,19 +190,20 @@ impl FlyCamera {
         .normalize_or_zero()
     }
 
-    fn travel(&mut self, way: DVec3, secs: f64, obstacles: Option<&Obstacles>) {
+    fn travel(&mut self, offset: DVec3, secs: f64, obstacles: Option<&Obstacles>) {
         self.is_settling = false;
         match (self.move_mode, obstacles) {
             (MoveMode::Walk, Some(obstacles)) => {
                 let before = self.camera.eye;
-                self.camera.eye = self.walker.step(obstacles, before, way, secs);
+                self.camera.eye = self.walker.step(obstacles, before, offset, secs);
                 self.is_settling = self.camera.eye.y != before.y;
             }
-            _ => self.camera.eye += way,
+            _ => self.camera.eye += offset,
         }
     }
 
-    /// Turns by a drag: right looks right, down looks down. `drag` is in parts of the viewport's height.
+    /// Turns by a drag: right looks right, down looks down. `drag` is in parts of the viewport's
+    /// height.
     pub fn look(&mut self, drag: [f64; 2]) {
         if drag == [0.0, 0.0] {
             return;
@@ -211,24 +214,25 @@ impl FlyCamera {
         self.camera.pitch = (self.camera.pitch - drag[1] * turn).clamp(-FRAC_PI_2, FRAC_PI_2);
     }
 
-    /// Moves along a direction by notches of the wheel; a walker along its level part.
+    /// Moves along a direction by notches of the wheel; walking uses the level part of it.
     pub fn dolly(&mut self, direction: DVec3, notches: f64, factor: f64, obstacles: Option<&Obstacles>) {
         let level = DVec3::new(direction.x, 0.0, direction.z);
         let direction = if self.move_mode == MoveMode::Walk { level } else { direction };
         if let Some(direction) = direction.try_normalize() {
             self.ease = None;
-            let way = direction * (notches * factor * self.speed_m_per_s * DOLLY_SECS);
-            self.travel(way, DOLLY_SECS, obstacles);
+            let offset = direction * (notches * factor * self.speed_m_per_s * DOLLY_SECS);
+            self.travel(offset, DOLLY_SECS, obstacles);
         }
     }
 
-    /// The world direction through a point of the viewport: `x` and `y` in -1..1 from the centre, right and up.
+    /// Returns the world direction through a point of the viewport: `x` and `y` in -1..1 from the
+    /// centre, right and up.
     pub fn direction_through(&self, x: f64, y: f64, aspect: f64) -> DVec3 {
         let tan = (self.camera.fov_y / 2.0).tan();
         self.camera.world_from_camera() * DVec3::new(x * tan * aspect, y * tan, -1.0)
     }
 
-    /// Looks straight ahead again.
+    /// Looks at the horizon.
     pub fn level(&mut self) {
         self.ease_to(Camera { pitch: 0.0, ..self.camera });
     }
@@ -238,7 +242,7 @@ impl FlyCamera {
         self.set_fov_degrees(self.camera.fov_y.to_degrees() + steps * FOV_STEP_DEGREES);
     }
 
-    /// Sets the vertical field of view.
+    /// Sets the vertical field of view in degrees.
     pub fn set_fov_degrees(&mut self, degrees: f64) {
         self.camera.fov_y = degrees.clamp(*FOV_DEGREES.start(), *FOV_DEGREES.end()).to_radians();
     }
@@ -261,14 +265,14 @@ impl Ease {
     }
 }
 
-/// How long a change takes, by how large it is.
+/// Returns the duration of a change of view in seconds, by its size.
 fn ease_secs(from: &Camera, to: &Camera) -> f64 {
     let turn = wrap(to.yaw - from.yaw).abs().max((to.pitch - from.pitch).abs()) / PI;
-    let way = from.eye.distance(to.eye) / LARGE_CHANGE_M;
-    EASE_SECS[0] + (EASE_SECS[1] - EASE_SECS[0]) * way.max(turn).clamp(0.0, 1.0)
+    let distance = from.eye.distance(to.eye) / LARGE_CHANGE_M;
+    EASE_SECS[0] + (EASE_SECS[1] - EASE_SECS[0]) * distance.max(turn).clamp(0.0, 1.0)
 }
 
-/// An angle in -pi..pi: the shorter way round.
+/// Wraps an angle to -pi..pi: the shorter way round.
 fn wrap(angle: f64) -> f64 {
     (angle + PI).rem_euclid(TAU) - PI
 }

@@ -1,47 +1,47 @@
-//! Walks: playing one back, making one key by key, and recording where somebody goes.
+//! Camera paths: played, made key by key, and recorded.
 
 use afterimage::Camera;
 use afterimage::camera::{CameraKey, CameraPath};
 
-/// Frames of a walk are played at this rate.
+/// Frames of a path per second of playing.
 pub const FRAMES_PER_SEC: f64 = 30.0;
 
-/// Between two keys that a person sets, one strolls.
+/// Speed between two keys that the user sets: strolling, in metres per second.
 const STROLL_M_PER_S: f64 = 1.4;
 
-/// Looking round at a key takes a while even where one does not move.
+/// Time in seconds for each key: turning takes time even without moving.
 const SECS_PER_KEY: f64 = 1.0;
 
-/// A pose is recorded so often per second: a key every 25 cm at walking speed.
+/// Poses recorded per second: a key every 25 cm at walking speed.
 const RECORDS_PER_SEC: f64 = 10.0;
 
-/// The walk of the window: the scene's, until someone sets a key.
+/// The camera path of the window: the scene's, until the user sets a key.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Playback {
-    /// What is played; `None` without a scene.
+    /// The path; empty without a scene.
     pub path: CameraPath,
     /// True where the keys are the user's, not the scene's.
     pub is_own: bool,
-    /// Where it stands, seconds from its start.
+    /// Time since the start of the path, in seconds.
     pub at_secs: f64,
-    /// Time passes.
+    /// The path is being played.
     pub is_playing: bool,
-    /// Starts anew at the end.
+    /// The path starts again at its end.
     pub loops: bool,
 }
 
 impl Playback {
-    /// A scene's own walk, at rest at its start.
+    /// A scene's own path, paused at its start.
     pub fn of_scene(path: CameraPath) -> Self {
         Self { path, ..Self::default() }
     }
 
-    /// How long it takes, seconds.
+    /// Returns the duration of the path in seconds.
     pub fn secs(&self) -> f64 {
         f64::from(self.path.frames.max(2) - 1) / FRAMES_PER_SEC
     }
 
-    /// Adds a key at a pose; the first one replaces the scene's walk.
+    /// Adds a key at a pose. The first one replaces the scene's path.
     pub fn add_key(&mut self, camera: &Camera) {
         let mut keyframes = if self.is_own { std::mem::take(&mut self.path.keyframes) } else { Vec::new() };
         keyframes.push(key_of(camera));
@@ -49,7 +49,7 @@ impl Playback {
         self.at_secs = self.secs();
     }
 
-    /// Takes a key away.
+    /// Removes a key.
     pub fn remove_key(&mut self, index: usize) {
         if index < self.path.keyframes.len() {
             self.path.keyframes.remove(index);
@@ -60,7 +60,7 @@ impl Playback {
         }
     }
 
-    /// Plays from where it stands, from the start where it is at its end, or pauses.
+    /// Plays from the current time, from the start where the path is at its end, or pauses.
     pub fn toggle(&mut self) {
         self.is_playing = !self.is_playing && !self.path.keyframes.is_empty();
         if self.is_playing && self.at_secs >= self.secs() {
@@ -68,7 +68,7 @@ impl Playback {
         }
     }
 
-    /// Lets time pass; returns the pose while it plays.
+    /// Advances the time; returns the pose while the path is played.
     pub fn advance(&mut self, secs: f64) -> Option<Camera> {
         if !self.is_playing {
             return None;
@@ -82,9 +82,9 @@ impl Playback {
         self.camera()
     }
 
-    /// The pose where it stands.
+    /// Returns the pose at the current time.
     pub fn camera(&self) -> Option<Camera> {
-        // Finer than frames: a display may be faster than the walk was thought for.
+        // Finer than frames: a display may be faster than [`FRAMES_PER_SEC`].
         const PARTS: u32 = 1_000_000;
         let part = (self.at_secs / self.secs()).clamp(0.0, 1.0) * f64::from(PARTS);
         self.path.camera(part.round() as u32, PARTS + 1)
@@ -104,7 +104,7 @@ fn path_of(keyframes: Vec<CameraKey>, camera: &Camera) -> CameraPath {
     path
 }
 
-/// A walk being recorded, as it happens.
+/// A path that is being recorded.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Recording {
     keyframes: Vec<CameraKey>,
@@ -114,7 +114,7 @@ pub struct Recording {
 }
 
 impl Recording {
-    /// Takes in where the camera is after so much time.
+    /// Notes the pose after `secs` have passed.
     pub fn note(&mut self, camera: &Camera, secs: f64) {
         self.secs += secs;
         if self.secs < self.next_secs && !self.keyframes.is_empty() {
@@ -123,18 +123,20 @@ impl Recording {
         self.next_secs = self.secs + 1.0 / RECORDS_PER_SEC;
         self.fov_y_deg = camera.fov_y.to_degrees();
         let key = key_of(camera);
-        // Standing still is no part of a walk: keys are joined by time spent on way and turning.
+        // Standing still is not part of a path: times between keys follow from distance and
+        // turning.
         if self.keyframes.last() != Some(&key) {
             self.keyframes.push(key);
         }
     }
 
-    /// How long it has lasted, seconds.
+    /// Returns the duration of the recording in seconds.
     pub fn secs(&self) -> f64 {
         self.secs
     }
 
-    /// The walk, with a frame for every thirtieth of a second of the recording; `None` where nobody moved.
+    /// Returns the path, with one frame per 1/30 s of the recording; `None` where the camera has
+    /// not moved.
     pub fn finish(self) -> Option<CameraPath> {
         let frames = (self.secs * FRAMES_PER_SEC).round().clamp(2.0, 1e6) as u32;
         let path = CameraPath { fov_y_deg: self.fov_y_deg, frames, keyframes: self.keyframes };
@@ -152,7 +154,7 @@ mod tests {
     }
 
     #[test]
-    fn the_first_key_replaces_the_scenes_walk() {
+    fn the_first_key_replaces_the_scenes_path() {
         let mut playback = Playback::of_scene(CameraPath::still(&at(9.0)));
         playback.add_key(&at(0.0));
         playback.add_key(&at(7.0));
@@ -163,7 +165,7 @@ mod tests {
     }
 
     #[test]
-    fn it_plays_to_its_end_and_begins_anew_when_asked() {
+    fn a_path_plays_to_its_end_and_starts_again_when_looping() {
         let mut playback = Playback::default();
         assert_eq!(playback.advance(1.0), None);
         playback.toggle();
@@ -182,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn a_recording_is_a_walk_that_lasts_as_long() {
+    fn a_recording_is_a_path_of_the_same_duration() {
         let mut recording = Recording::default();
         for i in 0..120 {
             recording.note(&at(f64::from(i) * 0.05), 1.0 / 60.0);

@@ -1,81 +1,85 @@
-//! Walking: gravity, steps and walls. World metres; whatever stands in the way is found by rays of the tracer.
+//! Walking: gravity, steps and walls, found by rays of the tracer. World metres.
 //!
-//! A walker is an upright cylinder. Its path is free where rays between the old and the new place meet nothing at three
-//! heights; it is then pushed off whatever is nearer than its radius, along that surface's normal, which is what makes it
-//! slide along walls and round door posts.
+//! A walker is an upright cylinder. Its path is free where rays between the old and the new
+//! position hit nothing at three heights. It is then pushed away from any surface within its
+//! radius, along that surface's normal; this makes it slide along walls and around door posts.
 
 use afterimage::{Camera, Tracer};
 use glam::DVec3;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// Eyes of a standing person above the floor, metres.
+/// Height of the eyes of a standing person above the floor, in metres.
 pub const EYE_HEIGHT_M: f64 = Camera::EYE_HEIGHT_M;
 
-/// The highest step that is taken without jumping, metres: two risers of a stair and a bit.
+/// Height of the highest step that is climbed, in metres: two risers of a stair and a bit.
 pub const HIGHEST_STEP_M: f64 = 0.45;
 
-/// Half the width of a person, metres: passes a door of 0.6 m.
+/// Half the width of a person in metres: passes a door of 0.6 m.
 const RADIUS_M: f64 = 0.22;
 
-/// The crown of the head above the eyes, metres.
+/// Height of the crown above the eyes, in metres.
 const CROWN_M: f64 = 0.12;
 
-/// Heights above the feet at which walls are looked for, metres: just above what can be stepped on, the hip, the eyes.
+/// Heights above the feet at which walls are searched, in metres: just above a step, the hip, the
+/// eyes.
 const HEIGHTS_M: [f64; 3] = [HIGHEST_STEP_M + 0.01, 1.0, EYE_HEIGHT_M];
 
-/// Directions in which walls are looked for: their rays' ends are 9 cm apart on the cylinder, less than any post.
+/// Number of directions in which walls are searched: the ends of the rays are 9 cm apart on the
+/// cylinder, less than any post.
 const DIRECTIONS: usize = 16;
 
-/// How often the walker is pushed off walls: two walls of a corner and what they push it into.
+/// Number of pushes away from walls: two walls of a corner, and what they push the walker into.
 const PUSHES: usize = 4;
 
-/// On a surface whose normal has a smaller horizontal part than this one stands; it is no wall. The sine of 45 degrees.
+/// Sine of 45 degrees: a surface whose normal has a larger horizontal part than this is a wall.
 const WALL_SINE: f64 = 0.707;
 
 const GRAVITY_M_PER_S2: f64 = 9.81;
 
-/// How fast the eyes rise on steps, metres per second: a stair is a slope to them, not a series of jolts.
+/// Speed at which the eyes rise on steps, in metres per second: a stair feels like a slope, not
+/// like a series of jolts.
 const CLIMB_M_PER_S: f64 = 3.0;
 
-/// Walks from one place to another are cut into so many parts at most.
+/// Largest number of parts into which a step is cut.
 const MAX_PARTS: f64 = 256.0;
 
-/// Parts of names of materials through which one walks: closed leaves of doors would lock every room.
+/// Words in the names of materials that do not stop a walker: closed doors would lock every room.
 const DOOR_WORDS: [&str; 6] = ["door", "tür", "tuer", "porte", "puerta", "porta"];
 
-/// What can stand in a walker's way.
+/// Everything that can stop a walker.
 #[derive(Clone, Debug)]
 pub struct Obstacles {
     tracer: Arc<Tracer>,
-    /// One per material.
+    /// True per material that does not stop a walker.
     is_passable: Vec<bool>,
 }
 
 impl Obstacles {
-    /// Everything in a scene but the leaves of doors.
+    /// All surfaces of a scene except the leaves of doors.
     pub fn new(tracer: Arc<Tracer>) -> Self {
         let is_door = |name: &str| {
             let name = name.to_lowercase();
-            // A door's frame stands still when the door is open.
+            // The frame of an open door still stands.
             DOOR_WORDS.iter().any(|word| name.contains(word)) && !name.contains("frame")
         };
         let is_passable = tracer.scene().materials.iter().map(|m| is_door(&m.name)).collect();
         Self { tracer, is_passable }
     }
 
-    /// The scene they stand in.
+    /// Returns the tracer of the scene.
     pub fn tracer(&self) -> &Arc<Tracer> {
         &self.tracer
     }
 
-    /// How far off a distance may be, metres: rays are f32 in scene space, whose diagonal is up to 1024 units.
+    /// Rounding error of a distance in metres: rays are f32 in scene space, whose diagonal is at
+    /// most 1024 units.
     fn rounding_m(&self) -> f64 {
         const ULPS: f64 = 4.0;
         ULPS * 1024.0 * f64::from(f32::EPSILON) / self.tracer.scene().frame.units_per_metre
     }
 
-    /// The nearest obstacle: its distance in metres and its normal.
+    /// Returns distance in metres and normal of the nearest obstacle.
     fn nearest(&self, from: DVec3, direction: DVec3, reach_m: f64) -> Option<(f64, DVec3)> {
         let scene = self.tracer.scene();
         let stops = |triangle: u32| !self.is_passable[scene.triangle_materials[triangle as usize].0 as usize];
@@ -83,8 +87,8 @@ impl Obstacles {
         Some((probe.distance_m, probe.normal.as_dvec3()))
     }
 
-    /// Height of the floor under a walker whose feet are at `feet`, where there is one: the highest of what its sole
-    /// touches, so that nobody falls into a joint.
+    /// Returns the height of the floor under a walker whose feet are at `feet`. It is the highest
+    /// point that the sole touches, so that the walker does not fall into a joint.
     fn floor(&self, feet: DVec3) -> Option<f64> {
         let sole = RADIUS_M / 2.0;
         let top = feet + DVec3::Y * HIGHEST_STEP_M;
@@ -95,7 +99,7 @@ impl Obstacles {
             .max_by(f64::total_cmp)
     }
 
-    /// The way out of whatever is nearer to the axis of a walker than its radius.
+    /// Returns the offset out of all walls within the radius of a walker's axis.
     fn push(&self, eye: DVec3) -> DVec3 {
         let feet = eye - DVec3::Y * EYE_HEIGHT_M;
         let mut push = DVec3::ZERO;
@@ -107,7 +111,7 @@ impl Obstacles {
                 let Some((distance, normal)) = found.filter(|(_, n)| is_wall(*n)) else { continue };
                 let out = DVec3::new(normal.x, 0.0, normal.z).normalize_or_zero();
                 let depth = RADIUS_M - distance * -out.dot(direction);
-                // The deepest along each direction: several rays meet the same wall.
+                // Only the deepest along each direction counts: several rays hit the same wall.
                 let already = push.dot(out);
                 push += out * (depth - already).max(0.0);
             }
@@ -115,12 +119,12 @@ impl Obstacles {
         push
     }
 
-    /// True where nothing stands between two places.
+    /// True where no wall stands between two positions.
     fn is_free(&self, from: DVec3, to: DVec3) -> bool {
-        let way = to - from;
+        let offset = to - from;
         HEIGHTS_M.into_iter().all(|height| {
             let start = from + DVec3::Y * (height - EYE_HEIGHT_M);
-            self.nearest(start, way, way.length()).is_none_or(|(_, normal)| !is_wall(normal))
+            self.nearest(start, offset, offset.length()).is_none_or(|(_, normal)| !is_wall(normal))
         })
     }
 }
@@ -129,27 +133,27 @@ fn is_wall(normal: DVec3) -> bool {
     normal.x.hypot(normal.z) > WALL_SINE
 }
 
-/// The state of someone who walks.
+/// State of a walker.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Walker {
     fall_m_per_s: f64,
 }
 
 impl Walker {
-    /// Moves an eye by a horizontal way within `secs`: as far as walls allow, along them where they are in the way, then
-    /// up steps and down by gravity. Above nothing at all it stays where it is.
-    pub fn step(&mut self, obstacles: &Obstacles, eye: DVec3, way: DVec3, secs: f64) -> DVec3 {
-        let parts = (way.length() / RADIUS_M).ceil().clamp(1.0, MAX_PARTS);
+    /// Moves an eye by a horizontal offset within `secs`: as far as walls allow, along walls, up
+    /// steps, and down by gravity. Above nothing at all it keeps its height.
+    pub fn step(&mut self, obstacles: &Obstacles, eye: DVec3, offset: DVec3, secs: f64) -> DVec3 {
+        let parts = (offset.length() / RADIUS_M).ceil().clamp(1.0, MAX_PARTS);
         let mut at = eye;
         for _ in 0..parts as u32 {
-            let next = slide(obstacles, at, way / parts);
-            let climb = CLIMB_M_PER_S.max(way.length() / secs.max(f64::MIN_POSITIVE)) * secs / parts;
+            let next = slide(obstacles, at, offset / parts);
+            let climb = CLIMB_M_PER_S.max(offset.length() / secs.max(f64::MIN_POSITIVE)) * secs / parts;
             at = self.settle(obstacles, next, climb, secs / parts);
         }
         at
     }
 
-    /// Up by at most `climb_m`, or down by gravity.
+    /// Moves the eye up by at most `climb_m`, or down by gravity.
     fn settle(&mut self, obstacles: &Obstacles, eye: DVec3, climb_m: f64, secs: f64) -> DVec3 {
         let feet = eye - DVec3::Y * EYE_HEIGHT_M;
         let Some(floor) = obstacles.floor(feet) else {
@@ -176,13 +180,14 @@ impl Walker {
     }
 }
 
-/// The place that a step of at most a radius leads to.
-fn slide(obstacles: &Obstacles, eye: DVec3, way: DVec3) -> DVec3 {
-    if way == DVec3::ZERO {
+/// Returns the position after an offset of at most a radius.
+fn slide(obstacles: &Obstacles, eye: DVec3, offset: DVec3) -> DVec3 {
+    if offset == DVec3::ZERO {
         return eye;
     }
-    // What stands right ahead is walked up to; the pushes turn the rest of the way along it.
-    let mut at = if obstacles.is_free(eye, eye + way) { eye + way } else { along_wall(obstacles, eye, way) };
+    // A wall ahead is approached; the pushes turn the rest of the offset along it.
+    let mut at =
+        if obstacles.is_free(eye, eye + offset) { eye + offset } else { along_wall(obstacles, eye, offset) };
     for _ in 0..PUSHES {
         let push = obstacles.push(at);
         if push == DVec3::ZERO {
@@ -190,20 +195,21 @@ fn slide(obstacles: &Obstacles, eye: DVec3, way: DVec3) -> DVec3 {
         }
         at += push;
     }
-    // Between two walls that push against each other there is no room; who stands too near already may leave.
+    // Between two walls that push against each other there is no room; a walker that stands too
+    // close already may leave.
     let is_clear = || obstacles.push(at).length() <= obstacles.push(eye).length().max(RADIUS_M * 0.02);
     if obstacles.is_free(eye, at) && is_clear() { at } else { eye }
 }
 
-/// The part of a way that does not lead into the wall ahead.
-fn along_wall(obstacles: &Obstacles, eye: DVec3, way: DVec3) -> DVec3 {
-    let ahead = HEIGHTS_M
-        .into_iter()
-        .filter_map(|height| obstacles.nearest(eye + DVec3::Y * (height - EYE_HEIGHT_M), way, way.length()));
+/// Returns the position after the part of an offset that does not lead into the wall ahead.
+fn along_wall(obstacles: &Obstacles, eye: DVec3, offset: DVec3) -> DVec3 {
+    let ahead = HEIGHTS_M.into_iter().filter_map(|height| {
+        obstacles.nearest(eye + DVec3::Y * (height - EYE_HEIGHT_M), offset, offset.length())
+    });
     let wall = ahead.filter(|(_, n)| is_wall(*n)).min_by(|a, b| a.0.total_cmp(&b.0));
     let Some((_, normal)) = wall else { return eye };
     let out = DVec3::new(normal.x, 0.0, normal.z).normalize_or_zero();
-    let rest = way - out * way.dot(out).min(0.0);
+    let rest = offset - out * offset.dot(out).min(0.0);
     if obstacles.is_free(eye, eye + rest) { eye + rest } else { eye }
 }
 
@@ -213,7 +219,7 @@ mod tests {
     use afterimage::scene::{Material, SceneBuilder};
     use glam::{Vec2, Vec3};
 
-    /// A floor of 40 m, and boxes: lower corner, upper corner, material's name.
+    /// A floor of 40 m, and boxes: lower corner, upper corner, name of the material.
     fn obstacles(boxes: &[([f64; 3], [f64; 3], &str)]) -> Obstacles {
         let mut b = SceneBuilder::new("walk");
         let floor = b.add_material(Material::diffuse("floor", Vec3::splat(0.5)));
@@ -242,13 +248,13 @@ mod tests {
 
     const STEP_SECS: f64 = 1.0 / 60.0;
 
-    /// Walks for a while at a velocity, from feet at a place.
+    /// Walks for a while at a velocity, with the feet starting at a position.
     fn walk(obstacles: &Obstacles, feet: [f64; 3], velocity: [f64; 2], secs: f64) -> DVec3 {
         let mut walker = Walker::default();
         let mut eye = DVec3::from_array(feet) + DVec3::Y * EYE_HEIGHT_M;
-        let way = DVec3::new(velocity[0], 0.0, velocity[1]) * STEP_SECS;
+        let offset = DVec3::new(velocity[0], 0.0, velocity[1]) * STEP_SECS;
         for _ in 0..(secs / STEP_SECS).round() as u32 {
-            eye = walker.step(obstacles, eye, way, STEP_SECS);
+            eye = walker.step(obstacles, eye, offset, STEP_SECS);
         }
         eye - DVec3::Y * EYE_HEIGHT_M
     }
@@ -256,7 +262,7 @@ mod tests {
     const WALL: ([f64; 3], [f64; 3], &str) = ([2.0, 0.0, -5.0], [2.2, 3.0, 5.0], "wall");
 
     #[test]
-    fn nothing_in_the_way_is_the_whole_way() {
+    fn free_space_is_crossed() {
         let feet = walk(&obstacles(&[]), [0.0, 0.0, 0.0], [2.0, 1.0], 1.0);
         assert!((feet - DVec3::new(2.0, 0.0, 1.0)).length() < 1e-3, "{feet}");
     }
@@ -270,14 +276,14 @@ mod tests {
     }
 
     #[test]
-    fn along_a_wall_one_slides() {
+    fn walls_are_slid_along() {
         let feet = walk(&obstacles(&[WALL]), [1.7, 0.0, -3.0], [1.5, 1.5], 2.0);
         assert!(feet.x < 2.0 - RADIUS_M + 0.01, "{feet}");
         assert!((feet.z - 0.0).abs() < 0.15, "three metres along the wall: {feet}");
     }
 
     #[test]
-    fn a_corner_holds() {
+    fn a_corner_stops() {
         let other = ([-5.0, 0.0, 2.0], [5.0, 3.0, 2.2], "wall");
         let feet = walk(&obstacles(&[WALL, other]), [0.0, 0.0, 0.0], [3.0, 2.0], 4.0);
         assert!(feet.x < 2.0 - RADIUS_M + 0.03 && feet.z < 2.0 - RADIUS_M + 0.03, "{feet}");
@@ -293,7 +299,7 @@ mod tests {
             ])
         };
         assert!(walk(&gap(0.4), [0.0, 0.0, 0.0], [2.0, 0.0], 3.0).x > 4.0);
-        // Not quite in its middle: one slides off the post.
+        // Off the middle, the walker slides off the post.
         assert!(walk(&gap(0.4), [0.0, 0.0, 0.25], [2.0, 0.0], 3.0).x > 3.0);
         assert!(walk(&gap(0.15), [0.0, 0.0, 0.0], [2.0, 0.0], 3.0).x < 2.0);
     }
@@ -328,7 +334,7 @@ mod tests {
     }
 
     #[test]
-    fn one_falls_as_things_fall_and_stops_on_the_floor() {
+    fn falling_follows_gravity_and_ends_on_the_floor() {
         let space = obstacles(&[]);
         let half = walk(&space, [0.0, 5.0, 0.0], [0.0, 0.0], 0.5);
         assert!((half.y - (5.0 - 0.5 * GRAVITY_M_PER_S2 * 0.25)).abs() < 0.1, "{half}");
@@ -336,13 +342,13 @@ mod tests {
     }
 
     #[test]
-    fn above_nothing_one_stays() {
+    fn above_nothing_the_height_stays() {
         let feet = walk(&obstacles(&[]), [30.0, 2.0, 0.0], [0.0, 0.0], 1.0);
         assert_eq!(feet.y, 2.0);
     }
 
     #[test]
-    fn who_stands_in_a_wall_gets_out() {
+    fn a_walker_inside_a_wall_gets_out() {
         let feet = walk(&obstacles(&[WALL]), [1.95, 0.0, 0.0], [-1.0, 0.0], 2.0);
         assert!(feet.x < 1.0, "{feet}");
     }

@@ -1,28 +1,31 @@
-//! The nearest and the farthest surface in squares of a frame's pixels: what lets a ray pass many pixels in one step.
+//! Ranges of depth of a frame's pixels in squares: with them, a ray passes many pixels in one step.
 
-/// Largest and smallest disparity of squares of `2^level` pixels a side, for every level, in scene units.
+/// Largest and smallest disparity in squares of `2^level` pixels a side, for every level, in scene
+/// units.
 ///
-/// Level 0 has a frame's pixels in rows, filled up on the right and below to a multiple of the largest square, so that
-/// each level has half the width and height of the one before it. What is filled up has no range.
+/// Level 0 holds a frame's pixels in rows, padded on the right and at the bottom to a multiple of
+/// the largest square, so that each level has half the width and height of the one before. Padding
+/// has an empty range.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DepthRanges {
     levels: Vec<Vec<[f32; 2]>>,
     size: [u32; 2],
 }
 
-/// Levels, the pixels themselves included: the largest square has 64 pixels a side.
+/// Number of levels, including the pixels themselves: the largest square has 64 pixels a side.
 pub const LEVELS: u32 = 7;
 
-/// The range of no pixels.
+/// An empty range.
 const EMPTY: [f32; 2] = [f32::NEG_INFINITY, f32::INFINITY];
 
 impl DepthRanges {
-    /// Width and height of level 0 for a frame's.
+    /// Returns width and height of level 0 for a frame of a size.
     pub fn padded(size: [u32; 2]) -> [u32; 2] {
         size.map(|s| s.next_multiple_of(1 << (LEVELS - 1)))
     }
 
-    /// Takes over the disparities of a frame, keeping allocations. What is no number is infinitely far.
+    /// Computes the ranges of a frame's disparities, and keeps allocations. A disparity that is not
+    /// finite counts as 0, infinitely far.
     pub fn fill(&mut self, disparity: &[f32], size: [u32; 2]) {
         self.size = Self::padded(size);
         self.levels.resize_with(LEVELS as usize, Vec::new);
@@ -41,12 +44,12 @@ impl DepthRanges {
         }
     }
 
-    /// The largest disparity of all; 0 where there is none above.
+    /// Returns the largest disparity of all; 0 where there is none above.
     pub fn nearest(&self) -> f32 {
         self.levels.last().into_iter().flatten().map(|range| range[0]).fold(0.0, f32::max)
     }
 
-    /// Each level with its width and height.
+    /// Returns each level with its width and height.
     pub fn levels(&self) -> impl Iterator<Item = ([u32; 2], &[[f32; 2]])> {
         self.levels
             .iter()
@@ -55,7 +58,7 @@ impl DepthRanges {
     }
 }
 
-/// Two rows by two columns become one.
+/// Joins squares of two by two ranges.
 fn gather(finer: &[[f32; 2]], row: usize, coarser: &mut Vec<[f32; 2]>) {
     coarser.clear();
     for rows in finer.chunks_exact((2 * row).max(1)) {

@@ -1,4 +1,4 @@
-//! Finished frames on their way from the render thread to the window, without waiting and without allocating.
+//! Finished frames, passed from the render thread to the window without waiting or allocating.
 
 use crate::window::rendering::depth_ranges::DepthRanges;
 use crate::window::rendering::lock::locked;
@@ -12,15 +12,15 @@ use rayon::prelude::*;
 use std::sync::Mutex;
 use std::time::Instant;
 
-/// The supplier byte of a pixel that no reference supplied.
+/// Supplier byte of a pixel that was not supplied by a reference.
 pub const SUPPLIED_BY_NONE: u8 = u8::MAX;
 
-/// A reference as the window lists it.
+/// A reference, as the window lists it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReferenceInfo {
-    /// Its name.
+    /// Identifies the reference.
     pub id: ReferenceId,
-    /// Where it was taken.
+    /// Pose of the reference.
     pub camera: Camera,
     /// Width and height in pixels.
     pub size: [u32; 2],
@@ -28,48 +28,50 @@ pub struct ReferenceInfo {
     pub contribution: f32,
     /// True where the last frame used it.
     pub is_used: bool,
-    /// False where it was switched off.
+    /// False where the user has disabled it.
     pub is_enabled: bool,
-    /// When it was added.
+    /// Time at which it was added.
     pub added: Instant,
 }
 
-/// A frame as the window shows it.
+/// A frame, as the window shows it.
 #[derive(Debug)]
 pub struct PublishedFrame {
-    /// The state of all wishes when it was begun; a later frame never has a smaller one.
+    /// Generation of the request it was begun with; a later frame never has a smaller one.
     pub generation: u64,
-    /// Where it was taken.
+    /// Pose of the camera.
     pub camera: Camera,
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// The space of its disparities.
+    /// Scene space, in which its disparities are given.
     pub scene_frame: SceneFrame,
-    /// 1 / depth along the viewing axis in scene units, of pixels and of squares of them.
+    /// Disparity: 1 / depth along the viewing axis in scene units, of pixels and of squares of
+    /// pixels.
     pub depth_ranges: DepthRanges,
-    /// Radiance as shared-exponent colour, the layout of `Rgb9e5Ufloat`.
+    /// Linear radiance of the pixels, packed as in a texture of format `Rgb9e5Ufloat`.
     pub radiance: Vec<u32>,
-    /// [`afterimage::raster::pixel_types::PixelType`] as numbers.
+    /// Types of the pixels: numbers of [`afterimage::raster::pixel_types::PixelType`].
     pub types: Vec<u8>,
-    /// Which reference supplied a pixel, by its name modulo 255; [`SUPPLIED_BY_NONE`] for none. By name rather than
-    /// by place in the frame's list, so that a reference keeps its colour from frame to frame.
+    /// Reference that supplied each pixel: its number modulo 255; [`SUPPLIED_BY_NONE`] for none.
+    /// The number stays the same from frame to frame, unlike the place in the frame's list, so that
+    /// a reference keeps its colour.
     pub suppliers: Vec<u8>,
-    /// Times and counts.
+    /// Times and counts of the frame.
     pub stats: FrameStats,
-    /// The same frame as the one before it, its picture refined.
+    /// True for a refined picture of the frame before it.
     pub is_refinement: bool,
-    /// All references held, oldest first.
+    /// All references in the cache, oldest first.
     pub references: Vec<ReferenceInfo>,
-    /// Memory that references hold, and may hold.
+    /// Memory that references use, and their limit, in bytes.
     pub cache_bytes: [usize; 2],
-    /// The exposure that would suit it, in stops; of a complete frame that is not black.
+    /// Exposure in stops that suits the frame; `None` for an incomplete or a black one.
     pub metered_ev: Option<f32>,
-    /// When it was finished.
+    /// Time at which it was finished.
     pub finished: Instant,
 }
 
 impl PublishedFrame {
-    /// A frame of no pixels.
+    /// A frame without pixels.
     pub fn empty() -> Self {
         Self {
             generation: 0,
@@ -89,7 +91,7 @@ impl PublishedFrame {
         }
     }
 
-    /// Takes over a rendered frame on the current thread pool, keeping allocations.
+    /// Copies a rendered frame on the current thread pool, and keeps allocations.
     pub fn fill(&mut self, frame: &Frame, scene: &SceneFrame, used: &[ReferenceId], generation: u64) {
         (self.generation, self.is_refinement) = (generation, false);
         (self.camera, self.size, self.stats) = (frame.camera, frame.view.size, frame.stats);
@@ -107,7 +109,7 @@ impl PublishedFrame {
         self.finished = Instant::now();
     }
 
-    /// Lists the references held.
+    /// Lists the references in the cache.
     pub fn list(&mut self, cache: &ReferenceCache, used: &[ReferenceId], added: &[(ReferenceId, Instant)]) {
         self.cache_bytes = [cache.bytes(), cache.budget_bytes()];
         self.references.clear();
@@ -123,12 +125,12 @@ impl PublishedFrame {
     }
 }
 
-/// The byte that stands for a reference in [`PublishedFrame::suppliers`].
+/// Returns the byte of a reference in [`PublishedFrame::suppliers`].
 pub fn supplier_byte(id: ReferenceId) -> u8 {
     (id.0 % u32::from(SUPPLIED_BY_NONE)) as u8
 }
 
-/// Three frames: one is written, one is ready, one is shown.
+/// A triple buffer: one frame is written, one is ready, one is shown.
 #[derive(Debug, Default)]
 pub struct Exchange {
     slots: Mutex<Slots>,
@@ -141,12 +143,12 @@ struct Slots {
 }
 
 impl Exchange {
-    /// A frame to write to.
+    /// Returns a frame to write to.
     pub fn spare(&self) -> PublishedFrame {
         locked(&self.slots).spare.pop().unwrap_or_else(PublishedFrame::empty)
     }
 
-    /// Makes a frame the newest; one that nobody took is written to next.
+    /// Makes a frame the newest. One that was never shown is written to next.
     pub fn publish(&self, frame: PublishedFrame) {
         let mut slots = locked(&self.slots);
         if let Some(missed) = slots.ready.replace(frame) {
@@ -168,7 +170,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_newest_frame_is_taken_and_the_others_are_used_again() {
+    fn the_newest_frame_is_taken_and_the_others_are_reused() {
         let exchange = Exchange::default();
         let mut shown = None;
         for generation in 1..=5 {

@@ -1,27 +1,28 @@
-//! A horizontal cut through the building: the plan that one walks in.
+//! The plan: a horizontal cut through the building.
 
 use afterimage::Scene;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-/// Lines of a plan at most: more are not told apart, and would be felt when drawn. The longest stay.
+/// Number of lines of a plan; the longest are kept. More cannot be told apart, and take visible
+/// time to draw.
 const MAX_LINES: usize = 20_000;
 
-/// What the cut of a scene at one height shows.
+/// Horizontal cut through a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
-    /// Height of the cut, world metres.
+    /// Height of the cut in world metres.
     pub height_m: f64,
-    /// Lines as (x, z) of both ends, world metres from `origin_m`.
+    /// Lines as (x, z) of both ends, in metres from `origin_m`.
     pub lines: Vec<[[f32; 2]; 2]>,
-    /// (x, z) that lines are given from, world metres.
+    /// Origin of the lines as (x, z), in world metres.
     pub origin_m: DVec2,
-    /// Half the model's extent along x and z, metres.
+    /// Half the model's extent along x and z, in metres.
     pub half_extent_m: DVec2,
 }
 
 impl Plan {
-    /// Cuts all triangles of a scene at a height above the world's origin, on the current thread pool.
+    /// Cuts all triangles of a scene at a height in world metres, on the current thread pool.
     pub fn cut(scene: &Scene, height_m: f64) -> Self {
         let [low, high] = scene.bounds_m;
         let centre = low + (high - low) / 2.0;
@@ -42,14 +43,14 @@ impl Plan {
         Self { height_m, lines, origin_m, half_extent_m: DVec2::new(half.x, half.z) }
     }
 
-    /// (x, z) of a world position, metres from the plan's origin.
+    /// Returns (x, z) of a world position, in metres from the plan's origin.
     pub fn place(&self, world_m: DVec3) -> DVec2 {
         DVec2::new(world_m.x, world_m.z) - self.origin_m
     }
 }
 
-/// The segment in which a triangle crosses the plane y = 0, as (x, z). A corner on the plane counts as above it: a
-/// triangle that only touches gives none.
+/// Returns the segment in which a triangle crosses the plane y = 0, as (x, z). A corner on the
+/// plane counts as above it, so a triangle that only touches the plane gives none.
 fn crossing(corners: [DVec3; 3]) -> Option<[DVec2; 2]> {
     let [a, b, c] = corners;
     let mut ends = [(a, b), (b, c), (c, a)].into_iter().filter_map(|(p, q)| {
@@ -62,27 +63,27 @@ fn crossing(corners: [DVec3; 3]) -> Option<[DVec2; 2]> {
     Some([ends.next()?, ends.next()?])
 }
 
-/// What of the plan is shown.
+/// The part of the plan that is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PlanView {
-    /// (x, z) in the middle, metres from the plan's origin.
+    /// Centre as (x, z), in metres from the plan's origin.
     pub centre_m: DVec2,
-    /// Times as large as where all of the model is seen; 0 before anyone zoomed.
+    /// Magnification relative to the view of the whole model; 0 until the user zooms.
     pub zoom: f64,
-    /// The middle is where the camera is.
+    /// The centre follows the camera.
     pub follows: bool,
 }
 
 impl PlanView {
-    /// Zoom from all of the model to a part of a room.
+    /// Range of the zoom, from the whole model to a part of a room.
     pub const ZOOM: std::ops::RangeInclusive<f64> = 0.5..=200.0;
 
-    /// The zoom, one before anyone zoomed.
+    /// Returns the zoom, 1 until the user zooms.
     pub fn zoom(&self) -> f64 {
         if self.zoom > 0.0 { self.zoom } else { 1.0 }
     }
 
-    /// Larger or smaller by a factor; what is at `fixed_m` stays where it is.
+    /// Returns the view enlarged by a factor; the point `fixed_m` keeps its place.
     #[must_use]
     pub fn zoomed(&self, factor: f64, fixed_m: DVec2) -> Self {
         let zoom = (self.zoom() * factor).clamp(*Self::ZOOM.start(), *Self::ZOOM.end());
@@ -125,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn zooming_keeps_what_is_under_the_cursor() {
+    fn zooming_keeps_the_point_under_the_cursor() {
         let view = PlanView { centre_m: DVec2::new(3.0, 1.0), zoom: 2.0, follows: false };
         let fixed = DVec2::new(5.0, -1.0);
         let zoomed = view.zoomed(4.0, fixed);

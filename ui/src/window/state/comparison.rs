@@ -1,4 +1,4 @@
-//! The picture against the full tracer's: what is shown of it, how far it is and how much they differ.
+//! The comparison of the shown picture with the full tracer's.
 
 use super::quality::Quality;
 use crate::window::rendering::exchange::PublishedFrame;
@@ -7,42 +7,43 @@ use afterimage::raster::metrics::{CompareError, error_picture, flip_map, psnr_db
 use afterimage::raster::rgb9e5;
 use glam::Vec3;
 
-/// What is shown of the comparison while its key is not held.
+/// View of the comparison while its key is not held.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Compare {
-    /// Nothing.
+    /// The comparison is hidden.
     #[default]
     Off,
-    /// The picture on the left, the full tracer's on the right.
+    /// The shown picture is on the left, the full tracer's on the right.
     Split,
-    /// How visible the difference of each pixel is (FLIP).
+    /// An error map (FLIP): how visible the difference of each pixel is.
     Errors,
 }
 
-/// How far a picture is from the full tracer's, as both are shown.
+/// Difference of a picture from the full tracer's, both as displayed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PictureError {
-    /// Peak signal-to-noise ratio, decibels.
+    /// Peak signal-to-noise ratio in decibels.
     pub psnr_db: f64,
-    /// Mean FLIP, 0 to 1.
+    /// Mean FLIP error, 0 to 1.
     pub flip_mean: f64,
 }
 
-/// Two pictures that were measured: the frame's generation, the full tracer's pass, and the exposure.
+/// Identifies two pictures that were measured: generation of the frame, pass of the full tracer,
+/// and exposure in stops.
 pub type Pair = (u64, u32, f32);
 
 /// The comparison with the full tracer.
 #[derive(Debug)]
 pub struct Comparison {
-    /// What is shown of it.
+    /// View that was selected.
     pub shows: Compare,
-    /// The full tracer's picture is shown for as long as its key is held.
+    /// The key is held that shows the full tracer's picture.
     pub is_held: bool,
-    /// Where the picture ends and the full tracer's begins, 0..1 from the left.
+    /// Position of the split line, 0..1 from the left.
     pub split: f32,
-    /// The full tracer's picture of the very view that is shown.
+    /// The full tracer's picture of the current view.
     pub full: Option<PublishedFrame>,
-    /// How far the picture is from it, and which two pictures were measured.
+    /// The measured difference, and the two pictures it belongs to.
     pub error: Option<(Pair, PictureError)>,
 }
 
@@ -53,12 +54,12 @@ impl Default for Comparison {
 }
 
 impl Comparison {
-    /// True while a picture of the full tracer is asked for.
+    /// True while the full tracer's picture is shown in any way.
     pub fn is_wanted(&self) -> bool {
         self.is_held || self.shows != Compare::Off
     }
 
-    /// How far it is, in words; `None` where nothing is compared.
+    /// Returns the progress of the full tracer in words; `None` while nothing is compared.
     pub fn progress_text(&self) -> Option<String> {
         self.is_wanted().then(|| match self.full.as_ref().map(|full| full.stats.refined) {
             None => "tracing".to_owned(),
@@ -68,10 +69,11 @@ impl Comparison {
     }
 }
 
-/// The difference of two pictures as they are shown, and its map as sRGB, row-major.
+/// Returns the difference of two pictures as they are displayed, and its error map as sRGB,
+/// row-major. `picture` and `full` are linear radiance packed as rgb9e5.
 ///
 /// # Errors
-/// As of [`flip_map`].
+/// Those of [`flip_map`]: sizes that do not fit.
 pub fn difference(
     picture: &[u32],
     full: &[u32],

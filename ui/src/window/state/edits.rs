@@ -1,20 +1,21 @@
-//! What was changed in the scene since it was opened, and the way back.
+//! Edits of the scene since it was opened, with undo and redo.
 
 use super::scene::SavedView;
 use afterimage::scene::{Daylight, Material, MaterialId, SceneEdit};
 use std::time::{Duration, Instant};
 
-/// Changes of one thing within so long are one: a slider that is dragged, a colour that is looked for.
+/// Changes of one thing within this time are one step: a slider is being dragged, or a colour
+/// chosen.
 const ONE_GESTURE: Duration = Duration::from_millis(800);
 
-/// Something that can be changed, with a value for it.
+/// A change: what is changed, and its value.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Change {
-    /// A material.
+    /// Properties of a material.
     Material(MaterialId, Material),
     /// Sun and sky.
     Daylight(Daylight),
-    /// The saved views, in the window only.
+    /// The saved views. They are not part of the scene's files.
     Views(Vec<SavedView>),
 }
 
@@ -28,7 +29,8 @@ impl Change {
     }
 }
 
-/// All changes. A step of undoing holds the value that was there before, one of redoing the value that came after.
+/// The edits of a scene. An undo step holds the value from before a change, a redo step the value
+/// from after it.
 #[derive(Clone, Debug)]
 pub struct Edits {
     saved: SceneEdit,
@@ -36,51 +38,52 @@ pub struct Edits {
     done: Vec<Change>,
     undone: Vec<Change>,
     changed: Option<Instant>,
-    /// Kept, because a scene may have a million materials and every picture of the window asks.
+    /// Stored, because a scene may have a million materials, and every update of the window reads
+    /// it.
     is_unsaved: bool,
 }
 
 impl Edits {
-    /// Nothing is changed yet.
-    pub fn new(look: SceneEdit) -> Self {
+    /// Begins the edits of a scene whose files hold `saved`.
+    pub fn new(saved: SceneEdit) -> Self {
         let (done, undone) = (Vec::new(), Vec::new());
-        Self { saved: look.clone(), now: look, done, undone, changed: None, is_unsaved: false }
+        Self { now: saved.clone(), saved, done, undone, changed: None, is_unsaved: false }
     }
 
-    /// What the scene should look like.
+    /// Returns materials and daylight with all edits.
     pub fn now(&self) -> &SceneEdit {
         &self.now
     }
 
-    /// What it looks like in its files.
+    /// Returns materials and daylight as the scene's files hold them.
     pub fn saved(&self) -> &SceneEdit {
         &self.saved
     }
 
-    /// True where the scene's files say something else.
+    /// True where the scene's files hold other values.
     pub fn is_unsaved(&self) -> bool {
         self.is_unsaved
     }
 
-    /// To be called once a look is in the scene's files.
-    pub fn set_saved(&mut self, look: SceneEdit) {
-        self.saved = look;
+    /// Notes that the scene's files hold `saved` now.
+    pub fn set_saved(&mut self, saved: SceneEdit) {
+        self.saved = saved;
         self.is_unsaved = self.now != self.saved;
-        // What comes next is a step of its own.
+        // The next change is a step of its own.
         self.changed = None;
     }
 
-    /// True where there is something to take back.
+    /// True where there is a step to undo.
     pub fn can_undo(&self) -> bool {
         !self.done.is_empty()
     }
 
-    /// True where something was taken back.
+    /// True where there is a step to redo.
     pub fn can_redo(&self) -> bool {
         !self.undone.is_empty()
     }
 
-    /// Changes something. What was taken back before cannot be redone any more.
+    /// Applies a change. Steps that were undone can no longer be redone.
     pub fn change(&mut self, change: Change, views: &mut Vec<SavedView>) {
         let goes_on = self.changed.is_some_and(|at| at.elapsed() < ONE_GESTURE)
             && self.done.last().is_some_and(|last| last.is_of_same(&change));
@@ -92,7 +95,7 @@ impl Edits {
         self.changed = Some(Instant::now());
     }
 
-    /// Takes the last change back; false where there is none.
+    /// Undoes the last step; false where there is none.
     pub fn undo(&mut self, views: &mut Vec<SavedView>) -> bool {
         let Some(change) = self.done.pop() else { return false };
         let after = self.swap(change, views);
@@ -101,7 +104,7 @@ impl Edits {
         true
     }
 
-    /// Makes the change that was taken back last again; false where there is none.
+    /// Redoes the last step that was undone; false where there is none.
     pub fn redo(&mut self, views: &mut Vec<SavedView>) -> bool {
         let Some(change) = self.undone.pop() else { return false };
         let before = self.swap(change, views);
@@ -110,21 +113,21 @@ impl Edits {
         true
     }
 
-    /// The saved views were changed elsewhere.
+    /// Notes a change of the saved views, so that it can be undone. `before` holds the old views.
     pub fn note_views(&mut self, before: Vec<SavedView>) {
         self.done.push(Change::Views(before));
         self.undone.clear();
     }
 
-    /// The same changes, where they are not saved, on another state of the scene's files: materials by name.
+    /// Applies the unsaved edits to a scene that was loaded again; materials are matched by name.
     #[must_use]
-    pub fn carried_to(&self, look: SceneEdit) -> Self {
-        let mut carried = Self::new(look);
+    pub fn carried_to(&self, saved: SceneEdit) -> Self {
+        let mut carried = Self::new(saved);
         let changed =
             self.now.materials.iter().zip(&self.saved.materials).filter(|(now, saved)| now != saved);
         for (material, _) in changed {
             if let Some(at) = carried.now.materials.iter().position(|m| m.name == material.name) {
-                // Textures are counted anew with every import.
+                // Indices of textures change with every import.
                 let place = &carried.now.materials[at];
                 let (diffuse_texture, alpha_texture) = (place.diffuse_texture, place.alpha_texture);
                 let material = Material { diffuse_texture, alpha_texture, ..material.clone() };
@@ -137,7 +140,7 @@ impl Edits {
         carried
     }
 
-    /// Puts a value in its place; returns what was there.
+    /// Stores the value of a change, and returns the change back to the old value.
     fn swap(&mut self, change: Change, views: &mut Vec<SavedView>) -> Change {
         let before = match change {
             Change::Material(id, material) => {
@@ -159,7 +162,7 @@ mod tests {
     use super::*;
     use glam::Vec3;
 
-    fn look() -> SceneEdit {
+    fn edit() -> SceneEdit {
         let materials = ["a", "b"].map(|name| Material::diffuse(name, Vec3::splat(0.5))).into();
         SceneEdit { materials, daylight: Daylight::default() }
     }
@@ -171,7 +174,7 @@ mod tests {
 
     #[test]
     fn every_change_can_be_taken_back_and_made_again() {
-        let (mut edits, mut views) = (Edits::new(look()), Vec::new());
+        let (mut edits, mut views) = (Edits::new(edit()), Vec::new());
         let mut states = vec![edits.now().clone()];
         for change in [red(0, 0.1), red(1, 0.2), red(0, 0.3)] {
             edits.change(change, &mut views);
@@ -189,24 +192,24 @@ mod tests {
         assert!(!edits.redo(&mut views) && edits.is_unsaved());
         edits.undo(&mut views);
         edits.change(red(1, 0.9), &mut views);
-        assert!(!edits.can_redo(), "another way was taken");
+        assert!(!edits.can_redo(), "another change was made");
     }
 
     #[test]
     fn a_dragged_slider_is_one_step() {
-        let (mut edits, mut views) = (Edits::new(look()), Vec::new());
+        let (mut edits, mut views) = (Edits::new(edit()), Vec::new());
         for step in 1..=20 {
             edits.change(red(0, step as f32 / 20.0), &mut views);
         }
         assert!(edits.undo(&mut views) && !edits.can_undo());
-        assert_eq!(*edits.now(), look());
+        assert_eq!(*edits.now(), edit());
     }
 
     #[test]
     fn unsaved_changes_survive_a_reload_by_name() {
-        let (mut edits, mut views) = (Edits::new(look()), Vec::new());
+        let (mut edits, mut views) = (Edits::new(edit()), Vec::new());
         edits.change(red(1, 0.4), &mut views);
-        let mut reloaded = look();
+        let mut reloaded = edit();
         reloaded.materials.reverse();
         reloaded.materials.push(Material::diffuse("new", Vec3::ONE));
         let carried = edits.carried_to(reloaded);
@@ -214,6 +217,6 @@ mod tests {
         assert_eq!(carried.now().materials[1].diffuse, Vec3::splat(0.5));
         assert!(carried.is_unsaved() && carried.can_undo());
         edits.set_saved(edits.now().clone());
-        assert!(!edits.carried_to(look()).is_unsaved());
+        assert!(!edits.carried_to(edit()).is_unsaved());
     }
 }

@@ -1,44 +1,45 @@
-//! How pictures are saved, and the one that is being made.
+//! Settings and progress of saved pictures.
 
 use crate::window::rendering::task::Progress;
 use afterimage::Mode;
 use afterimage::render::bands::Background;
 use std::path::PathBuf;
 
-/// How large a picture is.
+/// Size of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PictureSize {
-    /// As the viewport, pixel for pixel.
+    /// Size of the viewport in pixels.
     Viewport,
     /// Width and height in pixels.
     Pixels([u32; 2]),
 }
 
-/// What kind of file a picture becomes.
+/// File format of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PictureFormat {
-    /// As a screen shows it, 8 bits.
+    /// As displayed, 8 bits per channel.
     Png,
-    /// Linear, with depth, normal, type, reference and primitive.
+    /// Linear radiance with depth, normal, type, reference and primitive.
     Exr,
 }
 
-/// How pictures are saved.
+/// Settings of saved pictures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PictureSettings {
-    /// How large.
+    /// Size of the picture.
     pub size: PictureSize,
-    /// Shadow rays per light and pixel; the window's where nothing is said.
+    /// Shadow rays per light and pixel; `None` for the window's.
     pub samples: Option<u32>,
-    /// `Full` is the ordinary ray tracer, anti-aliased; the others reuse the references that the window holds.
+    /// `Full` traces every pixel, with anti-aliasing; the other modes reuse the references that the
+    /// window holds.
     pub mode: Mode,
-    /// Rays through different points of each pixel, in mode `full`.
+    /// Number of rays through different points of each pixel, in mode `full`.
     pub antialias: u32,
-    /// PNG or OpenEXR.
+    /// File format.
     pub format: PictureFormat,
-    /// Whether the sky is seen.
+    /// Whether the background is visible.
     pub background: Background,
-    /// Where; the current folder or the user's pictures where nothing is said.
+    /// Folder; `None` for the current folder or the user's folder for pictures.
     pub folder: Option<PathBuf>,
 }
 
@@ -48,7 +49,7 @@ impl Default for PictureSettings {
             size: PictureSize::Viewport,
             samples: None,
             mode: Mode::Full,
-            // What a picture at rest converges to.
+            // The same as for a picture at rest that has converged.
             antialias: afterimage::render::CONVERGED_PASSES,
             format: PictureFormat::Png,
             background: Background::Shown,
@@ -57,22 +58,22 @@ impl Default for PictureSettings {
     }
 }
 
-/// Pictures, as the panels see them.
+/// Saved pictures, as panels show them.
 #[derive(Clone, Debug, Default)]
 pub struct PictureState {
-    /// How they are saved.
+    /// Settings of the next picture.
     pub settings: PictureSettings,
     /// Text of the folder field.
     pub folder_text: String,
     /// The dialog is open.
     pub is_open: bool,
-    /// What is being saved.
+    /// Progress of the picture that is being saved.
     pub exporting: Option<Progress>,
-    /// How to make a film of the last sequence.
+    /// Shell command that makes a film of the last sequence.
     pub film_command: Option<String>,
 }
 
-/// What is asked for of pictures.
+/// A command about saved pictures.
 #[derive(Clone, Debug)]
 #[allow(missing_docs, reason = "the names say it")]
 pub enum PictureCommand {

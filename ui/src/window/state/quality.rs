@@ -1,28 +1,29 @@
-//! What decides how good a picture is, how long it takes and how it is developed.
+//! Rendering settings of the window.
 
 use afterimage::WalkthroughSettings;
 use afterimage::raster::color::ToneMap;
 
-/// Samples per light in the window: a person wants fluid motion. Files are rendered with more.
+/// Samples per light in the window: few, because motion must be fluid. Files are rendered with
+/// more.
 pub const WINDOW_SAMPLES: u32 = 4;
 
-/// What decides how good a picture is and how long it takes.
+/// Rendering settings that trade quality for time, and how frames are displayed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quality {
-    /// Mode, samples, bounces, placement, cache.
+    /// Mode, samples, bounces, placement and cache.
     pub walk: WalkthroughSettings,
-    /// Rendered pixels per pixel of the viewport, along an edge.
+    /// Rendered pixels per pixel of the viewport along an edge, while the camera moves.
     pub render_scale: f32,
-    /// A frame is shown after so long as it is.
+    /// Time in milliseconds after which a frame is shown, complete or not.
     pub budget_ms: f32,
-    /// In stops.
+    /// Exposure in stops.
     pub exposure_ev: f32,
-    /// From radiance to display.
+    /// Tone mapping from radiance to display.
     pub tone_map: ToneMap,
 }
 
 impl Quality {
-    /// The window's defaults with someone's settings.
+    /// The window's defaults with the settings of a walkthrough.
     pub fn new(walk: WalkthroughSettings) -> Self {
         let tone_map = ToneMap::default();
         Self { walk, render_scale: 0.5, budget_ms: 100.0, exposure_ev: 0.0, tone_map }

@@ -1,49 +1,49 @@
-//! The scene as the panels show it.
+//! The scene, as panels show it.
 
 use crate::window::rendering::scene_loading::SceneSource;
 use afterimage::scene::{Scene, SceneFeatures, Warning};
 use afterimage::{Camera, Tracer};
 
-/// A view that can be gone back to.
+/// A saved view.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SavedView {
-    /// What the user calls it.
+    /// Name of the view.
     pub name: String,
-    /// Where it looks from.
+    /// Pose of the view.
     pub camera: Camera,
-    /// The number of the key that goes there, 1 to 9.
+    /// Number of the key that goes to the view, 1 to 9.
     pub key: Option<u8>,
 }
 
-/// The scene as the panels show it.
+/// The scene, as panels show it.
 #[derive(Clone, Debug)]
 pub struct SceneInfo {
-    /// Its name.
+    /// Name of the scene.
     pub name: String,
-    /// Where it came from.
+    /// Origin of the scene.
     pub source: SceneSource,
     /// Saved views, the start view first.
     pub views: Vec<SavedView>,
-    /// What was doubtful in its files.
+    /// Warnings of the import.
     pub warnings: Vec<Warning>,
-    /// Triangles.
+    /// Number of triangles.
     pub triangles: usize,
-    /// Vertices.
+    /// Number of vertices.
     pub vertices: usize,
-    /// Lights.
+    /// Number of lights.
     pub lights: usize,
-    /// How hard it is on numbers, in sentences.
+    /// Numerical conditioning of the scene, in sentences.
     pub conditioning: Vec<String>,
-    /// Textures.
+    /// Number of textures.
     pub textures: usize,
-    /// Extent along x, y and z, metres.
+    /// Extent along x, y and z in metres.
     pub extent_m: [f64; 3],
-    /// What the renderer must do for it.
+    /// Features of the scene that the renderer must handle.
     pub features: SceneFeatures,
 }
 
 impl SceneInfo {
-    /// What a loaded scene has.
+    /// Describes a scene that was loaded.
     pub fn new(source: SceneSource, tracer: &Tracer) -> Self {
         let scene = tracer.scene();
         Self {
@@ -61,7 +61,7 @@ impl SceneInfo {
         }
     }
 
-    /// Takes over what a change of materials or light has changed.
+    /// Updates lights and features after an edit of materials or daylight.
     pub fn relight(&mut self, scene: &Scene) {
         (self.lights, self.features) = (scene.lights.len(), scene.features);
         self.conditioning = scene.conditioning.sentences();

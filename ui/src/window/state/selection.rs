@@ -1,4 +1,4 @@
-//! What is looked at more closely: a pixel, a distance, a reference.
+//! The selected pixel, distance, material and reference.
 
 use afterimage::Camera;
 use afterimage::raster::pixel_types::PixelType;
@@ -6,41 +6,41 @@ use afterimage::reference::ReferenceId;
 use afterimage::scene::MaterialId;
 use glam::{DVec3, Vec3};
 
-/// What a click found.
+/// The surface that was clicked on.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Inspection {
-    /// World metres.
+    /// Hit point in world metres.
     pub position_m: DVec3,
-    /// From the eye.
+    /// Distance from the eye in metres.
     pub distance_m: f64,
-    /// Along the viewing axis.
+    /// Distance along the viewing axis in metres.
     pub depth_m: f64,
-    /// Of the triangle, towards the eye.
+    /// Geometric normal of the triangle, towards the eye.
     pub normal: Vec3,
-    /// Its number in the scene.
+    /// Index of the triangle in the scene.
     pub triangle: u32,
-    /// Its corners, world metres.
+    /// Corners of the triangle in world metres.
     pub corners_m: [DVec3; 3],
-    /// Of the triangle.
+    /// Material of the triangle.
     pub material: MaterialId,
-    /// What the shown frame knows of the pixel; `None` where the frame is of another pose.
+    /// What the shown frame knows about the pixel; `None` where the frame has another pose.
     pub pixel: Option<PixelFacts>,
 }
 
-/// What a frame knows of a pixel.
+/// What a frame knows about a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PixelFacts {
-    /// Column and row.
+    /// Column and row of the pixel.
     pub at: [u32; 2],
-    /// How it came to its colour.
+    /// Type of the pixel: how its colour was computed.
     pub kind: PixelType,
-    /// Who supplied it.
+    /// Reference that supplied the pixel.
     pub supplier: Option<ReferenceId>,
-    /// Linear radiance.
+    /// Linear radiance of the pixel.
     pub radiance: Vec3,
 }
 
-/// What a point that is measured lies on.
+/// Kind of place that a measured point lies on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SnapKind {
     /// A corner of a triangle.
@@ -54,31 +54,31 @@ pub enum SnapKind {
 /// A point that can be measured from or to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Snap {
-    /// World metres.
+    /// Position in world metres.
     pub position_m: DVec3,
-    /// What it lies on.
+    /// Kind of place it lies on.
     pub kind: SnapKind,
 }
 
-/// Measuring by two clicks.
+/// A measurement between two clicks.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Measure {
-    /// Clicks set points.
+    /// True while clicks set points.
     pub is_on: bool,
-    /// None, one or two.
+    /// The points that were set, at most two.
     pub points: Vec<Snap>,
-    /// Where a click would set the next.
+    /// The point that a click would set.
     pub hover: Option<Snap>,
 }
 
 impl Measure {
-    /// Both ends, the second one under the cursor until it is set.
+    /// Returns both ends in world metres. The second one is under the cursor until it is set.
     pub fn ends(&self) -> Option<[DVec3; 2]> {
         let second = self.points.get(1).or(self.hover.as_ref().filter(|_| self.is_on))?;
         Some([self.points.first()?.position_m, second.position_m])
     }
 
-    /// Sets the next point; a third one begins anew.
+    /// Sets the next point; a third one starts a new measurement.
     pub fn set(&mut self, point: Snap) {
         if self.points.len() >= 2 {
             self.points.clear();
@@ -87,33 +87,33 @@ impl Measure {
     }
 }
 
-/// What is looked at more closely.
+/// The selected pixel, distance, material and reference.
 #[derive(Clone, Debug, Default)]
 pub struct Selection {
-    /// What the last click found.
+    /// The surface that was clicked on last.
     pub inspection: Option<Inspection>,
     /// The material whose properties are shown.
     pub material: Option<MaterialId>,
-    /// Distances.
+    /// The measurement.
     pub measure: Measure,
-    /// The reference chosen in the plan or the list.
+    /// The reference that was selected in the plan or the list.
     pub reference: Option<ReferenceId>,
-    /// A reference's own picture over the viewport.
+    /// The reference that is shown over the viewport.
     pub reference_view: Option<ReferenceView>,
-    /// Only import warnings with this text are listed.
+    /// Only import warnings that contain this text are listed.
     pub report_filter: String,
 }
 
-/// What a reference holds, as a picture.
+/// The light that a reference holds, as a picture.
 #[derive(Clone)]
 pub struct ReferenceView {
-    /// Whose.
+    /// Identifies the reference.
     pub id: ReferenceId,
-    /// Where it was taken.
+    /// Pose of the reference.
     pub camera: Camera,
     /// Share of its pixels that hold light, 0..1.
     pub lit: f32,
-    /// The picture.
+    /// The picture, displayed with the viewport's exposure.
     pub texture: egui::TextureHandle,
 }
 

@@ -1,4 +1,4 @@
-//! Where the sun is set to stand: by direction, or by place and time.
+//! Position of the sun: by direction, or by place and time.
 
 use afterimage::scene::Daylight;
 use afterimage::scene::solar::{SunPosition, UniversalTime, clear_daylight, sun_position};
@@ -6,19 +6,19 @@ use afterimage::scene::solar::{SunPosition, UniversalTime, clear_daylight, sun_p
 /// A place on earth and a moment there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlaceAndTime {
-    /// Degrees, positive in the north.
+    /// Latitude in degrees, positive in the north.
     pub latitude_deg: f64,
-    /// Degrees, positive in the east.
+    /// Longitude in degrees, positive in the east.
     pub longitude_deg: f64,
     /// Year.
     pub year: i32,
-    /// From 1.
+    /// Month, from 1.
     pub month: u32,
-    /// From 1.
+    /// Day of the month, from 1.
     pub day: u32,
-    /// Hours since midnight by the clocks of the place.
+    /// Local time in hours since midnight.
     pub hours: f64,
-    /// Those clocks are so far ahead of universal time, hours.
+    /// Local time minus universal time, in hours.
     pub utc_offset_hours: f64,
 }
 
@@ -37,7 +37,7 @@ impl Default for PlaceAndTime {
 }
 
 impl PlaceAndTime {
-    /// Where the sun stands there and then.
+    /// Returns the position of the sun at this place and time.
     pub fn sun(&self) -> SunPosition {
         let time = UniversalTime {
             year: self.year,
@@ -49,16 +49,16 @@ impl PlaceAndTime {
     }
 }
 
-/// What the controls of sun and sky show.
+/// Position of the sun, as its controls show it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SunControls {
-    /// By place and time rather than by azimuth and height.
+    /// Place and time decide, not azimuth and height.
     pub is_by_place: bool,
-    /// From north over east, and over the horizon.
+    /// Azimuth from north over east, and height over the horizon.
     pub direction: SunPosition,
-    /// The place and the time.
+    /// Place and time.
     pub place: PlaceAndTime,
-    /// North is turned so far from -Z towards +X, degrees.
+    /// Angle of north from -Z towards +X, in degrees.
     pub north_deg: f64,
 }
 
@@ -70,12 +70,12 @@ impl Default for SunControls {
 }
 
 impl SunControls {
-    /// Where the sun stands.
+    /// Returns the position of the sun.
     pub fn position(&self) -> SunPosition {
         if self.is_by_place { self.place.sun() } else { self.direction }
     }
 
-    /// Takes over where a scene's sun stands.
+    /// Sets the direction to that of a scene's sun.
     pub fn show(&mut self, daylight: &Daylight) {
         if let Some(sun) = daylight.sun {
             let shown = SunPosition::of_direction(sun.direction);
@@ -84,7 +84,7 @@ impl SunControls {
         }
     }
 
-    /// A clear day with the sun there; of sun and sky only what there is.
+    /// Returns the daylight of a clear day with this sun, with or without sun and sky.
     pub fn moved(&self, has_sun: bool, has_sky: bool) -> Daylight {
         let Daylight { sun, sky } = clear_daylight(&self.position(), self.north_deg);
         Daylight { sun: sun.filter(|_| has_sun), sky: sky.filter(|_| has_sky) }

@@ -1,27 +1,27 @@
-//! What waits for an answer, because it would lose changes that are not saved.
+//! Actions that wait for an answer, because they would lose unsaved changes.
 
 use crate::window::rendering::scene_loading::SceneSource;
 use afterimage::Tracer;
 use std::sync::Arc;
 
-/// What was asked for.
+/// An action that waits for an answer.
 #[derive(Clone, Debug)]
 pub enum Leaving {
-    /// That the window closes.
+    /// The window is closed.
     Close,
-    /// Another scene.
+    /// Another scene is loaded.
     Open(SceneSource),
-    /// The same, after that scene was loaded: something was changed meanwhile.
+    /// A scene that was loaded is shown: something was changed while it was loading.
     Show(SceneSource, Arc<Tracer>),
 }
 
-/// What becomes of the changes.
+/// What is done with the unsaved changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Answer {
-    /// They are saved beside the scene first; where that fails nothing else happens.
+    /// They are saved beside the scene first. If that fails, the action is cancelled.
     Save,
     /// They are lost.
     Discard,
-    /// All stays as it is.
+    /// The action is cancelled.
     Stay,
 }
