@@ -2,8 +2,9 @@
 
 use crate::rooms::{room_camera, room_tracer};
 use afterimage::raster::load::{Picture, read_notes};
+use afterimage::raster::save::Target;
 use afterimage::raster::save::{Channel, ChannelValues, encode_png};
-use afterimage::raster::stream::{Contents, PictureFile, Rows, Target};
+use afterimage::raster::stream::{Contents, PictureFile, Rows};
 use afterimage::render::aov::{Aov, display_rows_alpha};
 use afterimage::render::bands::{Background, Band, BandedPicture};
 use afterimage::render::render_antialiased;

@@ -1,7 +1,8 @@
 //! Picture files: what is written comes back, and a failed write leaves what was there.
 
 use afterimage::raster::load::{Picture, PictureKind};
-use afterimage::raster::save::{Channel, save_exr, save_png, write_atomically};
+use afterimage::raster::save::{Channel, ChannelValues, SaveError, Target, save_png, write_atomically};
+use afterimage::raster::stream::{Contents, PictureFile, Rows};
 use glam::Vec3;
 use std::path::Path;
 
@@ -28,6 +29,16 @@ fn a_png_comes_back_with_its_notes() {
     assert_eq!(names(folder.path()), ["a.png"]);
 }
 
+/// Writes an OpenEXR file in one portion of rows.
+fn save_exr(path: &Path, size: [u32; 2], channels: &[Channel], note: &str) -> Result<(), SaveError> {
+    let is_index = |c: &Channel| matches!(c.values, ChannelValues::Index(_));
+    let named = channels.iter().map(|c| (c.name.clone(), is_index(c))).collect();
+    let notes = [("Pose", note.to_owned())];
+    let mut file = PictureFile::begin(Target::File(path.to_owned()), Contents::Exr(named), size, &notes)?;
+    file.write(Rows::Channels(channels.iter().map(|c| c.values.clone()).collect()))?;
+    file.finish(true).map(drop)
+}
+
 #[test]
 fn an_exr_comes_back_bit_for_bit() {
     let folder = tempfile::tempdir().unwrap();
@@ -36,7 +47,7 @@ fn an_exr_comes_back_bit_for_bit() {
     let mut channels = Channel::rgb(&colors);
     channels.push(Channel::real("depth.Z", vec![f32::INFINITY; 35]));
     channels.push(Channel::index("primitive.V", (0..35).map(|i| u32::MAX - i).collect()));
-    save_exr(&path, [7, 5], channels.clone(), &[("Pose", "--eye 0,1,2".to_owned())]).unwrap();
+    save_exr(&path, [7, 5], &channels, "--eye 0,1,2").unwrap();
     let picture = Picture::load(&path).unwrap();
     assert_eq!((picture.size, picture.kind), ([7, 5], PictureKind::SceneLinear));
     assert_eq!(picture.values, colors);
@@ -55,7 +66,7 @@ fn an_exr_comes_back_bit_for_bit() {
 fn a_channel_of_the_wrong_length_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.exr");
-    let error = save_exr(&path, [2, 2], vec![Channel::real("R", vec![0.0; 3])], &[]).unwrap_err();
+    let error = save_exr(&path, [2, 2], &[Channel::real("R", vec![0.0; 3])], "").unwrap_err();
     assert!(error.to_string().contains("one value per pixel"), "{error}");
     assert!(!path.exists());
 }

@@ -1,24 +1,39 @@
-//! The pinhole camera: a pose in the world, and the same pose as the renderer sees it, in scene space.
+//! The pinhole camera: [`Camera`] is a pose in the world, [`View`] the same pose in scene space
+//! with a picture size.
+//!
+//! # Other projections
+//! A panorama or an orthographic camera would replace [`View`]. Code outside this module relies on
+//! three of its properties:
+//!
+//! - A ray starts at `eye` and its direction is a linear function of the picture point:
+//!   `scene_from_pixel * (x, y, 1)`.
+//! - Camera-space z of a direction is one, so that `t` along a ray is a depth, and a disparity is
+//!   `1 / t`. The warp equation ([`PixelWarp`]) needs this.
+//! - The rays of a rectangle of pixels lie in a frustum with flat sides, against which
+//!   `trace/bvh/tile.rs` tests nodes.
 
 pub mod path;
 pub mod pixel_warp;
 
+#[cfg(feature = "import")]
+pub use path::CameraPathError;
 pub use path::{CameraKey, CameraPath};
 pub use pixel_warp::{PixelWarp, RowWarp};
 
 use glam::{DMat3, DVec3, Mat3, Vec3};
 use serde::{Deserialize, Serialize};
 
-/// Nothing nearer than this to the eye is kept, in scene units: a millionth of the scene's diagonal. The pixel's
-/// footprint there is below the rounding of positions.
+/// Minimum depth of a stored hit in scene units, a millionth of the scene's diagonal. At smaller
+/// depths a pixel's footprint is below the rounding of positions.
 pub const NEAREST_DEPTH: f32 = 1.0 / 1024.0;
 
-/// Where someone stands and looks: world space, metres, +Y up, f64 so that it also serves far from the origin.
+/// A viewer's pose in world space: metres, +Y up. In f64, so that it is precise far from the
+/// origin.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Camera {
-    /// Eye, world metres.
+    /// Position of the eye, world metres.
     pub eye: DVec3,
-    /// Heading about +Y in radians; 0 looks along -Z, growing to the left.
+    /// Heading about +Y in radians. 0 looks along -Z; positive values turn left.
     pub yaw: f64,
     /// Elevation in radians, -pi/2..pi/2.
     pub pitch: f64,
@@ -27,16 +42,18 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// The smallest and largest field of view accepted, in degrees: beyond them a picture plane makes no sense.
+    /// Range of valid vertical fields of view in degrees. Beyond it a picture plane makes no sense.
     pub const FOV_Y_DEGREES: std::ops::RangeInclusive<f64> = 1.0..=170.0;
 
-    /// What people are used to, in degrees: an angle that rooms look neither flat nor drawn out at.
+    /// Default vertical field of view in degrees. At this angle rooms look neither flat nor
+    /// stretched.
     pub const DEFAULT_FOV_Y_DEG: f64 = 60.0;
 
-    /// Eyes of who stands, above the floor, metres.
+    /// Height of a standing viewer's eye above the floor, metres.
     pub const EYE_HEIGHT_M: f64 = 1.6;
 
-    /// A camera at `eye` that looks at `target`. Looks along -Z where the two are the same point.
+    /// Creates a camera at `eye` that looks at `target`, or along -Z if the two are the same point.
+    /// The field of view is clamped to [`Self::FOV_Y_DEGREES`].
     pub fn look_at(eye: DVec3, target: DVec3, fov_y_degrees: f64) -> Self {
         let d = (target - eye).try_normalize().unwrap_or(DVec3::NEG_Z);
         let range = Self::FOV_Y_DEGREES;
@@ -48,7 +65,8 @@ impl Camera {
         }
     }
 
-    /// Columns right, up, backward in world space. Built from sines, so it is orthonormal even looking straight up.
+    /// Rotation with the columns right, up and backward in world space. Built from sines and
+    /// cosines, so that it is orthonormal even when looking straight up.
     pub fn world_from_camera(&self) -> DMat3 {
         let (sy, cy) = self.yaw.sin_cos();
         let (sp, cp) = self.pitch.sin_cos();
@@ -59,24 +77,24 @@ impl Camera {
         )
     }
 
-    /// The unit viewing direction in world space.
+    /// Unit viewing direction in world space.
     pub fn forward(&self) -> DVec3 {
         -self.world_from_camera().z_axis
     }
 
-    /// True where every number is finite and the field of view is within [`Self::FOV_Y_DEGREES`].
+    /// True if every number is finite and the field of view is within [`Self::FOV_Y_DEGREES`].
     pub fn is_valid(&self) -> bool {
         let finite = self.eye.is_finite() && self.yaw.is_finite() && self.pitch.is_finite();
-        // A hair of slack: degrees and radians round.
+        // Allow for the rounding between degrees and radians.
         finite && (0.99..170.01).contains(&self.fov_y.to_degrees())
     }
 }
 
-/// World metres <-> scene units.
+/// Transform between world metres and scene units.
 ///
-/// The world keeps the model's own coordinates (in metres). Scene space has its origin near the model's centre and a
-/// diagonal in 512..1024, by a power of two: the same model at another place or another power-of-two size has the
-/// very same bits in scene space.
+/// World space has the model's own coordinates, in metres. Scene space has its origin near the
+/// model's centre, and its diagonal is scaled to 512..1024 by a power of two. The same model at
+/// another place or another power-of-two size therefore has the same bits in scene space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SceneFrame {
     /// World position of the scene-space origin, metres.
@@ -86,7 +104,7 @@ pub struct SceneFrame {
 }
 
 impl SceneFrame {
-    /// Scene space of a world position, before rounding to f32.
+    /// Scene-space position of a world position in metres, before rounding to f32.
     pub fn scene_from_world_f64(&self, world_m: DVec3) -> DVec3 {
         (world_m - self.origin_in_world_m) * self.units_per_metre
     }
@@ -97,31 +115,32 @@ impl SceneFrame {
     }
 }
 
-/// A camera as one picture sees it: scene space, f32, with the picture's size.
+/// A camera in scene space, in f32, together with the size of its picture.
 ///
-/// Camera space is +X right, +Y down, +Z forward, so that a pixel's column and row grow with x and y. The ray through
-/// the point (x, y) of the picture, in pixels, is `world_from_view * (x, y, 1)`: its camera-space z is one, so a
-/// distance along it is a depth.
+/// Camera space is +X right, +Y down, +Z forward, so that a pixel's column and row grow with x and
+/// y. The direction through the picture point (x, y), in pixels, is `scene_from_pixel * (x, y, 1)`.
+/// Its camera-space z is one, so a distance along it is a depth. The module lists what another
+/// projection would have to change.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
     /// Width and height in pixels.
     pub size: [u32; 2],
     /// Eye in scene space.
     pub eye: Vec3,
-    /// The same in f64, for differences between two eyes.
+    /// Eye in scene space before rounding, for differences between two eyes.
     pub eye_f64: DVec3,
-    /// Scene-space axes right, down, forward as columns; orthonormal.
+    /// Rotation with the columns right, down and forward in scene space; orthonormal.
     pub scene_from_camera: Mat3,
-    /// Scene-space direction of the picture point (x, y, 1), in pixels.
+    /// Scene-space direction of the picture point (x, y, 1), x and y in pixels.
     pub scene_from_pixel: Mat3,
-    /// The same before rounding, for the product with another view's inverse.
+    /// [`Self::scene_from_pixel`] before rounding, for the product with another view's inverse.
     pub scene_from_pixel_f64: DMat3,
-    /// Half the picture's height on the plane at depth one.
+    /// Half the height of the picture on the plane at depth one.
     pub tan_half_fov_y: f32,
 }
 
 impl View {
-    /// The view of a camera in a scene.
+    /// Creates the view of a camera in a scene, for a picture of `size` pixels.
     pub fn new(camera: &Camera, frame: &SceneFrame, size: [u32; 2]) -> Self {
         let m = camera.world_from_camera();
         let axes = DMat3::from_cols(m.x_axis, -m.y_axis, -m.z_axis);
@@ -145,8 +164,8 @@ impl View {
         }
     }
 
-    /// The same view with every pixel's ray through another point of the pixel: so many pixels right of its centre and
-    /// down.
+    /// Returns the view with the ray of every pixel moved by a number of pixels right and down, for
+    /// sub-pixel offsets.
     #[must_use]
     pub fn shifted(&self, [right, down]: [f64; 2]) -> Self {
         if [right, down] == [0.0; 2] {
@@ -162,18 +181,19 @@ impl View {
         self.size[0] as usize * self.size[1] as usize
     }
 
-    /// The direction through the centre of a pixel, by its row-major index; its camera-space z is one.
+    /// Scene-space direction through the centre of a pixel, given by its row-major index. Its
+    /// camera-space z is one.
     pub fn direction_of_pixel(&self, pixel: u32) -> Vec3 {
         let (x, y) = (pixel % self.size[0], pixel / self.size[0]);
         self.direction_of_point(x as f32 + 0.5, y as f32 + 0.5)
     }
 
-    /// The direction through a point of the picture, in pixels from the top left corner.
+    /// Scene-space direction through a point of the picture, in pixels from the top left corner.
     pub fn direction_of_point(&self, x: f32, y: f32) -> Vec3 {
         self.scene_from_pixel * Vec3::new(x, y, 1.0)
     }
 
-    /// The eye as seen from another one: `self.eye - other.eye` in scene space, rounded once.
+    /// Returns `self.eye - other.eye` in scene space, rounded only once.
     pub fn eye_relative_to(&self, other: &View) -> Vec3 {
         (self.eye_f64 - other.eye_f64).as_vec3()
     }

@@ -1,28 +1,29 @@
-//! Walks: key-framed or recorded, the same numbers on every machine.
+//! Camera paths: key frames, interpolated with the same result on every machine.
 
 use crate::camera::Camera;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_2;
 
-/// A pose on a walk.
+/// Key frame of a camera path.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CameraKey {
     /// Eye, world metres.
     pub eye: DVec3,
-    /// A point looked at, world metres.
+    /// Point that the camera looks at, world metres.
     pub at: DVec3,
 }
 
-/// A walk through key frames, as stored in a file.
+/// A camera path through key frames, as stored in a file.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CameraPath {
     /// Vertical field of view in degrees.
     pub fov_y_deg: f64,
-    /// Number of frames when nothing else is asked for.
+    /// Default number of frames.
     #[serde(default = "default_frames")]
     pub frames: u32,
-    /// Visited in order. Eyes are joined by straight lines, so that a walk tested free of obstacles stays so.
+    /// Key frames in order. Eyes are joined by straight lines, so that a path tested free of
+    /// obstacles stays so.
     pub keyframes: Vec<CameraKey>,
 }
 
@@ -31,10 +32,10 @@ fn default_frames() -> u32 {
 }
 
 impl CameraPath {
-    /// The most frames a walk may have when nothing else is asked for: five hours at 60 a second.
+    /// Maximum default number of frames: five hours at 60 frames per second.
     pub const MAX_FRAMES: u32 = 1_000_000;
 
-    /// Once around from where a camera stands.
+    /// Creates a path that turns once around at a camera's position.
     pub fn turning(camera: &Camera) -> Self {
         let key = |quarter: i32| {
             let turned = Camera { yaw: camera.yaw + f64::from(quarter) * FRAC_PI_2, ..*camera };
@@ -43,21 +44,23 @@ impl CameraPath {
         Self { fov_y_deg: camera.fov_y.to_degrees(), frames: 120, keyframes: (0..=4).map(key).collect() }
     }
 
-    /// A walk that stays where it is.
+    /// Creates a path that stays at a camera's pose.
     pub fn still(camera: &Camera) -> Self {
         let key = CameraKey { eye: camera.eye, at: camera.eye + camera.forward() };
         Self { fov_y_deg: camera.fov_y.to_degrees(), frames: default_frames(), keyframes: vec![key] }
     }
 
-    /// Length of the way of the eye in metres.
+    /// Length of the eye's path in metres.
     pub fn length_m(&self) -> f64 {
         self.keyframes.windows(2).map(|k| k[0].eye.distance(k[1].eye)).sum()
     }
 
-    /// The camera at frame `index` of `count`, the last one at the end of the walk. `None` without key frames.
+    /// Returns the camera at frame `index` of `count`. The last frame is at the end of the path.
+    /// `None` without key frames.
     ///
-    /// The eye moves at constant speed; a key frame that only turns takes the time of walking half a metre per
-    /// quarter turn. The direction turns along the shorter way, eased so that it has no kinks.
+    /// The eye moves at constant speed; a segment that only turns takes as long as walking half a
+    /// metre per quarter turn. The direction turns along the shorter way, with an ease-in and
+    /// ease-out that avoids sudden changes.
     pub fn camera(&self, index: u32, count: u32) -> Option<Camera> {
         let first = self.keyframes.first()?;
         let costs: Vec<f64> = self.keyframes.windows(2).map(|k| segment_cost(&k[0], &k[1])).collect();
@@ -78,51 +81,97 @@ impl CameraPath {
 
 #[cfg(feature = "import")]
 impl CameraPath {
-    /// Takes the bytes of a JSON file: a walk, or with `name` an object of walks by their names.
+    /// Reads a JSON file: a camera path or, with `name`, an object of camera paths by name.
     ///
     /// # Errors
-    /// What is wrong, for people; where the text is no JSON, with its line.
-    pub fn from_json(json: &[u8], name: Option<&str>) -> Result<Self, String> {
-        /// What the parser quotes may be as long as the file.
-        const LONGEST: usize = 200;
-        let said = |e: serde_json::Error| e.to_string().chars().take(LONGEST).collect::<String>();
-        let walk: Self = match name {
-            None => serde_json::from_slice(json).map_err(said)?,
+    /// [`CameraPathError`] if the text is not such JSON, or the path is not valid.
+    pub fn from_json(json: &[u8], name: Option<&str>) -> Result<Self, CameraPathError> {
+        let path: Self = match name {
+            None => serde_json::from_slice(json)?,
             Some(name) => {
-                let mut walks: std::collections::BTreeMap<String, serde_json::Value> =
-                    serde_json::from_slice(json).map_err(said)?;
-                let found = walks.remove(name).ok_or_else(|| {
-                    let names: Vec<&str> = walks.keys().map(String::as_str).collect();
-                    let names: String = names.join(", ").chars().take(LONGEST).collect();
-                    format!("it has no walk '{name}'; it has: {names}")
-                })?;
-                serde_json::from_value(found).map_err(said)?
+                let mut paths: std::collections::BTreeMap<String, serde_json::Value> =
+                    serde_json::from_slice(json)?;
+                let Some(found) = paths.remove(name) else {
+                    let names = paths.into_keys().collect::<Vec<_>>().join(", ");
+                    return Err(CameraPathError::UnknownName {
+                        name: name.to_owned(),
+                        names: shortened(&names),
+                    });
+                };
+                serde_json::from_value(found)?
             }
         };
-        walk.checked()
+        path.checked()
     }
 
-    fn checked(self) -> Result<Self, String> {
-        /// A light year is 9.5e15 m: what lies farther is a mistake, and its distances soon overflow.
-        const FARTHEST_M: f64 = 1e15;
-        let near = |p: DVec3| p.abs().max_element() <= FARTHEST_M;
-        if self.keyframes.is_empty() || !Camera::FOV_Y_DEGREES.contains(&self.fov_y_deg) {
-            return Err("a walk needs keyframes, and fov_y_deg from 1 to 170".to_owned());
+    fn checked(self) -> Result<Self, CameraPathError> {
+        /// A light year is 9.5e15 m. Larger coordinates are a mistake, and their distances would
+        /// soon overflow.
+        const MAX_COORDINATE_M: f64 = 1e15;
+        let is_near = |p: DVec3| p.abs().max_element() <= MAX_COORDINATE_M;
+        if self.keyframes.is_empty() {
+            return Err(CameraPathError::NoKeyFrames);
+        }
+        if !Camera::FOV_Y_DEGREES.contains(&self.fov_y_deg) {
+            return Err(CameraPathError::FieldOfView(self.fov_y_deg));
         }
         if !(1..=Self::MAX_FRAMES).contains(&self.frames) {
-            return Err(format!("frames is {}; a walk has from 1 to {}", self.frames, Self::MAX_FRAMES));
+            return Err(CameraPathError::Frames(self.frames));
         }
-        match self.keyframes.iter().position(|k| !near(k.eye) || !near(k.at)) {
-            Some(at) => Err(format!("key frame {at} is more than 1e15 m away from the origin")),
+        match self.keyframes.iter().position(|k| !is_near(k.eye) || !is_near(k.at)) {
+            Some(index) => Err(CameraPathError::TooFar(index)),
             None => Ok(self),
         }
     }
+}
+
+/// A camera path could not be read.
+#[cfg(feature = "import")]
+#[derive(Debug, thiserror::Error)]
+pub enum CameraPathError {
+    /// The text is not the JSON of a camera path. Holds the parser's message with line and column.
+    #[error("{0}")]
+    Json(String),
+    /// The file has no camera path of this name.
+    #[error("it has no camera path '{name}'; it has: {names}")]
+    UnknownName {
+        /// Name that was asked for.
+        name: String,
+        /// Names in the file.
+        names: String,
+    },
+    /// There are no key frames.
+    #[error("a camera path needs keyframes")]
+    NoKeyFrames,
+    /// The field of view is outside [`Camera::FOV_Y_DEGREES`].
+    #[error("fov_y_deg is {0}; it must be from 1 to 170")]
+    FieldOfView(f64),
+    /// The number of frames is outside 1..=[`CameraPath::MAX_FRAMES`].
+    #[error("frames is {0}; a camera path has from 1 to {max}", max = CameraPath::MAX_FRAMES)]
+    Frames(u32),
+    /// The key frame of this index is too far away.
+    #[error("key frame {0} is more than 1e15 m away from the origin")]
+    TooFar(usize),
+}
+
+#[cfg(feature = "import")]
+impl From<serde_json::Error> for CameraPathError {
+    fn from(error: serde_json::Error) -> Self {
+        Self::Json(shortened(&error.to_string()))
+    }
+}
+
+/// Limits a text that may quote the whole file.
+#[cfg(feature = "import")]
+fn shortened(text: &str) -> String {
+    text.chars().take(200).collect()
 }
 
 fn heading(key: &CameraKey) -> DVec3 {
     (key.at - key.eye).try_normalize().unwrap_or(DVec3::NEG_Z)
 }
 
+/// Returns the duration of a segment, as the distance in metres that takes equally long.
 fn segment_cost(a: &CameraKey, b: &CameraKey) -> f64 {
     const METRES_PER_RADIAN: f64 = 0.5 / std::f64::consts::FRAC_PI_2;
     a.eye.distance(b.eye).max(METRES_PER_RADIAN * heading(a).angle_between(heading(b)))

@@ -5,22 +5,23 @@ use crate::camera::View;
 use fearless_simd::prelude::*;
 use glam::{DMat3, Mat3, Vec3};
 
-/// Where the pixels of one view land in another.
+/// Maps pixels of one view with their disparities to picture points of another view.
 ///
-/// Source: McMillan 1997, the warp equation: with disparity d the target of pixel (x, y) is `M (x, y, 1) + d t` in
-/// homogeneous picture coordinates: one matrix for all pixels, one multiply-add and one division each. The two eyes
-/// enter only by their difference, so the result does not lose bits far from the origin.
+/// Source: McMillan 1997, the warp equation. The target of pixel (x, y) with disparity d is
+/// `M (x, y, 1) + d t` in homogeneous picture coordinates: one matrix for all pixels, one
+/// multiply-add and one division for each. Only the difference of the two eyes enters, so that the
+/// result is precise far from the origin.
 #[derive(Clone, Copy, Debug)]
 pub struct PixelWarp {
-    /// Target from source picture coordinates, for points at infinity.
+    /// Target picture coordinates from source picture coordinates, for points at infinity.
     matrix: Mat3,
-    /// Added once per unit of disparity.
+    /// Displacement in homogeneous coordinates per unit of disparity.
     translation: Vec3,
     size: [f32; 2],
 }
 
 impl PixelWarp {
-    /// The warp from `source` to `target`.
+    /// Creates the warp from `source` to `target`.
     pub fn new(source: &View, target: &View) -> Self {
         let pixel_from_scene: DMat3 = target.scene_from_pixel_f64.inverse();
         Self {
@@ -30,31 +31,33 @@ impl PixelWarp {
         }
     }
 
-    /// The matrix, and what is added to its product per unit of disparity.
+    /// Matrix M and translation t of the warp equation.
     pub(crate) fn parts(&self) -> (Mat3, Vec3) {
         (self.matrix, self.translation)
     }
 
-    /// The target pixel of the centre of source pixel (x, y), and its disparity there. `None` where it lies outside
-    /// the picture, at or behind the eye, or where its disparity is not a number.
+    /// Returns the target pixel of the centre of source pixel (x, y), and its disparity there.
+    /// `None` if it lies outside the picture, at or behind the eye, or if its disparity is NaN.
     #[inline(always)]
     pub fn target(&self, x: u32, y: u32, disparity: f32) -> Option<(u32, u32, f32)> {
         let (sx, sy, inverse) = self.point(x, y, disparity)?;
-        // Tested as floats: casting first would turn NaN into 0 and -0.3 into 0.
+        // Test as floats: a cast would turn NaN and -0.3 into 0.
         if !(sx >= 0.0 && sy >= 0.0 && sx < self.size[0] && sy < self.size[1]) {
             return None;
         }
         Some((sx as u32, sy as u32, disparity * inverse))
     }
 
-    /// The target picture point of the centre of source pixel (x, y), in or out of the picture, and the factor from
-    /// its disparity in the source to that in the target. `None` at or behind the eye.
+    /// Returns the target picture point of the centre of source pixel (x, y), inside the picture or
+    /// not, and the factor from its disparity in the source to that in the target. `None` at or
+    /// behind the eye.
     #[inline(always)]
     pub fn point(&self, x: u32, y: u32, disparity: f32) -> Option<(f32, f32, f32)> {
         let [x, y] = [x as f32 + 0.5, y as f32 + 0.5];
         let m = &self.matrix;
         let p = m.x_axis * x + (m.y_axis * y + m.z_axis) + self.translation * disparity;
-        // Before any division, and so that NaN fails: in front of the eye by at least the nearest depth.
+        // The point must lie in front of the eye by at least `NEAREST_DEPTH`. Tested before the
+        // division; NaN fails.
         if !(disparity >= 0.0 && p.z > disparity * NEAREST_DEPTH) {
             return None;
         }
@@ -63,20 +66,20 @@ impl PixelWarp {
     }
 }
 
-/// [`PixelWarp`] along one row of source pixels, for several at once.
+/// [`PixelWarp`] along one row of source pixels, for a vector of pixels at once.
 #[derive(Clone, Copy, Debug)]
 pub struct RowWarp<S: Simd> {
     simd: S,
-    /// Picture coordinates of the row's left end, at infinity.
+    /// Homogeneous coordinates of the row's left end, at infinity.
     start: [S::f32s; 3],
-    /// Added once per pixel.
+    /// Displacement per pixel.
     step: [S::f32s; 3],
-    /// Added once per unit of disparity.
+    /// Displacement per unit of disparity.
     translation: [S::f32s; 3],
 }
 
 impl PixelWarp {
-    /// The warp of the pixels in source row `y`.
+    /// Returns the warp of the pixels in source row `y`.
     #[inline(always)]
     pub fn row<S: Simd>(&self, simd: S, y: u32) -> RowWarp<S> {
         let m = &self.matrix;
@@ -85,19 +88,22 @@ impl PixelWarp {
         RowWarp { simd, start, step, translation }
     }
 
-    /// Where the pixels `x` and `y` (first and last) with disparities `d` (least and greatest) may land: least and
-    /// greatest picture x and y. `None` where all lie behind the eye; unbounded where some may.
+    /// Returns bounds of the picture points at which a box of pixels may land, as minimum and
+    /// maximum of x and of y. The box is given by the first and last column and row, and by the
+    /// smallest and largest disparity. `None` if all of it lies behind the eye; unbounded if a part
+    /// of it may.
     ///
-    /// A point of the picture is affine in x, y and disparity, so it lies between the eight corners' as long as all are
-    /// in front. The bounds are widened by what rounding may do to a pixel and to a corner.
+    /// Homogeneous coordinates are affine in x, y and disparity, so a picture point lies between
+    /// those of the eight corners as long as all are in front of the eye. The bounds are widened by
+    /// the rounding errors of a pixel and of a corner.
     pub fn bounds(&self, x: [u32; 2], y: [u32; 2], d: [f32; 2]) -> Option<[[f32; 2]; 2]> {
-        /// Eight roundings of half a unit in the last place, on either side.
+        /// Relative error of eight roundings of half a unit in the last place, on both sides.
         const ROUNDING: f32 = 8.0 * f32::EPSILON;
         let (x, y) = (x.map(|x| x as f32 + 0.5), y.map(|y| y as f32 + 0.5));
         let (m, t) = (&self.matrix, self.translation);
         let size = m.x_axis.abs() * x[1] + m.y_axis.abs() * y[1] + m.z_axis.abs() + t.abs() * d[1];
         let error = size * ROUNDING;
-        // Axis by axis, so that the compiler does four corners at a time.
+        // Axis by axis, so that the compiler can process four corners at a time.
         let corners = |axis: usize| {
             let (along, from) =
                 (x.map(|x| m.x_axis[axis] * x), y.map(|y| m.y_axis[axis] * y + m.z_axis[axis]));
@@ -123,6 +129,7 @@ impl PixelWarp {
     }
 }
 
+/// Returns the minimum and maximum. NaN is ignored unless it is the first value.
 fn range(values: [f32; 8]) -> [f32; 2] {
     let [mut low, mut high] = [values[0]; 2];
     for v in values {
@@ -133,16 +140,18 @@ fn range(values: [f32; 8]) -> [f32; 2] {
 }
 
 impl<S: Simd> RowWarp<S> {
-    /// The vectors' kind.
+    /// Token of the SIMD level.
     #[inline(always)]
     pub fn token(&self) -> S {
         self.simd
     }
 
-    /// [`PixelWarp::target`] of the pixels from column `x` on, before the test against the picture's size: picture x
-    /// and y, disparity there, and which are usable. Takes disparities that are NaN or not negative.
+    /// Returns [`PixelWarp::target`] of the pixels from column `x` on, without the test against the
+    /// picture's size: picture x and y, disparity in the target, and a mask of usable pixels.
+    /// Disparities must be NaN or not negative.
     ///
-    /// The operations of the scalar twin in their order, and none fused: the same bits at any width.
+    /// Performs the operations of the scalar version in the same order, none of them fused, so that
+    /// all widths give the same bits.
     #[inline(always)]
     pub fn targets(&self, x: u32, disparity: S::f32s) -> (S::f32s, S::f32s, S::f32s, S::mask32s) {
         let x = S::f32s::from_fn(self.simd, |lane| lane as f32) + (x as f32 + 0.5);

@@ -1,4 +1,4 @@
-//! Rays and random numbers. Imports nothing of ours.
+//! Rays, random numbers, sampling, SIMD levels. Imports no other module of the crate.
 
 pub mod key;
 pub mod ray;

@@ -1,21 +1,22 @@
-//! Colour: the only place with a power function. Linear, scene-referred Rec. 709 <-> sRGB; exposure; tone map.
+//! Colour conversions: linear scene-referred Rec. 709 to and from sRGB, exposure, tone map. The
+//! only place with a power function.
 
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-/// How scene-referred radiance becomes display-referred colour.
+/// Curve from scene-referred radiance to display-referred colour.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ToneMap {
-    /// Narkowicz's fit of the ACES curve: bright lamps keep their hue, shadows some contrast.
+    /// Narkowicz's fit of the ACES curve. Bright lamps keep their hue, shadows keep some contrast.
     #[default]
     Aces,
-    /// Clipped at 1: what the numbers say, for measuring.
+    /// No curve, clipped at 1, for measurements.
     Linear,
 }
 
 impl ToneMap {
-    /// The name used on the command line and in the metadata of pictures.
+    /// Name on the command line and in the metadata of pictures.
     pub fn name(self) -> &'static str {
         match self {
             Self::Aces => "aces",
@@ -24,9 +25,9 @@ impl ToneMap {
     }
 }
 
-/// Display-referred linear colour in 0..1 for a radiance seen at an exposure in stops (EV).
+/// Returns the display-referred linear colour, in 0..1, of a radiance at an exposure in stops (EV).
 ///
-/// Negative or NaN radiance is our own bug elsewhere; it shows as black, never as a random colour.
+/// Negative or NaN radiance is a bug elsewhere. It is shown as black, never as a random colour.
 pub fn display_linear(radiance: Vec3, exposure_ev: f32, tone_map: ToneMap) -> Vec3 {
     let x = (radiance * exposure_ev.exp2()).max(Vec3::ZERO).min(Vec3::splat(65504.0));
     match tone_map {
@@ -37,32 +38,33 @@ pub fn display_linear(radiance: Vec3, exposure_ev: f32, tone_map: ToneMap) -> Ve
     }
 }
 
-/// The 8-bit sRGB colour of a radiance.
+/// Returns the 8-bit sRGB colour of a radiance at an exposure in stops (EV).
 pub fn srgb8(radiance: Vec3, exposure_ev: f32, tone_map: ToneMap) -> [u8; 3] {
     display_linear(radiance, exposure_ev, tone_map)
         .to_array()
         .map(|c| (srgb_from_linear(c) * 255.0 + 0.5) as u8)
 }
 
-/// IEC 61966-2-1, one channel, both in 0..1.
+/// Encodes one channel as sRGB (IEC 61966-2-1). Both values are in 0..1.
 pub fn srgb_from_linear(linear: f32) -> f32 {
     if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }
 
-/// The inverse of [`srgb_from_linear`].
+/// Decodes one channel from sRGB, the inverse of [`srgb_from_linear`].
 pub fn linear_from_srgb(srgb: f32) -> f32 {
     if srgb <= 0.040_45 { srgb / 12.92 } else { ((srgb + 0.055) / 1.055).powf(2.4) }
 }
 
-/// Rec. 709 luminance of a linear colour.
+/// Returns the Rec. 709 luminance of a linear colour.
 pub fn luminance(linear: Vec3) -> f32 {
     linear.dot(Vec3::new(0.2126, 0.7152, 0.0722))
 }
 
-/// The exposure in stops, by halves, that brings the log-average luminance of a picture to middle grey (0.18).
+/// Returns the exposure in stops, rounded to halves, that maps the log-average luminance of a
+/// picture to middle grey (0.18). `None` if the picture is completely black.
 ///
-/// Source: Reinhard et al., "Photographic Tone Reproduction for Digital Images", SIGGRAPH 2002, equation 1. We differ:
-/// black pixels are left out instead of given a small constant. `None` for a picture that is black throughout.
+/// Source: Reinhard et al., "Photographic Tone Reproduction for Digital Images", SIGGRAPH 2002,
+/// equation 1. We differ: black pixels are left out instead of replaced by a small constant.
 pub fn metered_exposure_ev(radiance: &[Vec3]) -> Option<f32> {
     const MIDDLE_GREY: f64 = 0.18;
     let lit = radiance.iter().map(|&r| f64::from(luminance(r))).filter(|l| *l > 0.0 && l.is_finite());

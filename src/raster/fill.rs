@@ -1,16 +1,17 @@
-//! A stand-in for pixels that are not done yet, so that a frame can be shown before it is complete.
+//! Values for pixels that are not rendered yet, so that a frame can be shown before it is complete.
 //!
-//! Source: Gortler et al., "The Lumigraph", SIGGRAPH 1996, section 3.5, pull-push. We differ: a level is a plain mean
-//! of the known among four, and a hole is interpolated between the cells of the first coarser level that knows something
-//! there, without blending levels.
+//! Source: Gortler et al., "The Lumigraph", SIGGRAPH 1996, section 3.5, pull-push. We differ: a
+//! level is the plain mean of the known pixels among four, and a hole is interpolated between the
+//! cells of the first coarser level that has a known pixel there, without blending levels.
 
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// Scratch memory of [`Surroundings`]: sums of what is known, and how much that is, by level.
+/// Scratch memory of [`Surroundings`]: for each level, the weighted sum of known pixels in each
+/// cell, and its weight.
 pub type Levels = Vec<Vec<(Vec3, f32)>>;
 
-/// What is known of a picture, by squares of 2, 4, 8, ... pixels.
+/// Pyramid of a picture's known pixels, in cells of 2, 4, 8, ... pixels.
 #[derive(Debug)]
 pub struct Surroundings<'a> {
     levels: &'a Levels,
@@ -18,10 +19,11 @@ pub struct Surroundings<'a> {
     sizes: Vec<[usize; 2]>,
 }
 
-/// Gives every pixel for which `is_known` is false a mean of known pixels around it, the nearest there are.
+/// Replaces every pixel for which `is_known` is false by a mean of the nearest known pixels around
+/// it.
 ///
-/// Takes row-major pictures of `width` pixels a row. `levels` is scratch memory. Never touches a known pixel, and none at
-/// all where nothing is known.
+/// The picture is row-major with `width` pixels per row. `levels` is scratch memory. Known pixels
+/// are not changed; without any known pixel nothing is changed.
 pub fn fill_unknown(values: &mut [Vec3], is_known: &[bool], width: usize, levels: &mut Levels) {
     if width == 0 || is_known.iter().all(|&known| known) {
         return;
@@ -37,7 +39,8 @@ pub fn fill_unknown(values: &mut [Vec3], is_known: &[bool], width: usize, levels
 }
 
 impl<'a> Surroundings<'a> {
-    /// Sums up a picture of `size` pixels, of which `known` tells what is known.
+    /// Builds the pyramid of a picture of `size` pixels. `known` returns the value of a pixel, if
+    /// it is known.
     pub fn gather(
         size: [usize; 2],
         known: impl Fn(usize) -> Option<Vec3> + Sync,
@@ -68,7 +71,8 @@ impl<'a> Surroundings<'a> {
         Self { levels, sizes }
     }
 
-    /// A mean of what is known around a pixel, the nearest there is; `None` where nothing is known at all.
+    /// Returns a mean of the nearest known pixels around a pixel; `None` if no pixel of the picture
+    /// is known.
     pub fn around(&self, [x, y]: [usize; 2]) -> Option<Vec3> {
         let knows =
             |at: usize| self.levels[at][(y >> (at + 1)) * self.sizes[at][0] + (x >> (at + 1))].1 > 0.0;
@@ -94,7 +98,7 @@ impl<'a> Surroundings<'a> {
     }
 }
 
-/// The bright count less, or a lamp would outshine all around it.
+/// Weights a pixel. Bright pixels count less, otherwise a lamp would dominate its surroundings.
 fn weighted(value: Vec3) -> (Vec3, f32) {
     let weight = 1.0 / (1.0 + value.max_element());
     (value * weight, weight)

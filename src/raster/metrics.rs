@@ -1,48 +1,49 @@
-//! How far one picture is from another.
+//! Measures of the difference between two pictures.
 //!
-//! "Display" values are sRGB in 0..1; radiance gets there by clipping at 1 ([`super::load::display_of`]), so that no
-//! tone curve flatters a difference. The second picture of each pair is the truth.
+//! Display values are sRGB in 0..1. Radiance is clipped at 1 ([`super::load::display_of`]), because
+//! a tone curve would hide differences. The second picture of each pair is the ground truth.
 
 use glam::Vec3;
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// Stands for the infinite PSNR of equal pictures, which JSON cannot say.
+/// PSNR of equal pictures in decibels. Replaces infinity, which JSON cannot express.
 pub const PSNR_OF_EQUALS_DB: f64 = 999.0;
 
-/// Keeps relMSE finite on black, in squared radiance; the value customary in the literature.
+/// Offset that keeps relMSE finite on black, in squared radiance. The usual value in the
+/// literature.
 const REL_MSE_FLOOR: f64 = 0.01;
 
-/// Two pictures that cannot be compared.
+/// Two pictures cannot be compared.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CompareError {
-    /// They differ in size.
+    /// Their sizes differ.
     #[error("the pictures differ in size: {a:?} and {b:?}")]
     Sizes {
-        /// Of the first.
+        /// Width and height of the first picture.
         a: [u32; 2],
-        /// Of the second.
+        /// Width and height of the second picture.
         b: [u32; 2],
     },
-    /// FLIP is not defined for them.
+    /// FLIP is not defined for them. Holds the reason.
     #[error("FLIP cannot be computed: {0}")]
     Flip(String),
 }
 
-/// FLIP, pooled over a picture.
+/// FLIP error of a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Flip {
-    /// Mean over all pixels, 0..1.
+    /// Mean over all pixels, in 0..1.
     #[serde(rename = "flip_mean")]
     pub mean: f64,
-    /// 95 % of the pixels are at most this, 0..1.
+    /// 95th percentile over all pixels, in 0..1.
     #[serde(rename = "flip_p95")]
     pub p95: f64,
 }
 
-/// Mean squared difference over all channels.
+/// Returns the mean squared difference over all channels.
 fn mean_squared(a: &[Vec3], b: &[Vec3]) -> f64 {
-    // Summed per fixed chunk, then in order: the same bits at any number of threads.
+    // Sum fixed chunks, then their sums in order: the same bits at any thread count.
     let chunk = |(a, b): (&[Vec3], &[Vec3])| -> f64 {
         a.iter().zip(b).map(|(a, b)| f64::from((*a - *b).length_squared())).sum()
     };
@@ -50,14 +51,16 @@ fn mean_squared(a: &[Vec3], b: &[Vec3]) -> f64 {
     sums.iter().sum::<f64>() / (3 * a.len().max(1)) as f64
 }
 
-/// Peak signal-to-noise ratio in decibels of display values: `-10 log10` of the mean squared difference over pixels
-/// and channels, the peak being 1. [`PSNR_OF_EQUALS_DB`] where nothing differs.
+/// Returns the peak signal-to-noise ratio of display values in decibels: `-10 log10` of the mean
+/// squared difference over pixels and channels, with a peak of 1. [`PSNR_OF_EQUALS_DB`] for equal
+/// pictures.
 pub fn psnr_db(a: &[Vec3], b: &[Vec3]) -> f64 {
     let mse = mean_squared(a, b);
     if mse > 0.0 { -10.0 * mse.log10() } else { PSNR_OF_EQUALS_DB }
 }
 
-/// Mean of `(a - b)^2 / (b^2 + 0.01)` over pixels and channels.
+/// Returns the relative mean squared error: the mean of `(a - b)^2 / (b^2 + 0.01)` over pixels and
+/// channels.
 pub fn rel_mse(a: &[Vec3], b: &[Vec3]) -> f64 {
     let term = |a: f32, b: f32| {
         let (a, b) = (f64::from(a), f64::from(b));
@@ -67,12 +70,13 @@ pub fn rel_mse(a: &[Vec3], b: &[Vec3]) -> f64 {
     sum / (3 * a.len().max(1)) as f64
 }
 
-/// The largest difference of any channel.
+/// Returns the largest absolute difference of any channel.
 pub fn max_abs(a: &[Vec3], b: &[Vec3]) -> f64 {
     a.iter().zip(b).map(|(a, b)| f64::from((*a - *b).abs().max_element())).fold(0.0, f64::max)
 }
 
-/// FLIP of display values, seen on a 4K monitor 0.7 m wide from 0.7 m (67 pixels per degree).
+/// Returns the FLIP error of display values on a 4K monitor, 0.7 m wide and seen from 0.7 m (67
+/// pixels per degree).
 ///
 /// # Errors
 /// [`CompareError::Flip`] for an empty picture or values that are not finite.
@@ -84,7 +88,7 @@ pub fn flip(a: &[Vec3], truth: &[Vec3], size: [u32; 2]) -> Result<Flip, CompareE
     Ok(Flip { mean, p95: f64::from(*p95) })
 }
 
-/// FLIP of every pixel, 0..1, seen as in [`flip`].
+/// Returns the FLIP error of every pixel, in 0..1, under the conditions of [`flip`].
 ///
 /// # Errors
 /// [`CompareError::Flip`] for an empty picture or values that are not finite.
@@ -99,16 +103,18 @@ pub fn flip_map(a: &[Vec3], truth: &[Vec3], [width, height]: [u32; 2]) -> Result
     Ok(map.into_pixels())
 }
 
-/// Errors in 0..1 as a picture, dark where there is none: the colours of the FLIP tool (Magma).
+/// Returns errors in 0..1 as 8-bit sRGB colours of the map Magma, as the FLIP tool does. No error
+/// is dark.
 pub fn error_picture(errors: &[f32]) -> Vec<[u8; 3]> {
     let color = |e: &f32| flip_rs::MAGMA[(e.clamp(0.0, 1.0) * 255.0 + 0.5) as usize];
     errors.iter().map(|e| color(e).map(|c| (c * 255.0 + 0.5) as u8)).collect()
 }
 
-/// Structural similarity of the luma of display values, 1 for equal pictures.
+/// Returns the structural similarity of the luma of display values; 1 for equal pictures.
 ///
-/// Source: Wang et al. 2004: Gaussian window of 11x11 with sigma 1.5, K1 = 0.01, K2 = 0.03, the mean over all windows
-/// that lie inside the picture. We differ: a picture smaller than the window has its edge pixels repeated.
+/// Source: Wang et al. 2004: Gaussian window of 11x11 with sigma 1.5, K1 = 0.01, K2 = 0.03, the
+/// mean over all windows that lie inside the picture. We differ: a picture smaller than the window
+/// has its edge pixels repeated.
 pub fn ssim(a: &[Vec3], b: &[Vec3], [width, height]: [u32; 2]) -> f64 {
     const C1: f64 = 0.01 * 0.01;
     const C2: f64 = 0.03 * 0.03;
@@ -129,10 +135,10 @@ pub fn ssim(a: &[Vec3], b: &[Vec3], [width, height]: [u32; 2]) -> f64 {
     sum / windows.max(1) as f64
 }
 
-/// Of the window of [`ssim`].
+/// Radius of the window of [`ssim`] in pixels.
 const RADIUS: usize = 5;
 
-/// The Gaussian mean around every pixel, one axis after the other.
+/// Returns the Gaussian mean around every pixel, one axis after the other.
 fn blurred(values: &[f64], [width, height]: [usize; 2]) -> Vec<f64> {
     let weights: [f64; 2 * RADIUS + 1] =
         std::array::from_fn(|i| (-(i as f64 - RADIUS as f64).powi(2) / (2.0 * 1.5 * 1.5)).exp());

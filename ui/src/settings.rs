@@ -225,7 +225,7 @@ fn is_absent(path: &Path) -> bool {
 /// # Errors
 /// If the file cannot be read, is longer, or is not UTF-8.
 pub(crate) fn read_text(path: &Path, max_bytes: u64) -> Result<String, LoadError> {
-    let not_text = |_| LoadError { path: path.to_owned(), cause: "it is not UTF-8 text".to_owned() };
+    let not_text = |_| LoadError { path: path.to_owned(), cause: "it is not UTF-8 text".into() };
     String::from_utf8(read_bounded(path, max_bytes)?).map_err(not_text)
 }
 

@@ -53,7 +53,7 @@ fn copy_images(from: &Path, to: &Path) -> Result<(), ExperimentError> {
         let to = to.join(entry.file_name());
         if entry.path().is_file() && !to.exists() {
             let bytes = read_bounded(&entry.path(), MAX_PICTURE_BYTES)
-                .map_err(|e| ExperimentError::folder(&e.path, e.cause))?;
+                .map_err(|e| ExperimentError::folder(&e.path, e.cause.to_string()))?;
             write_atomically(&to, &bytes)?;
         }
     }

@@ -9,7 +9,7 @@ use super::{interrupt, output};
 use crate::picture::{MadePicture, Output, PictureJob, Shows, memory};
 use afterimage::Mode;
 use afterimage::camera::Camera;
-use afterimage::raster::stream::Target;
+use afterimage::raster::save::Target;
 use afterimage::reference::ReferenceFrame;
 use afterimage::render::aov::Aov;
 use afterimage::render::bands::Background;

@@ -16,7 +16,9 @@ pub(super) fn read_path(text: &str) -> Result<CameraPath, Failure> {
         Some((file, name)) if !Path::new(text).exists() => (file, Some(name)),
         _ => (text, None),
     };
-    let failed = |cause: String| Failure::Failed(format!("cannot read the camera path {file}: {cause}"));
-    let bytes = read_bounded(Path::new(file), MAX_BYTES).map_err(|e| failed(e.cause))?;
-    CameraPath::from_json(&bytes, name).map_err(failed)
+    let failed = |cause: &dyn std::fmt::Display| {
+        Failure::Failed(format!("cannot read the camera path {file}: {cause}"))
+    };
+    let bytes = read_bounded(Path::new(file), MAX_BYTES).map_err(|e| failed(&e.cause))?;
+    CameraPath::from_json(&bytes, name).map_err(|e| failed(&e))
 }

@@ -6,7 +6,7 @@ use crate::picture::{Output, PictureJob, Shows};
 use crate::window::rendering::pool::background_pool;
 use crate::window::rendering::task::{Task, TaskError, TaskHandle, Wake, spawn_task};
 use afterimage::Tracer;
-use afterimage::raster::stream::Target;
+use afterimage::raster::save::Target;
 use afterimage::reference::ReferenceFrame;
 use std::sync::Arc;
 
