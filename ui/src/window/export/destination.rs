@@ -22,7 +22,11 @@ impl Destination {
     ///
     /// # Errors
     /// The error of the last folder; `None` where there is no folder.
-    pub(crate) fn write_new(&self, extension: &'static str, bytes: &[u8]) -> Result<PathBuf, Option<SaveError>> {
+    pub(crate) fn write_new(
+        &self,
+        extension: &'static str,
+        bytes: &[u8],
+    ) -> Result<PathBuf, Option<SaveError>> {
         let mut last = None;
         for folder in &self.folders {
             match write_new_atomically(folder, &self.stem, extension, bytes) {
