@@ -1,6 +1,7 @@
-//! Replays files that once broke something, or might: every one must end in a scene, a report or a message.
+//! Replays files that once broke something, or might: each must give a scene, a report or a
+//! message.
 //!
-//! `tests/data/corpus/NAME/` holds the seeds of the entry point NAME, for the fuzzers too.
+//! `tests/data/corpus/NAME/` holds the seeds of the entry point NAME, also for the fuzzers.
 
 use crate::entry_points::{ALL, check};
 use afterimage::import::{ImportOptions, load};
@@ -27,32 +28,32 @@ fn the_corpus_breaks_no_entry_point() {
     }
 }
 
-/// What is sound stays no more sound than its shortest beginning: each seed is also tried cut short and spoilt.
+/// Each seed is also tried cut short at several places, and with a damaged byte.
 #[test]
-fn cut_and_spoilt_seeds_break_no_entry_point() {
+fn cut_and_damaged_seeds_break_no_entry_point() {
     for (name, run) in ALL {
         for seed in seeds(name) {
             let bytes = std::fs::read(&seed).unwrap();
             for part in 0..16 {
                 run(&bytes[..bytes.len() * part / 16]);
-                let mut spoilt = bytes.clone();
-                if let Some(byte) = spoilt.get_mut(bytes.len() * part / 16) {
+                let mut damaged = bytes.clone();
+                if let Some(byte) = damaged.get_mut(bytes.len() * part / 16) {
                     *byte ^= 0x55;
                 }
-                run(&spoilt);
+                run(&damaged);
             }
         }
     }
 }
 
-/// Any file under any name: nobody checks what a file is before dropping it on the window.
+/// Any file can have any name when it is dropped on the window.
 #[test]
-fn any_seed_may_have_any_ending() {
+fn any_seed_may_have_any_extension() {
     let folder = tempfile::tempdir().unwrap();
     for (name, _) in ALL {
         for seed in seeds(name) {
-            for ending in ["obj", "gltf", "glb"] {
-                let path = folder.path().join(format!("scene.{ending}"));
+            for extension in afterimage::import::extensions() {
+                let path = folder.path().join(format!("scene.{extension}"));
                 std::fs::copy(&seed, &path).unwrap();
                 check(load(&path, &ImportOptions::default(), &|_, _| true));
             }

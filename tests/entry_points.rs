@@ -1,6 +1,7 @@
-//! Every way bytes from outside come in, each as a function of bytes that asserts what must hold whatever they are.
+//! Every way in which bytes from outside enter the program. Each is a function of bytes, which
+//! asserts what must hold for any bytes.
 //!
-//! The fuzz targets, the property tests and the replay of the corpus all call these.
+//! The fuzz targets, the property tests and the replay of the corpus call these functions.
 
 use afterimage::camera::CameraPath;
 use afterimage::experiment::run::{Journal, merge, read_manifest};
@@ -10,10 +11,10 @@ use afterimage::{Camera, raster::load::Picture};
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
-/// A name and what it does with bytes.
+/// Name and function of an entry point.
 pub(crate) type EntryPoint = (&'static str, fn(&[u8]));
 
-/// All of them, by the names that the fuzz targets and the corpus have.
+/// All entry points, by the names that the fuzz targets and the corpus use.
 pub(crate) const ALL: &[EntryPoint] = &[
     ("obj", obj),
     ("mtl", mtl),
@@ -27,18 +28,18 @@ pub(crate) const ALL: &[EntryPoint] = &[
 
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl a\nf 1/1 2/2 3/3\n";
 
-/// A model.
+/// An OBJ model.
 pub(crate) fn obj(bytes: &[u8]) {
     check_load("scene.obj", &[("scene.obj", bytes)]);
 }
 
-/// The material library of a sound model.
+/// The material library of a valid model.
 pub(crate) fn mtl(bytes: &[u8]) {
     let obj = format!("mtllib scene.mtl\n{TRIANGLE}usemtl b\nf 1/1 2/2 3/3\n");
     check_load("scene.obj", &[("scene.obj", obj.as_bytes()), ("scene.mtl", bytes)]);
 }
 
-/// The picture of a sound material; the first byte chooses the name it has.
+/// The picture of a valid material. The first byte selects its name.
 pub(crate) fn texture(bytes: &[u8]) {
     const NAMES: [&str; 6] = ["a.png", "a.jpg", "a.tga", "a.bmp", "a.hdr", "a"];
     let Some((first, bytes)) = bytes.split_first() else { return };
@@ -48,18 +49,18 @@ pub(crate) fn texture(bytes: &[u8]) {
     check_load("scene.obj", &[("scene.obj", obj.as_bytes()), ("scene.mtl", mtl.as_bytes()), (name, bytes)]);
 }
 
-/// A glTF model, as text or binary by its first bytes.
+/// A glTF model. Its first bytes decide between text and binary.
 pub(crate) fn gltf(bytes: &[u8]) {
     let name = if bytes.starts_with(b"glTF") { "scene.glb" } else { "scene.gltf" };
     check_load(name, &[(name, bytes)]);
 }
 
-/// The file of settings beside a sound model.
+/// The settings file of a valid model.
 pub(crate) fn sidecar(bytes: &[u8]) {
     check_load("scene.obj", &[("scene.obj", TRIANGLE.as_bytes()), ("scene.afterimage.toml", bytes)]);
 }
 
-/// A walk.
+/// A camera path.
 pub(crate) fn walk(bytes: &[u8]) {
     for name in [None, Some("a")] {
         let Ok(walk) = CameraPath::from_json(bytes, name) else { continue };
@@ -70,7 +71,7 @@ pub(crate) fn walk(bytes: &[u8]) {
     }
 }
 
-/// The journal and the description of a run.
+/// The journal and the manifest of a run.
 pub(crate) fn journal(bytes: &[u8]) {
     in_folder(&[("journal.jsonl", bytes), ("manifest.json", bytes)], |folder| {
         let before = Journal::read(folder).expect("a journal is read as far as it is whole");
@@ -79,12 +80,12 @@ pub(crate) fn journal(bytes: &[u8]) {
         let _ = merge(&[folder.to_owned()], &into, afterimage::experiment::run::Session::default());
         let _ = std::fs::remove_dir_all(into);
         assert_eq!(Journal::open(folder).expect("a journal can be gone on with").done(), before);
-        // What was dropped is dropped from the file too: it is whole now.
+        // Incomplete lines were removed from the file too.
         assert_eq!(Journal::read(folder).expect("a journal is read"), before);
     });
 }
 
-/// A picture that is to be compared.
+/// A picture to be compared.
 pub(crate) fn picture(bytes: &[u8]) {
     in_folder(&[("a", bytes)], |folder| {
         let Ok(picture) = Picture::load(&folder.join("a")) else { return };
@@ -97,7 +98,7 @@ fn check_load(name: &str, files: &[(&str, &[u8])]) {
     in_folder(files, |folder| check(load(&folder.join(name), &limited(), &|_, _| true)));
 }
 
-/// Limits that a small file must not get near; they keep a hostile one from taking the machine along.
+/// Limits that small files do not reach, and that stop hostile ones early.
 fn limited() -> ImportOptions {
     let mut options = ImportOptions::default();
     options.limits.texture_bytes = 4 << 20;
@@ -107,7 +108,7 @@ fn limited() -> ImportOptions {
     options
 }
 
-/// What must hold of every outcome.
+/// Asserts what must hold for every outcome.
 pub(crate) fn check(outcome: Result<Scene, SceneError>) {
     match outcome {
         Ok(scene) => check_scene(&scene),
@@ -159,7 +160,7 @@ fn check_camera(camera: &Camera) {
     assert!(camera.fov_y > 0.0 && camera.fov_y < std::f64::consts::PI, "{camera:?}");
 }
 
-/// Calls `work` with a folder that holds these files and nothing else.
+/// Calls `work` with a folder that holds only these files.
 fn in_folder(files: &[(&str, &[u8])], work: impl FnOnce(&Path)) {
     thread_local! {
         static FOLDER: RefCell<Option<tempfile::TempDir>> = const { RefCell::new(None) };
@@ -167,7 +168,7 @@ fn in_folder(files: &[(&str, &[u8])], work: impl FnOnce(&Path)) {
     let folder: PathBuf = FOLDER.with(|folder| {
         let mut folder = folder.borrow_mut();
         let made = folder.get_or_insert_with(|| {
-            // In memory where the system has such a place: a fuzzer writes a million files.
+            // In memory where the system supports it: a fuzzer writes a million files.
             let memory = Path::new("/dev/shm");
             let in_memory = memory.is_dir().then(|| tempfile::tempdir_in(memory).ok()).flatten();
             in_memory.unwrap_or_else(|| tempfile::tempdir().expect("a temporary folder"))

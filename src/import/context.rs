@@ -44,7 +44,7 @@ impl<'a> Import<'a> {
         }
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let mut builder = SceneBuilder::new(&name);
-        let sidecar = Sidecar::beside(path, &mut builder);
+        let sidecar = Sidecar::of_model(path, &mut builder);
         let folder = file.parent().unwrap_or(Path::new("")).to_owned();
         let finder = Finder::new(Jail { folder, allow_outside: options.allow_outside });
         Ok(Self { path, file, name, options, steps, sidecar, finder, builder, defined_materials: Vec::new() })

@@ -9,7 +9,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 /// Reads a model with all files that belong to it: libraries, textures, and the `.afterimage.toml`
-/// beside it.
+/// next to it.
 ///
 /// ```no_run
 /// use afterimage::import::{ImportOptions, load};

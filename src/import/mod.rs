@@ -1,8 +1,8 @@
 //! Reading models: OBJ with its MTL libraries, and glTF.
 //!
-//! [`load`] finds the reader of a file by its extension, in the table [`FORMATS`]. Readers share
+//! [`load()`] finds the reader of a file by its extension, in the table [`FORMATS`]. Readers share
 //! one context: limits, progress, the search for the files that a model names, pictures, the
-//! settings file beside the model, and the report.
+//! settings file next to the model, and the report.
 //!
 //! A damaged part of a file does not stop an import. It is left out or replaced, counted, and
 //! reported with its line. Only a file that leaves nothing to show is an error, which names file,
@@ -31,5 +31,5 @@ pub use formats::{FORMATS, Format, extensions};
 pub use load::load;
 pub use options::{ImportOptions, Limits};
 pub use progress::{Phase, Progress};
-pub use sidecar::save_look_beside;
+pub use sidecar::save_edit;
 pub use units::{Unit, UnknownWord, Up};

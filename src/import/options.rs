@@ -5,10 +5,10 @@ use super::units::{Unit, Up};
 /// How to read a model. The default takes everything from the file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ImportOptions {
-    /// Length unit of the model. `None` takes it from the `.afterimage.toml` beside the model, else
-    /// from the file's header, else guesses it by size.
+    /// Length unit of the model. `None` takes it from the `.afterimage.toml` next to the model,
+    /// else from the file's header, else guesses it by size.
     pub unit: Option<Unit>,
-    /// Axis of the model that points up. `None` takes it from the `.afterimage.toml` beside the
+    /// Axis of the model that points up. `None` takes it from the `.afterimage.toml` next to the
     /// model, else +Y.
     pub up: Option<Up>,
     /// Allows the model to open textures and libraries outside its own folder.

@@ -143,8 +143,8 @@ pub(super) fn mean_linear(picture: &Texture) -> Vec3 {
 fn mean(picture: &Texture, decode: impl Fn(usize) -> f32) -> Vec3 {
     let mut counts = [[0u64; 256]; 3];
     for texel in &picture.texels {
-        for channel in 0..3 {
-            counts[channel][texel[channel] as usize] += 1;
+        for (counts, value) in counts.iter_mut().zip(texel) {
+            counts[*value as usize] += 1;
         }
     }
     let mean = |counts: [u64; 256]| {

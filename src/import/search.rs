@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use std::ffi::OsString;
 use std::path::{Component, Path, PathBuf};
 
-/// Folders beside a model in which textures usually are.
+/// Folders next to a model in which textures usually are.
 const DEFAULT_FOLDERS: [&str; 4] = ["textures", "maps", "images", "tex"];
 /// Extensions tried where a file does not exist: exporters name the format that they read, not the
 /// one they wrote.
@@ -35,7 +35,7 @@ impl Finder {
         Self { jail, listings: HashMap::new() }
     }
 
-    /// Finds a material library or a buffer beside the model.
+    /// Finds a material library or a buffer next to the model.
     pub(super) fn library(&mut self, name: &str) -> Found {
         let folder = self.jail.folder.clone();
         let given = portable(name);

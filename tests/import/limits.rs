@@ -1,4 +1,5 @@
-//! Files that attack or never end: nothing outside the folder, nothing that is not a file, nothing too long.
+//! Hostile and endless files: nothing outside the folder is read, nothing that is not a regular
+//! file, nothing too long.
 
 use super::{Folder, TRIANGLE, material, warning};
 use afterimage::import::{Phase, load};
@@ -6,23 +7,21 @@ use afterimage::scene::SceneError;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
-/// A folder `inner` with the model, beside files that it must not open.
-fn jailed(obj: &str) -> (Folder, std::path::PathBuf) {
-    let folder = Folder::with_obj("")
+/// A folder `inner` with the model, and files outside it that must not be opened.
+fn jailed(obj: &str) -> Folder {
+    Folder::with_obj("")
         .add("inner/scene.obj", format!("{obj}\nusemtl a\n{TRIANGLE}"))
         .add("secret.mtl", "newmtl a\nKd 0.125 0.125 0.125\n")
-        .add("secret.png", super::textures::png(1, 1, &[[1, 2, 3, 255]]));
-    let path = folder.path("inner/scene.obj");
-    (folder, path)
+        .add("secret.png", super::textures::png(1, 1, &[[1, 2, 3, 255]]))
 }
 
 #[test]
 fn a_library_outside_the_folder_is_not_read() {
-    let (folder, _) = jailed("");
+    let folder = jailed("");
     let absolute = folder.path("secret.mtl").display().to_string();
     for name in ["../secret.mtl", "..\\secret.mtl", "../../etc/passwd", "/etc/passwd", &absolute] {
-        let (folder, path) = jailed(&format!("mtllib {name}"));
-        let scene = load(&path, &folder.options, &|_, _| true).unwrap();
+        let folder = jailed(&format!("mtllib {name}"));
+        let scene = folder.try_load_file("inner/scene.obj").unwrap();
         assert_eq!(material(&scene, "a").diffuse.x, 0.6, "{name}");
         assert!(warning(&scene, "was not found").2.contains("inside the scene's folder"), "{name}");
     }
@@ -30,17 +29,17 @@ fn a_library_outside_the_folder_is_not_read() {
 
 #[test]
 fn a_library_outside_the_folder_is_read_when_allowed() {
-    let (mut folder, path) = jailed("mtllib ../secret.mtl");
+    let mut folder = jailed("mtllib ../secret.mtl");
     folder.options.allow_outside = true;
-    let scene = load(&path, &folder.options, &|_, _| true).unwrap();
+    let scene = folder.try_load_file("inner/scene.obj").unwrap();
     assert_eq!(material(&scene, "a").diffuse.x, 0.125);
 }
 
 #[test]
 fn a_texture_outside_the_folder_is_not_read() {
-    let (folder, path) = jailed("mtllib in.mtl");
+    let folder = jailed("mtllib in.mtl");
     let folder = folder.add("inner/in.mtl", "newmtl a\nmap_Kd ../secret.png\n");
-    let scene = load(&path, &folder.options, &|_, _| true).unwrap();
+    let scene = folder.try_load_file("inner/scene.obj").unwrap();
     assert_eq!(scene.textures[0].width, 8);
     assert!(warning(&scene, "secret.png").2.contains("outside the scene's folder"));
 }
@@ -48,30 +47,30 @@ fn a_texture_outside_the_folder_is_not_read() {
 #[cfg(unix)]
 #[test]
 fn a_link_out_of_the_folder_is_not_followed() {
-    let (folder, path) = jailed("mtllib link.mtl");
+    let folder = jailed("mtllib link.mtl");
     std::os::unix::fs::symlink(folder.path("secret.mtl"), folder.path("inner/link.mtl")).unwrap();
     std::os::unix::fs::symlink(folder.path(""), folder.path("inner/textures")).unwrap();
-    let scene = load(&path, &folder.options, &|_, _| true).unwrap();
+    let scene = folder.try_load_file("inner/scene.obj").unwrap();
     assert_eq!(material(&scene, "a").diffuse.x, 0.6);
     assert!(warning(&scene, "link.mtl").2.contains("inside the scene's folder"));
-    let (folder, path) = jailed("mtllib in.mtl");
+    let folder = jailed("mtllib in.mtl");
     let folder = folder.add("inner/in.mtl", "newmtl a\nmap_Kd SECRET.png\n");
     std::os::unix::fs::symlink(folder.path(""), folder.path("inner/textures")).unwrap();
-    let scene = load(&path, &folder.options, &|_, _| true).unwrap();
+    let scene = folder.try_load_file("inner/scene.obj").unwrap();
     assert_eq!(scene.textures[0].width, 8);
 }
 
 #[cfg(unix)]
 #[test]
 fn devices_pipes_and_folders_are_not_read() {
-    let (mut folder, path) = jailed("mtllib /dev/zero\nmtllib pipe.mtl\nmtllib folder.mtl");
+    let mut folder = jailed("mtllib /dev/zero\nmtllib pipe.mtl\nmtllib folder.mtl");
     folder.options.allow_outside = true;
     std::fs::create_dir(folder.path("inner/folder.mtl")).unwrap();
     let pipe = folder.path("inner/pipe.mtl");
     let made = std::process::Command::new("mkfifo").arg(&pipe).status().is_ok_and(|s| s.success());
     assert!(made, "mkfifo");
     let start = Instant::now();
-    let scene = load(&path, &folder.options, &|_, _| true).unwrap();
+    let scene = folder.try_load_file("inner/scene.obj").unwrap();
     assert!(start.elapsed() < Duration::from_secs(1));
     for name in ["/dev/zero", "pipe.mtl", "folder.mtl"] {
         assert!(warning(&scene, name).2.contains("was not found"));
@@ -81,7 +80,7 @@ fn devices_pipes_and_folders_are_not_read() {
 #[test]
 fn folders_missing_files_and_other_formats_are_errors_with_a_remedy() {
     let folder = Folder::with_obj(TRIANGLE).add("model.fbx", "Kaydara FBX Binary").add("deep.obj/x", "");
-    let error = |name: &str| load(&folder.path(name), &folder.options, &|_, _| true).unwrap_err().to_string();
+    let error = |name: &str| folder.try_load_file(name).unwrap_err().to_string();
     assert!(error("nothing.obj").contains("check the path"));
     assert!(error("model.fbx").contains("export the model as one of .obj, .gltf, .glb"));
     assert!(error("deep.obj").contains("folder"));
@@ -152,11 +151,12 @@ fn a_cancel_is_noticed_quickly() {
         phase != Phase::Parsing || calls.fetch_add(1, Ordering::Relaxed) < 3
     });
     assert!(matches!(result, Err(SceneError::Cancelled)));
-    // Of some 14 pieces, each counted and then read, only those under way were finished.
+    // Of about 14 pieces, each counted and then read, only those in progress were finished.
     assert!(calls.load(Ordering::Relaxed) < 4 + 2 * rayon::current_num_threads(), "{calls:?}");
 }
 
-/// By hand: `cargo test --release -- --ignored a_cancel_answers --nocapture`. Needs 1 GB of disk and 4 GB of memory.
+/// Run by hand: `cargo test --release -- --ignored a_cancel_answers --nocapture`. Needs 1 GB of
+/// disk and 4 GB of memory.
 #[test]
 #[ignore = "reads a gigabyte"]
 fn a_cancel_answers_within_200_ms_on_a_gigabyte() {
@@ -171,7 +171,7 @@ fn a_cancel_answers_within_200_ms_on_a_gigabyte() {
             writeln!(file, "vt 0.{i} 0.5\nvn 0 0 1\nv {y}.5 {x}.5 0.{i}").unwrap();
         }
     }
-    // What is not on the disk yet would be written when the importer closes the file.
+    // Data that is not on the disk yet would be written when the importer closes the file.
     file.into_inner().unwrap().sync_all().unwrap();
     let bytes = folder.path("scene.obj").metadata().unwrap().len();
     for (phase, share) in
@@ -194,35 +194,9 @@ fn a_cancel_answers_within_200_ms_on_a_gigabyte() {
 
 #[test]
 fn no_bytes_make_the_importer_panic() {
-    let words = [
-        "v",
-        "vt",
-        "vn",
-        "f",
-        "usemtl",
-        "mtllib",
-        "\\",
-        "\n",
-        "\r",
-        "1",
-        "-1",
-        "1/1/1",
-        "1e308",
-        "nan",
-        "#",
-        "\"",
-        "\u{fffd}",
-        "l",
-        " ",
-        "\t",
-        "/",
-        "-",
-        "9999999999999999999",
-        "\0",
-        "newmtl",
-        "map_Kd -s",
-        "Kd",
-    ];
+    let words = "v|vt|vn|f|usemtl|mtllib|\\|\n|\r|1|-1|1/1/1|1e308|nan|#|\"|\u{fffd}|l| |\t|/|-|\
+                 9999999999999999999|\0|newmtl|map_Kd -s|Kd";
+    let words: Vec<&str> = words.split('|').collect();
     let mut state = 1u64;
     for _ in 0..300 {
         let mut text = TRIANGLE.to_owned() + "mtllib scene.obj\n";

@@ -1,4 +1,4 @@
-//! Lines, faces and vertices: every way of writing them, and every way of writing them wrong.
+//! Lines, faces and vertices: every way to write them, right and wrong.
 
 use super::{Folder, TRIANGLE, area_m2, assert_clean, doubts, load_obj, warning};
 use afterimage::import::{Unit, Up};
@@ -13,7 +13,7 @@ fn assert_triangle(text: impl AsRef<[u8]>) {
 }
 
 #[test]
-fn import_reads_the_simplest_file_without_a_word() {
+fn import_reads_the_simplest_file_without_a_warning() {
     assert_triangle(TRIANGLE);
 }
 
@@ -126,7 +126,7 @@ fn import_reads_several_libraries_of_one_line() {
 }
 
 #[test]
-fn lines_and_points_are_no_triangles() {
+fn lines_and_points_are_left_out() {
     let scene = load_obj(format!("{TRIANGLE}l 1 2 3\np 1\nl 1 2\n"));
     assert_eq!(scene.triangles.len(), 1);
     let (_, line, message) = warning(&scene, "lines or points");
@@ -135,7 +135,7 @@ fn lines_and_points_are_no_triangles() {
 }
 
 #[test]
-fn a_bad_face_costs_only_itself() {
+fn only_a_bad_face_is_lost() {
     let bad = "f 1 2 9\nf\nf 1 2\nf 1 x 3\nf 0 1 2\nf 1 2 -9\nf 1 1 2\nf 1.5 2 3\n";
     let scene = load_obj(format!("{TRIANGLE}{bad}f 3 2 1\n"));
     assert_eq!(scene.triangles.len(), 2);
@@ -152,7 +152,7 @@ fn a_bad_face_costs_only_itself() {
 }
 
 #[test]
-fn a_missing_normal_or_texture_coordinate_costs_only_itself() {
+fn a_face_is_kept_without_a_missing_normal_or_texture_coordinate() {
     let scene = load_obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//5 3//1\nf 1/7 2 3\n");
     assert_eq!(scene.triangles.len(), 2);
     assert_eq!(warning(&scene, "a normal that does not exist").1, 5);
@@ -160,7 +160,7 @@ fn a_missing_normal_or_texture_coordinate_costs_only_itself() {
 }
 
 #[test]
-fn a_vertex_that_is_not_finite_takes_its_faces_along() {
+fn faces_of_a_vertex_that_is_not_finite_are_skipped() {
     for bad in ["nan 0 0", "0 inf 0", "0 0 1e999", "0 0", "1,5 0 0", "-nan(ind) 0 0", "1.#QNAN 0 0"] {
         let scene = load_obj(format!("{TRIANGLE}v {bad}\nv 0 0 1\nf 1 2 4\nf 1 2 5\n"));
         assert_eq!(scene.triangles.len(), 2, "{bad}");
@@ -201,7 +201,7 @@ fn equal_corners_share_a_vertex() {
 fn polygons_are_filled_with_their_own_area() {
     let convex = load_obj("v 0 0 0\nv 2 0 0\nv 2 1 0\nv 0 1 0\nf 1 2 3 4\n");
     assert_eq!((convex.triangles.len(), area_m2(&convex)), (2, 2.0));
-    // An arrow head whose first corner is not the notch, and one whose is.
+    // An arrow head, with each of its corners as the first.
     for face in ["1 2 3 4", "2 3 4 1", "3 4 1 2", "4 1 2 3"] {
         let arrow = load_obj(format!("v 0 0 0\nv 2 0 1\nv 0 0 2\nv 1 0 1\nf {face}\n"));
         assert!((area_m2(&arrow) - 1.0).abs() < 1e-6, "{face}: {}", area_m2(&arrow));
@@ -231,7 +231,7 @@ fn a_polygon_keeps_its_winding_in_any_plane() {
 }
 
 #[test]
-fn polygons_without_area_and_crossing_ones_are_said() {
+fn polygons_without_area_and_self_intersecting_ones_are_reported() {
     let flat = "v 5 0 0\nv 6 0 0\nv 7 0 0\nv 8 0 0\nv 9 0 0\n";
     let scene = load_obj(format!("{TRIANGLE}{flat}f 4 5 6 7 8\n"));
     assert_eq!((scene.triangles.len(), warning(&scene, "without area").1), (1, 10));
@@ -269,7 +269,7 @@ fn z_up_turns_normals_too() {
 }
 
 #[test]
-fn doubtful_units_are_said_and_used_only_when_clear() {
+fn doubtful_units_are_reported_and_used_only_when_clear() {
     let scene = |size: f64| load_obj(format!("v 0 0 0\nv {size} 0 0\nv 0 {size} 0\nf 1 2 3\n"));
     assert_clean(&scene(50.0));
     let doubtful = scene(4000.0);
@@ -284,7 +284,7 @@ fn doubtful_units_are_said_and_used_only_when_clear() {
 }
 
 #[test]
-fn a_model_on_its_side_is_said() {
+fn a_model_on_its_side_is_reported() {
     // A storey in Z-up coordinates: 10 x 8 floor and ceiling, 3 high.
     let mut obj = String::new();
     for z in [0, 3] {
@@ -302,7 +302,7 @@ fn unknown_and_free_form_lines_are_counted() {
 }
 
 #[test]
-fn where_nothing_is_left_the_error_names_file_line_cause_and_remedy() {
+fn an_error_names_file_line_cause_and_remedy() {
     let error = |text: &[u8]| Folder::with_obj(text).try_load().unwrap_err();
     let bad_index = error(b"v 0 0 0\n\nf 1 2 3\n");
     assert!(matches!(bad_index, SceneError::Line { line: 3, .. }), "{bad_index}");
@@ -316,7 +316,8 @@ fn where_nothing_is_left_the_error_names_file_line_cause_and_remedy() {
 
 #[test]
 fn a_file_larger_than_a_piece_keeps_indices_materials_and_lines() {
-    // Each triangle has its own vertices, by negative and positive indices in turn; one in a thousand is bad.
+    // Each triangle has its own vertices, alternately by negative and positive indices; one in a
+    // thousand is bad.
     const TRIANGLES: usize = 30_000;
     let mut obj = "usemtl a\n".to_owned();
     for i in 0..TRIANGLES {

@@ -1,15 +1,15 @@
-//! Material libraries: what they mean, and what exporters make of them.
+//! Material libraries: their meaning, and the usual mistakes of exporters.
 
 use super::{Folder, TRIANGLE, assert_clean, material, warning};
 use afterimage::scene::{Material, MaterialKind, Scene};
 use glam::Vec3;
 
-/// Eight matte materials: beside them a few that mirror are believed.
-const COMPANY: &str =
+/// Eight matte materials. Next to them, a few mirrors are plausible.
+const MATTE: &str =
     "newmtl m1\nnewmtl m2\nnewmtl m3\nnewmtl m4\nnewmtl m5\nnewmtl m6\nnewmtl m7\nnewmtl m8\n";
 
 fn load(mtl: &str) -> Scene {
-    Folder::with_mtl(&["a"], format!("{COMPANY}newmtl a\n{mtl}")).load()
+    Folder::with_mtl(&["a"], format!("{MATTE}newmtl a\n{mtl}")).load()
 }
 
 fn material_a(mtl: &str) -> Material {
@@ -50,7 +50,7 @@ fn one_value_is_grey() {
 }
 
 #[test]
-fn a_line_that_cannot_be_read_costs_only_itself() {
+fn only_a_line_that_cannot_be_read_is_lost() {
     let bad = [
         "Kd spectral f.rfl",
         "Kd 0,5 0,5 0,5",
@@ -72,7 +72,7 @@ fn a_line_that_cannot_be_read_costs_only_itself() {
 }
 
 #[test]
-fn bad_lines_are_merged() {
+fn bad_lines_are_counted_in_one_warning() {
     let scene = load("Kd a\nKs b\nKe c\n");
     let (_, line, message) = warning(&scene, "cannot be read");
     assert_eq!(line, 10);
@@ -87,7 +87,7 @@ fn negative_values_are_black() {
 }
 
 #[test]
-fn d_wins_over_tr_and_thins_what_is_not_glass() {
+fn d_overrides_tr_and_makes_other_materials_than_glass_translucent() {
     let m = material_a("Kd 0.8 0.8 0.8\nd 0.75\nTr 0.9\nillum 2\n");
     assert_eq!(glass(&m), (1.0, [0.25; 3]));
     assert!((m.diffuse - Vec3::splat(0.6)).length() < 1e-6);
@@ -140,7 +140,7 @@ fn no_material_reflects_more_than_arrives() {
 }
 
 #[test]
-fn an_exporter_that_calls_everything_a_mirror_is_not_believed() {
+fn mirrors_are_not_believed_where_everything_is_one() {
     let names = ["a", "b", "c", "d", "e", "f"];
     let bright = |n: &str| format!("newmtl {n}\nKd 0.6 0.6 0.6\nKs 0.5 0.5 0.5\nillum 7\n");
     let mut mtl: String = names[..5].iter().map(|n| bright(n)).collect();
@@ -148,12 +148,12 @@ fn an_exporter_that_calls_everything_a_mirror_is_not_believed() {
     let scene = Folder::with_mtl(&names, &mtl).load();
     assert_eq!(material(&scene, "a").kind, MaterialKind::Diffuse);
     assert_eq!(material(&scene, "a").diffuse, Vec3::splat(0.6));
-    assert!(matches!(material(&scene, "f").kind, MaterialKind::Mirror { .. }), "the dark one is one");
+    assert!(matches!(material(&scene, "f").kind, MaterialKind::Mirror { .. }), "the dark one is a mirror");
     let (_, line, message) = warning(&scene, "declared as mirror");
     assert_eq!(line, 1);
     assert!(message.starts_with("5 bright, opaque materials"), "{message}");
-    // One more honest material, and the rest are taken at their word.
-    let scene = Folder::with_mtl(&names, mtl + "newmtl honest\n").load();
+    // With one more plausible material, the others are believed.
+    let scene = Folder::with_mtl(&names, mtl + "newmtl plausible\n").load();
     assert!(matches!(material(&scene, "a").kind, MaterialKind::Glass { .. }));
 }
 
@@ -206,7 +206,7 @@ fn a_missing_library_names_the_paths_tried() {
 }
 
 #[test]
-fn duplicates_strays_and_strangers_are_said() {
+fn duplicates_and_unknown_lines_are_reported() {
     let mtl = "Kd 1 0 0\nnewmtl a\nKd 0.1 0.1 0.1\nfoo 1\nnewmtl a\nKd 0.9 0.9 0.9\n";
     let scene = Folder::with_mtl(&["a"], mtl).load();
     assert_eq!(material(&scene, "a").diffuse.x, 0.1);
@@ -216,7 +216,7 @@ fn duplicates_strays_and_strangers_are_said() {
 }
 
 #[test]
-fn materials_nobody_uses_cost_nothing() {
+fn unused_materials_are_left_out() {
     let scene = Folder::with_mtl(&["a"], "newmtl a\nnewmtl b\nmap_Kd nowhere.png\nillum 7\n").load();
     assert_eq!(scene.materials.len(), 1);
     assert_clean(&scene);

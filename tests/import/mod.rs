@@ -1,4 +1,4 @@
-//! The importer, fed with small files of ours: each is one way in which real files are wrong.
+//! The importer with small files: each is one way in which real files are wrong.
 
 mod gltf;
 mod limits;
@@ -14,23 +14,23 @@ use afterimage::scene::{Material, Scene, SceneError};
 use std::path::PathBuf;
 use tempfile::TempDir;
 
-/// A triangle of area 1/2 with every line ending, unit and axis at its simplest.
+/// A triangle of area 1/2, as simple as an OBJ file can be.
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 
-/// A folder with a model in it.
+/// A temporary folder with a model in it.
 struct Folder {
     dir: TempDir,
     options: ImportOptions,
 }
 
 impl Folder {
-    /// With `scene.obj`.
+    /// A folder with `scene.obj`.
     fn with_obj(text: impl AsRef<[u8]>) -> Self {
         let folder = Self { dir: tempfile::tempdir().unwrap(), options: ImportOptions::default() };
         folder.add("scene.obj", text)
     }
 
-    /// With `scene.obj`, a triangle in each of the materials named, and `scene.mtl`.
+    /// A folder with `scene.obj`, which has a triangle of each material, and `scene.mtl`.
     fn with_mtl(materials: &[&str], mtl: impl AsRef<[u8]>) -> Self {
         let mut obj = "mtllib scene.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n".to_owned();
         materials.iter().for_each(|m| obj += &format!("usemtl {m}\nf 1/1 2/2 3/3\n"));
@@ -49,7 +49,11 @@ impl Folder {
     }
 
     fn try_load(&self) -> Result<Scene, SceneError> {
-        load(&self.path("scene.obj"), &self.options, &|_, _| true)
+        self.try_load_file("scene.obj")
+    }
+
+    fn try_load_file(&self, name: &str) -> Result<Scene, SceneError> {
+        load(&self.path(name), &self.options, &|_, _| true)
     }
 
     fn load(&self) -> Scene {
@@ -61,7 +65,7 @@ fn load_obj(text: impl AsRef<[u8]>) -> Scene {
     Folder::with_obj(text).load()
 }
 
-/// Sum of the triangles' areas in square metres.
+/// Returns the area of all triangles in square metres.
 fn area_m2(scene: &Scene) -> f64 {
     let area = |t: u32| {
         let [a, b, c] = scene.corners(t).map(|p| p.as_dvec3());
@@ -76,14 +80,15 @@ fn material<'a>(scene: &'a Scene, name: &str) -> &'a Material {
     found.unwrap_or_else(|| panic!("no material '{name}' in {:?}", scene.materials))
 }
 
-/// The warning that contains `part`: its file, line and message.
+/// Returns file, line and message of the warning that contains `part`.
 fn warning<'a>(scene: &'a Scene, part: &str) -> (&'a str, u64, &'a str) {
     let found = scene.warnings.iter().find(|w| w.message.contains(part));
     let w = found.unwrap_or_else(|| panic!("no warning with '{part}' in {:#?}", scene.warnings));
     (&w.file, w.line, &w.message)
 }
 
-/// Warnings beside the one about a scene without lights, which every small file has.
+/// Returns the warnings except those that every small file causes: no light, and faces before any
+/// `usemtl`.
 fn doubts(scene: &Scene) -> Vec<&str> {
     let all = scene.warnings.iter().map(|w| w.message.as_str());
     all.filter(|m| !m.contains("no light") && !m.contains("before any usemtl")).collect()

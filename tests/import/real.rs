@@ -1,4 +1,4 @@
-//! Scenes made by others, where this machine has them, and the time that a large model may take.
+//! Published scenes, where they are present, and the time to import a large model.
 
 use super::{doubts, material};
 use afterimage::import::{ImportOptions, load};
@@ -8,11 +8,11 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// `None`, visibly, where the scenes are not there.
+/// Returns the folder of the scenes. `None`, with a message, where they are absent.
 fn shared_scenes() -> Option<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/scenes");
     if !folder.is_dir() {
-        // Written past the test runner, which hides what passing tests print.
+        // Written directly: the test runner hides the output of passing tests.
         let _ = writeln!(std::io::stderr(), "skipped: {} is absent", folder.display());
         return None;
     }
@@ -66,7 +66,7 @@ fn import_counts_what_an_independent_parser_counted() {
 }
 
 #[test]
-fn import_takes_real_materials_at_their_word() {
+fn import_keeps_the_materials_of_published_scenes() {
     let Some(folder) = shared_scenes() else { return };
     let room = load_real(&folder.join("living-room/living-room.obj"));
     assert!(matches!(material(&room, "Mirror").kind, MaterialKind::Mirror { .. }));
@@ -80,7 +80,7 @@ fn import_takes_real_materials_at_their_word() {
     assert_eq!(box_with_water.lights.len(), 1);
 }
 
-/// A wavy floor with normals and texture coordinates: two triangles per cell.
+/// A wavy floor with normals and texture coordinates, two triangles per cell.
 fn wavy(cells: usize) -> String {
     let mut obj = String::new();
     for i in 0..(cells + 1) * (cells + 1) {

@@ -1,4 +1,4 @@
-//! The `.afterimage.toml` beside a model.
+//! The `.afterimage.toml` next to a model.
 
 use super::{Folder, assert_clean, doubts, material, warning};
 use afterimage::scene::{Light, MaterialKind, Scene};
@@ -10,7 +10,7 @@ fn with(toml: &str) -> Scene {
 }
 
 #[test]
-fn unit_and_up_axis_are_set_and_flags_win() {
+fn unit_and_up_axis_are_set_and_flags_override_them() {
     let obj = "v 0 0 0\nv 100 0 0\nv 0 0 200\nf 1 2 3\n";
     let mut folder = Folder::with_obj(obj).add("scene.afterimage.toml", "unit = \"cm\"\nup = \"+Z\"\n");
     assert_eq!(folder.load().bounds_m[1], DVec3::new(1.0, 2.0, 0.0));
@@ -37,7 +37,7 @@ fn materials_are_overridden_by_name() {
 }
 
 #[test]
-fn a_material_that_only_the_sidecar_knows_is_not_missing() {
+fn a_material_that_only_the_settings_file_defines_is_not_missing() {
     let toml = "[[material]]\nname = \"new\"\ndiffuse = [0.1, 0.2, 0.3]\n";
     let obj = "usemtl new\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
     let scene = Folder::with_obj(obj).add("scene.afterimage.toml", toml).load();
@@ -122,7 +122,7 @@ fn bad_values_are_ignored_one_by_one() {
 }
 
 #[test]
-fn a_broken_sidecar_does_not_stop_the_scene() {
+fn a_broken_settings_file_does_not_stop_the_import() {
     let scene = with("unit = \"cm\"\n[[material\n");
     let (file, line, message) = warning(&scene, "without this file");
     assert_eq!((file, line), ("scene.afterimage.toml", 2));

@@ -1,4 +1,4 @@
-//! Textures: found as exporters name them, decoded, and never trusted.
+//! Textures: found under the names that exporters write, decoded, and never trusted.
 
 use super::{Folder, assert_clean, material, warning};
 use afterimage::scene::{Encoding, Scene};
@@ -27,7 +27,7 @@ fn mtl(map: &str) -> String {
     format!("newmtl a\nKd 1 1 1\n{map}\n")
 }
 
-/// The scene whose only material has `map`, with a red picture at `at`.
+/// A scene whose only material has `map`, with a red picture at `at`.
 fn with_red(map: &str, at: &str) -> Scene {
     Folder::with_mtl(&["a"], mtl(map)).add(at, red()).load()
 }
@@ -103,7 +103,7 @@ fn map_options_are_read() {
 }
 
 #[test]
-fn a_map_without_a_file_is_no_map() {
+fn a_map_without_a_file_is_ignored() {
     let scene = Folder::with_mtl(&["a"], "newmtl a\nmap_Kd\nmap_d -s 1 1 1\nKd 0.5 0.5 0.5\n").load();
     assert_eq!(material(&scene, "a").diffuse, Vec3::splat(0.5));
     assert!(material(&scene, "a").diffuse_texture.is_none());
@@ -155,7 +155,7 @@ fn coverage_comes_from_alpha_that_varies_else_from_brightness() {
 }
 
 #[test]
-fn a_missing_mask_leaves_the_surface_whole() {
+fn a_surface_with_a_missing_mask_has_no_holes() {
     let scene = Folder::with_mtl(&["a"], "newmtl a\nmap_d mask.png\n").load();
     assert!(material(&scene, "a").alpha_texture.is_none());
     assert!(warning(&scene, "mask.png").2.contains("without holes"));
@@ -194,7 +194,7 @@ fn pictures_of_the_wrong_name_are_recognised() {
 }
 
 #[test]
-fn a_broken_picture_is_said_once() {
+fn a_broken_picture_is_reported_once() {
     let mut broken = red();
     broken.truncate(40);
     let mtl = "newmtl a\nmap_Kd wood.png\nnewmtl b\nmap_Kd wood.png\n";
@@ -206,7 +206,7 @@ fn a_broken_picture_is_said_once() {
     }
 }
 
-/// A PNG's signature and header, with a right checksum, that claim a size; no data.
+/// Signature and header of a PNG of this size, with a valid checksum but without data.
 pub(super) fn png_header(width: u32, height: u32) -> Vec<u8> {
     let mut chunk = b"IHDR".to_vec();
     chunk.extend_from_slice(&width.to_be_bytes());

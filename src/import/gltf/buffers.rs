@@ -1,5 +1,5 @@
-//! Buffers: in the file itself, in a `data:` address, or in a file beside it; all together within a
-//! limit.
+//! Buffers: in the file itself, in a `data:` address, or in a file next to it; all together within
+//! a limit.
 
 use super::document::{Document, Found, List};
 use super::{schema, uri};

@@ -169,7 +169,7 @@ fn broken(file: &Path, line: u64, cause: String) -> SceneError {
 /// was given.
 fn without_place(error: &serde_json::Error) -> String {
     let text = error.to_string();
-    quote(text.rsplit_once(" at line ").map_or(text.as_str(), |(said, _)| said))
+    quote(text.rsplit_once(" at line ").map_or(text.as_str(), |(message, _)| message))
 }
 
 /// Splits a `.glb` into its JSON and its binary part. A chunk that is cut short keeps the bytes

@@ -1,4 +1,4 @@
-//! Images: found beside the file, in a buffer or in a `data:` address, and decoded.
+//! Images: found next to the file, in a buffer or in a `data:` address, and decoded.
 
 use super::buffers::Buffers;
 use super::document::{Document, Found, List};

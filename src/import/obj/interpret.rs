@@ -46,7 +46,8 @@ fn opacity(m: &MtlMaterial) -> f32 {
     m.opacity.or(m.transparency.map(|tr| 1.0 - tr)).unwrap_or(1.0)
 }
 
-/// True where so many bright materials claim to be mirrors or glass that the claim means nothing.
+/// True where more than [`DISTRUST_SHARE`] of all materials are bright and claim to be mirrors or
+/// glass: then the claim means nothing.
 pub(super) fn distrusted(all: &[MtlMaterial]) -> bool {
     let claims = |m: &&MtlMaterial| Model::of(m) != Model::Matte && m.illum.is_some() && is_bright(m);
     all.iter().filter(claims).count() as f32 > DISTRUST_SHARE * all.len() as f32
@@ -80,12 +81,12 @@ pub(super) fn interpret(m: &MtlMaterial, distrusted: bool, tally: &mut Tally) ->
 }
 
 fn diffuse_of(m: &MtlMaterial, model: Model) -> Vec3 {
-    let unsaid = match model {
+    let default = match model {
         _ if m.map_diffuse.is_some() => 1.0,
         Model::Matte if m.emission.is_none_or(|ke| ke == Vec3::ZERO) => NEUTRAL,
         _ => 0.0,
     };
-    m.diffuse.unwrap_or(Vec3::splat(unsaid))
+    m.diffuse.unwrap_or(Vec3::splat(default))
 }
 
 fn mirror(material: &mut Material, m: &MtlMaterial, fresnel: bool) {

@@ -1,5 +1,5 @@
-//! Saving edited materials and daylight in the settings file beside a model. Everything else in the
-//! file stays: other keys, their order and comments.
+//! Saving edited materials and daylight in the settings file next to a model. Everything else in
+//! the file stays: other keys, their order and comments.
 
 use super::read::MAX_BYTES;
 use crate::import::{files, text};
@@ -9,13 +9,13 @@ use glam::Vec3;
 use std::path::{Path, PathBuf};
 use toml_edit::{Array, ArrayOfTables, DocumentMut, Item, Table, value};
 
-/// Saves the differences between `before` and `now` in the `.afterimage.toml` beside a model, and
+/// Saves the differences between `before` and `now` in the `.afterimage.toml` next to a model, and
 /// returns its path. The next import of the model has the materials and daylight of `now`.
 ///
 /// # Errors
 /// [`SceneError::Read`] where the existing file is not valid TOML, or where the file cannot be
 /// written.
-pub fn save_look_beside(model: &Path, before: &SceneEdit, now: &SceneEdit) -> Result<PathBuf, SceneError> {
+pub fn save_edit(model: &Path, before: &SceneEdit, now: &SceneEdit) -> Result<PathBuf, SceneError> {
     let path = model.with_extension("afterimage.toml");
     let mut document = read(&path)?;
     for (was, is) in before.materials.iter().zip(&now.materials).filter(|(was, is)| was != is) {
@@ -172,7 +172,7 @@ mod tests {
         now.materials[find("pane")] = Material::glass("pane", 1.52, Vec3::new(0.9, 0.95, 0.9));
         now.materials[find("floor")] = Material::mirror("floor", Vec3::splat(0.8));
         now.daylight = clear_daylight(&SunPosition { azimuth_deg: 200.0, height_deg: 30.0 }, 0.0);
-        save_look_beside(&folder.path().join("m.obj"), &before, &now).unwrap();
+        save_edit(&folder.path().join("m.obj"), &before, &now).unwrap();
         let again = scene(folder.path()).to_edit();
         assert_eq!(again.materials, now.materials);
         let (sun, wanted) = (again.daylight.sun.unwrap(), now.daylight.sun.unwrap());
@@ -186,7 +186,7 @@ mod tests {
             assert!(text.contains(kept), "{kept:?} is gone from:\n{text}");
         }
         assert_eq!(text.matches("\"wall\"").count(), 1);
-        save_look_beside(&folder.path().join("m.obj"), &now, &now).unwrap();
+        save_edit(&folder.path().join("m.obj"), &now, &now).unwrap();
         assert_eq!(fs::read_to_string(&side).unwrap(), text, "nothing differs, nothing is written");
     }
 
@@ -200,7 +200,7 @@ mod tests {
         now.materials[0].diffuse = Vec3::ZERO;
         for broken in ["material = 3\n", "[[material\n"] {
             fs::write(&side, broken).unwrap();
-            let error = save_look_beside(&folder.path().join("m.obj"), &before, &now).unwrap_err();
+            let error = save_edit(&folder.path().join("m.obj"), &before, &now).unwrap_err();
             assert!(error.to_string().contains("m.afterimage.toml"), "{error}");
             assert_eq!(fs::read_to_string(&side).unwrap(), broken);
         }

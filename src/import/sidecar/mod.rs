@@ -1,8 +1,9 @@
-//! The settings file beside a model, `<model>.afterimage.toml`: reading it, and saving edits in it.
+//! The settings file next to a model, `<model>.afterimage.toml`: reading it, and saving edits in
+//! it.
 
 mod edit;
 mod read;
 mod table;
 
-pub use edit::save_look_beside;
+pub use edit::save_edit;
 pub(super) use read::Sidecar;

@@ -1,4 +1,4 @@
-//! Reading the settings file beside a model: what the model cannot express, or expresses wrongly.
+//! Reading the settings file next to a model: what the model cannot express, or expresses wrongly.
 //! Lengths are metres, coordinates are world space.
 //!
 //! A broken settings file is a warning: the model is shown without it.
@@ -71,8 +71,8 @@ pub(in crate::import) struct Sidecar {
 }
 
 impl Sidecar {
-    /// Reads the settings file beside a model, where there is one.
-    pub(in crate::import) fn beside(model: &Path, builder: &mut SceneBuilder) -> Self {
+    /// Reads the settings file next to a model, where there is one.
+    pub(in crate::import) fn of_model(model: &Path, builder: &mut SceneBuilder) -> Self {
         let path = model.with_extension("afterimage.toml");
         let file_name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let nothing = Self { file_name: file_name.clone(), ..Self::default() };

@@ -6,7 +6,7 @@ use afterimage::Scene;
 use glam::{DVec3, Vec3};
 use serde_json::json;
 
-/// The square's front faces +Z in both triangles, and it has its area.
+/// Asserts that both triangles of the square face +Z, and that it has its area.
 fn assert_square(scene: &Scene) {
     assert!((area_m2(scene) - 1.0).abs() < 1e-6, "{}", area_m2(scene));
     assert!((0..scene.triangles.len() as u32).all(|t| front(scene, t).z > 0.99));
@@ -26,7 +26,7 @@ fn text_binary_and_split_files_are_the_same_scene() {
         .add("two.gltf", model.text(Some("my%20data.bin")))
         .add("my data.bin", &model.bin)
         .add("bom.gltf", format!("\u{feff}{}", model.embedded()));
-    let load = |name: &str| super::super::load(&folder.path(name), &folder.options, &|_, _| true).unwrap();
+    let load = |name: &str| folder.try_load_file(name).unwrap();
     let first = load("in.gltf");
     assert_square(&first);
     assert_clean(&first);
@@ -49,7 +49,7 @@ fn every_kind_of_index_gives_the_same_triangles() {
     assert_square(&with(&|m| Some(m.accessor(&quad, U8, "SCALAR"))));
     assert_square(&with(&|m| Some(m.accessor(&quad.map(u16::from), U16, "SCALAR"))));
     assert_square(&with(&|m| Some(m.accessor(&quad.map(u32::from), U32, "SCALAR"))));
-    // Without indices the corners come one after another; the fourth makes no triangle.
+    // Without indices, each three vertices are a triangle; the fourth vertex is left out.
     assert!((area_m2(&with(&|_| None)) - 0.5).abs() < 1e-6);
 }
 
@@ -65,7 +65,7 @@ fn strips_and_fans_keep_their_fronts() {
 }
 
 #[test]
-fn points_and_lines_are_no_surfaces() {
+fn points_and_lines_are_left_out() {
     let mut model = Model::square();
     for mode in 0..4 {
         let mut primitive = model.json["meshes"][0]["primitives"][0].clone();
@@ -80,14 +80,14 @@ fn points_and_lines_are_no_surfaces() {
 #[test]
 fn interleaved_normalised_and_sparse_numbers_are_read() {
     let mut model = Model::square();
-    // Interleaved with something else, 16 bytes apart.
+    // Interleaved with other data, 16 bytes apart.
     let spread: Vec<[f32; 4]> = SQUARE.iter().map(|p| [p[0], p[1], p[2], 7.0]).collect();
     let view = model.view(bytemuck::cast_slice(&spread));
     model.json["bufferViews"][view]["byteStride"] = 16.into();
     model.json["accessors"][0]["bufferView"] = view.into();
     assert_square(&model.load());
 
-    // 0 and 65535 as normalised 0 and 1.
+    // 0 and 65535 are 0 and 1 after normalisation.
     let mut model = Model::square();
     let whole: Vec<[u16; 3]> = SQUARE.iter().map(|p| p.map(|x| if x > 0.0 { u16::MAX } else { 0 })).collect();
     let normalised = model.accessor(&whole, U16, "VEC3");
@@ -95,7 +95,7 @@ fn interleaved_normalised_and_sparse_numbers_are_read() {
     model.json["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = normalised.into();
     assert_square(&model.load());
 
-    // All zero but for what the sparse part says.
+    // All elements are zero except the sparse ones.
     let mut model = Model::square();
     let indices = model.view(bytemuck::cast_slice(&[1u16, 2, 3]));
     let values = model.view(bytemuck::cast_slice(&SQUARE[1..]));
@@ -113,7 +113,7 @@ fn nodes_place_their_meshes() {
     model.push("nodes", json!({"mesh": 0, "scale": [2.0, 3.0, 1.0], "rotation": [0, 0, std::f64::consts::FRAC_1_SQRT_2, std::f64::consts::FRAC_1_SQRT_2]}));
     let scene = model.load();
     assert!((area_m2(&scene) - 6.0).abs() < 1e-5);
-    // Turned by a quarter about Z: 2 along +Y, 3 along -X.
+    // A quarter turn about Z: 2 along +Y, 3 along -X.
     let [low, high] = scene.bounds_m;
     assert!(
         (low - DVec3::new(7.0, 0.0, 0.0)).length() < 1e-6
@@ -137,7 +137,7 @@ fn a_mirrored_node_keeps_fronts_and_normals_together() {
 }
 
 #[test]
-fn a_mesh_at_many_places_is_many_meshes() {
+fn every_instance_of_a_mesh_is_added() {
     let mut model = Model::square();
     (1..100).for_each(|i| {
         model.node(json!({"mesh": 0, "translation": [2 * i, 0, 0]}));
@@ -148,7 +148,7 @@ fn a_mesh_at_many_places_is_many_meshes() {
 }
 
 #[test]
-fn vertices_that_a_primitive_does_not_use_cost_nothing() {
+fn unused_vertices_are_left_out() {
     let mut model = Model::empty();
     let many: Vec<[f32; 3]> = (0..3000).map(|i| [i as f32, (i % 7) as f32, 0.0]).collect();
     let position = model.accessor(&many, F32, "VEC3");
@@ -179,16 +179,15 @@ fn a_tree_of_any_depth_is_walked_without_recursion() {
 }
 
 #[test]
-fn units_and_up_can_be_said_all_the_same() {
+fn unit_and_up_axis_can_be_set_for_gltf() {
     let folder = Folder::with_obj("")
         .add("scene.gltf", Model::square().embedded())
         .add("scene.afterimage.toml", "unit = \"cm\"\nup = \"+Z\"\n");
-    let scene = super::super::load(&folder.path("scene.gltf"), &folder.options, &|_, _| true).unwrap();
+    let scene = folder.try_load_file("scene.gltf").unwrap();
     assert!((area_m2(&scene) - 1e-4).abs() < 1e-9);
     assert!(front(&scene, 0).y > 0.99, "+Z of the model is up");
 }
 
-/// The same positions, by another reader.
 #[test]
 fn import_agrees_with_the_gltf_crate() {
     let mut model = Model::square();
@@ -216,7 +215,7 @@ fn import_agrees_with_the_gltf_crate() {
     let list: Vec<DVec3> = scene.triangles[..2].iter().flatten().map(|v| ours(*v)).collect();
     assert!(list.iter().zip(&theirs[..6]).all(|(a, b)| a.distance(*b) < 1e-5), "{list:?} {theirs:?}");
     let strip = [[0, 1, 2], [1, 3, 2], [2, 3, 4], [3, 5, 4]].map(|t: [usize; 3]| t.map(|i| theirs[6 + i]));
-    // Two of the strip's four triangles have no area, for it visits two vertices twice.
+    // Two of the four triangles of the strip have no area, because it repeats two vertices.
     let kept = strip.iter().filter(|[a, b, c]| (*b - *a).cross(*c - *a).length() > 0.0);
     for (ours_, theirs) in scene.triangles[2..].iter().zip(kept) {
         assert!((0..3).all(|i| ours(ours_[i]).distance(theirs[i]) < 1e-5));

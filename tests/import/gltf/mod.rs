@@ -1,4 +1,4 @@
-//! glTF, fed with small models made here: every way to store one, and every way to store it wrong.
+//! glTF with small models that are built here: every way to store one, right and wrong.
 
 mod geometry;
 mod surfaces;
@@ -17,14 +17,14 @@ const F32: u32 = 5126;
 /// Corners of a unit square in the plane z = 0, counter-clockwise seen from +Z.
 const SQUARE: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
 
-/// A model in the making: its JSON, and one buffer.
+/// A model being built: its JSON, and one buffer.
 struct Model {
     json: Value,
     bin: Vec<u8>,
 }
 
 impl Model {
-    /// Without a mesh.
+    /// A model without a mesh.
     fn empty() -> Self {
         let json = json!({
             "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": []}], "nodes": [], "meshes": [],
@@ -46,7 +46,7 @@ impl Model {
     /// The unit square with texture coordinates, and one material.
     fn painted(material: Value) -> Self {
         let mut model = Self::square();
-        // v downwards: the corner (0, 0) shows the picture's lower left texel.
+        // v grows downwards: the corner (0, 0) shows the lower left texel of the picture.
         let uvs = model.accessor(&[[0.0f32, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]], F32, "VEC2");
         let primitive = &mut model.json["meshes"][0]["primitives"][0];
         primitive["attributes"]["TEXCOORD_0"] = uvs.into();
@@ -83,21 +83,21 @@ impl Model {
         self.push("meshes", json!({"primitives": [primitive]}))
     }
 
-    /// Adds a node that the scene begins with.
+    /// Adds a root node of the scene.
     fn node(&mut self, node: Value) -> usize {
         let index = self.push("nodes", node);
         self.json["scenes"][0]["nodes"].as_array_mut().unwrap().push(index.into());
         index
     }
 
-    /// An image of these bytes in the buffer, and a texture of it.
+    /// Adds an image, whose bytes are in the buffer, and a texture of it.
     fn texture(&mut self, picture: &[u8]) -> usize {
         let view = self.view(picture);
         let image = self.push("images", json!({"bufferView": view, "mimeType": "image/png"}));
         self.push("textures", json!({"source": image}))
     }
 
-    /// As one text with the buffer in it.
+    /// Returns the model as one text, with the buffer in it.
     fn embedded(&self) -> String {
         let uri = format!("data:application/octet-stream;base64,{}", base64(&self.bin));
         self.text(Some(&uri))

@@ -31,7 +31,7 @@ fn metal_and_roughness_decide_the_kind() {
     for (metal, rough) in [(1.0, 0.5), (0.0, 0.0), (0.5, 0.05)] {
         assert_eq!((of(metal, rough).kind, of(metal, rough).diffuse), (MaterialKind::Diffuse, color));
     }
-    // What is not said is metal, and rough.
+    // The defaults are metal, and rough.
     assert_eq!(paint(json!({})).kind, MaterialKind::Diffuse);
 }
 
@@ -93,12 +93,12 @@ fn colored(transform: Value) -> Model {
 }
 
 #[test]
-fn pictures_lie_the_right_way_up_wherever_they_are_kept() {
+fn pictures_are_upright_wherever_they_are_stored() {
     let check = |scene: &afterimage::Scene| {
         assert_clean(scene);
         let used = material(scene, "a").diffuse_texture.unwrap();
         let texture = &scene.textures[used.texture.0 as usize];
-        // The corner at the origin shows the picture's lower left texel, blue.
+        // The corner at the origin shows the lower left texel of the picture, blue.
         let corner =
             scene.positions.iter().position(|p| scene.frame.world_from_scene(*p).length() < 1e-6).unwrap();
         let uv = scene.uvs[corner] * used.scale + used.offset;
@@ -113,12 +113,12 @@ fn pictures_lie_the_right_way_up_wherever_they_are_kept() {
     let folder = Folder::with_obj("")
         .add("scene.gltf", model.embedded())
         .add("textures/my wood.png", png(2, 2, &CHESS));
-    check(&super::super::load(&folder.path("scene.gltf"), &folder.options, &|_, _| true).unwrap());
+    check(&folder.try_load_file("scene.gltf").unwrap());
 }
 
 #[test]
 fn a_texture_transform_moves_downwards_as_gltf_counts() {
-    // Half the size, moved half down: the square shows the lower left texel alone.
+    // Half the size, moved down by half: the square shows only the lower left texel.
     let scene = colored(json!({"scale": [0.5, 0.5], "offset": [0.0, 0.5]})).load();
     let used = material(&scene, "a").diffuse_texture.unwrap();
     let of = |uv: Vec2| scene.textures[0].color(uv * used.scale + used.offset);
@@ -152,7 +152,7 @@ fn a_mask_cuts_at_its_cutoff() {
 }
 
 #[test]
-fn a_blend_thins_evenly_or_cuts_where_the_picture_varies() {
+fn a_blend_attenuates_evenly_or_cuts_where_the_picture_varies() {
     let thin = paint(
         json!({"alphaMode": "BLEND", "pbrMetallicRoughness": {"baseColorFactor": [1.0, 1.0, 1.0, 0.25]}}),
     );
@@ -163,7 +163,7 @@ fn a_blend_thins_evenly_or_cuts_where_the_picture_varies() {
 }
 
 #[test]
-fn values_out_of_range_are_clamped_and_said() {
+fn values_out_of_range_are_clamped_and_reported() {
     let mut model =
         Model::painted(pbr(json!({"baseColorFactor": [2.0, -1.0, 0.5, 1.0], "metallicFactor": 0.0})));
     model.json["materials"][0]["name"] = "a".into();
@@ -173,7 +173,7 @@ fn values_out_of_range_are_clamped_and_said() {
 }
 
 #[test]
-fn lights_and_cameras_stand_where_their_nodes_are() {
+fn lights_and_cameras_have_the_transforms_of_their_nodes() {
     let mut model = Model::square();
     model.json["extensions"] = json!({"KHR_lights_punctual": {"lights": [
         {"type": "point", "color": [1.0, 0.5, 0.25], "intensity": 40.0},
@@ -213,13 +213,13 @@ fn lights_and_cameras_stand_where_their_nodes_are() {
 }
 
 #[test]
-fn the_file_beside_the_model_has_the_last_word() {
+fn the_settings_file_overrides_the_model() {
     let mut model = Model::painted(json!({"name": "a"}));
     model.push("cameras", json!({"type": "perspective", "perspective": {"yfov": 1.0}}));
     model.node(json!({"name": "theirs", "camera": 0}));
     let toml = "[[material]]\nname = \"a\"\nkind = \"mirror\"\n[start]\neye = [1, 2, 3]\nat = [0, 0, 0]\n";
     let folder = Folder::with_obj("").add("scene.gltf", model.embedded()).add("scene.afterimage.toml", toml);
-    let scene = super::super::load(&folder.path("scene.gltf"), &folder.options, &|_, _| true).unwrap();
+    let scene = folder.try_load_file("scene.gltf").unwrap();
     assert!(matches!(material(&scene, "a").kind, MaterialKind::Mirror { .. }));
     assert_eq!(scene.start().eye, DVec3::new(1.0, 2.0, 3.0));
     assert_eq!(scene.views[1].name, "theirs");

@@ -6,7 +6,7 @@ use afterimage::scene::SceneError;
 use serde_json::json;
 
 #[test]
-fn a_broken_item_costs_only_itself_and_names_its_line() {
+fn only_a_broken_item_is_lost_and_its_line_is_named() {
     let mut model = Model::square();
     model.node(json!({"mesh": 0, "translation": "far"}));
     model.node(json!({"mesh": 9}));
@@ -24,11 +24,11 @@ fn a_broken_item_costs_only_itself_and_names_its_line() {
 }
 
 #[test]
-fn json_that_is_none_names_its_line() {
+fn invalid_json_names_its_line() {
     let error = load_text("{\n\"asset\": {\"version\": \"2.0\"},\n\"nodes\": [}\n").unwrap_err();
     assert!(matches!(error, SceneError::Line { line: 3, .. }), "{error}");
     let folder = Folder::with_obj("").add("scene.gltf", b"{\n\"a\": \"\xff\"}");
-    let error = super::super::load(&folder.path("scene.gltf"), &folder.options, &|_, _| true).unwrap_err();
+    let error = folder.try_load_file("scene.gltf").unwrap_err();
     assert!(
         matches!(error, SceneError::Line { line: 2, .. }) && error.to_string().contains("UTF-8"),
         "{error}"
@@ -36,10 +36,10 @@ fn json_that_is_none_names_its_line() {
 }
 
 #[test]
-fn files_that_cannot_be_shown_say_why() {
-    let said = |json: serde_json::Value| load_text(&json.to_string()).unwrap_err().to_string();
-    assert!(said(json!({"asset": {"version": "1.0"}})).contains("glTF 1.0"));
-    assert!(said(json!({})).contains("no faces"));
+fn files_that_cannot_be_shown_name_the_cause() {
+    let error = |json: serde_json::Value| load_text(&json.to_string()).unwrap_err().to_string();
+    assert!(error(json!({"asset": {"version": "1.0"}})).contains("glTF 1.0"));
+    assert!(error(json!({})).contains("no faces"));
     let mut model = Model::square();
     model.json["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]);
     assert!(model.try_load().unwrap_err().to_string().contains("without compression"));
@@ -55,7 +55,7 @@ fn a_binary_file_cut_anywhere_is_an_error_or_a_part() {
     let bytes = Model::square().glb();
     for end in 0..bytes.len() {
         let folder = Folder::with_obj("").add("scene.glb", &bytes[..end]);
-        let outcome = super::super::load(&folder.path("scene.glb"), &folder.options, &|_, _| true);
+        let outcome = folder.try_load_file("scene.glb");
         if let Err(error) = outcome {
             assert!(!error.to_string().contains("importer failed"), "{end}: {error}");
         }
@@ -78,7 +78,7 @@ fn numbers_outside_their_buffer_are_never_read() {
     ];
     for (list, key, value) in spoil {
         let mut model = Model::square();
-        // A second mesh stays sound.
+        // A second mesh stays valid.
         let position = model.accessor(&super::SQUARE, F32, "VEC3");
         model.mesh(json!({"attributes": {"POSITION": position}}));
         model.node(json!({"mesh": 1}));
@@ -100,7 +100,7 @@ fn a_triangle_of_a_missing_vertex_is_left_out() {
 }
 
 #[test]
-fn circles_and_second_parents_are_shown_once() {
+fn nodes_in_circles_and_with_two_parents_are_shown_once() {
     let mut model = Model::square();
     model.json["nodes"] = json!([{"children": [1, 2]}, {"children": [0, 2, 1]}, {"mesh": 0}]);
     let scene = model.load();
@@ -115,13 +115,12 @@ fn a_small_file_cannot_ask_for_endless_copies() {
         model.node(json!({"mesh": 0}));
     }
     let mut folder = Folder::with_obj("").add("scene.gltf", model.embedded());
-    let path = folder.path("scene.gltf");
     folder.options.limits.gltf_vertices = 44;
-    assert!(super::super::load(&path, &folder.options, &|_, _| true).is_ok());
+    assert!(folder.try_load_file("scene.gltf").is_ok());
     folder.options.limits.gltf_vertices = 43;
-    let error = super::super::load(&path, &folder.options, &|_, _| true).unwrap_err();
+    let error = folder.try_load_file("scene.gltf").unwrap_err();
     assert!(matches!(error, SceneError::TooLarge { count: 44, limit: 43, .. }), "{error}");
-    // A count without any numbers behind it.
+    // A count without data.
     let mut model = Model::empty();
     model.push("accessors", json!({"count": 4_000_000_000u64, "componentType": F32, "type": "VEC3"}));
     model.mesh(json!({"attributes": {"POSITION": 0}}));
@@ -156,14 +155,13 @@ fn all_buffers_together_have_a_budget() {
     let model = Model::square();
     let mut folder =
         Folder::with_obj("").add("scene.gltf", model.text(Some("a.bin"))).add("a.bin", &model.bin);
-    let path = folder.path("scene.gltf");
     folder.options.limits.buffers_bytes = model.bin.len() as u64;
-    assert!(super::super::load(&path, &folder.options, &|_, _| true).is_ok());
+    assert!(folder.try_load_file("scene.gltf").is_ok());
     folder.options.limits.buffers_bytes -= 1;
-    let error = super::super::load(&path, &folder.options, &|_, _| true).unwrap_err().to_string();
+    let error = folder.try_load_file("scene.gltf").unwrap_err().to_string();
     assert!(error.contains("at most"), "{error}");
     folder.options.limits.gltf_bytes = 100;
-    let error = super::super::load(&path, &folder.options, &|_, _| true).unwrap_err().to_string();
+    let error = folder.try_load_file("scene.gltf").unwrap_err().to_string();
     assert!(error.contains("at most 100 are read"), "{error}");
 }
 

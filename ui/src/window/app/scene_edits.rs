@@ -122,7 +122,7 @@ pub(super) fn save_beside(state: &mut AppState, services: &mut Services) {
     };
     let (path, before, edit) = (path.clone(), edits.saved().clone(), edits.now().clone());
     services.spawn("save", move || {
-        let saved = import::save_look_beside(&path, &before, &edit).map_err(|error| error.to_string());
+        let saved = import::save_edit(&path, &before, &edit).map_err(|error| error.to_string());
         Ok(AppEvent::SavedEdit(Box::new(edit), saved))
     });
 }
