@@ -117,11 +117,11 @@ const TWILIGHT_DEG: f64 = -6.0;
 /// because its light crosses more air; below the horizon there is none. `north_deg` is that of
 /// [`SunPosition::direction`].
 pub fn clear_daylight(position: &SunPosition, north_deg: f64) -> Daylight {
-    let usual = Sun::clear_day();
+    let clear = Sun::clear_day();
     let passed = |height_deg: f64| (-AIR_DEPTH * air_mass(height_deg)).map(f32::exp);
-    let irradiance = usual.irradiance * passed(position.height_deg) / passed(DEFAULT_HEIGHT_DEG);
+    let irradiance = clear.irradiance * passed(position.height_deg) / passed(DEFAULT_HEIGHT_DEG);
     let direction = position.direction(north_deg).as_vec3();
-    let sun = (position.height_deg > 0.0).then_some(Sun { direction, irradiance, ..usual });
+    let sun = (position.height_deg > 0.0).then_some(Sun { direction, irradiance, ..clear });
     let share = (sky_klux(position.height_deg) / sky_klux(DEFAULT_HEIGHT_DEG)) as f32;
     let Sky { zenith, horizon, ground } = Sky::CLEAR_DAY;
     let sky = Sky { zenith: zenith * share, horizon: horizon * share, ground: ground * share };
@@ -203,10 +203,10 @@ mod tests {
     #[test]
     fn a_low_sun_is_red_and_a_sun_below_the_horizon_is_gone() {
         let light = |height_deg| clear_daylight(&SunPosition { azimuth_deg: 180.0, height_deg }, 0.0);
-        let usual = light(DEFAULT_HEIGHT_DEG).sun.unwrap().irradiance;
-        assert!((usual - Sun::clear_day().irradiance).length() < 1e-4);
+        let high = light(DEFAULT_HEIGHT_DEG).sun.unwrap().irradiance;
+        assert!((high - Sun::clear_day().irradiance).length() < 1e-4);
         let low = light(2.0).sun.unwrap().irradiance;
-        assert!(low.x > 2.0 * low.z && low.max_element() < usual.max_element());
+        assert!(low.x > 2.0 * low.z && low.max_element() < high.max_element());
         assert_eq!(light(-1.0).sun, None);
         assert!(light(-1.0).sky.is_some() && light(-7.0).sky.is_none());
         assert!((air_mass(90.0) - 1.0).abs() < 1e-3 && (air_mass(0.0) - 37.9).abs() < 0.5, "as published");

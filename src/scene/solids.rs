@@ -9,7 +9,7 @@ use std::collections::HashMap;
 ///
 /// Glass triangles connected by shared vertex positions form a body. A body is solid if every edge
 /// belongs to exactly two of its triangles with opposite directions; otherwise it is a thin sheet.
-/// The sign of the volume tells the winding, so the winding in the file does not matter.
+/// The sign of the volume gives the winding, so the winding in the file does not matter.
 pub(super) fn classify(scene: &Scene) -> Vec<SolidSide> {
     let glass: Vec<u32> = scene.triangle_indices().filter(|&t| scene.material_of(t).is_glass()).collect();
     if glass.is_empty() {
