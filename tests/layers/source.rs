@@ -22,6 +22,8 @@ impl Source {
         while at < tokens.len() {
             if tokens[at..].starts_with(&["#", "[", "cfg", "(", "test", ")", "]"].map(String::from)) {
                 at = end_of_item(&tokens, at + 7);
+            } else if tokens[at..].starts_with(&["pub", "(", "in"].map(String::from)) {
+                at += tokens[at..].iter().position(|token| token == ")").unwrap_or(tokens.len());
             } else if tokens[at] == "use" {
                 let is_export = at > 0 && matches!(&*tokens[at - 1], "pub" | ")");
                 let end = end_of_statement(&tokens, at);
