@@ -1,4 +1,5 @@
-//! Runs that last: the same records whether whole, interrupted, killed or in shards; and folders that are left alone.
+//! Run folders: the records are the same whether a run was whole, interrupted, killed or in shards,
+//! and foreign folders are left alone.
 
 use crate::rooms::{dvec, room_tracer};
 use afterimage::Tracer;
@@ -12,7 +13,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// A room, and small settings.
+/// A room, and small settings of an experiment.
 struct Bench {
     experiment: &'static Experiment,
     tracer: Arc<Tracer>,
@@ -44,13 +45,14 @@ impl Bench {
         self.dir.path().join(name)
     }
 
-    /// Goes on with a run; stops after `most` cells. Returns whether all were done, and the records.
-    fn run(&self, name: &str, shard: Shard, most: usize) -> (bool, Vec<RunRecord>) {
-        let (stopped, images) = (AtomicBool::new(most == 0), self.path(name).join("images"));
+    /// Starts or continues a run and stops after `max_cells` cells. Returns whether all are
+    /// finished, and the records.
+    fn run(&self, name: &str, shard: Shard, max_cells: usize) -> (bool, Vec<RunRecord>) {
+        let (stopped, images) = (AtomicBool::new(max_cells == 0), self.path(name).join("images"));
         let stop = || stopped.load(Ordering::Relaxed);
         let context = self.context(&images, &stop);
         let mut folder = self.open(name, &context, shard).unwrap();
-        let mut left = most;
+        let mut left = max_cells;
         let observe = |event: CellEvent<'_>| {
             if matches!(event, CellEvent::Done(..)) {
                 left -= 1;
@@ -86,7 +88,7 @@ impl Bench {
     }
 }
 
-/// Through the room, looking about.
+/// A walk through the room with a turn of the head.
 fn walk() -> CameraPath {
     let key = |z: f64, x: f64| CameraKey { eye: dvec(0.2, 1.5, z), at: dvec(x, 1.2, -4.0) };
     CameraPath { fov_y_deg: 65.0, frames: 20, keyframes: vec![key(3.5, -0.2), key(1.0, 0.8)] }
@@ -100,12 +102,13 @@ fn timeless(records: &[RunRecord]) -> Vec<RunRecord> {
     records.iter().map(RunRecord::without_times).collect()
 }
 
-const MAX_AVERAGED_REFERENCES: usize = 1000;
+/// More cells than any experiment has here.
+const ALL_CELLS: usize = 1000;
 
 #[test]
-fn however_a_run_came_about_its_records_are_the_same() {
+fn interrupted_killed_and_sharded_runs_have_the_same_records() {
     let bench = Bench::new();
-    let (is_complete, whole) = bench.run("whole", Shard::ALL, MAX_AVERAGED_REFERENCES);
+    let (is_complete, whole) = bench.run("whole", Shard::ALL, ALL_CELLS);
     assert!(
         is_complete && whole.len() == 14,
         "seven cells of one warm-up and one repetition: {}",
@@ -114,20 +117,20 @@ fn however_a_run_came_about_its_records_are_the_same() {
     assert!(whole.iter().all(|r| r.number("psnr_db").unwrap() > 10.0));
     let expected = timeless(&whole);
 
-    // Interrupted after three cells, then gone on with.
+    // Interrupted after three cells, then continued.
     let (is_complete, part) = bench.run("resumed", Shard::ALL, 3);
     assert!(!is_complete && part.len() == 6);
     // Killed while it wrote a line.
     let journal = bench.path("resumed").join(Journal::NAME);
     let text = std::fs::read(&journal).unwrap();
     std::fs::write(&journal, &text[..text.len() - 20]).unwrap();
-    let (is_complete, resumed) = bench.run("resumed", Shard::ALL, MAX_AVERAGED_REFERENCES);
+    let (is_complete, resumed) = bench.run("resumed", Shard::ALL, ALL_CELLS);
     assert!(is_complete);
     assert_eq!(timeless(&resumed), expected);
 
-    // In three shards, joined in another order.
+    // In three shards, merged in another order.
     for index in 0..3 {
-        bench.run(&format!("shard{index}"), Shard { index, count: 3 }, MAX_AVERAGED_REFERENCES);
+        bench.run(&format!("shard{index}"), Shard { index, count: 3 }, ALL_CELLS);
     }
     let shards = [2, 0, 1].map(|i| bench.path(&format!("shard{i}")));
     let merged = merge(&shards, &bench.path("merged"), session()).unwrap();
@@ -136,20 +139,20 @@ fn however_a_run_came_about_its_records_are_the_same() {
 }
 
 #[test]
-fn a_finished_run_is_not_done_again_and_missing_cells_are_made_up_for() {
+fn a_finished_run_is_not_repeated_and_missing_cells_are_completed() {
     let bench = Bench::new();
-    bench.run("one", Shard { index: 0, count: 2 }, MAX_AVERAGED_REFERENCES);
-    let again = bench.run("one", Shard { index: 0, count: 2 }, MAX_AVERAGED_REFERENCES).1;
+    bench.run("one", Shard { index: 0, count: 2 }, ALL_CELLS);
+    let again = bench.run("one", Shard { index: 0, count: 2 }, ALL_CELLS).1;
     let first = merge(&[bench.path("one")], &bench.path("merged"), session()).unwrap();
-    // The very seconds too: nothing was run a second time.
+    // The times are equal too: nothing was run a second time.
     assert_eq!(first.records(), again);
     drop(first);
-    let (is_complete, all) = bench.run("merged", Shard::ALL, MAX_AVERAGED_REFERENCES);
+    let (is_complete, all) = bench.run("merged", Shard::ALL, ALL_CELLS);
     assert!(is_complete && all.len() == 14);
 }
 
 #[test]
-fn a_folder_of_something_else_is_left_alone() {
+fn a_folder_with_other_content_is_left_alone() {
     let mut bench = Bench::new();
     bench.run("run", Shard::ALL, 1);
     let images = bench.path("run/images");
@@ -178,14 +181,14 @@ fn a_folder_of_something_else_is_left_alone() {
 #[test]
 fn two_writers_and_shards_of_different_runs_are_refused() {
     let mut bench = Bench::new();
-    bench.run("a", Shard { index: 0, count: 2 }, MAX_AVERAGED_REFERENCES);
+    bench.run("a", Shard { index: 0, count: 2 }, ALL_CELLS);
     let images = bench.path("a/images");
     let held = bench.open("a", &bench.context(&images, &|| false), Shard { index: 0, count: 2 }).unwrap();
     let second = bench.open("a", &bench.context(&images, &|| false), Shard { index: 0, count: 2 });
     assert!(second.unwrap_err().contains("another process"));
     drop(held);
     bench.settings.seed = 7;
-    bench.run("b", Shard { index: 1, count: 2 }, MAX_AVERAGED_REFERENCES);
+    bench.run("b", Shard { index: 1, count: 2 }, ALL_CELLS);
     let error =
         merge(&[bench.path("a"), bench.path("b")], &bench.path("ab"), session()).unwrap_err().to_string();
     assert!(error.contains("another run") && error.contains("seed"), "{error}");
@@ -200,12 +203,12 @@ fn shards_come_from_flags_or_from_the_scheduler() {
     };
     assert_eq!(shard(None, &[]), Ok((0, 1)));
     assert_eq!(shard(Some("1/4"), &[]), Ok((1, 4)));
-    // Counted from 1, the last is what counted from 0 is the first.
+    // Counted from 1, the last shard is the first one counted from 0.
     assert_eq!(shard(Some("4/4"), &[]), Ok((0, 4)));
     let slurm =
         [("SLURM_ARRAY_TASK_ID", "14"), ("SLURM_ARRAY_TASK_MIN", "10"), ("SLURM_ARRAY_TASK_STEP", "2")];
     assert_eq!(shard(None, &[&slurm[..], &[("SLURM_ARRAY_TASK_COUNT", "5")]].concat()), Ok((2, 5)));
-    assert_eq!(shard(Some("0/3"), &slurm), Ok((0, 3)), "what is typed comes first");
+    assert_eq!(shard(Some("0/3"), &slurm), Ok((0, 3)), "the flag has precedence");
     assert_eq!(shard(Some("/8"), &[("JOB_COMPLETION_INDEX", "3")]), Ok((3, 8)));
     let batch = [("AWS_BATCH_JOB_ARRAY_INDEX", "1"), ("AWS_BATCH_JOB_ARRAY_SIZE", "2")];
     assert_eq!(shard(None, &batch), Ok((1, 2)));
@@ -224,11 +227,11 @@ fn shards_come_from_flags_or_from_the_scheduler() {
 }
 
 #[test]
-fn error_against_time_is_the_same_twice_and_says_who_is_faster() {
+fn error_against_time_is_reproducible_and_compares_modes() {
     let bench = Bench::of("error-time");
-    let (is_complete, first) = bench.run("first", Shard::ALL, MAX_AVERAGED_REFERENCES);
+    let (is_complete, first) = bench.run("first", Shard::ALL, ALL_CELLS);
     assert!(is_complete);
-    let (_, second) = bench.run("second", Shard { index: 0, count: 1 }, MAX_AVERAGED_REFERENCES);
+    let (_, second) = bench.run("second", Shard { index: 0, count: 1 }, ALL_CELLS);
     assert_eq!(timeless(&first), timeless(&second), "errors of one seed, to the bit");
     let report = (bench.experiment.report)(&bench.identity(), &first);
     assert!(

@@ -1,10 +1,11 @@
-//! The cases of `experiment stability` that do not depend on the clock, with as many tries as take seconds.
+//! The cases of `experiment stability` that do not depend on the clock, with few enough tries to
+//! take seconds.
 
 use afterimage::experiment::stability::{Trial, cases};
 use std::collections::HashSet;
 
 #[test]
-fn every_case_holds_or_says_why_not() {
+fn every_case_holds_or_states_its_limit() {
     let mut wrong = Vec::new();
     for case in cases().filter(|case| !case.is_timed) {
         let measured = case.run(&Trial::QUICK).unwrap();
@@ -17,10 +18,10 @@ fn every_case_holds_or_says_why_not() {
 }
 
 #[test]
-fn the_catalogue_is_whole() {
+fn the_catalogue_is_complete() {
     let names: Vec<&str> = cases().map(|case| case.name).collect();
     assert!(names.len() >= 60, "{} cases", names.len());
-    assert_eq!(names.iter().collect::<HashSet<_>>().len(), names.len(), "two cases of one name");
+    assert_eq!(names.iter().collect::<HashSet<_>>().len(), names.len(), "two cases have the same name");
     for (letter, last) in [('A', 6), ('B', 12), ('C', 10), ('D', 14), ('E', 11)] {
         let rows: HashSet<&str> = names.iter().filter_map(|name| name.split(' ').next()).collect();
         for row in 1..=last {

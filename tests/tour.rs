@@ -40,7 +40,7 @@ fn walk(settings: &TourSettings, cancel: &AtomicBool) -> TourRecord {
     run_tour(&tracer, &path(), settings, cancel, |_| ()).unwrap()
 }
 
-/// What a record says that does not depend on the clock.
+/// The parts of a record that do not depend on the clock.
 fn without_times(record: &TourRecord) -> Vec<String> {
     record
         .frames
@@ -50,7 +50,7 @@ fn without_times(record: &TourRecord) -> Vec<String> {
 }
 
 #[test]
-fn a_walk_starts_without_references_and_reuses_from_then_on() {
+fn a_walk_starts_without_references_and_reuses_them_later() {
     let record = walk(&settings(None), &AtomicBool::new(false));
     assert_eq!(record.frames.len(), 9);
     assert!(record.is_complete && record.warm_up_secs > 0.0);
@@ -69,11 +69,11 @@ fn a_walk_starts_without_references_and_reuses_from_then_on() {
     assert_eq!(record.references_added, record.frames.iter().filter(|f| f.reference_added).count());
     let spent: f64 = record.references.iter().map(|r| r.secs).sum();
     assert!((spent - record.reference_secs_total).abs() < 1e-12);
-    assert!(!record.frames[8].reference_added, "a reference after the last frame serves nobody");
+    assert!(!record.frames[8].reference_added, "no frame would use a reference after the last one");
 }
 
 #[test]
-fn the_same_walk_twice_is_the_same() {
+fn a_walk_is_reproducible() {
     let [a, b] = [0, 1].map(|_| walk(&settings(None), &AtomicBool::new(false)));
     assert_eq!(without_times(&a), without_times(&b));
 }
@@ -101,7 +101,7 @@ fn a_stopped_walk_keeps_its_frames() {
 }
 
 #[test]
-fn a_measured_walk_knows_its_errors_and_keeps_its_truths() {
+fn a_measured_walk_has_errors_and_stores_converged_pictures() {
     let folder = tempfile::tempdir().unwrap();
     let settings = settings(Some(folder.path()));
     let first = walk(&settings, &AtomicBool::new(false));
@@ -116,7 +116,7 @@ fn a_measured_walk_knows_its_errors_and_keeps_its_truths() {
     let kept =
         || -> Vec<_> { std::fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().path()).collect() };
     assert_eq!(kept().len(), 3);
-    // A damaged truth is traced anew, one kept is used; the figures are the same.
+    // A damaged picture is traced again and the others are reused; the figures are the same.
     std::fs::write(&kept()[0], b"rubbish").unwrap();
     let second = walk(&settings, &AtomicBool::new(false));
     let figures = |r: &TourRecord| -> Vec<f64> {
@@ -144,7 +144,7 @@ fn a_table_has_a_column_per_number() {
 }
 
 #[test]
-fn throughput_times_every_part_and_dumps_its_rays() {
+fn throughput_times_every_stage_and_dumps_its_rays() {
     let tracer = room_tracer(true, false);
     let trace = TraceSettings { samples: 2, bounces: 0, seed: 0 };
     let settings = ThroughputSettings { camera: room_camera(), size: [64, 48], trace };

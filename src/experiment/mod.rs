@@ -1,8 +1,9 @@
-//! Recorded runs: the measured walk, and the experiments that produce the figures of the documentation.
+//! Recorded runs: the measured walk, and the experiments that produce the figures of the
+//! documentation.
 //!
-//! [`run`] is the framework: cells, a journal of finished cells, shards, merging, and reports as data.
-//! [`registry`] lists the experiments; each has a folder of its own. [`measure`] compares frames with
-//! converged pictures. How to add an experiment: `docs/how_to_add_experiment.md`.
+//! [`run`] is the framework: cells, a journal of finished cells, shards, merging, and reports as
+//! data. [`registry`] lists the experiments; each has a folder of its own. [`measure`] compares
+//! frames with converged pictures. How to add an experiment: `docs/how_to_add_experiment.md`.
 
 mod error_time;
 pub mod measure;

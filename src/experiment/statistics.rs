@@ -1,6 +1,7 @@
 //! Medians, percentiles and power laws of a few measurements.
 
-/// Returns the median; for an even number of values, the mean of the two middle ones. `None` without values.
+/// Returns the median; for an even number of values, the mean of the two middle ones. `None`
+/// without values.
 pub fn median(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     let sorted = sorted(values);
     let half = sorted.len() / 2;
@@ -35,13 +36,13 @@ fn sorted(values: impl IntoIterator<Item = f64>) -> Vec<f64> {
 pub struct PowerLaw {
     /// Exponent of x.
     pub exponent: f64,
-    /// Standard error of the exponent, from the distances of the points to the line, not from the spread of
-    /// each point.
+    /// Standard error of the exponent, from the distances of the points to the line, not from the
+    /// spread of each point.
     pub standard_error: f64,
 }
 
-/// Fits a power law to points with positive coordinates, by least squares of the logarithms. `None` for
-/// fewer than three points or a single x.
+/// Fits a power law to points with positive coordinates, by least squares of the logarithms. `None`
+/// for fewer than three points or a single x.
 pub fn power_law(points: &[[f64; 2]]) -> Option<PowerLaw> {
     let logs: Vec<[f64; 2]> = points.iter().map(|p| p.map(f64::ln)).collect();
     let count = logs.len() as f64;

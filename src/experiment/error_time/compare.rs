@@ -23,8 +23,8 @@ pub(super) enum Bound {
     AtMost,
 }
 
-/// Returns the time of full tracing for an error, as a multiple of `secs`. `full` is ordered by samples. Between
-/// two of its points, error is taken to be a power of time. `None` without points.
+/// Returns the time of full tracing for an error, as a multiple of `secs`. `full` is ordered by
+/// samples. Between two of its points, error is taken to be a power of time. `None` without points.
 pub(super) fn equal_error(full: &[SecsAndError], [secs, error]: SecsAndError) -> Option<Factor> {
     let (first, last) = (full.first()?, full.last()?);
     let factor = |full_secs: f64, bound| Some(Factor { times: full_secs / secs, bound });
@@ -43,13 +43,14 @@ pub(super) fn equal_error(full: &[SecsAndError], [secs, error]: SecsAndError) ->
     }
 }
 
-/// Returns the error of full tracing in a given time; `None` if it takes longer even with the fewest samples.
+/// Returns the error of full tracing in a given time; `None` if it takes longer even with the
+/// fewest samples.
 pub(super) fn full_error_at(full: &[SecsAndError], secs: f64) -> Option<f64> {
     let last = full.iter().rposition(|[t, _]| *t <= secs)?;
     let [t0, e0] = full[last];
     let Some(&[t1, e1]) = full.get(last + 1) else { return Some(e0) };
-    // A power law cannot reach an error of zero, which every setup has in a black picture. Take the error that is
-    // certainly reached.
+    // A power law cannot reach an error of zero, which every setup has in a black picture. Take the
+    // error that is certainly reached.
     let share = (secs / t0).ln() / (t1 / t0).ln();
     Some(if e0 > 0.0 && e1 > 0.0 { e0 * (e1 / e0).powf(share) } else { e0 })
 }

@@ -1,9 +1,9 @@
 //! Error against run time: every mode over references and samples, full tracing over samples.
 //!
-//! References are placed in two ways. *Still*: they stand at equal distances along the walk, and views are
-//! taken midway between two of them, where they help least. *Flown*: the camera moves along the walk with
-//! the cache and its placement policy. Only the first allows any number of references; only the second is
-//! what a user sees.
+//! References are placed in two ways. *Still*: they stand at equal distances along the walk, and
+//! views are taken midway between two of them, where they help least. *Flown*: the camera moves
+//! along the walk with the cache and its placement policy. Only the first allows any number of
+//! references; only the second is what a user sees.
 
 mod charts;
 mod compare;

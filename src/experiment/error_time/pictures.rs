@@ -1,4 +1,5 @@
-//! The middle view in every mode, and the part of it in which the modes differ most, with error maps.
+//! The middle view in every mode, and the part of it in which the modes differ most, with error
+//! maps.
 
 use super::plan::{DEFAULT_REFERENCES, REUSING, poses, view_share};
 use crate::experiment::measure::{FramePictures, References, Trial, truth_of};
@@ -44,8 +45,8 @@ pub(super) fn run(context: &ExperimentContext<'_>) -> CellOutcome {
     Ok(Some(all.iter().map(record).collect()))
 }
 
-/// Returns the part in which the errors of the modes differ most. A part in which all have the same error
-/// would show nothing.
+/// Returns the part in which the errors of the modes differ most. A part in which all have the same
+/// error would show nothing.
 fn worst_part([width, height]: [u32; 2], all: &[FramePictures]) -> Part {
     let size = [width, height].map(|side| (side / PART_SHARE).max(side.min(16)));
     let spread = |pixel: usize| {

@@ -69,7 +69,8 @@ pub(super) fn view_share(context: &ExperimentContext<'_>, view: u32) -> f64 {
     (f64::from(view) + 0.5) / f64::from(context.settings.views)
 }
 
-/// Returns the camera of a view and of the references nearest to it: behind, ahead, further behind, and so on.
+/// Returns the camera of a view and of the references nearest to it: behind, ahead, further behind,
+/// and so on.
 pub(super) fn poses(
     context: &ExperimentContext<'_>,
     share: f64,

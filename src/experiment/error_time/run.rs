@@ -46,14 +46,15 @@ fn still(context: &ExperimentContext<'_>, count: usize, trace: TraceSettings) ->
     Ok(Some(records))
 }
 
-/// Returns the share of reference time that every frame pays if references stand at [`SPACING`] along the whole
-/// walk.
+/// Returns the share of reference time that every frame pays if references stand at [`SPACING`]
+/// along the whole walk.
 fn spread_secs(reference_secs: f64, count: usize, frames: u32) -> f64 {
     let stands = (1.0 / SPACING).round() + 1.0;
     reference_secs / count.max(1) as f64 * stands / f64::from(frames.max(1))
 }
 
-/// Flies the walk with the default placement policy. As many frames are measured as there are views.
+/// Flies the walk with the default placement policy. As many frames are measured as there are
+/// views.
 fn flown(context: &ExperimentContext<'_>, mode: Mode, trace: TraceSettings) -> CellOutcome {
     let walkthrough = WalkthroughSettings {
         render: RenderSettings { mode, trace },

@@ -1,4 +1,5 @@
-//! Records of one setup brought together: medians and their spread over repetitions and over the walk.
+//! Records of one setup brought together: medians and their spread over repetitions and over the
+//! walk.
 
 use crate::experiment::run::{RunRecord, counted};
 use crate::experiment::statistics::{median, quartiles};
@@ -104,7 +105,8 @@ impl Setup {
         view.values = METRICS.map(|m| number(m.field).unwrap_or(f64::NAN));
     }
 
-    /// Spreads the time of references over all frames: a flown walk records it at the frame that traced one.
+    /// Spreads the time of references over all frames: a flown walk records it at the frame that
+    /// traced one.
     fn share_flown_references(&mut self) {
         if self.references.is_none() {
             let sum: f64 = self.views.values().map(|v| v.reference_secs).sum();

@@ -1,4 +1,5 @@
-//! The findings in sentences: how much time each mode saves against full tracing, and when it saves none.
+//! The findings in sentences: how much time each mode saves against full tracing, and when it saves
+//! none.
 
 use super::compare::{Bound, Factor, equal_error, full_at, full_error_at, full_medians, middle, pareto};
 use super::plan::{DEFAULT_REFERENCES, REUSING};
@@ -11,7 +12,8 @@ fn usual(setups: &[Setup], samples: usize) -> Vec<&Setup> {
     REUSING.iter().flat_map(|mode| setups.iter().filter(|s| s.mode == mode.name()).filter(is_usual)).collect()
 }
 
-/// Returns the factor of equal error in one metric, over the views of the walk: median, minimum, maximum.
+/// Returns the factor of equal error in one metric, over the views of the walk: median, minimum,
+/// maximum.
 pub(super) fn factors(
     setups: &[Setup],
     setup: &Setup,
@@ -19,7 +21,8 @@ pub(super) fn factors(
     references_count: bool,
 ) -> Option<[Factor; 3]> {
     let at = |(view, found): (&usize, &ViewResult)| {
-        // Full tracing has no view at a flown frame: the frame is compared with the medians of the walk.
+        // Full tracing has no view at a flown frame: the frame is compared with the medians of the
+        // walk.
         let full = match setup.references {
             Some(_) => full_at(setups, *view, metric),
             None => full_medians(setups, metric),
@@ -118,7 +121,8 @@ pub(super) fn time(secs: f64) -> String {
     }
 }
 
-/// Which mode is best in which time, and which errors only full tracing reaches; without references.
+/// Which mode is best in which time, and which errors only full tracing reaches; without
+/// references.
 fn front(setups: &[Setup]) -> Vec<String> {
     let still: Vec<&Setup> = setups.iter().filter(|s| s.references.is_some()).collect();
     let points: Vec<_> = still.iter().map(|s| s.secs_and_error(LEAD, false)).collect();

@@ -30,8 +30,8 @@ pub struct Errors {
 }
 
 impl Errors {
-    /// Compares a frame with the linear radiance of its converged picture. relMSE compares radiance; the
-    /// other metrics compare display values at an exposure in stops
+    /// Compares a frame with the linear radiance of its converged picture. relMSE compares
+    /// radiance; the other metrics compare display values at an exposure in stops
     /// ([`crate::experiment::run::ExperimentContext::exposure_ev`]).
     ///
     /// # Errors

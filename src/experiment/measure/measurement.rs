@@ -1,4 +1,5 @@
-//! The error of a frame of a walk against its view traced in full and against its converged picture.
+//! The error of a frame of a walk against its view traced in full and against its converged
+//! picture.
 
 use super::truth::{TruthRequest, truth};
 use crate::raster::load::display_of;
@@ -40,7 +41,8 @@ pub struct Measurement {
     pub see_through_percent: f64,
 }
 
-/// Relative difference in depth beyond which a reused pixel is taken to show another surface than it should.
+/// Relative difference in depth beyond which a reused pixel is taken to show another surface than
+/// it should.
 pub const DEPTH_TOLERANCE: f32 = 0.01;
 
 /// Combined with the seed of a run, so that a converged picture and the frames compared with it use
@@ -103,8 +105,8 @@ impl Measurer {
     }
 }
 
-/// Returns the share of a frame's reused pixels, in percent, whose depth differs from that of the same view
-/// traced in full by more than [`DEPTH_TOLERANCE`].
+/// Returns the share of a frame's reused pixels, in percent, whose depth differs from that of the
+/// same view traced in full by more than [`DEPTH_TOLERANCE`].
 pub fn see_through_percent(frame: &Frame, full: &Frame) -> f64 {
     let (mut reused, mut wrong) = (0usize, 0usize);
     for ((t, shown), right) in frame.types.iter().zip(&frame.disparity).zip(&full.disparity) {
@@ -112,7 +114,8 @@ pub fn see_through_percent(frame: &Frame, full: &Frame) -> f64 {
             continue;
         }
         reused += 1;
-        // The ratio of disparities is the inverse ratio of depths. It is 0, infinite or NaN if one is sky.
+        // The ratio of disparities is the inverse ratio of depths. It is 0, infinite or NaN if one
+        // is sky.
         let both_sky = *shown == 0.0 && *right == 0.0;
         let is_near = (right / shown - 1.0).abs() <= DEPTH_TOLERANCE;
         wrong += usize::from(!both_sky && !is_near);

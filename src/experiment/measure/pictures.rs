@@ -24,8 +24,8 @@ pub struct FramePictures {
 }
 
 impl FramePictures {
-    /// Shows a frame and compares it with the linear radiance of its converged picture, at an exposure in
-    /// stops.
+    /// Shows a frame and compares it with the linear radiance of its converged picture, at an
+    /// exposure in stops.
     ///
     /// # Errors
     /// [`CompareError`] for a frame without pixels.

@@ -15,7 +15,8 @@ pub struct References {
 }
 
 impl References {
-    /// Traces every pixel of a reference at each pose, each with a seed of its own. `None` after a stop.
+    /// Traces every pixel of a reference at each pose, each with a seed of its own. `None` after a
+    /// stop.
     pub fn trace(context: &ExperimentContext<'_>, poses: &[Camera], trace: &TraceSettings) -> Option<Self> {
         let reference = |(number, pose): (u64, &Camera)| {
             let settings = settings_of_reference(trace, number);

@@ -1,5 +1,5 @@
-//! One view in one mode from given references: rendered several times for its time, compared once for its
-//! error.
+//! One view in one mode from given references: rendered several times for its time, compared once
+//! for its error.
 
 use super::errors::Errors;
 use super::measurement::{TRUTH_SEED, see_through_percent};
@@ -39,9 +39,9 @@ impl Trial<'_> {
         frame.stats.is_complete.then_some(frame)
     }
 
-    /// Renders the view `repetitions + 1` times and returns a record of each; the first is marked as a
-    /// warm-up. Every record has the errors of the frame, which are equal in all repetitions. The frame stays
-    /// in `renderer`. `None` after a stop.
+    /// Renders the view `repetitions + 1` times and returns a record of each; the first is marked
+    /// as a warm-up. Every record has the errors of the frame, which are equal in all repetitions.
+    /// The frame stays in `renderer`. `None` after a stop.
     ///
     /// # Errors
     /// [`crate::experiment::run::ExperimentError::Compare`] for a frame without pixels.
@@ -78,8 +78,8 @@ impl Trial<'_> {
         Ok(Some(records.into_iter().map(with_errors).collect()))
     }
 
-    /// Returns the share of reused pixels, in percent, that show another surface than the primary ray hits.
-    /// It is 0 in modes that trace primary rays. `None` after a stop.
+    /// Returns the share of reused pixels, in percent, that show another surface than the primary
+    /// ray hits. It is 0 in modes that trace primary rays. `None` after a stop.
     fn see_through_percent(&self, context: &ExperimentContext<'_>, frame: &Frame) -> Option<f64> {
         if self.mode != Mode::Paper {
             return Some(0.0);

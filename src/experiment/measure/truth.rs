@@ -1,4 +1,5 @@
-//! The converged picture of a view. It takes long to trace and is needed by many runs, so it is kept on disk.
+//! The converged picture of a view. It takes long to trace and is needed by many runs, so it is
+//! kept on disk.
 
 use crate::camera::{Camera, View};
 use crate::raster::save::{SaveError, write_atomically};
@@ -15,11 +16,12 @@ const MAGIC: &[u8; 8] = b"AITRUTH1";
 /// Length of the header in bytes: magic, key, width, height. A digest follows the pixels.
 const HEADER: usize = 8 + 32 + 8;
 
-/// Tag of the byte sequence that [`TruthRequest::key`] hashes. A change of the sequence needs a new tag.
+/// Tag of the byte sequence that [`TruthRequest::key`] hashes. A change of the sequence needs a new
+/// tag.
 const KEY_TAG: &[u8] = b"afterimage truth key 2\n";
 
-/// Number of pixels that are traced again to verify a stored picture. They reveal a change of the tracer and
-/// a machine that rounds differently, and cost a ten-thousandth of a picture.
+/// Number of pixels that are traced again to verify a stored picture. They reveal a change of the
+/// tracer and a machine that rounds differently, and cost a ten-thousandth of a picture.
 const PROBES: u32 = 64;
 
 /// The view and settings of a converged picture.
@@ -35,8 +37,8 @@ pub struct TruthRequest<'a> {
     pub settings: TraceSettings,
 }
 
-/// Returns the linear radiance of a converged picture: from `folder` if it is stored there, else traced and
-/// stored. A failure to store it is returned with the picture. `None` after a stop.
+/// Returns the linear radiance of a converged picture: from `folder` if it is stored there, else
+/// traced and stored. A failure to store it is returned with the picture. `None` after a stop.
 pub fn truth(
     request: &TruthRequest<'_>,
     folder: Option<&Path>,
@@ -66,8 +68,8 @@ fn file_name(key: &[u8; 32]) -> String {
 }
 
 impl TruthRequest<'_> {
-    /// SHA-256 of everything that decides the picture: a tag, the version and the scene as lines, then pose,
-    /// size and settings as little-endian numbers.
+    /// SHA-256 of everything that decides the picture: a tag, the version and the scene as lines,
+    /// then pose, size and settings as little-endian numbers.
     fn key(&self) -> [u8; 32] {
         let c = self.camera;
         let TraceSettings { samples, bounces, seed } = self.settings;
@@ -114,8 +116,8 @@ fn header(key: &[u8; 32], [width, height]: [u32; 2]) -> Vec<u8> {
     [&MAGIC[..], key, &width.to_le_bytes(), &height.to_le_bytes()].concat()
 }
 
-/// Reads the pixels of a stored picture. `None` if there is none, if it is damaged, or if it is of something
-/// else.
+/// Reads the pixels of a stored picture. `None` if there is none, if it is damaged, or if it is of
+/// something else.
 fn read(path: &Path, key: &[u8; 32], size: [u32; 2]) -> Option<Vec<Vec3>> {
     let bytes = std::fs::read(path).ok()?;
     if bytes.len() != HEADER + size[0] as usize * size[1] as usize * 12 + 32 {

@@ -1,5 +1,5 @@
-//! The building from above: walls cut at eye height, the walk, and the references coloured by how much they
-//! supplied.
+//! The building from above: walls cut at eye height, the walk, and the references coloured by how
+//! much they supplied.
 
 use super::watch::{Watch, Watched};
 use crate::camera::Camera;
@@ -55,7 +55,8 @@ pub(super) fn draw(tracer: &Tracer, cameras: &[Camera], watch: &Watch) -> ([u32;
 
 /// Colour of a supplied share: dark for nothing, bright for [`BRIGHTEST_SHARE`].
 fn color(share: f64) -> [u8; 3] {
-    // The darkest tenth is not used, so that references that supplied nothing differ from the walls.
+    // The darkest tenth is not used, so that references that supplied nothing differ from the
+    // walls.
     error_picture(&[(0.1 + 0.8 * share.min(1.0)) as f32])[0]
 }
 

@@ -6,8 +6,8 @@ use crate::render::Mode;
 
 pub(super) const MODES: [Mode; 2] = [Mode::Paper, Mode::Exact];
 
-/// A placement rule and the percentages at which it is measured. Above 20 %, and for sparse references
-/// below 1 %, the percentage alone decides whether a reference is worth tracing.
+/// A placement rule and the percentages at which it is measured. Above 20 %, and for sparse
+/// references below 1 %, the percentage alone decides whether a reference is worth tracing.
 pub(super) struct Policy {
     pub(super) rule: &'static str,
     /// Percentages for the dense references of the paper; the quick effort takes the first.

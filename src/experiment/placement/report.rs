@@ -4,7 +4,7 @@ use super::floor_plan;
 use super::plan::{MODES, POLICIES};
 use super::walks::WALKS;
 use crate::experiment::run::report::{Axis, Block, Drawn, Picture, Point, Section, Series, row};
-use crate::experiment::run::{Identity, Report, RunRecord};
+use crate::experiment::run::{Identity, Report, RunRecord, matching};
 use crate::render::Mode;
 use serde_json::{Map, Value, json};
 
@@ -14,36 +14,41 @@ const BASELINE: &str = "threshold";
 pub(crate) fn report(_: &Identity, records: &[RunRecord]) -> Report {
     let mut report = Report::default();
     for mode in MODES {
-        let of_mode: Vec<&RunRecord> =
-            records.iter().filter(|r| r.text("mode") == Some(mode.name())).collect();
-        if of_mode.is_empty() {
+        let rows = matching(records, &kind(mode, "summary"));
+        if rows.is_empty() {
             continue;
         }
-        let verdicts: Vec<Verdict> =
-            ["predictive", "greedy", "grid"].into_iter().map(|rule| verdict(mode, rule, &of_mode)).collect();
+        let rules = ["predictive", "greedy", "grid"];
+        let verdicts = rules.map(|rule| verdict(mode, rule, records));
+        let rule = |v: &Verdict| {
+            json!({"open_ratio_with_no_more_tracing": geometric_mean(&v.ratios), "walks": v.ratios.len()})
+        };
+        let against: Map<String, Value> = verdicts.iter().map(|v| (v.rule.to_owned(), rule(v))).collect();
+        let summary = json!({ "against_threshold": against, "policies": rows });
         report.headline.extend(verdicts.iter().map(Verdict::sentence));
-        report.summary.insert(mode.name().to_owned(), summary(&of_mode, &verdicts));
-        report.sections.push(section(mode, &of_mode));
+        report.summary.insert(mode.name().to_owned(), summary);
+        report.sections.push(section(mode, records));
     }
     report
 }
 
-/// Returns the field of the pixels that the viewer waits for, in percent of the frame: all of Type 3 for
-/// the paper's warp, and only those that no reference has seen in look-up modes.
+/// Returns the field of the pixels that the viewer waits for, in percent of the frame: all of Type
+/// 3 for the paper's warp, and only those that no reference has seen in look-up modes.
 fn open_name(mode: Mode) -> &'static str {
     if mode.looks_up() { "unseen_percent" } else { "type3_percent" }
 }
 
-fn kind<'a>(records: &[&'a RunRecord], kind: &str, wanted: &RunRecord) -> Vec<&'a RunRecord> {
-    records.iter().copied().filter(|r| r.text("kind") == Some(kind) && r.agrees_with(wanted)).collect()
+/// The fields of one kind of records in a mode.
+fn kind(mode: Mode, kind: &str) -> RunRecord {
+    RunRecord::default().with("mode", mode.name()).with("kind", kind)
 }
 
 /// A rule compared with [`BASELINE`] at no more tracing, walk by walk.
 struct Verdict {
     mode: &'static str,
     rule: &'static str,
-    /// Open pixels of the rule over those of the baseline, one value per walk: the geometric mean over all
-    /// amounts of tracing that either of them spent and the other reached.
+    /// Open pixels of the rule over those of the baseline, one value per walk: the geometric mean
+    /// over all amounts of tracing that either of them spent and the other reached.
     ratios: Vec<f64>,
 }
 
@@ -53,13 +58,9 @@ fn geometric_mean(values: &[f64]) -> Option<f64> {
 }
 
 impl Verdict {
-    fn ratio(&self) -> Option<f64> {
-        geometric_mean(&self.ratios)
-    }
-
     fn sentence(&self) -> String {
         let (mode, rule) = (self.mode, self.rule);
-        let Some(ratio) = self.ratio() else {
+        let Some(ratio) = geometric_mean(&self.ratios) else {
             return format!("Mode {mode}: {rule} and {BASELINE} cannot be compared; see the chart.");
         };
         let wins = self.ratios.iter().filter(|r| **r < 1.0).count();
@@ -71,7 +72,7 @@ impl Verdict {
     }
 }
 
-fn verdict(mode: Mode, rule: &'static str, records: &[&RunRecord]) -> Verdict {
+fn verdict(mode: Mode, rule: &'static str, records: &[RunRecord]) -> Verdict {
     let ratios = WALKS.iter().filter_map(|(walk, _)| {
         let baseline = curve(records, walk, BASELINE, mode);
         let ours = curve(records, walk, rule, mode);
@@ -85,9 +86,9 @@ fn verdict(mode: Mode, rule: &'static str, records: &[&RunRecord]) -> Verdict {
 }
 
 /// Returns tracing and open pixels of a rule at all its percentages on a walk, ordered by tracing.
-fn curve(records: &[&RunRecord], walk: &str, rule: &str, mode: Mode) -> Vec<[f64; 2]> {
-    let wanted = RunRecord::default().with("walk", walk).with("rule", rule);
-    let mut points: Vec<[f64; 2]> = kind(records, "summary", &wanted)
+fn curve(records: &[RunRecord], walk: &str, rule: &str, mode: Mode) -> Vec<[f64; 2]> {
+    let wanted = kind(mode, "summary").with("walk", walk).with("rule", rule);
+    let mut points: Vec<[f64; 2]> = matching(records, &wanted)
         .into_iter()
         .filter_map(|r| Some([r.number("traced_mrays")?, r.number(open_name(mode))?]))
         .collect();
@@ -95,23 +96,14 @@ fn curve(records: &[&RunRecord], walk: &str, rule: &str, mode: Mode) -> Vec<[f64
     points
 }
 
-/// Returns the fewest open pixels that a rule reaches at any of its percentages with no more tracing than
-/// `work`. More references can save the frames more tracing than they cost, so a curve may turn back and is
-/// not a function of tracing.
+/// Returns the fewest open pixels that a rule reaches at any of its percentages with no more
+/// tracing than `work`. More references can save the frames more tracing than they cost, so a curve
+/// may turn back and is not a function of tracing.
 fn least_open(curve: &[[f64; 2]], work: f64) -> Option<f64> {
     curve.iter().filter(|p| p[0] <= work).map(|p| p[1]).min_by(f64::total_cmp)
 }
 
-fn summary(records: &[&RunRecord], verdicts: &[Verdict]) -> Value {
-    let rule = |v: &Verdict| {
-        let numbers = json!({"open_ratio_with_no_more_tracing": v.ratio(), "walks": v.ratios.len()});
-        (v.rule.to_owned(), numbers)
-    };
-    let rules: Map<String, Value> = verdicts.iter().map(rule).collect();
-    json!({ "against_threshold": rules, "policies": kind(records, "summary", &RunRecord::default()) })
-}
-
-fn section(mode: Mode, records: &[&RunRecord]) -> Section {
+fn section(mode: Mode, records: &[RunRecord]) -> Section {
     let mut blocks = vec![Block::text(ABOUT), policies(mode, records), open_against_tracing(mode, records)];
     for (walk, _) in WALKS {
         let picture = |rule: &str| {
@@ -128,7 +120,8 @@ const ABOUT: &str = "Open pixels are those that a frame has to light itself: Typ
     lit pixels of a reference traced ahead that one of the next 30 frames showed. In the floor plans wedges are \
     references, brighter if they supplied more pixels; the line is the walk.";
 
-/// Columns of the table of policies: field, title and factor of the unit. Values are means over walks.
+/// Columns of the table of policies: field, title and factor of the unit. Values are means over
+/// walks.
 const COLUMNS: [(&str, &str, f64); 11] = [
     ("references", "references", 1.0),
     ("reference_secs", "seconds on them", 1.0),
@@ -143,10 +136,10 @@ const COLUMNS: [(&str, &str, f64); 11] = [
     ("cache_mb", "memory, MB", 1.0),
 ];
 
-fn policies(mode: Mode, records: &[&RunRecord]) -> Block {
+fn policies(mode: Mode, records: &[RunRecord]) -> Block {
     let line = |rule: &str, percent: f64| {
-        let wanted = RunRecord::default().with("rule", rule).with("percent", percent);
-        let found = kind(records, "summary", &wanted);
+        let wanted = kind(mode, "summary").with("rule", rule).with("percent", percent);
+        let found = matching(records, &wanted);
         let mean = |(name, _, factor): (&str, &str, f64)| {
             let values: Vec<f64> = found.iter().filter_map(|r| r.number(name)).collect();
             // NaN without values, which becomes an empty cell.
@@ -161,7 +154,7 @@ fn policies(mode: Mode, records: &[&RunRecord]) -> Block {
     )
 }
 
-fn open_against_tracing(mode: Mode, records: &[&RunRecord]) -> Block {
+fn open_against_tracing(mode: Mode, records: &[RunRecord]) -> Block {
     let point = |r: &RunRecord| {
         let (walk, rule) = (r.text("walk")?, r.text("rule")?);
         let (percent, references) = (r.number("percent")?, r.number("references")?);
@@ -169,27 +162,26 @@ fn open_against_tracing(mode: Mode, records: &[&RunRecord]) -> Block {
         Some(Point::new(r.number("traced_mrays")?, r.number(open_name(mode))?, label))
     };
     let series = |rule: &str| {
-        let found = kind(records, "summary", &RunRecord::default().with("rule", rule));
+        let found = matching(records, &kind(mode, "summary").with("rule", rule));
         Series::new(rule, Drawn::Marks, found.into_iter().filter_map(point))
     };
-    let mode = mode.name();
+    let name = mode.name();
     Block::chart(
-        format!("placement-{mode}"),
-        format!("Mode {mode}: open pixels against tracing, every walk and percentage"),
+        format!("placement-{name}"),
+        format!("Mode {name}: open pixels against tracing, every walk and percentage"),
         [Axis::logarithmic("million rays traced, references included"), Axis::linear("open pixels, %")],
         POLICIES.iter().map(|p| series(p.rule)),
     )
 }
 
-fn over_time(mode: Mode, walk: &str, records: &[&RunRecord]) -> Block {
+fn over_time(mode: Mode, walk: &str, records: &[RunRecord]) -> Block {
     let point = |r: &RunRecord| {
         let (frame, open) = (r.number("frame")?, r.number(open_name(mode))?);
         Some(Point::new(frame, open, format!("frame {frame}: {open:.1} %")))
     };
     let series = |rule: &str, percent: f64| {
-        let wanted = RunRecord::default().with("walk", walk).with("rule", rule).with("percent", percent);
-        let found = kind(records, "frame", &wanted);
-        Series::new(rule, Drawn::Line, found.into_iter().filter_map(point))
+        let wanted = kind(mode, "frame").with("walk", walk).with("rule", rule).with("percent", percent);
+        Series::new(rule, Drawn::Line, matching(records, &wanted).into_iter().filter_map(point))
     };
     let shown = POLICIES.iter().filter(|p| p.rule != "none");
     let name = mode.name();

@@ -64,8 +64,8 @@ fn turning(base: &BaseWalk<'_>) -> Option<Vec<Camera>> {
 
 /// Moves six metres through the narrowest place of the walk: a door, if there is one.
 fn narrow(base: &BaseWalk<'_>) -> Option<Vec<Camera>> {
-    /// Number of places that are probed, the distance probed to each side, and half the length of the walk, in
-    /// metres.
+    /// Number of places that are probed, the distance probed to each side, and half the length of
+    /// the walk, in metres.
     const PLACES: u32 = 400;
     const REACH_M: f64 = 10.0;
     const HALF_M: f64 = 3.0;

@@ -71,8 +71,8 @@ impl Watch {
         self.references.iter().filter(|r| r.is_prediction).count()
     }
 
-    /// Mean share of the lit pixels of a reference traced ahead that one of the next [`SOON_FRAMES`] frames
-    /// used, in percent. `None` without such references.
+    /// Mean share of the lit pixels of a reference traced ahead that one of the next
+    /// [`SOON_FRAMES`] frames used, in percent. `None` without such references.
     pub(super) fn prediction_use_percent(&self) -> Option<f64> {
         let used = |r: &Watched| 100.0 * (r.best_soon / r.lit.max(f64::MIN_POSITIVE)).min(1.0);
         let uses = self.references.iter().filter(|r| r.is_prediction).map(used);

@@ -5,9 +5,9 @@ use super::record::{RunRecord, counted};
 use crate::experiment::statistics::{median, quartiles};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Repetitions are noisy if their quartiles lie further apart than this share of their median. Measured on
-/// a run of `error-time` that shared two cores with compilers: the 22 calmest of 48 groups stayed within
-/// 13 %, the others reached 16 to 199 % (`docs/EXPERIMENTS.md`).
+/// Repetitions are noisy if their quartiles lie further apart than this share of their median.
+/// Measured on a run of `error-time` that shared two cores with compilers: the 22 calmest of 48
+/// groups stayed within 13 %, the others reached 16 to 199 % (`docs/history/LAB_DIARY.md`).
 pub const NOISY_SHARE: f64 = 0.15;
 
 /// Minimum number of repetitions for a spread.
@@ -46,8 +46,8 @@ pub fn caveats(manifest: &Manifest, records: &[RunRecord]) -> Vec<String> {
     found
 }
 
-/// Returns the distance of the quartiles of `frame_secs` as a share of the median, for every group of
-/// repetitions.
+/// Returns the distance of the quartiles of `frame_secs` as a share of the median, for every group
+/// of repetitions.
 pub fn spreads(records: &[RunRecord]) -> Vec<f64> {
     let mut groups: BTreeMap<String, Vec<f64>> = BTreeMap::new();
     for record in counted(records).filter(|r| r.number("repetition").is_some()) {

@@ -13,12 +13,13 @@ use std::time::Instant;
 pub enum CellEvent<'a> {
     /// A cell begins. The number counts the finished cells of the shard.
     Begins(&'a Cell, usize),
-    /// A cell is finished, now or in an earlier session. The number counts the finished cells of the shard.
+    /// A cell is finished, now or in an earlier session. The number counts the finished cells of
+    /// the shard.
     Done(&'a Cell, usize),
 }
 
-/// Runs the cells of the folder's shard that are not finished yet. Returns true if all are finished,
-/// false after a stop; finished cells are kept.
+/// Runs the cells of the folder's shard that are not finished yet. Returns true if all are
+/// finished, false after a stop; finished cells are kept.
 ///
 /// # Errors
 /// [`ExperimentError`] if a cell fails or cannot be stored. The cells before it are kept.

@@ -52,7 +52,8 @@ impl ExperimentContext<'_> {
         }
     }
 
-    /// Returns the camera at a share of the walk: 0 is its start, 1 its end; other shares are clamped.
+    /// Returns the camera at a share of the walk: 0 is its start, 1 its end; other shares are
+    /// clamped.
     ///
     /// # Errors
     /// [`ExperimentError::EmptyWalk`] for a walk without key frames.
@@ -63,10 +64,10 @@ impl ExperimentContext<'_> {
         self.walk.camera(frame, FRAMES).ok_or(ExperimentError::EmptyWalk)
     }
 
-    /// Returns the exposure in stops at which a view is shown and its errors are measured: the one of
-    /// the settings if given, 0 for the embedded scenes, and otherwise the metered exposure of the
-    /// converged picture `truth`. Without metering, a sunlit model may be black or white everywhere
-    /// and show no error.
+    /// Returns the exposure in stops at which a view is shown and its errors are measured: the one
+    /// of the settings if given, 0 for the embedded scenes, and otherwise the metered exposure of
+    /// the converged picture `truth`. Without metering, a sunlit model may be black or white
+    /// everywhere and show no error.
     pub fn exposure_ev(&self, truth: &[Vec3]) -> f32 {
         let is_embedded = self.tracer.scene().name.starts_with("builtin:");
         let metered = || if is_embedded { None } else { metered_exposure_ev(truth) };

@@ -4,8 +4,8 @@ use serde::Serialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-/// Returns a table with one line per record and one column per number, named by its path in the record
-/// (`types.type1_percent`). The cell of an absent value is empty.
+/// Returns a table with one line per record and one column per number, named by its path in the
+/// record (`types.type1_percent`). The cell of an absent value is empty.
 pub fn csv<T: Serialize>(records: &[T]) -> String {
     let mut columns: Vec<String> = Vec::new();
     let mut rows: Vec<BTreeMap<String, String>> = Vec::new();
@@ -19,7 +19,8 @@ pub fn csv<T: Serialize>(records: &[T]) -> String {
         }
         rows.push(cells.into_iter().collect());
     }
-    // A group that is absent in one record and present in another would leave a column of its own name.
+    // A group that is absent in one record and present in another would leave a column of its own
+    // name.
     let all = columns.clone();
     columns.retain(|group| !all.iter().any(|name| is_member(name, group)));
     let cell = |row: &BTreeMap<String, String>, column: &String| row.get(column).cloned().unwrap_or_default();

@@ -1,4 +1,5 @@
-//! The folder of a run: never overwritten, resumed by the same run, and written by one process at a time.
+//! The folder of a run: never overwritten, resumed by the same run, and written by one process at a
+//! time.
 
 use super::csv::csv;
 use super::error::ExperimentError;
@@ -32,8 +33,8 @@ impl RunFolder {
     /// Opens a new folder, or the folder of a run with the same identity and shard.
     ///
     /// # Errors
-    /// [`ExperimentError`] if the folder holds anything else, if another process is writing to it, or if
-    /// it cannot be written.
+    /// [`ExperimentError`] if the folder holds anything else, if another process is writing to it,
+    /// or if it cannot be written.
     pub fn open(
         path: &Path,
         identity: Identity,
@@ -120,7 +121,8 @@ impl RunFolder {
 /// Returns true if the folder does not exist or no run has started in it.
 fn is_new(path: &Path) -> Result<bool, ExperimentError> {
     match std::fs::read_dir(path) {
-        // A run that ended before it wrote its manifest leaves a lock and an empty folder of pictures.
+        // A run that ended before it wrote its manifest leaves a lock and an empty folder of
+        // pictures.
         Ok(mut entries) => {
             Ok(entries.all(|e| e.is_ok_and(|e| e.file_name() == LOCK || e.file_name() == "images")))
         }

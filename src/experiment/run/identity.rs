@@ -4,8 +4,8 @@ use super::record::RunRecord;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-/// The smallest part of an experiment that is finished or not: the settings that distinguish it from the
-/// other cells.
+/// The smallest part of an experiment that is finished or not: the settings that distinguish it
+/// from the other cells.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cell(pub RunRecord);
 
@@ -25,12 +25,14 @@ pub struct Identity {
 }
 
 impl Identity {
-    /// Returns a stable name of a cell: SHA-256 of the run's identity and the cell's own settings as JSON.
+    /// Returns a stable name of a cell: SHA-256 of the run's identity and the cell's own settings
+    /// as JSON.
     pub fn key(&self, cell: &Cell) -> String {
         sha256_hex(serde_json::to_string(&(self, &cell.0)).unwrap_or_default().as_bytes())
     }
 
-    /// Returns the first difference from another run's identity as a phrase, or `None` if they are equal.
+    /// Returns the first difference from another run's identity as a phrase, or `None` if they are
+    /// equal.
     pub fn difference(&self, other: &Identity) -> Option<String> {
         let found = self.fields(other).zip(other.fields(self)).find(|(ours, theirs)| ours != theirs);
         found.map(|((name, ours), (_, theirs))| format!("{name} {theirs} there, {ours} here"))

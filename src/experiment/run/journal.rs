@@ -1,5 +1,5 @@
-//! The journal of finished cells, one line per cell: appended, flushed and synced, so that a killed run loses
-//! at most the cell in progress.
+//! The journal of finished cells, one line per cell: appended, flushed and synced, so that a killed
+//! run loses at most the cell in progress.
 
 use super::error::ExperimentError;
 use super::record::RunRecord;
@@ -34,8 +34,8 @@ impl Journal {
     /// Name of the file in a run folder.
     pub const NAME: &str = "journal.jsonl";
 
-    /// Opens the journal of a folder, or creates it. A line that was not written completely is removed,
-    /// also from the file.
+    /// Opens the journal of a folder, or creates it. A line that was not written completely is
+    /// removed, also from the file.
     ///
     /// # Errors
     /// [`ExperimentError`] if the file cannot be read or written.
@@ -92,9 +92,9 @@ fn read(path: &Path) -> Result<(Vec<Done>, bool), ExperimentError> {
     if std::fs::symlink_metadata(path).is_err_and(|e| e.kind() == std::io::ErrorKind::NotFound) {
         return Ok((Vec::new(), true));
     }
-    let bytes =
-        read_bounded(path, MAX_BYTES).map_err(|e| ExperimentError::folder(path, e.cause.to_string()))?;
-    // A line without its end was being written when the run was killed, even if it happens to parse.
+    let bytes = read_bounded(path, MAX_BYTES).map_err(|e| ExperimentError::folder(path, e.cause.to_string()))?;
+    // A line without its end was being written when the run was killed, even if it happens to
+    // parse.
     let ended = bytes.iter().rposition(|b| *b == b'\n').map_or(0, |at| at + 1);
     let lines: Vec<&[u8]> = bytes[..ended].split(|b| *b == b'\n').filter(|l| !l.is_empty()).collect();
     let done: Vec<Done> = lines.iter().filter_map(|l| serde_json::from_slice(l).ok()).collect();

@@ -9,13 +9,13 @@ use crate::raster::load::read_bounded;
 use crate::raster::save::write_atomically;
 use std::path::{Path, PathBuf};
 
-/// Merges run folders into a new one. Cells that are missing in all folders stay missing; running the
-/// experiment without `--shard` into the new folder completes it. A cell of two folders is taken from the
-/// first.
+/// Merges run folders into a new one. Cells that are missing in all folders stay missing; running
+/// the experiment without `--shard` into the new folder completes it. A cell of two folders is
+/// taken from the first.
 ///
 /// # Errors
-/// [`ExperimentError`] if a folder is not a run folder, if two folders belong to different runs, or if
-/// `into` holds something else.
+/// [`ExperimentError`] if a folder is not a run folder, if two folders belong to different runs, or
+/// if `into` holds something else.
 pub fn merge(folders: &[PathBuf], into: &Path, session: Session) -> Result<RunFolder, ExperimentError> {
     let manifests = folders.iter().map(|f| read_manifest(f)).collect::<Result<Vec<Manifest>, _>>()?;
     let first = manifests.first().ok_or(ExperimentError::NothingToMerge)?;

@@ -4,13 +4,14 @@ use crate::experiment::statistics::median;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
-/// One line of a table: names with their units (`frame_secs`, `psnr_db`) and values, in insertion order.
+/// One line of a table: names with their units (`frame_secs`, `psnr_db`) and values, in insertion
+/// order.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct RunRecord(pub Map<String, Value>);
 
-/// A field whose name contains one of these depends on the clock. All other fields have the same bits in
-/// every run with the same seed.
+/// A field whose name contains one of these depends on the clock. All other fields have the same
+/// bits in every run with the same seed.
 const TIMED_NAMES: [&str; 6] = ["_secs", "speedup", "per_sec", "_ns", "_us", "_over_memory_floor"];
 
 impl RunRecord {
@@ -26,8 +27,8 @@ impl RunRecord {
         self.0.insert(name.to_owned(), value.into());
     }
 
-    /// Returns the record with every field of a structure. The fields of a nested structure are named
-    /// `group.field`.
+    /// Returns the record with every field of a structure. The fields of a nested structure are
+    /// named `group.field`.
     #[must_use]
     pub fn with_fields(mut self, fields: &impl Serialize) -> Self {
         self.add("", serde_json::to_value(fields).unwrap_or(Value::Null));

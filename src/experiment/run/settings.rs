@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 pub enum Effort {
     /// Small pictures and few steps: seconds to a few minutes on two cores.
     Quick,
-    /// The effort behind the figures of `docs/EXPERIMENTS.md`: some minutes on two cores.
+    /// The effort behind the figures of `docs/RESULTS.md`: some minutes on two cores.
     #[default]
     Usual,
 }

@@ -20,9 +20,10 @@ impl Shard {
     /// All cells.
     pub const ALL: Self = Self { index: 0, count: 1 };
 
-    /// Parses `I/N`, with I from 0 to N - 1 or from 1 to N: N counts as 0, so that both ways of counting
-    /// cover all cells. `/N` takes I from the scheduler's environment; without `text` both come from there.
-    /// Without a scheduler the shard is all cells. `variable` reads an environment variable.
+    /// Parses `I/N`, with I from 0 to N - 1 or from 1 to N: N counts as 0, so that both ways of
+    /// counting cover all cells. `/N` takes I from the scheduler's environment; without `text` both
+    /// come from there. Without a scheduler the shard is all cells. `variable` reads an environment
+    /// variable.
     ///
     /// # Errors
     /// [`ShardError`] if the text or a variable is invalid, or if a number is missing.
@@ -60,8 +61,9 @@ impl Shard {
     }
 }
 
-/// Variables for index, count, first index and step in the array jobs of Slurm, Kubernetes and AWS Batch.
-/// Kubernetes has no variable for the number of completions; the manifest in `docs/EXPERIMENTS.md` sets one.
+/// Variables for index, count, first index and step in the array jobs of Slurm, Kubernetes and AWS
+/// Batch. Kubernetes has no variable for the number of completions; the manifest in
+/// `docs/history/LAB_DIARY.md` sets one.
 const SCHEDULERS: [[&str; 4]; 3] = [
     ["SLURM_ARRAY_TASK_ID", "SLURM_ARRAY_TASK_COUNT", "SLURM_ARRAY_TASK_MIN", "SLURM_ARRAY_TASK_STEP"],
     ["JOB_COMPLETION_INDEX", "JOB_COMPLETIONS", "", ""],

@@ -1,7 +1,8 @@
-//! How frame time grows with pixels, triangles, references, lights, samples and threads, one at a time.
+//! How frame time grows with pixels, triangles, references, lights, samples and threads, one at a
+//! time.
 //!
-//! Triangles and lights are varied in a generated hall of statues, whose view stays the same however many
-//! statues stand behind the viewer. Everything else is measured in the given scene.
+//! Triangles and lights are varied in a generated hall of statues, whose view stays the same
+//! however many statues stand behind the viewer. Everything else is measured in the given scene.
 
 mod plan;
 mod report;

@@ -56,8 +56,8 @@ fn in_hall(context: &ExperimentContext<'_>, triangles: u32, lamps: u32) -> CellO
     time(&ExperimentContext { tracer: &tracer, ..*context }, &camera, REFERENCES, &context.settings.trace())
 }
 
-/// Renders one view in all modes. The modes alternate within a repetition, so that other load on the machine
-/// affects all of them equally.
+/// Renders one view in all modes. The modes alternate within a repetition, so that other load on
+/// the machine affects all of them equally.
 fn time(context: &ExperimentContext<'_>, target: &Camera, count: u32, trace: &TraceSettings) -> CellOutcome {
     let poses: Vec<Camera> = (0..count).map(|i| beside(context.tracer, target, i)).collect();
     let Some(references) = References::trace(context, &poses, trace) else { return Ok(None) };
@@ -85,8 +85,8 @@ fn time(context: &ExperimentContext<'_>, target: &Camera, count: u32, trace: &Tr
     Ok(Some(records))
 }
 
-/// Returns the camera of a reference: a step to the right of the view, a step to the left, two steps to the
-/// right, and so on, limited by the nearest surface.
+/// Returns the camera of a reference: a step to the right of the view, a step to the left, two
+/// steps to the right, and so on, limited by the nearest surface.
 fn beside(tracer: &Tracer, target: &Camera, number: u32) -> Camera {
     const STEP_M: f64 = 0.2;
     /// Maximum share of the free distance, so that no reference stands in or behind a surface.

@@ -1,5 +1,5 @@
-//! Hours of use in minutes: walking, changing mode and size, adding and clearing references, and editing
-//! the scene, long enough to reveal a leak or a slowdown.
+//! Hours of use in minutes: walking, changing mode and size, adding and clearing references, and
+//! editing the scene, long enough to reveal a leak or a slowdown.
 
 mod plan;
 mod report;

@@ -1,5 +1,5 @@
-//! G: the known artefacts of forward warping, measured against their formulas, and the same scenes in the look-up
-//! modes.
+//! G: the known artefacts of forward warping, measured against their formulas, and the same scenes
+//! in the look-up modes.
 
 use super::case::{Case, Measured, Outcome, Trial, case, worst};
 use super::pictures::{
@@ -51,7 +51,8 @@ fn holes(magnification: f64) -> Outcome {
     Ok(Measured::from(open).with_note(note))
 }
 
-/// A reference in front of the slit, which sees the back wall through it, and a view to the side and nearer.
+/// A reference in front of the slit, which sees the back wall through it, and a view to the side
+/// and nearer.
 fn slit() -> Result<(Tracer, Camera, Camera), SceneError> {
     let before = Camera::look_at(dvec(-0.75, 0.0, 5.0), dvec(-0.75, 0.0, 0.0), 40.0);
     let beside = Camera::look_at(dvec(0.15, 0.0, 5.0 / 1.05), dvec(-0.6, 0.0, 0.0), 40.0);
@@ -110,7 +111,8 @@ fn two_references(_: &Trial) -> Outcome {
     Ok(Measured::from(both.saturating_sub(better)).with_note(note))
 }
 
-/// References come from rays, never from warped frames: the sixty-fourth at a place equals the first.
+/// References come from rays, never from warped frames: the sixty-fourth at a place equals the
+/// first.
 fn generations(trial: &Trial) -> Outcome {
     let (tracer, camera) = Room::PLAIN.stage()?;
     let first = reference(&tracer, &camera, SIZE);

@@ -20,12 +20,12 @@ use glam::{DVec3, Mat3, Vec3};
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Maximum error of orthonormality of f32 axes of length one: their components are rounded once each, and so are three
-/// products and a sum. One eighth of it was measured.
+/// Maximum error of orthonormality of f32 axes of length one: their components are rounded once
+/// each, and so are three products and a sum. One eighth of it was measured.
 const ORTHONORMALITY: f64 = 8.0 * f32::EPSILON as f64;
 
-/// Maximum error of an angle in degrees: the rounding to f32 of the widest angle that is tried. One eighth of it was
-/// measured.
+/// Maximum error of an angle in degrees: the rounding to f32 of the widest angle that is tried. One
+/// eighth of it was measured.
 const FOV_ERROR_DEG: f64 = 170.0 * f32::EPSILON as f64;
 
 /// A step of a trembling camera in metres: less than an f32 resolves at the walls of the room.

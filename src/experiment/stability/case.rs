@@ -15,7 +15,8 @@ pub struct Case {
     pub expected: &'static str,
     /// Maximum of the measured value.
     pub bound: f64,
-    /// True if the value depends on the clock: such a case is not a test, and its value differs from run to run.
+    /// True if the value depends on the clock: such a case is not a test, and its value differs
+    /// from run to run.
     pub is_timed: bool,
     /// Why the case does not hold, if it is known not to.
     pub known_limit: &'static str,

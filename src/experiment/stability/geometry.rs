@@ -45,13 +45,15 @@ pub(super) const CASES: &[Case] = &[
     case("C10 a smooth cylinder of 12 segments", "steps of 255 by which light rises again", 1.0, terminator),
 ];
 
-/// Returns the share, in percent, of the pixels that see one of two coplanar faces and show the later one.
+/// Returns the share, in percent, of the pixels that see one of two coplanar faces and show the
+/// later one.
 fn later_percent(tracer: &Tracer, frame: &Frame) -> f64 {
     let count = |name: &str| frame.triangle.iter().filter(|t| is_named(tracer, **t, name)).count();
     percent(count("later"), count("later") + count("first"))
 }
 
-/// Two faces in one slanted plane with corners in different order, cut along the same diagonal or not.
+/// Two faces in one slanted plane with corners in different order, cut along the same diagonal or
+/// not.
 fn twins(is_cut_alike: bool) -> Result<(Tracer, Camera), SceneError> {
     let mut b = SceneBuilder::new("twins");
     let first = b.add_material(Material::diffuse("first", Vec3::new(0.7, 0.2, 0.1)));
@@ -98,8 +100,8 @@ fn decal(_: &Trial) -> Outcome {
     })
 }
 
-/// The room with nine triangles that cannot be traced: three with corners that are missing or not finite, and six
-/// without area.
+/// The room with nine triangles that cannot be traced: three with corners that are missing or not
+/// finite, and six without area.
 fn spoiled() -> SceneBuilder {
     let mut b = Room::PLAIN.builder();
     let (p, q) = (dvec(0.5, 0.5, 0.5), dvec(1.0, 0.25, 0.5));
@@ -169,7 +171,8 @@ fn needles(trial: &Trial) -> Outcome {
 
 fn needles_not_kept(_: &Trial) -> Outcome {
     let mut b = Room::PLAIN.builder();
-    // Slivers in front of the back wall. Each is so thin that few pixels see it; there are enough that some do.
+    // Slivers in front of the back wall. Each is so thin that few pixels see it; there are enough
+    // that some do.
     for i in 0..4000 {
         let y = 0.5 + f64::from(i) * 5e-4;
         let corners = [dvec(-2.9, y, -3.0), dvec(2.9, y, -3.0), dvec(0.0, y + 4e-5, -3.0)];
@@ -314,7 +317,8 @@ fn terminator(_: &Trial) -> Outcome {
     let frame = full(&tracer(b)?, &Camera::look_at(dvec(0.0, 0.0, 5.0), DVec3::ZERO, 22.0));
     let shown = srgb(&frame);
     let row = &shown[(SIZE[1] / 2 * SIZE[0]) as usize..][..SIZE[0] as usize];
-    // The sun is on the right: from right to left light must not rise again once it has begun to fall.
+    // The sun is on the right: from right to left light must not rise again once it has begun to
+    // fall.
     let lit: Vec<i32> = row.iter().rev().map(|c| i32::from(c[0])).skip_while(|c| *c == 0).collect();
     let brightest = lit.iter().enumerate().max_by_key(|(_, c)| **c).map_or(0, |(i, _)| i);
     let largest = |step: fn(&[i32]) -> i32| lit[brightest..].windows(2).map(step).max().unwrap_or(0);

@@ -157,7 +157,8 @@ fn fresnel_sum(trial: &Trial) -> Outcome {
         let sum = f64::from(fresnel_dielectric(cos, eta)) + transmitted(f64::from(cos), f64::from(eta));
         (sum - 1.0).abs()
     };
-    // Within a thousandth of the critical angle the square root amplifies the rounding of the cosine.
+    // Within a thousandth of the critical angle the square root amplifies the rounding of the
+    // cosine.
     let is_critical = |i: &u32| {
         let (u, v) = pair(*i);
         let (u, eta) = (f64::from(u), 1.0 + 1.4 * f64::from(v));
@@ -239,7 +240,8 @@ fn light_on_wall(_: &Trial) -> Outcome {
     })
 }
 
-/// The irradiance of a point light is bounded where it is nearer than a thousandth of a unit, and nowhere else.
+/// The irradiance of a point light is bounded where it is nearer than a thousandth of a unit, and
+/// nowhere else.
 fn clamps_counted(_: &Trial) -> Outcome {
     total([(1e-6, 1), (0.5, 0)], |(distance_m, expected)| {
         let mut b = Room::SHINY.builder();

@@ -1,8 +1,8 @@
-//! Ill-conditioned and extreme cases, each with what must hold, what was measured and the bound: scale,
-//! camera, geometry, materials, cache, theorems of rays, and the known artefacts of warping.
+//! Ill-conditioned and extreme cases, each with what must hold, what was measured and the bound:
+//! scale, camera, geometry, materials, cache, theorems of rays, and the known artefacts of warping.
 //!
-//! A case is data and a function that measures; the program decides, not a person. A case that cannot hold
-//! states why.
+//! A case is data and a function that measures; the program decides, not a person. A case that
+//! cannot hold states why.
 
 mod artefacts;
 mod cache;

@@ -50,7 +50,8 @@ pub(super) fn picture(
     renderer.into_frame()
 }
 
-/// Renders in mode `exact` with one sparse reference at `from`, in which a share of the bits is flipped.
+/// Renders in mode `exact` with one sparse reference at `from`, in which a share of the bits is
+/// flipped.
 pub(super) fn exact(tracer: &Tracer, from: &Camera, camera: &Camera, flipped_share: f32) -> Frame {
     let mut cache = ReferenceCache::new(tracer.scene(), 1 << 30);
     let known = cache.snapshot();
@@ -66,8 +67,8 @@ pub(super) fn exact(tracer: &Tracer, from: &Camera, camera: &Camera, flipped_sha
     renderer.into_frame()
 }
 
-/// Returns the least time of the first task over the least time of the second. The least times are those with the
-/// least disturbance by other programs.
+/// Returns the least time of the first task over the least time of the second. The least times are
+/// those with the least disturbance by other programs.
 pub(super) fn fastest_ratio(rounds: u32, mut both: impl FnMut() -> [f64; 2]) -> f64 {
     let [a, b] = (0..rounds)
         .map(|_| both())
@@ -137,8 +138,8 @@ pub(super) fn srgb(frame: &Frame) -> Vec<[u8; 3]> {
     display_picture(frame, 0.0, ToneMap::Aces)
 }
 
-/// Renders a clear object in uniform white light, where it must be invisible, and returns the share of pixels, in
-/// percent, that are off by more than 2 %. Cutting weak branches may cost that much.
+/// Renders a clear object in uniform white light, where it must be invisible, and returns the share
+/// of pixels, in percent, that are off by more than 2 %. Cutting weak branches may cost that much.
 pub(super) fn seen_in_white(mut b: SceneBuilder, camera: &Camera) -> Outcome {
     b.sky = Some(Sky { zenith: Vec3::ONE, horizon: Vec3::ONE, ground: Vec3::ONE });
     let frame = full(&tracer(b)?, camera);

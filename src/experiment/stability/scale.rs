@@ -111,8 +111,8 @@ fn stadium(at: DVec3, has_walls: bool) -> Result<Tracer, ExperimentError> {
     Ok(tracer(b)?)
 }
 
-/// Returns the number of pixels in which the ball is visible either alone or in the stadium but not both, in percent
-/// of those in which it is visible alone.
+/// Returns the number of pixels in which the ball is visible either alone or in the stadium but not
+/// both, in percent of those in which it is visible alone.
 fn silhouette_percent(at: DVec3) -> Result<f64, ExperimentError> {
     let camera = Camera::look_at(at + dvec(0.0, 0.0, 0.01), at, 1.0);
     let silhouette = |has_walls: bool| -> Result<Vec<bool>, ExperimentError> {

@@ -79,7 +79,8 @@ fn no_self_hits(trial: &Trial) -> Outcome {
     Ok(self_hits(&tracer, &all, trial.tries).into())
 }
 
-/// Intersects by Moeller and Trumbore in f64. Returns the distance and the least barycentric coordinate.
+/// Intersects by Moeller and Trumbore in f64. Returns the distance and the least barycentric
+/// coordinate.
 fn hit_f64(ray: &Ray, triangle: &[Vec3; 3]) -> Option<(f64, f64)> {
     let [a, b, c] = triangle.map(Vec3::as_dvec3);
     let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
@@ -92,7 +93,8 @@ fn hit_f64(ray: &Ray, triangle: &[Vec3; 3]) -> Option<(f64, f64)> {
     (t > 0.0 && det != 0.0).then_some((t, u.min(v).min(1.0 - u - v)))
 }
 
-/// Compares 200 scenes. All rays together are a tenth of the tries, because every ray is tested against every triangle.
+/// Compares 200 scenes. All rays together are a tenth of the tries, because every ray is tested
+/// against every triangle.
 fn against_f64(trial: &Trial) -> Outcome {
     const SCENES: u32 = 200;
     const MARGIN: f64 = 1e-5;
@@ -121,7 +123,8 @@ fn against_f64(trial: &Trial) -> Outcome {
     Ok(Measured::from(wrong).with_note(format!("{} rays in {SCENES} scenes", rays * SCENES)))
 }
 
-/// Returns rays that start among the triangles; with `is_broken`, one component of each is invalid or extreme.
+/// Returns rays that start among the triangles; with `is_broken`, one component of each is invalid
+/// or extreme.
 fn rays(count: u32, is_broken: bool) -> Vec<Ray> {
     let broken = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 0.0, f32::MAX, f32::MIN_POSITIVE / 4.0];
     let ray = |i: u32| {

@@ -22,10 +22,12 @@ struct ViewFile {
     references: [CameraKey; 2],
 }
 
-/// Positions of another scene's references relative to the middle of its walk, as shares of the walk.
+/// Positions of another scene's references relative to the middle of its walk, as shares of the
+/// walk.
 const WALK_SHARES: [f64; 2] = [-0.02, 0.02];
 
-/// Returns the views of the file for its scene, and for any other scene views around the middle of its walk.
+/// Returns the views of the file for its scene, and for any other scene views around the middle of
+/// its walk.
 pub(super) fn views(context: &ExperimentContext<'_>) -> Result<Views, ExperimentError> {
     let file: ViewFile = toml::from_str(CHOSEN)
         .map_err(|e| ExperimentError::Unsuitable(format!("the views of table1 are invalid: {e}")))?;

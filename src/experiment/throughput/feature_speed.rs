@@ -12,17 +12,19 @@ use serde::Serialize;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Number of pairs of frames that are timed. More than for other figures, because the goal is a difference of
-/// 1 %.
+/// Number of pairs of frames that are timed. More than for other figures, because the goal is a
+/// difference of 1 %.
 const PAIRS: usize = 15;
 
-/// Additional time of a frame with every feature forced on, in percent of a frame with the features that the scene
-/// needs: the median of pairs. With one sample per light, so that shading does not hide the cost per pixel and ray.
+/// Additional time of a frame with every feature forced on, in percent of a frame with the features
+/// that the scene needs: the median of pairs. With one sample per light, so that shading does not
+/// hide the cost per pixel and ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct FeatureSpeed {
     /// Additional time in mode `full`.
     pub forced_full_percent: f64,
-    /// Additional time in mode `exact`, with a reference ahead of the view and the light of earlier frames known.
+    /// Additional time in mode `exact`, with a reference ahead of the view and the light of earlier
+    /// frames known.
     pub forced_exact_percent: f64,
 }
 

@@ -34,7 +34,8 @@ pub struct Throughput {
     #[serde(flatten)]
     #[serde(rename = "needs")]
     pub features: FeatureSpeed,
-    /// Microseconds of wall time for the diffuse light of one first hit, shadow rays included, on all threads.
+    /// Microseconds of wall time for the diffuse light of one first hit, shadow rays included, on
+    /// all threads.
     pub shade_us_per_pixel: f64,
     pub build_secs: f64,
     pub bvh_bytes: usize,
@@ -43,8 +44,8 @@ pub struct Throughput {
     pub diffuse_rays: usize,
 }
 
-/// Times every stage on a view and returns the figures with the rays that were timed. `on_part` receives
-/// the name of each stage before it is timed. `None` after a stop.
+/// Times every stage on a view and returns the figures with the rays that were timed. `on_part`
+/// receives the name of each stage before it is timed. `None` after a stop.
 pub fn measure_throughput(
     tracer: &Tracer,
     settings: &ThroughputSettings,

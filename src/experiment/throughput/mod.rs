@@ -1,8 +1,8 @@
 //! The speed of the stages: rays by kind, the warp against the memory bound, shading.
 //!
-//! Rays are gathered first and timed alone, so that the figures are those of the hierarchy and can be
-//! compared with another library's on the same rays ([`RayDump`]). Every figure is the median of five
-//! rounds after one round that is not counted.
+//! Rays are gathered first and timed alone, so that the figures are those of the hierarchy and can
+//! be compared with another library's on the same rays ([`RayDump`]). Every figure is the median of
+//! five rounds after one round that is not counted.
 
 mod feature_speed;
 mod figures;

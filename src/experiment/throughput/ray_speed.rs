@@ -28,8 +28,8 @@ fn rate_of(rays: &[Ray], count_hits: impl Fn(&Ray) -> bool + Sync) -> f64 {
     rays.len() as f64 / secs / 1e6
 }
 
-/// Million rays per second for the nearest hit. Cut-out texels and glass count as surfaces, as in other
-/// libraries, so that the rates are comparable.
+/// Million rays per second for the nearest hit. Cut-out texels and glass count as surfaces, as in
+/// other libraries, so that the rates are comparable.
 pub(super) fn closest_rate(bvh: &Bvh, rays: &[Ray]) -> f64 {
     rate_of(rays, |ray| bvh.closest(ray, |_| true).is_some())
 }
@@ -50,8 +50,8 @@ pub(super) fn bundle_rate(bvh: &Bvh, bundles: &[RayBundle], rays: usize) -> f64 
     if rays == 0 { 0.0 } else { rays as f64 / secs / 1e6 }
 }
 
-/// Million primary rays per second in tiles. Cut-out texels are tested; rays beyond the edge of the picture are
-/// not counted.
+/// Million primary rays per second in tiles. Cut-out texels are tested; rays beyond the edge of the
+/// picture are not counted.
 pub(super) fn tile_rate(tracer: &Tracer, view: &View) -> f64 {
     let side = TILE_SIDE as u32;
     let [columns, rows] = view.size.map(|s| s.div_ceil(side));

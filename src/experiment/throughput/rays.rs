@@ -42,9 +42,10 @@ pub(super) fn first_hits(
 }
 
 impl RayDump {
-    /// Returns the triangles and rays in a binary format for other programs, little-endian: `RAYS0001`, the
-    /// number of triangles as u64, their corners as f32; then twice (nearest hit, any hit) the number of rays
-    /// as u64 and eight f32 per ray: origin, minimum t, direction, maximum t.
+    /// Returns the triangles and rays in a binary format for other programs, little-endian:
+    /// `RAYS0001`, the number of triangles as u64, their corners as f32; then twice (nearest hit,
+    /// any hit) the number of rays as u64 and eight f32 per ray: origin, minimum t, direction,
+    /// maximum t.
     pub fn to_bytes(&self, tracer: &Tracer) -> Vec<u8> {
         let scene = tracer.scene();
         let count = scene.triangles.len();
@@ -81,8 +82,8 @@ pub(super) fn diffuse_rays(points: &[(u32, SurfacePoint)], seed: u64) -> Vec<Ray
     points.iter().map(ray).collect()
 }
 
-/// Returns the shadow rays that shading the points traces; if they exceed [`MAX_RAYS`], those of evenly spread
-/// points.
+/// Returns the shadow rays that shading the points traces; if they exceed [`MAX_RAYS`], those of
+/// evenly spread points.
 pub(super) fn shadow_bundles(
     tracer: &Tracer,
     points: &[(u32, SurfacePoint)],

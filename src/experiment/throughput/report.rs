@@ -3,7 +3,8 @@
 use crate::experiment::run::report::{Block, Section};
 use crate::experiment::run::{Identity, Report, RunRecord};
 
-/// Reports the figures as they are. The summary has them under the same names as the answer without a run folder.
+/// Reports the figures as they are. The summary has them under the same names as the answer without
+/// a run folder.
 pub(crate) fn report(identity: &Identity, records: &[RunRecord]) -> Report {
     let Some(figures) = records.first() else { return Report::default() };
     let mut summary = figures.0.clone();

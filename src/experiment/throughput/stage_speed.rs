@@ -24,8 +24,8 @@ const LOOKED_UP_BYTES: f64 = 12.0;
 /// Bytes of a reference pixel that inserting it into the directory reads: disparity, light.
 const ENTERED_BYTES: f64 = 8.0;
 
-/// The stages of a frame in mode `exact`, on all threads. The view is a hundredth of the scene's diagonal ahead
-/// of one reference and the same distance behind the other.
+/// The stages of a frame in mode `exact`, on all threads. The view is a hundredth of the scene's
+/// diagonal ahead of one reference and the same distance behind the other.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct StageSpeed {
     /// Time of tiles of primary rays, their look-ups, and writing the pixels.
@@ -83,7 +83,7 @@ pub(crate) fn stage_speed(tracer: &Tracer, settings: &ThroughputSettings, floors
     let frames = frames(tracer, &camera, settings, &cache);
     let view = View::new(&camera, &tracer.scene().frame, settings.size);
     let lookup = LookupSet::new(&cache, tracer.epoch());
-    let foresight_secs = median_secs(|| {
+    let prediction_secs = median_secs(|| {
         black_box(open_percent(tracer, &view, &lookup, None));
     });
     let pixels = view.pixel_count().max(1) as f64;
@@ -91,7 +91,7 @@ pub(crate) fn stage_speed(tracer: &Tracer, settings: &ThroughputSettings, floors
     let read_ns = |bytes: f64| bytes / floors.memory_gb_per_sec;
     StageSpeed {
         lookup_floor_ns_per_pixel: read_ns(LOOKED_UP_BYTES * REFERENCES as f64),
-        foresight_ms: foresight_secs * 1e3,
+        foresight_ms: prediction_secs * 1e3,
         foresight_floor_ms: tile_ns * pixels / 16.0 / 1e6,
         directory_ms: median(directory_secs).unwrap_or(f64::NAN) * 1e3,
         directory_floor_ms: read_ns(ENTERED_BYTES) * pixels / 1e6,

@@ -19,7 +19,8 @@ pub struct WarpSpeed {
     pub warp_ns_per_reference_pixel: f64,
     /// Nanoseconds on one core.
     pub warp_ns_per_reference_pixel_one_core: f64,
-    /// Nanoseconds on one core with cold caches, as in a frame, where tracing comes between two warps.
+    /// Nanoseconds on one core with cold caches, as in a frame, where tracing comes between two
+    /// warps.
     pub warp_from_memory_ns_per_reference_pixel_one_core: f64,
     /// The time with cold caches over the time of a stream on one core.
     pub warp_over_memory_floor: f64,
@@ -32,8 +33,8 @@ pub struct WarpSpeed {
 /// Number of pixels streamed to measure memory bandwidth: 400 MB in total, more than any cache.
 const STREAMED_PIXELS: usize = 32 << 20;
 
-/// Bytes that a warp must move per pixel: a disparity read and a key written. A processor also fetches a line
-/// before it writes to it; the measured bandwidth includes this.
+/// Bytes that a warp must move per pixel: a disparity read and a key written. A processor also
+/// fetches a line before it writes to it; the measured bandwidth includes this.
 const MIN_BYTES_PER_PIXEL: usize = size_of::<f32>() + size_of::<u64>();
 
 /// Times the warp of a reference at the view to the view of [`moved`].

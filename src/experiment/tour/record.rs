@@ -1,6 +1,7 @@
 //! Records of a tour: one per frame, one per reference, and a summary.
 //!
-//! The names are part of the command line's interface; units are seconds, metres, degrees and percent.
+//! The names are part of the command line's interface; units are seconds, metres, degrees and
+//! percent.
 
 use crate::camera::Camera;
 use crate::experiment::measure::Measurement;
@@ -153,15 +154,15 @@ pub struct MeasuredSummary {
     pub full_flip_mean_median: f64,
     pub see_through_percent_median: f64,
     pub truth_samples: u32,
-    /// Approximate PSNR that a noise-free picture would be measured at, because the converged picture has
-    /// noise of its own.
+    /// Approximate PSNR that a noise-free picture would be measured at, because the converged
+    /// picture has noise of its own.
     pub truth_noise_psnr_db: f64,
     pub noise: String,
 }
 
 impl TourRecord {
-    /// Summarises the records. `samples` and `truth_samples` are the shadow rays per light and pixel of the
-    /// frames and of the converged pictures.
+    /// Summarises the records. `samples` and `truth_samples` are the shadow rays per light and
+    /// pixel of the frames and of the converged pictures.
     pub fn new(
         frames: Vec<FrameRecord>,
         references: Vec<ReferenceRecord>,
@@ -217,7 +218,8 @@ impl MeasuredSummary {
         let frame_secs_median = median(frames.iter().map(|f| f.frame_secs))?;
         let walk_secs = frames.iter().map(|f| f.frame_secs).sum::<f64>() + reference_secs;
         let full_psnr_db_median = median(of(|m| m.full_psnr_db))?;
-        // Variance is inversely proportional to samples: full tracing's error is its own noise plus the truth's.
+        // Variance is inversely proportional to samples: full tracing's error is its own noise plus
+        // the truth's.
         let ratio = f64::from(samples + truth_samples) / f64::from(samples.max(1));
         let truth_noise_psnr_db = full_psnr_db_median + 10.0 * ratio.log10();
         Some(Self {

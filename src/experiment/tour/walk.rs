@@ -1,5 +1,5 @@
-//! The measured walk: the walkthrough of the window, frame by frame, with every reference traced between two
-//! frames.
+//! The measured walk: the walkthrough of the window, frame by frame, with every reference traced
+//! between two frames.
 
 use super::record::{FrameRecord, Pose, ReferenceRecord, TourRecord};
 use crate::camera::{Camera, CameraPath};
@@ -22,7 +22,8 @@ pub struct TourSettings {
     pub size: [u32; 2],
     /// Number of frames from the start of the walk to its end.
     pub frames: u32,
-    /// Time limit of a frame. A frame that reaches it stays incomplete; `None` finishes every frame.
+    /// Time limit of a frame. A frame that reaches it stays incomplete; `None` finishes every
+    /// frame.
     pub budget: Option<Duration>,
     /// How frames are measured; `None` measures none.
     pub measure: Option<MeasureSettings>,
@@ -39,15 +40,16 @@ pub enum TourEvent<'a> {
     TruthNotKept(&'a SaveError),
 }
 
-/// Renders the frames along `path` and records each. A reference that the policy requests after a frame is
-/// traced at once and used from the next frame on. References that the policy requests ahead are traced before
-/// frame 0. After `cancel` the finished frames are returned.
+/// Renders the frames along `path` and records each. A reference that the policy requests after a
+/// frame is traced at once and used from the next frame on. References that the policy requests
+/// ahead are traced before frame 0. After `cancel` the finished frames are returned.
 ///
-/// Frame 0 is rendered once before the walk, unrecorded, so that no recorded frame pays for first touching
-/// memory.
+/// Frame 0 is rendered once before the walk, unrecorded, so that no recorded frame pays for first
+/// touching memory.
 ///
 /// # Errors
-/// [`ExperimentError`] if the walk has no key frames or an invalid pose, or if a frame cannot be measured.
+/// [`ExperimentError`] if the walk has no key frames or an invalid pose, or if a frame cannot be
+/// measured.
 pub fn run_tour(
     tracer: &Arc<Tracer>,
     path: &CameraPath,
@@ -128,7 +130,8 @@ fn cameras(path: &CameraPath, frames: u32) -> Result<Vec<Camera>, ExperimentErro
         .collect()
 }
 
-/// Renders the first frame in full with the buffers of the walkthrough. Returns its time in seconds.
+/// Renders the first frame in full with the buffers of the walkthrough. Returns its time in
+/// seconds.
 fn warm_up(walk: &mut Walkthrough, camera: &Camera, settings: &TourSettings, stop: Stop<'_>) -> f64 {
     let render = RenderSettings { mode: Mode::Full, ..settings.walkthrough.render };
     walk.set_settings(WalkthroughSettings { render, ..settings.walkthrough });
@@ -179,7 +182,8 @@ fn references_ahead(
     references
 }
 
-/// Traces a reference at a pose and inserts it into the cache. `None` after a stop or if it is rejected.
+/// Traces a reference at a pose and inserts it into the cache. `None` after a stop or if it is
+/// rejected.
 fn add_reference(
     walk: &mut Walkthrough,
     settings: &TourSettings,
