@@ -23,7 +23,11 @@ pub const EXPERIMENTS: &[Experiment] = &[
     experiment!("table1", "the paper's Table 1 and figures 2 to 4", table1),
     experiment!("error-time", "error against seconds per frame, all modes", error_time),
     experiment!("placement", "where references should stand: all rules on the same walks", placement),
-    experiment!("scaling", "frame time by pixels, triangles, references, lights, samples and threads", scaling),
+    experiment!(
+        "scaling",
+        "frame time by pixels, triangles, references, lights, samples and threads",
+        scaling
+    ),
     experiment!("throughput", "the speed of each stage against its lower bound", throughput),
     experiment!("stability", "ill-conditioned and extreme cases: what must hold, measured", stability),
     experiment!("soak", "walking for half an hour: memory and frame times must stay constant", soak),

@@ -20,9 +20,7 @@ pub(crate) fn report(_: &Identity, records: &[RunRecord]) -> Report {
         }
         let rules = ["predictive", "greedy", "grid"];
         let verdicts = rules.map(|rule| verdict(mode, rule, records));
-        let rule = |v: &Verdict| {
-            json!({"open_ratio_with_no_more_tracing": geometric_mean(&v.ratios), "walks": v.ratios.len()})
-        };
+        let rule = |v: &Verdict| json!({"open_ratio_with_no_more_tracing": geometric_mean(&v.ratios), "walks": v.ratios.len()});
         let against: Map<String, Value> = verdicts.iter().map(|v| (v.rule.to_owned(), rule(v))).collect();
         let summary = json!({ "against_threshold": against, "policies": rows });
         report.headline.extend(verdicts.iter().map(Verdict::sentence));

@@ -92,7 +92,8 @@ fn read(path: &Path) -> Result<(Vec<Done>, bool), ExperimentError> {
     if std::fs::symlink_metadata(path).is_err_and(|e| e.kind() == std::io::ErrorKind::NotFound) {
         return Ok((Vec::new(), true));
     }
-    let bytes = read_bounded(path, MAX_BYTES).map_err(|e| ExperimentError::folder(path, e.cause.to_string()))?;
+    let bytes =
+        read_bounded(path, MAX_BYTES).map_err(|e| ExperimentError::folder(path, e.cause.to_string()))?;
     // A line without its end was being written when the run was killed, even if it happens to
     // parse.
     let ended = bytes.iter().rposition(|b| *b == b'\n').map_or(0, |at| at + 1);
