@@ -7,41 +7,8 @@ use crate::scene::{MaterialId, SceneBuilder};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 
-/// The shape of a statue.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Figure {
-    /// A head on shoulders.
-    Bust,
-    /// A twisted, ribbed vase.
-    Vase,
-    /// A torus knot with these numbers of windings.
-    Knot(u8, u8),
-    /// A sphere with ripples.
-    Ripples,
-    /// A sphere deformed into a smooth boulder.
-    Boulder,
-    /// A square pillar that twists and tapers towards its tip.
-    Spire,
-    /// Three linked rings.
-    Rings,
-    /// A closed band of varying width.
-    Band,
-}
-
-impl Figure {
-    pub(super) fn add_to(self, b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
-        match self {
-            Self::Bust => bust(b, frame, material),
-            Self::Vase => vase(b, frame, material),
-            Self::Knot(p, q) => knot(b, frame, [p.into(), q.into()], material),
-            Self::Ripples => ripples(b, frame, material),
-            Self::Boulder => boulder(b, frame, material),
-            Self::Spire => spire(b, frame, material),
-            Self::Rings => rings(b, frame, material),
-            Self::Band => band(b, frame, material),
-        }
-    }
-}
+/// Adds a statue to a scene.
+pub(super) type Figure = fn(&mut SceneBuilder, &Local, MaterialId);
 
 /// Sections of the bust from the chest to the crown: share of the height, half width, depth to the
 /// front, depth to the back, and offset to the front; metres.
@@ -85,11 +52,11 @@ const BUST_FEATURES: [[f64; 5]; 13] = [
     [-1.62, 0.10, 0.675, 0.035, 0.018],
 ];
 
-fn bust(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
+/// Adds a head on shoulders.
+pub(super) fn bust(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
     foot(b, frame, [0.085, 0.06], material);
     let stand = frame.moved(DVec3::Y * 0.05);
-    let grid = Grid { nu: 96, nv: 80, u: Closing::Around, v: Closing::Poles };
-    grid.add_to(b, &stand, material, |u, v| {
+    Grid { nu: 96, nv: 80, u: Closing::Around, v: Closing::Poles }.add_to(b, &stand, material, |u, v| {
         // The first rows close the chest.
         let h = ((v - 0.03) / 0.97).max(0.0);
         let shrink = (v / 0.03).min(1.0);
@@ -139,8 +106,7 @@ fn relief(bearing: f64, h: f64) -> f64 {
 
 /// Adds a round foot below a statue.
 fn foot(b: &mut SceneBuilder, frame: &Local, [radius, height]: [f64; 2], material: MaterialId) {
-    let grid = Grid { nu: 40, nv: 16, u: Closing::Around, v: Closing::Open };
-    grid.add_to(b, frame, material, |u, v| {
+    Grid { nu: 40, nv: 16, u: Closing::Around, v: Closing::Open }.add_to(b, frame, material, |u, v| {
         let waist = 1.0 - 0.35 * (v * PI).sin() - 0.25 * v;
         on_circle(u, radius * waist, v * height)
     });
@@ -151,7 +117,8 @@ fn rod(b: &mut SceneBuilder, frame: &Local, height: f64, material: MaterialId) {
     bar(b, [frame.origin, frame.point(DVec3::Y * height)], 0.025, 24, material);
 }
 
-fn vase(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
+/// Adds a twisted, ribbed vase.
+pub(super) fn vase(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
     let radius =
         |v: f64| 0.10 + 0.17 * (v.powf(0.8) * PI).sin().powf(1.3) + 0.09 * (v - 0.86).max(0.0) / 0.14;
     let grid = Grid { nu: 110, nv: 44, u: Closing::Around, v: Closing::Open };
@@ -165,13 +132,15 @@ fn vase(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
     inside.add_to(b, frame, material, |u, v| at(u, 1.0 - 0.4 * v, 0.018 * (v * 6.0).min(1.0)));
 }
 
-fn knot(b: &mut SceneBuilder, frame: &Local, windings: [f64; 2], material: MaterialId) {
+/// Adds a torus knot with `P` and `Q` windings.
+pub(super) fn knot<const P: u32, const Q: u32>(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
     rod(b, frame, 0.2, material);
     let middle = frame.moved(DVec3::Y * 0.62);
-    torus_knot(b, &middle, [20, 300], windings, [0.3, 0.066], material);
+    torus_knot(b, &middle, [20, 300], [f64::from(P), f64::from(Q)], [0.3, 0.066], material);
 }
 
-fn ripples(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
+/// Adds a sphere with ripples.
+pub(super) fn ripples(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
     foot(b, frame, [0.16, 0.07], material);
     let middle = frame.moved(DVec3::Y * 0.47);
     icosphere(b, &middle, 5, material, |d| {
@@ -180,7 +149,8 @@ fn ripples(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
     });
 }
 
-fn boulder(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
+/// Adds a sphere deformed into a smooth boulder.
+pub(super) fn boulder(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
     let middle = frame.moved(DVec3::Y * 0.44);
     icosphere(b, &middle, 5, material, |d| {
         let swell =
@@ -191,9 +161,9 @@ fn boulder(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
     });
 }
 
-fn spire(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
-    let grid = Grid { nu: 80, nv: 64, u: Closing::Around, v: Closing::Open };
-    grid.add_to(b, frame, material, |u, v| {
+/// Adds a square pillar that twists and tapers towards its tip.
+pub(super) fn spire(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
+    Grid { nu: 80, nv: 64, u: Closing::Around, v: Closing::Open }.add_to(b, frame, material, |u, v| {
         let angle = u * TAU;
         // Superellipse: a square with round edges.
         let square = (angle.cos().abs().powi(6) + angle.sin().abs().powi(6)).powf(-1.0 / 6.0);
@@ -204,7 +174,8 @@ fn spire(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
     icosphere(b, &tip, 3, material, |d| d * 0.04);
 }
 
-fn rings(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
+/// Adds three linked rings.
+pub(super) fn rings(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
     let cells = [112, 22];
     for (x, y, tilt) in [(-0.17, 0.30, 78.0), (0.17, 0.34, 102.0), (0.0, 0.66, 90.0)] {
         let (sin, cos) = f64::to_radians(tilt).sin_cos();
@@ -223,7 +194,8 @@ fn rings(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
     torus(b, &frame.moved(DVec3::Y * 0.02), [64, 14], [0.3, 0.02], material);
 }
 
-fn band(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
+/// Adds a closed band of varying width.
+pub(super) fn band(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
     rod(b, frame, 0.2, material);
     let middle = frame.moved(DVec3::Y * 0.6);
     let curve = |v: f64| {

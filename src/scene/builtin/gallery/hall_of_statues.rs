@@ -3,13 +3,13 @@
 //!
 //! The view and the size of the hall do not depend on the number of statues: only the BVH grows.
 
-use super::figures::Figure;
+use super::figures::{Figure, bust, knot, rings, ripples, vase};
 use crate::camera::Camera;
 use crate::scene::builtin::shapes::{Local, ceiling, floor};
 use crate::scene::{Material, MaterialId, NamedView, Scene, SceneBuilder, SceneError};
 use glam::{DVec3, Vec2, Vec3};
 
-const FIGURES: [Figure; 5] = [Figure::Bust, Figure::Vase, Figure::Knot(2, 3), Figure::Ripples, Figure::Rings];
+const FIGURES: [Figure; 5] = [bust, vase, knot::<2, 3>, ripples, rings];
 
 /// Half the side length of the hall in metres.
 const HALF_M: f64 = 60.0;
@@ -53,7 +53,7 @@ pub fn statue_hall(triangles: usize, lamps: u32) -> Result<Scene, SceneError> {
 }
 
 fn statue(b: &mut SceneBuilder, number: usize, place: DVec3, material: MaterialId) {
-    FIGURES[number % FIGURES.len()].add_to(b, &Local::turned(place, 15.0 * (number % 24) as f64), material);
+    FIGURES[number % FIGURES.len()](b, &Local::turned(place, 15.0 * (number % 24) as f64), material);
 }
 
 fn hall(b: &mut SceneBuilder, material: MaterialId) {

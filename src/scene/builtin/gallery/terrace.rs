@@ -54,8 +54,7 @@ fn railing(b: &mut SceneBuilder, p: &Palette, [x0, x1]: [f64; 2]) {
 /// Adds a baluster: a lathed rod with two slightly thicker knops that ends inside the hand rail.
 fn baluster(b: &mut SceneBuilder, p: &Palette, foot: DVec3) {
     let [nu, nv] = BALUSTER_CELLS;
-    let grid = Grid { nu, nv, u: Closing::Around, v: Closing::Open };
-    grid.add_to(b, &Local::at(foot), p.iron, |u, v| {
+    Grid { nu, nv, u: Closing::Around, v: Closing::Open }.add_to(b, &Local::at(foot), p.iron, |u, v| {
         let knop = |at: f64| 0.6 * (-((v - at) / 0.045).powi(2)).exp();
         let radius = BALUSTER_RADIUS_M * (0.7 + knop(0.28) + knop(0.72)).min(1.0);
         on_circle(u, radius, v * RAIL_HEIGHT_M)

@@ -132,8 +132,7 @@ pub(crate) fn fluted_shaft(
             let hollow = DEPTH_PER_RADIUS * (1.0 - across * across).max(0.0).sqrt() * apse;
             on_circle(from + u * pitch * FLUTE_SHARE, radius_at(v) * (1.0 - hollow), v * height)
         });
-        let fillet = Grid { nu: 1, nv: rows, u: Closing::Open, v: Closing::Open };
-        fillet.add_to(b, frame, material, |u, v| {
+        Grid { nu: 1, nv: rows, u: Closing::Open, v: Closing::Open }.add_to(b, frame, material, |u, v| {
             let v = crowded(v);
             let turn = if u < 0.5 { from + pitch * FLUTE_SHARE } else { from + pitch };
             on_circle(if turn >= 1.0 - 1e-9 { 0.0 } else { turn }, radius_at(v), v * height)

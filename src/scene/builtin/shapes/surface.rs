@@ -123,8 +123,7 @@ pub(crate) fn lathe(
     material: MaterialId,
 ) {
     let nv = profile.len() as u32 - 1;
-    let grid = Grid { nu: segments, nv, u: Closing::Around, v: Closing::Open };
-    grid.add_to(b, frame, material, |u, v| {
+    Grid { nu: segments, nv, u: Closing::Around, v: Closing::Open }.add_to(b, frame, material, |u, v| {
         let [radius, height] = profile[(v * f64::from(nv)).round() as usize];
         on_circle(u, radius, height)
     });
