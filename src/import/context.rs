@@ -1,12 +1,9 @@
 //! The context of one import, shared by the readers of all formats.
 
-use super::files::Jail;
-use super::options::ImportOptions;
+use super::files::{Jail, unreadable};
 use super::progress::{Phase, Steps};
-use super::report::Tally;
-use super::search::Finder;
-use super::sidecar::Sidecar;
 use super::units::{Unit, Up};
+use super::{options::ImportOptions, report::Tally, search::Finder, sidecar::Sidecar};
 use crate::scene::{Scene, SceneBuilder, SceneError};
 use std::path::{Path, PathBuf};
 
@@ -38,9 +35,9 @@ impl<'a> Import<'a> {
         options: &'a ImportOptions,
         steps: Steps<'a>,
     ) -> Result<Self, SceneError> {
-        let file = path.canonicalize().map_err(|e| failed(path, e.to_string(), "check the path"))?;
+        let file = path.canonicalize().map_err(|e| unreadable(path, e.to_string(), "check the path"))?;
         if file.is_dir() {
-            return Err(failed(path, "this is a folder".to_owned(), "name the model file in it"));
+            return Err(unreadable(path, "this is a folder", "name the model file in it"));
         }
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let mut builder = SceneBuilder::new(&name);
@@ -66,8 +63,8 @@ impl<'a> Import<'a> {
     }
 
     /// Returns an error about the model as a whole.
-    pub(super) fn failed(&self, cause: String, remedy: impl Into<String>) -> SceneError {
-        failed(self.path, cause, remedy)
+    pub(super) fn failed(&self, cause: impl Into<String>, remedy: impl Into<String>) -> SceneError {
+        unreadable(self.path, cause, remedy)
     }
 
     /// Adds the troubles of the model to the warnings. Where no triangle was made, the first of
@@ -79,7 +76,7 @@ impl<'a> Import<'a> {
             return Ok(());
         }
         let Some(first) = troubles.into_iter().next() else {
-            return Err(self.failed("it holds no faces".to_owned(), "check that the model is complete"));
+            return Err(self.failed("it holds no faces", "check that the model is complete"));
         };
         let cause = format!("no face is left to show: {}", first.message);
         Err(match first.line {
@@ -97,13 +94,9 @@ impl<'a> Import<'a> {
         let triangles = builder.triangles.len();
         builder.finish().map_err(|error| match error {
             SceneError::Empty { .. } => {
-                failed(path, format!("none of its {triangles} triangles has an area"), CORRECT)
+                unreadable(path, format!("none of its {triangles} triangles has an area"), CORRECT)
             }
             other => other,
         })
     }
-}
-
-fn failed(path: &Path, cause: String, remedy: impl Into<String>) -> SceneError {
-    SceneError::Read { file: path.to_owned(), cause, remedy: remedy.into() }
 }

@@ -5,8 +5,7 @@ use super::picture::{self, Picture, PictureError};
 use super::progress::{Phase, Steps};
 use crate::scene::SceneError;
 use rayon::prelude::*;
-use std::borrow::Cow;
-use std::path::Path;
+use std::{borrow::Cow, path::Path};
 
 /// The bytes of a picture file, and its name for formats without a signature.
 pub(super) type File<'a> = (Cow<'a, [u8]>, &'a Path);

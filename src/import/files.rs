@@ -3,9 +3,8 @@
 
 use super::progress::{Phase, Steps};
 use crate::scene::SceneError;
-use std::fs::File;
-use std::io::Read;
 use std::path::{Component, Path, PathBuf};
+use std::{fs::File, io::Read};
 
 /// The folder that a scene's files must lie in.
 #[derive(Clone, Debug)]
@@ -73,6 +72,20 @@ fn without_dots(path: &Path) -> Option<PathBuf> {
     Some(clean)
 }
 
+/// Returns the error for a file that is not used.
+pub(super) fn unreadable(file: &Path, cause: impl Into<String>, remedy: impl Into<String>) -> SceneError {
+    SceneError::Read { file: file.to_owned(), cause: cause.into(), remedy: remedy.into() }
+}
+
+/// Returns the error for a model that does not fit in memory. `what` says which part.
+pub(super) fn no_memory(name: &str, what: String) -> SceneError {
+    unreadable(
+        name.as_ref(),
+        format!("there is no memory for {what}"),
+        "close other programs or split the model",
+    )
+}
+
 /// Reads a regular file of at most `limit` bytes.
 pub(super) fn read_limited(path: &Path, limit: u64) -> Result<Vec<u8>, FileError> {
     read_in_steps(path, limit, &Steps { progress: &|_, _| true }).map_err(|error| match error {
@@ -86,13 +99,9 @@ pub(super) fn read_in_steps(path: &Path, limit: u64, steps: &Steps) -> Result<Ve
     /// Bytes between two looks at the progress: few enough that a slow disk does not delay a
     /// cancellation.
     const STEP_BYTES: u64 = 4 << 20;
-    let failed = |cause: String, remedy: &str| SceneError::Read {
-        file: path.to_owned(),
-        cause,
-        remedy: remedy.to_owned(),
-    };
-    let unreadable = |e: std::io::Error| failed(e.to_string(), "check the path and its permissions");
-    let metadata = path.metadata().map_err(unreadable)?;
+    let failed = |cause: String, remedy: &str| unreadable(path, cause, remedy);
+    let refused = |e: std::io::Error| failed(e.to_string(), "check the path and its permissions");
+    let metadata = path.metadata().map_err(refused)?;
     if !metadata.is_file() {
         return Err(failed("this is not a regular file".to_owned(), "name a file"));
     }
@@ -101,13 +110,13 @@ pub(super) fn read_in_steps(path: &Path, limit: u64, steps: &Steps) -> Result<Ve
         let cause = format!("it has {size} bytes, at most {limit} are read");
         return Err(failed(cause, "split the model"));
     }
-    let mut file = File::open(path).map_err(unreadable)?;
+    let mut file = File::open(path).map_err(refused)?;
     let mut bytes = Vec::new();
     bytes
         .try_reserve_exact(size as usize + 1)
         .map_err(|_| failed(format!("there is no memory for its {size} bytes"), "close other programs"))?;
     loop {
-        let read = (&mut file).take(STEP_BYTES).read_to_end(&mut bytes).map_err(unreadable)?;
+        let read = (&mut file).take(STEP_BYTES).read_to_end(&mut bytes).map_err(refused)?;
         steps.at(Phase::Reading, bytes.len() as f32 / size.max(1) as f32)?;
         if read == 0 {
             return Ok(bytes);

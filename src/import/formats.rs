@@ -1,8 +1,7 @@
 //! The table of formats. A new format is a file or a folder with a `read` function, and an entry
 //! here.
 
-use super::context::Import;
-use super::{gltf, obj};
+use super::{context::Import, gltf, obj};
 use crate::scene::SceneError;
 use std::path::Path;
 

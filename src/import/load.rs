@@ -1,9 +1,8 @@
 //! The entry point of the importer.
 
-use super::context::Import;
 use super::formats::{Format, extensions};
-use super::options::ImportOptions;
 use super::progress::{Progress, Steps};
+use super::{context::Import, files::unreadable, options::ImportOptions};
 use crate::scene::{Scene, SceneError};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -25,20 +24,15 @@ use std::path::Path;
 /// [`SceneError::Read`], [`SceneError::Line`] or [`SceneError::TooLarge`] where nothing can be
 /// shown, [`SceneError::Cancelled`] where `progress` returned `false`.
 pub fn load(path: &Path, options: &ImportOptions, progress: Progress) -> Result<Scene, SceneError> {
-    catch_unwind(AssertUnwindSafe(|| read(path, options, Steps { progress }))).unwrap_or_else(|_| {
-        Err(SceneError::Read {
-            file: path.to_owned(),
-            cause: "the importer failed on it".to_owned(),
-            remedy: "please report this file".to_owned(),
-        })
-    })
+    catch_unwind(AssertUnwindSafe(|| read(path, options, Steps { progress })))
+        .unwrap_or_else(|_| Err(unreadable(path, "the importer failed on it", "please report this file")))
 }
 
 fn read(path: &Path, options: &ImportOptions, steps: Steps) -> Result<Scene, SceneError> {
     let mut import = Import::new(path, options, steps)?;
     let Some(format) = Format::of(path) else {
         let known: Vec<String> = extensions().map(|e| format!(".{e}")).collect();
-        let cause = "models of this format are not read".to_owned();
+        let cause = "models of this format are not read";
         return Err(import.failed(cause, format!("export the model as one of {}", known.join(", "))));
     };
     (format.read)(&mut import)?;

@@ -6,9 +6,8 @@ use crate::raster::color::{linear_from_srgb, srgb_from_linear};
 use crate::scene::{Encoding, Texture};
 use glam::Vec3;
 use image::{DynamicImage, ImageFormat, ImageReader, Rgba32FImage};
-use std::io::Cursor;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::Path;
+use std::{io::Cursor, path::Path};
 
 /// A decoded picture.
 #[derive(Clone, Debug)]

@@ -2,9 +2,8 @@
 //! case, with another extension.
 
 use super::files::{Jail, Refusal};
-use std::collections::HashMap;
-use std::ffi::OsString;
 use std::path::{Component, Path, PathBuf};
+use std::{collections::HashMap, ffi::OsString};
 
 /// Folders next to a model in which textures usually are.
 const DEFAULT_FOLDERS: [&str; 4] = ["textures", "maps", "images", "tex"];

@@ -18,28 +18,23 @@ pub enum Unit {
 }
 
 impl Unit {
-    const ALL: [Self; 5] = [Self::Millimetre, Self::Centimetre, Self::Metre, Self::Inch, Self::Foot];
+    /// All units in the order of the enum, with their names and lengths in metres.
+    const ALL: [(Self, &'static str, f64); 5] = [
+        (Self::Millimetre, "mm", 0.001),
+        (Self::Centimetre, "cm", 0.01),
+        (Self::Metre, "m", 1.0),
+        (Self::Inch, "in", 0.0254),
+        (Self::Foot, "ft", 0.3048),
+    ];
 
     /// Returns the length of the unit in metres.
     pub fn metres(self) -> f64 {
-        match self {
-            Self::Millimetre => 0.001,
-            Self::Centimetre => 0.01,
-            Self::Metre => 1.0,
-            Self::Inch => 0.0254,
-            Self::Foot => 0.3048,
-        }
+        Self::ALL[self as usize].2
     }
 
     /// Returns the abbreviation that the command line and `.afterimage.toml` files use.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Millimetre => "mm",
-            Self::Centimetre => "cm",
-            Self::Metre => "m",
-            Self::Inch => "in",
-            Self::Foot => "ft",
-        }
+        Self::ALL[self as usize].1
     }
 }
 
@@ -55,16 +50,19 @@ pub struct UnknownWord {
     pub allowed: &'static str,
 }
 
+impl UnknownWord {
+    pub(super) fn new(word: &str, expected: &'static str, allowed: &'static str) -> Self {
+        Self { word: word.to_owned(), expected, allowed }
+    }
+}
+
 impl std::str::FromStr for Unit {
     type Err = UnknownWord;
 
     fn from_str(text: &str) -> Result<Self, UnknownWord> {
-        let found = Self::ALL.into_iter().find(|u| u.name().eq_ignore_ascii_case(text.trim()));
-        found.ok_or_else(|| UnknownWord {
-            word: text.to_owned(),
-            expected: "a length unit",
-            allowed: "mm, cm, m, in, ft",
-        })
+        let found = Self::ALL.iter().find(|(_, name, _)| name.eq_ignore_ascii_case(text.trim()));
+        let unknown = || UnknownWord::new(text, "a length unit", "mm, cm, m, in, ft");
+        found.map(|(unit, ..)| *unit).ok_or_else(unknown)
     }
 }
 
@@ -101,7 +99,7 @@ impl std::str::FromStr for Up {
         match text.trim().trim_start_matches('+').to_ascii_lowercase().as_str() {
             "y" => Ok(Self::PlusY),
             "z" => Ok(Self::PlusZ),
-            _ => Err(UnknownWord { word: text.to_owned(), expected: "an up axis", allowed: "+Y, +Z" }),
+            _ => Err(UnknownWord::new(text, "an up axis", "+Y, +Z")),
         }
     }
 }
@@ -118,14 +116,15 @@ pub(super) fn declared(text: &str) -> Option<Unit> {
         let word =
             after.trim_start_matches(|c: char| !(c == ':' || c == '=')).trim_start_matches([':', '=', ' ']);
         let word: String = word.chars().take_while(|c| c.is_ascii_alphabetic()).collect();
-        match word.as_str() {
-            "mm" | "millimeters" | "millimetres" | "millimeter" | "millimetre" => Some(Unit::Millimetre),
-            "cm" | "centimeters" | "centimetres" | "centimeter" | "centimetre" => Some(Unit::Centimetre),
-            "m" | "meters" | "metres" | "meter" | "metre" => Some(Unit::Metre),
-            "in" | "inches" | "inch" => Some(Unit::Inch),
-            "ft" | "feet" | "foot" => Some(Unit::Foot),
-            _ => None,
-        }
+        let short = match word.trim_end_matches('s') {
+            "millimeter" | "millimetre" => "mm",
+            "centimeter" | "centimetre" => "cm",
+            "meter" | "metre" => "m",
+            "inch" | "inche" => "in",
+            "foot" | "feet" => "ft",
+            short => short,
+        };
+        Unit::ALL.iter().find(|(_, name, _)| *name == short).map(|(unit, ..)| *unit)
     })
 }
 

@@ -1,9 +1,8 @@
 //! Accessors: numbers in buffers, read one by one in place. Nothing is allocated for sizes that a
 //! file only claims.
 
-use super::buffers::Buffers;
 use super::document::{Document, Found, List};
-use super::schema;
+use super::{buffers::Buffers, schema};
 use crate::import::trouble::Trouble;
 
 /// Storage type of a number.

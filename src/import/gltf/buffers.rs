@@ -3,12 +3,8 @@
 
 use super::document::{Document, Found, List};
 use super::{schema, uri};
-use crate::import::files;
-use crate::import::options::Limits;
 use crate::import::progress::{Phase, Steps};
-use crate::import::report::Tally;
-use crate::import::search::Finder;
-use crate::import::trouble::Trouble;
+use crate::import::{files, options::Limits, report::Tally, search::Finder, trouble::Trouble};
 use crate::scene::SceneError;
 use std::borrow::Cow;
 

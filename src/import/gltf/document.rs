@@ -2,7 +2,7 @@
 
 use super::schema::Root;
 use crate::import::report::{Tally, quote};
-use crate::import::trouble::Trouble;
+use crate::import::{files::unreadable, trouble::Trouble};
 use crate::scene::SceneError;
 use serde::Deserialize;
 use serde_json::value::RawValue;
@@ -46,24 +46,6 @@ pub(super) enum List {
     Lights,
 }
 
-impl List {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Scenes => "scenes",
-            Self::Nodes => "nodes",
-            Self::Meshes => "meshes",
-            Self::Materials => "materials",
-            Self::Textures => "textures",
-            Self::Images => "images",
-            Self::Accessors => "accessors",
-            Self::BufferViews => "bufferViews",
-            Self::Buffers => "buffers",
-            Self::Cameras => "cameras",
-            Self::Lights => "lights",
-        }
-    }
-}
-
 impl<'t> Document<'t> {
     /// Parses the bytes of a file.
     pub(super) fn parse(bytes: &'t [u8], file: &Path) -> Result<Self, SceneError> {
@@ -78,42 +60,40 @@ impl<'t> Document<'t> {
             broken(file, e.line() as u64, format!("the JSON cannot be read: {}", without_place(&e)))
         })?;
         match &root.asset.version {
-            Some(version) if !version.starts_with("2.") => Err(SceneError::Read {
-                file: file.to_owned(),
-                cause: format!(
-                    "it is glTF {}, only glTF 2.0 is supported",
-                    version.chars().take(20).collect::<String>()
-                ),
-                remedy: "export the model as glTF 2.0".to_owned(),
-            }),
+            Some(version) if !version.starts_with("2.") => {
+                let cause = format!("it is glTF {}, only glTF 2.0 is supported", quote(version));
+                Err(unreadable(file, cause, "export the model as glTF 2.0"))
+            }
             _ => Ok(Self { text, is_binary, root, bin }),
         }
     }
 
-    fn list(&self, list: List) -> &[&'t RawValue] {
+    /// Returns the name of a list in the JSON, and its items.
+    fn list(&self, list: List) -> (&'static str, &[&'t RawValue]) {
+        let root = &self.root;
         match list {
-            List::Scenes => &self.root.scenes,
-            List::Nodes => &self.root.nodes,
-            List::Meshes => &self.root.meshes,
-            List::Materials => &self.root.materials,
-            List::Textures => &self.root.textures,
-            List::Images => &self.root.images,
-            List::Accessors => &self.root.accessors,
-            List::BufferViews => &self.root.buffer_views,
-            List::Buffers => &self.root.buffers,
-            List::Cameras => &self.root.cameras,
-            List::Lights => &self.root.extensions.lights.lights,
+            List::Scenes => ("scenes", &root.scenes),
+            List::Nodes => ("nodes", &root.nodes),
+            List::Meshes => ("meshes", &root.meshes),
+            List::Materials => ("materials", &root.materials),
+            List::Textures => ("textures", &root.textures),
+            List::Images => ("images", &root.images),
+            List::Accessors => ("accessors", &root.accessors),
+            List::BufferViews => ("bufferViews", &root.buffer_views),
+            List::Buffers => ("buffers", &root.buffers),
+            List::Cameras => ("cameras", &root.cameras),
+            List::Lights => ("lights", &root.extensions.lights.lights),
         }
     }
 
     /// Parses an item by its index.
     pub(super) fn item<T: Deserialize<'t>>(&self, list: List, index: usize) -> Found<T> {
-        let items = self.list(list);
+        let (name, items) = self.list(list);
         let Some(raw) = items.get(index) else {
-            let detail = format!("{}[{index}] of {}", list.name(), items.len());
+            let detail = format!("{name}[{index}] of {}", items.len());
             return Err(Fault { trouble: Trouble::ITEM_MISSING, at: 0, detail });
         };
-        self.read(raw, || format!("{}[{index}]", list.name()))
+        self.read(raw, || format!("{name}[{index}]"))
     }
 
     /// Parses a part that is still text. `name` is for messages.
@@ -130,9 +110,10 @@ impl<'t> Document<'t> {
 
     /// Returns a trouble with an item.
     pub(super) fn fault(&self, list: List, index: usize, trouble: Trouble, detail: &str) -> Fault {
-        let at = self.list(list).get(index).map_or(0, |raw| self.at(raw));
+        let (name, items) = self.list(list);
+        let at = items.get(index).map_or(0, |raw| self.at(raw));
         let colon = if detail.is_empty() { "" } else { ": " };
-        Fault { trouble, at, detail: format!("{}[{index}]{colon}{detail}", list.name()) }
+        Fault { trouble, at, detail: format!("{name}[{index}]{colon}{detail}") }
     }
 
     /// Returns the byte at which a part of the text starts.
@@ -175,20 +156,15 @@ fn without_place(error: &serde_json::Error) -> String {
 /// Splits a `.glb` into its JSON and its binary part. A chunk that is cut short keeps the bytes
 /// that are there: data that is missing is reported where it is used.
 fn split<'t>(bytes: &'t [u8], file: &Path) -> Result<(&'t [u8], Option<&'t [u8]>), SceneError> {
-    let failed = |cause: String| SceneError::Read {
-        file: file.to_owned(),
-        cause,
-        remedy: "export the model as glTF 2.0 again".to_owned(),
-    };
+    let failed = |cause: &str| unreadable(file, cause, "export the model as glTF 2.0 again");
     match word(bytes, 4) {
         Some(2) => {}
         Some(version) => {
-            return Err(failed(format!("it is binary glTF version {version}, only version 2 is supported")));
+            return Err(failed(&format!("it is binary glTF version {version}, only version 2 is supported")));
         }
-        None => return Err(failed("it ends inside its header".to_owned())),
+        None => return Err(failed("it ends inside its header")),
     }
-    let json =
-        chunk(bytes, 12, b"JSON").ok_or_else(|| failed("it does not begin with a JSON chunk".to_owned()))?;
+    let json = chunk(bytes, 12, b"JSON").ok_or_else(|| failed("it does not begin with a JSON chunk"))?;
     Ok((json, chunk(bytes, 20 + json.len(), b"BIN\0")))
 }
 

@@ -2,10 +2,8 @@
 
 use super::document::{Document, Found, List};
 use super::schema::{self, TextureInfo};
-use crate::import::options::Limits;
-use crate::import::report::Tally;
 use crate::import::surfaces::{GLASS_ETA, METAL};
-use crate::import::trouble::Trouble;
+use crate::import::{options::Limits, report::Tally, trouble::Trouble};
 use glam::{DVec3, Vec2, Vec3};
 
 /// Use of a texture: the index of its image, and the transform of texture coordinates.

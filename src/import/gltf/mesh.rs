@@ -1,14 +1,10 @@
 //! Meshes as triangles: each primitive is read once, and added once for every node that places it.
 
-use super::accessor::Accessor;
-use super::buffers::Buffers;
 use super::document::{Document, Fault, Found, List};
-use super::nodes::Placement;
-use super::palette::Palette;
 use super::schema::{self, Primitive};
+use super::{accessor::Accessor, buffers::Buffers, nodes::Placement, palette::Palette};
 use crate::import::progress::{Phase, Steps};
-use crate::import::report::Tally;
-use crate::import::trouble::Trouble;
+use crate::import::{files::no_memory, report::Tally, trouble::Trouble};
 use crate::scene::{MaterialId, SceneBuilder, SceneError};
 use glam::{DMat3, DMat4, DVec3, Vec2, Vec3};
 
@@ -37,6 +33,26 @@ struct Local {
     material: MaterialId,
 }
 
+/// Why a primitive is not added.
+enum Stop {
+    /// It has a trouble, and is left out.
+    Primitive(Fault),
+    /// The import ends.
+    Import(SceneError),
+}
+
+impl From<Fault> for Stop {
+    fn from(fault: Fault) -> Self {
+        Self::Primitive(fault)
+    }
+}
+
+impl From<SceneError> for Stop {
+    fn from(error: SceneError) -> Self {
+        Self::Import(error)
+    }
+}
+
 impl<'a> Mesher<'a, '_> {
     /// Adds the instances of all meshes, sorted by mesh.
     pub(super) fn add_all(&mut self, placements: &[Placement]) -> Result<(), SceneError> {
@@ -51,28 +67,18 @@ impl<'a> Mesher<'a, '_> {
 
     fn mesh(&mut self, places: &[Placement]) -> Result<(), SceneError> {
         let index = places[0].mesh;
-        let mesh: schema::Mesh = match self.document.item(List::Meshes, index) {
-            Ok(mesh) => mesh,
-            Err(fault) => {
-                self.document.note(fault, self.tally);
-                return Ok(());
-            }
-        };
+        let found = self.document.item::<schema::Mesh>(List::Meshes, index);
+        let Some(mesh) = self.known(found) else { return Ok(()) };
         let name = mesh.name.unwrap_or_else(|| format!("meshes[{index}]"));
         for (i, raw) in mesh.primitives.iter().enumerate() {
             self.steps.at(Phase::Building, 0.0)?;
             let name = || format!("primitive {i} of {name}");
-            let primitive: Primitive = match self.document.read(raw, name) {
-                Ok(primitive) => primitive,
-                Err(fault) => {
-                    self.document.note(fault, self.tally);
-                    continue;
-                }
-            };
-            let at = self.document.at(raw);
-            match self.local(&primitive, at, &name)? {
+            let found = self.document.read::<Primitive>(raw, name);
+            let Some(primitive) = self.known(found) else { continue };
+            match self.local(&primitive, self.document.at(raw), &name) {
                 Ok(local) => self.place(&local, places)?,
-                Err(fault) => self.document.note(fault, self.tally),
+                Err(Stop::Primitive(fault)) => self.document.note(fault, self.tally),
+                Err(Stop::Import(error)) => return Err(error),
             }
         }
         Ok(())
@@ -82,32 +88,24 @@ impl<'a> Mesher<'a, '_> {
         self.document.note(Fault { trouble, at, detail }, self.tally);
     }
 
-    /// Reads a primitive. The outer error ends the import; the inner one loses only the primitive.
-    fn local(
-        &mut self,
-        primitive: &Primitive,
-        at: usize,
-        name: &dyn Fn() -> String,
-    ) -> Result<Found<Local>, SceneError> {
+    /// Returns an item; `None` where it has a trouble, which is counted.
+    fn known<T>(&mut self, found: Found<T>) -> Option<T> {
+        found.map_err(|fault| self.document.note(fault, self.tally)).ok()
+    }
+
+    /// Reads a primitive.
+    fn local(&mut self, primitive: &Primitive, at: usize, name: &dyn Fn() -> String) -> Result<Local, Stop> {
         let fault = |trouble| Fault { trouble, at, detail: name() };
         let mode = primitive.mode.unwrap_or(4);
         if mode < 4 {
-            return Ok(Err(fault(Trouble::LINE_OR_POINT)));
+            return Err(fault(Trouble::LINE_OR_POINT).into());
         }
         if mode > 6 {
-            return Ok(Err(fault(Trouble::MODE)));
+            return Err(fault(Trouble::MODE).into());
         }
-        let Some(position) = primitive.attributes.position else {
-            return Ok(Err(fault(Trouble::NO_POSITION)));
-        };
-        let positions = match Accessor::open(self.document, self.buffers, position, "VEC3") {
-            Ok(positions) => positions,
-            Err(fault) => return Ok(Err(fault)),
-        };
-        let corners = match self.corners(primitive, &positions)? {
-            Ok(corners) => corners,
-            Err(fault) => return Ok(Err(fault)),
-        };
+        let position = primitive.attributes.position.ok_or_else(|| fault(Trouble::NO_POSITION))?;
+        let positions = Accessor::open(self.document, self.buffers, position, "VEC3")?;
+        let corners = self.corners(primitive, &positions)?;
         let mut triangles = triangles_of(mode, &corners);
         drop(corners);
         let all = triangles.len();
@@ -124,22 +122,13 @@ impl<'a> Mesher<'a, '_> {
         }
         let (material, uv_set) =
             self.palette.material(primitive.material, self.document, self.builder, self.tally);
-        Ok(Ok(self.vertices(primitive, &positions, triangles, material, uv_set)))
+        Ok(self.vertices(primitive, &positions, triangles, material, uv_set))
     }
 
     /// Returns the vertex of every corner in the order of the file.
-    fn corners(
-        &mut self,
-        primitive: &Primitive,
-        positions: &Accessor,
-    ) -> Result<Found<Vec<u32>>, SceneError> {
-        let indices = match primitive.indices {
-            None => None,
-            Some(i) => match Accessor::open(self.document, self.buffers, i, "SCALAR") {
-                Ok(indices) => Some(indices),
-                Err(fault) => return Ok(Err(fault)),
-            },
-        };
+    fn corners(&mut self, primitive: &Primitive, positions: &Accessor) -> Result<Vec<u32>, Stop> {
+        let open = |i| Accessor::open(self.document, self.buffers, i, "SCALAR");
+        let indices = primitive.indices.map(open).transpose()?;
         let count = indices.as_ref().map_or(positions.count, |i| i.count);
         self.within(count.div_ceil(3))?;
         let mut corners = Vec::new();
@@ -149,7 +138,7 @@ impl<'a> Mesher<'a, '_> {
             let part = from as u32..count.min(from + STEP_VERTICES) as u32;
             corners.extend(part.map(|i| indices.as_ref().map_or(i, |indices| indices.index(i))));
         }
-        Ok(Ok(corners))
+        Ok(corners)
     }
 
     /// Returns only the vertices that the triangles use: exporters often write one large buffer for
@@ -191,8 +180,7 @@ impl<'a> Mesher<'a, '_> {
 
     /// Opens an attribute without which the primitive can still be shown.
     fn optional(&mut self, index: Option<usize>, shape: &str) -> Option<Accessor<'a>> {
-        let opened = Accessor::open(self.document, self.buffers, index?, shape);
-        opened.map_err(|fault| self.document.note(fault, self.tally)).ok()
+        self.known(Accessor::open(self.document, self.buffers, index?, shape))
     }
 
     fn place(&mut self, local: &Local, places: &[Placement]) -> Result<(), SceneError> {
@@ -245,11 +233,7 @@ impl<'a> Mesher<'a, '_> {
     }
 
     fn no_memory(&self, count: usize) -> SceneError {
-        SceneError::Read {
-            file: self.builder.name.clone().into(),
-            cause: format!("there is no memory for {count} more vertices"),
-            remedy: "close other programs or split the model".to_owned(),
-        }
+        no_memory(&self.builder.name, format!("{count} more vertices"))
     }
 }
 

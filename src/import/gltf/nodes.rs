@@ -4,10 +4,8 @@
 use super::document::{Document, Found, List};
 use super::schema::{self, Node};
 use crate::camera::Camera;
-use crate::import::options::Limits;
 use crate::import::progress::{Phase, Steps};
-use crate::import::report::Tally;
-use crate::import::trouble::Trouble;
+use crate::import::{options::Limits, report::Tally, trouble::Trouble};
 use crate::scene::{NamedView, SceneBuilder, SceneError, Sun, is_valid_position};
 use glam::{DMat4, DQuat, DVec3, Vec3};
 

@@ -10,12 +10,10 @@
 
 use super::document::{Document, List};
 use super::material::{Alpha, GltfMaterial, MaterialReader, Use, uv_set};
-use super::pictures::Pictures;
-use super::schema;
+use super::{pictures::Pictures, schema};
 use crate::import::picture::{self, Picture};
-use crate::import::report::Tally;
 use crate::import::surfaces::{is_polished_metal, thin, undefined};
-use crate::import::trouble::Trouble;
+use crate::import::{report::Tally, trouble::Trouble};
 use crate::scene::{Material, MaterialId, MaterialKind, SceneBuilder, TextureId, TextureRef};
 use glam::Vec3;
 use std::collections::HashMap;

@@ -1,20 +1,15 @@
 //! Images: found next to the file, in a buffer or in a `data:` address, and decoded.
 
-use super::buffers::Buffers;
 use super::document::{Document, Found, List};
-use super::{schema, uri};
+use super::{buffers::Buffers, schema, uri};
 use crate::import::decoding::{self, decode_all};
-use crate::import::files;
-use crate::import::options::Limits;
 use crate::import::picture::{Picture, PictureError};
-use crate::import::progress::Steps;
-use crate::import::report::Tally;
-use crate::import::search::Finder;
-use crate::import::trouble::Trouble;
+use crate::import::{
+    files, options::Limits, progress::Steps, report::Tally, search::Finder, trouble::Trouble,
+};
 use crate::scene::SceneError;
-use std::borrow::Cow;
-use std::collections::HashMap;
 use std::path::{Path, PathBuf};
+use std::{borrow::Cow, collections::HashMap};
 
 /// Decoded images by their index in the file.
 pub(super) struct Pictures {

@@ -1,15 +1,11 @@
 //! The glTF reader: its steps in order.
 
-use super::buffers::Buffers;
-use super::document::Document;
-use super::mesh::Mesher;
-use super::nodes;
-use super::palette::Palette;
-use super::pictures::Pictures;
-use crate::import::context::Import;
-use crate::import::files;
+use super::{
+    buffers::Buffers, document::Document, mesh::Mesher, nodes, palette::Palette, pictures::Pictures,
+};
 use crate::import::report::{Tally, list};
 use crate::import::units::{Unit, Up};
+use crate::import::{context::Import, files};
 use crate::scene::SceneError;
 use glam::{DMat4, DVec3};
 

@@ -2,9 +2,8 @@
 //! exporters.
 
 use super::mtl::MtlMaterial;
-use crate::import::report::Tally;
 use crate::import::surfaces::{GLASS_ETA, NEUTRAL, is_polished_metal, thin};
-use crate::import::trouble::Trouble;
+use crate::import::{report::Tally, trouble::Trouble};
 use crate::scene::{Material, MaterialKind};
 use glam::Vec3;
 

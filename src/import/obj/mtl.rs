@@ -3,10 +3,8 @@
 //! Why not the parser of `tobj`: it panics on `Kd 0.5`, and rejects a whole library for one line
 //! that it does not know.
 
-use crate::import::options::Limits;
-use crate::import::report::Tally;
 use crate::import::text::{self, Lines};
-use crate::import::trouble::Trouble;
+use crate::import::{options::Limits, report::Tally, trouble::Trouble};
 use glam::{Vec2, Vec3};
 
 /// Texture of a material, as written.

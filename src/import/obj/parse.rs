@@ -6,16 +6,12 @@
 //! costs more than parsing it here. `tobj` is the independent second opinion in the tests.
 
 use super::piece::{Corner, Counts, Face, NONE, Piece, Reader, count};
-use crate::import::options::Limits;
 use crate::import::progress::{Phase, Steps};
-use crate::import::report::Tally;
-use crate::import::text;
+use crate::import::{options::Limits, report::Tally, text};
 use crate::scene::SceneError;
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
-use std::collections::HashMap;
-use std::path::Path;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::{collections::HashMap, path::Path, sync::atomic::AtomicUsize, sync::atomic::Ordering};
 
 /// Bytes of text per unit of parallel work: about 16,000 lines, so that a cancellation is noticed
 /// within milliseconds.

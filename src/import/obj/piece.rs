@@ -1,10 +1,8 @@
 //! Parsing one piece of OBJ text, line by line.
 
-use crate::import::options::Limits;
 use crate::import::progress::{Phase, Steps};
-use crate::import::report::Tally;
 use crate::import::text::{self, Lines};
-use crate::import::trouble::Trouble;
+use crate::import::{options::Limits, report::Tally, trouble::Trouble};
 use crate::scene::SceneError;
 use glam::{DVec3, Vec2, Vec3};
 use std::path::Path;

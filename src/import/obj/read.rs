@@ -2,9 +2,8 @@
 
 use super::parse::{self, Model};
 use super::{library, weld};
-use crate::import::context::Import;
 use crate::import::units::{self, Unit, Up};
-use crate::import::{files, text};
+use crate::import::{context::Import, files, text};
 use crate::scene::SceneError;
 
 /// Reads an OBJ file with its libraries and textures.
@@ -23,7 +22,7 @@ pub(in crate::import) fn read(import: &mut Import) -> Result<(), SceneError> {
     weld::build(&mut model, &mut import.builder, &import.steps)?;
     model.positions = Vec::new(); // gives the memory back before pictures are decoded
     if looks_binary && import.builder.triangles.is_empty() {
-        let cause = "this is a binary file, not the text of an OBJ model".to_owned();
+        let cause = "this is a binary file, not the text of an OBJ model";
         return Err(import.failed(cause, "export the model as .obj or .glb"));
     }
     import.report(std::mem::take(&mut model.tally))?;

@@ -1,13 +1,11 @@
 //! Textures of OBJ materials: found, decoded, and assigned to the materials.
 
 use super::mtl::{MapSpec, MtlMaterial};
-use crate::import::context::Import;
-use crate::import::options::Limits;
 use crate::import::picture::{self, Picture, PictureError};
-use crate::import::progress::Steps;
 use crate::import::search::{Finder, Found};
-use crate::import::text::without_comment;
-use crate::import::{decoding, files};
+use crate::import::{
+    context::Import, decoding, files, options::Limits, progress::Steps, text::without_comment,
+};
 use crate::scene::{SceneBuilder, SceneError, Texture, TextureId, TextureRef};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};

@@ -5,7 +5,7 @@ use super::parse::{Model, Polygon};
 use super::piece::{Corner, NONE};
 use crate::import::polygon::{Filled, Filler};
 use crate::import::progress::{Phase, Steps};
-use crate::import::trouble::Trouble;
+use crate::import::{files::no_memory, trouble::Trouble};
 use crate::scene::{MaterialId, SceneBuilder, SceneError};
 use glam::{Vec2, Vec3};
 
@@ -53,11 +53,7 @@ fn reserve(builder: &mut SceneBuilder, faces: usize, vertices: usize) -> Result<
         .try_reserve(faces)
         .and_then(|()| builder.positions.try_reserve(vertices))
         .and_then(|()| builder.triangle_materials.try_reserve(faces));
-    reserved.map_err(|_| SceneError::Read {
-        file: builder.name.clone().into(),
-        cause: format!("there is no memory for its {faces} faces"),
-        remedy: "close other programs or split the model".to_owned(),
-    })
+    reserved.map_err(|_| no_memory(&builder.name, format!("its {faces} faces")))
 }
 
 /// A vertex: its texture coordinate and normal, and the next vertex of the same position.

@@ -2,7 +2,8 @@
 //! the file stays: other keys, their order and comments.
 
 use super::read::MAX_BYTES;
-use crate::import::{files, text};
+use crate::import::files::{self, unreadable};
+use crate::import::text;
 use crate::raster::atomic_file::write_atomically;
 use crate::scene::{Daylight, Material, MaterialKind, SceneEdit, SceneError, Sun};
 use glam::Vec3;
@@ -20,15 +21,14 @@ pub fn save_edit(model: &Path, before: &SceneEdit, now: &SceneEdit) -> Result<Pa
     let mut document = read(&path)?;
     for (was, is) in before.materials.iter().zip(&now.materials).filter(|(was, is)| was != is) {
         write_material(&mut document, was, is)
-            .ok_or_else(|| unreadable(&path, "'material' is not written as [[material]]".to_owned()))?;
+            .ok_or_else(|| damaged(&path, "'material' is not written as [[material]]"))?;
     }
     if before.daylight != now.daylight {
         write_daylight(&mut document, &now.daylight);
     }
-    write_atomically(&path, document.to_string().as_bytes()).map_err(|error| SceneError::Read {
-        file: path.clone(),
-        cause: error.to_string(),
-        remedy: "nothing was changed; free some space or choose a folder that can be written to".to_owned(),
+    write_atomically(&path, document.to_string().as_bytes()).map_err(|error| {
+        let remedy = "nothing was changed; free some space or choose a folder that can be written to";
+        unreadable(&path, error.to_string(), remedy)
     })?;
     Ok(path)
 }
@@ -38,21 +38,13 @@ fn read(path: &Path) -> Result<DocumentMut, SceneError> {
     if path.symlink_metadata().is_err() {
         return Ok(DocumentMut::new());
     }
-    let bytes = files::read_limited(path, MAX_BYTES).map_err(|e| SceneError::Read {
-        file: path.to_owned(),
-        cause: e.cause,
-        remedy: e.remedy,
-    })?;
+    let bytes = files::read_limited(path, MAX_BYTES).map_err(|e| unreadable(path, e.cause, e.remedy))?;
     let text = text::decode(bytes).text;
-    text.parse().map_err(|error: toml_edit::TomlError| unreadable(path, error.message().replace('\n', ", ")))
+    text.parse().map_err(|error: toml_edit::TomlError| damaged(path, &error.message().replace('\n', ", ")))
 }
 
-fn unreadable(path: &Path, cause: String) -> SceneError {
-    SceneError::Read {
-        file: path.to_owned(),
-        cause,
-        remedy: "nothing was written; correct the file or move it away, and save again".to_owned(),
-    }
+fn damaged(path: &Path, cause: &str) -> SceneError {
+    unreadable(path, cause, "nothing was written; correct the file or move it away, and save again")
 }
 
 /// Changes the `[[material]]` of this name, or adds one. `None` where `material` is something else

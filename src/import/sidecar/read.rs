@@ -5,9 +5,8 @@
 
 use super::table::{Notes, Section, suggestion};
 use crate::camera::{Camera, CameraKey, CameraPath};
-use crate::import::options::Limits;
 use crate::import::units::{Unit, UnknownWord, Up};
-use crate::import::{files, text};
+use crate::import::{files, options::Limits, text};
 use crate::scene::{Material, MaterialKind, NamedView, SceneBuilder, Sky, Sun};
 use glam::{DVec3, Vec3};
 use std::collections::{HashMap, HashSet};
@@ -45,11 +44,7 @@ impl std::str::FromStr for Kind {
             "diffuse" => Ok(Self::Diffuse),
             "mirror" => Ok(Self::Mirror),
             "glass" => Ok(Self::Glass),
-            _ => Err(UnknownWord {
-                word: text.to_owned(),
-                expected: "a kind of material",
-                allowed: "diffuse, mirror, glass",
-            }),
+            _ => Err(UnknownWord::new(text, "a kind of material", "diffuse, mirror, glass")),
         }
     }
 }
