@@ -4,10 +4,8 @@
 //! `[settings]` in the scene's `.afterimage.toml`, the environment (`AFTERIMAGE_*`), flags. Invalid
 //! settings are reported with a suggestion and ignored; they never stop the program.
 
-use afterimage::Mode;
-use afterimage::raster::color::ToneMap;
 use afterimage::raster::load::{LoadError, read_bounded};
-use afterimage::raster::save::write_atomically;
+use afterimage::{Mode, raster::color::ToneMap, raster::save::write_atomically};
 use anyhow::{Context, anyhow};
 use clap::ValueEnum;
 use serde::Deserialize;

@@ -1,8 +1,6 @@
 //! `afterimage compare`: error metrics of one picture against another.
 
-use super::failure::Failure;
-use super::flags::Flags;
-use super::output;
+use super::{failure::Failure, flags::Flags, output};
 use afterimage::raster::load::{Picture, PictureKind};
 use afterimage::raster::metrics::{CompareError, flip, max_abs, psnr_db, rel_mse, ssim};
 use clap::Args;

@@ -1,8 +1,6 @@
 //! `afterimage doctor`: version, machine, graphics and paths, as a bug report needs them.
 
-use super::failure::Failure;
-use super::flags::Flags;
-use super::{output, paths};
+use super::{failure::Failure, flags::Flags, output, paths};
 use serde_json::{Value, json};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;

@@ -1,9 +1,7 @@
 //! Failures of a command and their exit codes.
 
 use crate::picture::TooLarge;
-use afterimage::experiment::run::ExperimentError;
-use afterimage::raster::save::SaveError;
-use afterimage::scene::SceneError;
+use afterimage::{experiment::run::ExperimentError, raster::save::SaveError, scene::SceneError};
 
 /// Why a command failed.
 #[derive(Debug)]

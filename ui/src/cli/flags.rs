@@ -3,18 +3,13 @@
 use crate::picture::pose_text::parse_point;
 use crate::settings::picture_size;
 use afterimage::import::{Unit, Up};
-use afterimage::raster::color::ToneMap;
-use afterimage::trace::TraceSettings;
-use afterimage::{Mode, RenderSettings};
+use afterimage::{Mode, RenderSettings, raster::color::ToneMap, trace::TraceSettings};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, RangedU64ValueParser, TypedValueParser};
 use glam::DVec3;
 use serde::de::value::Error as NameError;
 use serde::de::{DeserializeOwned, IntoDeserializer};
-use std::fmt::Display;
-use std::ops::RangeInclusive;
-use std::path::PathBuf;
-use std::str::FromStr;
+use std::{fmt::Display, ops::RangeInclusive, path::PathBuf, str::FromStr};
 
 /// The flags of every command; each command uses those that apply to it.
 #[derive(Args, Clone, Debug)]

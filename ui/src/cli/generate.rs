@@ -1,7 +1,6 @@
 //! `afterimage completions`, `man` and `licences`: files that are installed with the program.
 
-use super::failure::Failure;
-use super::output;
+use super::{failure::Failure, output};
 use clap::{Args, Command};
 use clap_complete::Shell;
 

@@ -1,9 +1,7 @@
 //! `afterimage inspect`: a scene's contents, the features it uses, and its warnings.
 
-use super::failure::Failure;
-use super::flags::Flags;
-use super::output;
 use super::scene::{Loaded, load, place};
+use super::{failure::Failure, flags::Flags, output};
 use afterimage::scene::{Light, Material, Scene};
 use afterimage::trace::truncation_bound;
 use clap::Args;

@@ -1,7 +1,6 @@
 //! Folders of the operating system for a program's settings, state and cache.
 
-use std::ffi::OsString;
-use std::path::PathBuf;
+use std::{ffi::OsString, path::PathBuf};
 
 /// Folder of the user's settings.
 pub(crate) fn config_folder() -> Option<PathBuf> {

@@ -1,7 +1,6 @@
 //! Selects the camera that the flags describe.
 
-use super::failure::Failure;
-use super::flags::Flags;
+use super::{failure::Failure, flags::Flags};
 use crate::picture::pose_text::{SAME_POINT, parse_point};
 use afterimage::{Camera, Scene};
 use glam::DVec3;

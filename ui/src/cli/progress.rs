@@ -3,9 +3,8 @@
 
 use super::output::say;
 use indicatif::{ProgressBar, ProgressStyle};
-use std::io::IsTerminal;
-use std::sync::Mutex;
 use std::time::{Duration, Instant};
+use std::{io::IsTerminal, sync::Mutex};
 
 /// Time between two lines without a terminal.
 const LINE_EVERY: Duration = Duration::from_secs(10);

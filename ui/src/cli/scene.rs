@@ -1,17 +1,11 @@
 //! Loads the scene that is named on the command line.
 
-use super::failure::Failure;
-use super::flags::Flags;
-use super::progress::SharedProgress;
-use super::{interrupt, output};
-use afterimage::import;
+use super::{failure::Failure, flags::Flags, interrupt, output, progress::SharedProgress};
 use afterimage::import::{ImportOptions, Phase};
 use afterimage::scene::{SceneError, Warning, builtin};
-use afterimage::{Scene, Tracer};
+use afterimage::{Scene, Tracer, import};
 use serde_json::{Value, json};
-use std::path::Path;
-use std::sync::Arc;
-use std::time::Instant;
+use std::{path::Path, sync::Arc, time::Instant};
 
 /// A loaded scene.
 #[derive(Debug)]

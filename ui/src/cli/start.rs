@@ -1,8 +1,6 @@
 //! `afterimage [SCENE]`: opens the window or, without a display, runs the tour of the scene.
 
-use super::failure::Failure;
-use super::flags::Flags;
-use super::{interrupt, output, paths, pose, scene, tour};
+use super::{failure::Failure, flags::Flags, interrupt, output, paths, pose, scene, tour};
 use crate::picture::restore::{PictureView, beside, is_picture, read_view};
 use crate::settings::{Layers, suggestion};
 use crate::window::state::{Appearance, WINDOW_SAMPLES};

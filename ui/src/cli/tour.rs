@@ -1,26 +1,17 @@
 //! `afterimage tour`: renders a camera path frame by frame, and records every frame.
 
-use super::failure::Failure;
 use super::flags::{Flags, number_in};
-use super::progress::Progress;
 use super::scene::{Loaded, load};
-use super::walk::read_path;
-use super::{interrupt, output, paths};
-use crate::picture::sequence::film_command;
-use crate::picture::{Made, memory, notes};
-use afterimage::camera::CameraPath;
-use afterimage::experiment::run::csv;
+use super::{failure::Failure, interrupt, output, paths, progress::Progress, walk::read_path};
+use crate::picture::{Made, memory, notes, sequence::film_command};
 use afterimage::experiment::{MeasureSettings, TourEvent, TourRecord, TourSettings, run_tour};
 use afterimage::raster::save::{save_png, write_atomically};
-use afterimage::raster::stream::COMPLETE;
-use afterimage::reference::PlacementPolicy;
-use afterimage::reference::placement::RULES;
 use afterimage::render::aov::{display_picture, types_picture};
-use afterimage::render::bands::Background;
-use afterimage::warp::MAX_REFERENCES;
-use afterimage::{Frame, WalkthroughSettings};
-use clap::Args;
-use clap::builder::PossibleValuesParser;
+use afterimage::{
+    Frame, WalkthroughSettings, camera::CameraPath, experiment::run::csv, raster::stream::COMPLETE,
+    reference::PlacementPolicy, reference::placement::RULES, render::bands::Background, warp::MAX_REFERENCES,
+};
+use clap::{Args, builder::PossibleValuesParser};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::time::Duration;

@@ -1,8 +1,7 @@
 //! Reads recorded camera paths.
 
 use super::failure::Failure;
-use afterimage::camera::CameraPath;
-use afterimage::raster::load::read_bounded;
+use afterimage::{camera::CameraPath, raster::load::read_bounded};
 use std::path::Path;
 
 /// Maximum length in bytes of a file of camera paths; a path of a million key frames has about 100

@@ -1,9 +1,7 @@
 //! Limits on the size and the memory of a picture, checked before anything is allocated: a failed
 //! allocation cannot be caught.
 
-use afterimage::reference::ReferenceFrame;
-use afterimage::render::Renderer;
-use afterimage::warp::MAX_REFERENCE_PIXELS;
+use afterimage::{reference::ReferenceFrame, render::Renderer, warp::MAX_REFERENCE_PIXELS};
 
 /// Maximum number of pixels of a picture: 16384 squared.
 const MAX_PIXELS: u64 = 1 << 28;

@@ -1,8 +1,7 @@
 //! Restores the view of a saved picture from the metadata in its file.
 
 use crate::picture::pose_text::pose_of_flags;
-use afterimage::Camera;
-use afterimage::raster::load::read_notes;
+use afterimage::{Camera, raster::load::read_notes};
 use anyhow::{Context, bail};
 use std::path::Path;
 

@@ -1,23 +1,18 @@
 //! Runs an experiment into a folder, resumes an interrupted run, and merges the folders of shards.
 
-use super::args::ExperimentArgs;
-use super::throughput;
-use crate::cli::failure::Failure;
-use crate::cli::flags::Flags;
-use crate::cli::pose::camera;
-use crate::cli::progress::Progress;
+use super::{args::ExperimentArgs, throughput};
 use crate::cli::scene::{Loaded, load};
-use crate::cli::walk::read_path;
-use crate::cli::{interrupt, output, paths, report as report_files};
+use crate::cli::{
+    failure::Failure, flags::Flags, interrupt, output, paths, pose::camera, progress::Progress,
+    report as report_files, walk::read_path,
+};
 use crate::picture::memory;
-use afterimage::camera::CameraPath;
-use afterimage::experiment::registry::find;
 use afterimage::experiment::run::{
     CellEvent, Effort, Experiment, ExperimentContext, ExperimentSettings, Report, RunFolder, Session, Shard,
     caveats, merge, run_cells,
 };
 use afterimage::experiment::throughput::{ThroughputSettings, gather_rays};
-use afterimage::raster::save::write_atomically;
+use afterimage::{camera::CameraPath, experiment::registry::find, raster::save::write_atomically};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 

@@ -2,11 +2,8 @@
 //! prints it.
 
 use super::args::ExperimentArgs;
-use crate::cli::failure::Failure;
-use crate::cli::flags::Flags;
-use crate::cli::pose::camera;
 use crate::cli::scene::{Loaded, load};
-use crate::cli::{interrupt, output};
+use crate::cli::{failure::Failure, flags::Flags, interrupt, output, pose::camera};
 use crate::picture::memory;
 use afterimage::experiment::throughput::{Throughput, ThroughputSettings, measure_throughput};
 use afterimage::raster::save::write_atomically;

@@ -1,7 +1,6 @@
 //! The report as one HTML file. It needs no network access, and escapes all names and texts.
 
-use super::chart::inline;
-use super::text::shown;
+use super::{chart::inline, text::shown};
 use afterimage::experiment::run::report::{Block, Picture, Section, Table};
 use afterimage::experiment::run::{Manifest, Report};
 use anyhow::Context;

@@ -1,13 +1,11 @@
 //! Writes charts as SVG files, and as PNG files for programs without SVG.
 
 use super::chart::file;
-use afterimage::experiment::run::report::Chart;
-use afterimage::raster::save::write_atomically;
+use afterimage::{experiment::run::report::Chart, raster::save::write_atomically};
 use anyhow::Context;
 use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::{Options, Tree};
-use std::path::Path;
-use std::sync::Arc;
+use std::{path::Path, sync::Arc};
 
 /// Pixels of the PNG per SVG unit.
 const PIXELS_PER_UNIT: f32 = 1.5;

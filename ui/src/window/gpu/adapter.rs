@@ -1,8 +1,6 @@
 //! Prepares the graphics adapter and reports its errors.
 
-use crate::window::gpu::viewport;
-use crate::window::rendering::lock::locked;
-use crate::window::rendering::task::Wake;
+use crate::window::{gpu::viewport, rendering::lock::locked, rendering::task::Wake};
 use egui_wgpu::RenderState;
 use std::sync::{Arc, Mutex};
 

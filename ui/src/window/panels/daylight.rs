@@ -1,8 +1,7 @@
 //! Sun and sky: the position of the sun by azimuth and elevation, or by place and time.
 
 use super::super::state::{AppState, Change, Command, EditCommand, PlaceAndTime, SunControls};
-use afterimage::scene::Daylight;
-use afterimage::scene::solar::SunPosition;
+use afterimage::scene::{Daylight, solar::SunPosition};
 use egui::{DragValue, Slider, Ui};
 
 /// Suggested places: name, latitude and longitude in degrees, offset from UTC in winter in hours.

@@ -4,8 +4,7 @@ use super::super::state::{AppState, Command};
 use super::widgets::{TYPE_NAMES, swatch};
 use crate::window::gpu::presentation::{Coloring, Heatmap};
 use crate::window::input::keymap::{Action, keys_of};
-use afterimage::Mode;
-use afterimage::raster::pixel_types::TypePercentages;
+use afterimage::{Mode, raster::pixel_types::TypePercentages};
 use egui::{RichText, Ui};
 
 /// Shows the controls and the legend.

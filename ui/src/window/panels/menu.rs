@@ -4,9 +4,8 @@ use super::super::state::{
     AppState, Command, EditCommand, Edits, FileCommand, InspectCommand, NavigationCommand, Options,
     PictureCommand,
 };
-use crate::window::input::fly_camera::MoveMode;
 use crate::window::input::keymap::{Action, keys_of};
-use crate::window::rendering::scene_loading::SceneSource;
+use crate::window::{input::fly_camera::MoveMode, rendering::scene_loading::SceneSource};
 use afterimage::scene::builtin;
 use egui::{Button, Ui};
 

@@ -1,8 +1,7 @@
 //! Messages and loading progress over the viewport.
 
 use super::super::state::{AppState, Command, Notice, Severity};
-use crate::window::rendering::scene_loading::SceneSource;
-use crate::window::rendering::task::Progress;
+use crate::window::rendering::{scene_loading::SceneSource, task::Progress};
 use egui::{Align2, Color32, ProgressBar, Rect, RichText, Ui};
 
 /// Shows messages and progress at the bottom of the viewport; statistics are at the top.

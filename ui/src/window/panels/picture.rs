@@ -4,8 +4,7 @@ use super::super::state::{AppState, Command, PictureCommand, PictureFormat, Pict
 use crate::picture::LONGEST_SIDE;
 use crate::window::input::keymap::{Action, keys_of};
 use crate::window::rendering::task::Progress;
-use afterimage::Mode;
-use afterimage::render::bands::Background;
+use afterimage::{Mode, render::bands::Background};
 use egui::{Align2, Color32, DragValue, ProgressBar, Rect, RichText, Ui};
 
 /// Suggested sizes in pixels.

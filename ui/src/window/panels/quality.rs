@@ -2,9 +2,8 @@
 
 use super::super::state::{AppState, Command, Options, Quality};
 use crate::window::input::fly_camera::ViewChange;
-use afterimage::Mode;
-use afterimage::raster::color::ToneMap;
 use afterimage::reference::{PlacementPolicy, PlacementRule, placement};
+use afterimage::{Mode, raster::color::ToneMap};
 use egui::{Slider, SliderClamping, Ui};
 
 const MB: usize = 1 << 20;

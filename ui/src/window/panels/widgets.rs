@@ -1,7 +1,6 @@
 //! Small widgets and colours that several panels share.
 
-use crate::window::gpu::presentation::FILLED_COLOR;
-use crate::window::state::AppState;
+use crate::window::{gpu::presentation::FILLED_COLOR, state::AppState};
 use afterimage::raster::pixel_types::TYPE_SRGB;
 use egui::{Color32, Ui};
 

@@ -1,8 +1,7 @@
 //! The state of the keyboard: keys that are held, and actions that are pressed.
 
 use super::chord::{Chord, shift};
-use super::rebinding::bindings;
-use super::table::Action;
+use super::{rebinding::bindings, table::Action};
 use egui::{Event, Key, Modifiers};
 
 /// An action whose key was pressed.
