@@ -1,6 +1,7 @@
 //! Comparison of the picture with the full tracer's.
 
 use super::super::state::{AppState, Command, Compare};
+use super::widgets::key_hint;
 use crate::window::input::keymap::{Action, keys_of};
 use egui::{Sense, Ui};
 
@@ -12,7 +13,7 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
             .on_hover_text(format!("Hold {} to show the full tracer's picture", keys_of(Action::ShowFull)));
         ui.selectable_value(&mut shows, Compare::Off, "Off").accessible_name("Compare off");
         ui.selectable_value(&mut shows, Compare::Split, "Split")
-            .on_hover_text(format!("Key {}", keys_of(Action::CompareSplit)));
+            .on_hover_text(key_hint(Action::CompareSplit));
         ui.selectable_value(&mut shows, Compare::Errors, "Error map")
             .on_hover_text(format!("Key {}: FLIP, the perceived difference", keys_of(Action::CompareErrors)));
     });

@@ -1,6 +1,7 @@
 //! The menu of recent files, and the settings of the window's appearance.
 
 use super::super::state::{AppState, Appearance, Command, FileCommand};
+use super::widgets::choice;
 use crate::settings::{Theme, UI_SCALES};
 use egui::{Slider, Ui};
 
@@ -52,15 +53,9 @@ pub fn settings(ctx: &egui::Context, state: &AppState, commands: &mut Vec<Comman
 fn rows(ui: &mut Ui, appearance: &mut Appearance) {
     let default = Appearance::default();
     let label = ui.label("Theme");
-    egui::ComboBox::from_id_salt("theme")
-        .selected_text(appearance.theme.name())
-        .show_ui(ui, |ui| {
-            for theme in [Theme::System, Theme::Dark, Theme::Light] {
-                ui.selectable_value(&mut appearance.theme, theme, theme.name());
-            }
-        })
-        .response
-        .labelled_by(label.id);
+    let themes = [Theme::System, Theme::Dark, Theme::Light].map(|theme| (theme, theme.name()));
+    let name = appearance.theme.name();
+    choice(ui, "theme", name, &mut appearance.theme, themes).labelled_by(label.id);
     reset(ui, "theme", &mut appearance.theme, default.theme);
     let label = ui.label("Text size");
     let mut percent = appearance.ui_scale * 100.0;

@@ -1,9 +1,9 @@
 //! The legend of the heatmap, and its controls.
 
 use super::super::state::{AppState, Command};
-use super::widgets::{TYPE_NAMES, swatch};
+use super::widgets::{TYPE_NAMES, key_hint, swatch};
 use crate::window::gpu::presentation::{Coloring, Heatmap};
-use crate::window::input::keymap::{Action, keys_of};
+use crate::window::input::keymap::Action;
 use afterimage::{Mode, raster::pixel_types::TypePercentages};
 use egui::{RichText, Ui};
 
@@ -11,19 +11,18 @@ use egui::{RichText, Ui};
 pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     let mut options = state.options;
     ui.horizontal(|ui| {
-        ui.label("Heatmap").on_hover_text(format!("Key {}", keys_of(Action::CycleHeatmap)));
+        ui.label("Heatmap").on_hover_text(key_hint(Action::CycleHeatmap));
         for (heatmap, name) in [(Heatmap::Off, "Off"), (Heatmap::Blend, "Blend"), (Heatmap::Only, "Only")] {
             let choice = ui.selectable_value(&mut options.heatmap, heatmap, name);
             choice.accessible_name(format!("Heatmap {}", name.to_lowercase()));
         }
     });
     ui.horizontal(|ui| {
-        ui.label("Colour").on_hover_text(format!("Key {}", keys_of(Action::ToggleByReference)));
+        ui.label("Colour").on_hover_text(key_hint(Action::ToggleByReference));
         ui.selectable_value(&mut options.coloring, Coloring::ByType, "By type");
         ui.selectable_value(&mut options.coloring, Coloring::ByReference, "By reference");
     });
-    ui.checkbox(&mut options.has_outline, "Outline Type 3")
-        .on_hover_text(format!("Key {}", keys_of(Action::ToggleOutline)));
+    ui.checkbox(&mut options.has_outline, "Outline Type 3").on_hover_text(key_hint(Action::ToggleOutline));
     if options != state.options {
         commands.push(Command::SetOptions(options.with_visible_colors(&state.options)));
     }

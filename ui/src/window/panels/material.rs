@@ -1,7 +1,8 @@
 //! The editor of the selected material: matte, mirror or glass.
 
 use super::super::state::{AppState, Change, Command, EditCommand, Edits, InspectCommand};
-use crate::window::input::keymap::{Action, keys_of};
+use super::widgets::key_hint;
+use crate::window::input::keymap::Action;
 use crate::window::rendering::scene_loading::SceneSource;
 use afterimage::scene::{Material, MaterialId, MaterialKind};
 use egui::{Slider, SliderClamping, Ui};
@@ -143,9 +144,8 @@ fn history(ui: &mut Ui, state: &AppState, edits: &Edits, commands: &mut Vec<Comm
                 commands.push(Command::Edit(editing));
             }
         };
-        let key = |action| format!("Key {}", keys_of(action));
-        button(ui, "Undo", edits.can_undo(), key(Action::Undo), EditCommand::Undo);
-        button(ui, "Redo", edits.can_redo(), key(Action::Redo), EditCommand::Redo);
+        button(ui, "Undo", edits.can_undo(), key_hint(Action::Undo), EditCommand::Undo);
+        button(ui, "Redo", edits.can_redo(), key_hint(Action::Redo), EditCommand::Redo);
         let is_file = state.scene.as_ref().is_some_and(|s| matches!(s.source, SceneSource::File { .. }));
         let help = if is_file {
             "Save materials, sun and sky in the .afterimage.toml next to the model; the model itself is not changed"

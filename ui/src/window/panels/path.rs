@@ -1,7 +1,8 @@
 //! The camera path: its keys, a timeline, and recording.
 
 use super::super::state::{AppState, Command, NavigationCommand};
-use crate::window::input::keymap::{Action, keys_of};
+use super::widgets::key_hint;
+use crate::window::input::keymap::Action;
 use crate::window::input::playback::Playback;
 use egui::{Slider, Ui};
 
@@ -13,12 +14,11 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     ui.weak(format!("{whose}: {count} keys, {:.1} s, {:.1} m", playback.secs(), playback.path.length_m()));
     ui.horizontal_wrapped(|ui| {
         let play = if playback.is_playing { "Pause path" } else { "Play path" };
-        let hover = |action| format!("Key {}", keys_of(action));
         let button = ui.add_enabled(count > 0, egui::Button::new(play));
-        if button.on_hover_text(hover(Action::PlayPath)).clicked() {
+        if button.on_hover_text(key_hint(Action::PlayPath)).clicked() {
             commands.push(Command::Navigate(NavigationCommand::PlayPath));
         }
-        if ui.button("Add key").on_hover_text(hover(Action::AddPathKey)).clicked() {
+        if ui.button("Add key").on_hover_text(key_hint(Action::AddPathKey)).clicked() {
             commands.push(Command::Navigate(NavigationCommand::AddPathKey));
         }
         let mut loops = playback.loops;

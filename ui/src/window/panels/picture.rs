@@ -1,19 +1,20 @@
 //! Settings of saved pictures, and the progress of saving one.
 
 use super::super::state::{AppState, Command, PictureCommand, PictureFormat, PictureSettings, PictureSize};
+use super::widgets::{choice, key_hint};
 use crate::picture::LONGEST_SIDE;
-use crate::window::input::keymap::{Action, keys_of};
+use crate::window::input::keymap::Action;
 use crate::window::rendering::task::Progress;
 use afterimage::{Mode, render::bands::Background};
 use egui::{Align2, Color32, DragValue, ProgressBar, Rect, RichText, Ui};
 
 /// Suggested sizes in pixels.
 const SIZES: [(&str, [u32; 2]); 5] = [
-    ("Full HD", [1920, 1080]),
-    ("4K", [3840, 2160]),
-    ("A4 at 300 dpi", [3508, 2480]),
-    ("A3 at 300 dpi", [4961, 3508]),
-    ("16K", [16384, 9216]),
+    ("Full HD, 1920 x 1080", [1920, 1080]),
+    ("4K, 3840 x 2160", [3840, 2160]),
+    ("A4 at 300 dpi, 3508 x 2480", [3508, 2480]),
+    ("A3 at 300 dpi, 4961 x 3508", [4961, 3508]),
+    ("16K, 16384 x 9216", [16384, 9216]),
 ];
 
 /// Shows the settings in a window; the scene remains visible and usable.
@@ -42,24 +43,10 @@ pub fn show(ctx: &egui::Context, state: &AppState, commands: &mut Vec<Command>) 
 
 fn size_rows(ui: &mut Ui, settings: &mut PictureSettings) {
     let label = ui.label("Size");
-    let name = match settings.size {
-        PictureSize::Viewport => "Viewport size".to_owned(),
-        PictureSize::Pixels(size) => SIZES
-            .iter()
-            .find(|(_, s)| *s == size)
-            .map_or("Custom size".to_owned(), |(name, _)| (*name).to_owned()),
-    };
-    egui::ComboBox::from_id_salt("picture size")
-        .selected_text(name)
-        .show_ui(ui, |ui| {
-            ui.selectable_value(&mut settings.size, PictureSize::Viewport, "Viewport size");
-            for (name, size) in SIZES {
-                let text = format!("{name}, {} x {}", size[0], size[1]);
-                ui.selectable_value(&mut settings.size, PictureSize::Pixels(size), text);
-            }
-        })
-        .response
-        .labelled_by(label.id);
+    let sizes = SIZES.map(|(name, size)| (PictureSize::Pixels(size), name));
+    let sizes = [&[(PictureSize::Viewport, "Viewport size")], &sizes[..]].concat();
+    let name = sizes.iter().find(|(size, _)| *size == settings.size).map_or("Custom size", |(_, name)| name);
+    choice(ui, "picture size", name, &mut settings.size, sizes.iter().copied()).labelled_by(label.id);
     ui.end_row();
     let PictureSize::Pixels([mut width, mut height]) = settings.size else { return };
     ui.label("Pixels");
@@ -81,15 +68,7 @@ fn rendering_rows(ui: &mut Ui, state: &AppState, settings: &mut PictureSettings)
         (Mode::Fast, "fast, from the current references"),
         (Mode::Paper, "paper, from the current references"),
     ];
-    egui::ComboBox::from_id_salt("picture mode")
-        .selected_text(settings.mode.name())
-        .show_ui(ui, |ui| {
-            for (mode, text) in modes {
-                ui.selectable_value(&mut settings.mode, mode, text);
-            }
-        })
-        .response
-        .labelled_by(label.id);
+    choice(ui, "picture mode", settings.mode.name(), &mut settings.mode, modes).labelled_by(label.id);
     ui.end_row();
     let label = ui.label("Samples");
     let window_samples = state.quality.walk.render.trace.samples;
@@ -133,11 +112,11 @@ fn buttons(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     let is_free = state.picture.exporting.is_none();
     ui.horizontal(|ui| {
         let save = ui.add_enabled(is_free, egui::Button::new("Save now"));
-        if save.on_hover_text(format!("Key {}", keys_of(Action::Screenshot))).clicked() {
+        if save.on_hover_text(key_hint(Action::Screenshot)).clicked() {
             commands.push(Command::Picture(PictureCommand::Save));
         }
         let sequence = ui.add_enabled(is_free, egui::Button::new("Save path as sequence"));
-        if sequence.on_hover_text(format!("Key {}", keys_of(Action::SaveSequence))).clicked() {
+        if sequence.on_hover_text(key_hint(Action::SaveSequence)).clicked() {
             commands.push(Command::Picture(PictureCommand::SaveSequence));
         }
         if ui.button("Reset picture settings").clicked() {

@@ -1,6 +1,7 @@
 //! Settings that trade time for quality, each with its unit and a reset button.
 
 use super::super::state::{AppState, Command, Options, Quality};
+use super::widgets::choice;
 use crate::window::input::fly_camera::ViewChange;
 use afterimage::reference::{PlacementPolicy, PlacementRule, placement};
 use afterimage::{Mode, raster::color::ToneMap};
@@ -71,24 +72,6 @@ fn reset_button(ui: &mut Ui) -> egui::Response {
     response
 }
 
-fn choice<T: PartialEq + Copy>(
-    ui: &mut Ui,
-    id: &str,
-    value: &mut T,
-    choices: &[(T, &str)],
-) -> egui::Response {
-    let name = choices.iter().find(|(v, _)| v == value).map_or("", |(_, name)| name);
-    egui::ComboBox::from_id_salt(id)
-        .selected_text(name)
-        .width(118.0)
-        .show_ui(ui, |ui| {
-            for (v, name) in choices {
-                ui.selectable_value(value, *v, *name);
-            }
-        })
-        .response
-}
-
 fn mode_row(ui: &mut Ui, q: &mut Quality, d: &Quality) {
     let help = "exact: light is looked up in several references, and uncertain pixels are checked.\n\
                 fast: light is looked up in the best reference.\n\
@@ -96,7 +79,7 @@ fn mode_row(ui: &mut Ui, q: &mut Quality, d: &Quality) {
                 full: every pixel is traced, for comparison.";
     row(ui, "Mode", help, &mut q.walk.render.mode, d.walk.render.mode, |ui, v| {
         let modes = [Mode::Exact, Mode::Fast, Mode::Paper, Mode::Full];
-        choice(ui, "mode", v, &modes.map(|mode| (mode, mode.name())))
+        choice(ui, "mode", v.name(), v, modes.map(|mode| (mode, mode.name())))
     });
 }
 
@@ -138,7 +121,7 @@ fn placement_rows(ui: &mut Ui, q: &mut Quality, d: &Quality) {
     let number = |policy: &PlacementPolicy| names.iter().position(|n| n.1 == policy.rule.name).unwrap_or(0);
     let mut chosen = number(&q.walk.placement);
     row(ui, "Placement", &help, &mut chosen, number(&d.walk.placement), |ui, v| {
-        choice(ui, "placement", v, &names)
+        choice(ui, "placement", names[*v].1, v, names.iter().copied())
     });
     q.walk.placement.rule = &placement::RULES[chosen];
     if q.walk.placement.rule.has_threshold {
@@ -171,7 +154,7 @@ fn picture_rows(ui: &mut Ui, q: &mut Quality, d: &Quality) {
     );
     let help = "aces: a filmic curve that keeps the hue of bright lamps. linear: clipped at white.";
     row(ui, "Tone map", help, &mut q.tone_map, d.tone_map, |ui, v| {
-        choice(ui, "tone map", v, &[(ToneMap::Aces, "aces"), (ToneMap::Linear, "linear")])
+        choice(ui, "tone map", v.name(), v, [ToneMap::Aces, ToneMap::Linear].map(|map| (map, map.name())))
     });
 }
 

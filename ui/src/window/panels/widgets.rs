@@ -1,5 +1,6 @@
 //! Small widgets and colours that several panels share.
 
+use crate::window::input::keymap::{Action, keys_of};
 use crate::window::{gpu::presentation::FILLED_COLOR, state::AppState};
 use afterimage::raster::pixel_types::TYPE_SRGB;
 use egui::{Color32, Ui};
@@ -28,6 +29,28 @@ pub fn install_style(ctx: &egui::Context) {
         visuals.widgets.noninteractive.fg_stroke.color = Color32::from_gray(gray);
         visuals.weak_text_alpha = 0.8;
     });
+}
+
+/// Hover text that names the key of an action.
+pub fn key_hint(action: Action) -> String {
+    format!("Key {}", keys_of(action))
+}
+
+/// A combo box for a value; `selected` is the text of the current choice.
+pub fn choice<T: PartialEq, N: Into<egui::WidgetText>>(
+    ui: &mut Ui,
+    id: &str,
+    selected: &str,
+    value: &mut T,
+    choices: impl IntoIterator<Item = (T, N)>,
+) -> egui::Response {
+    let combo = egui::ComboBox::from_id_salt(id).selected_text(selected).width(118.0);
+    let menu = |ui: &mut Ui| {
+        for (choice, name) in choices {
+            ui.selectable_value(value, choice, name.into());
+        }
+    };
+    combo.show_ui(ui, menu).response
 }
 
 /// A small picture of the view of a camera; grey until it is rendered.
