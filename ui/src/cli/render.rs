@@ -1,20 +1,13 @@
 //! `afterimage render`: renders one picture.
 
-use super::failure::Failure;
-use super::flags::Flags;
 use super::pose::{camera, eye_and_target};
-use super::progress::SharedProgress;
 use super::scene::{Loaded, load};
-use super::{interrupt, output};
+use super::{failure::Failure, flags::Flags, interrupt, output, progress::SharedProgress};
 use crate::picture::{MadePicture, Output, PictureJob, Shows, memory};
-use afterimage::Mode;
-use afterimage::camera::Camera;
-use afterimage::raster::save::Target;
-use afterimage::reference::ReferenceFrame;
-use afterimage::render::aov::Aov;
-use afterimage::render::bands::Background;
-use afterimage::trace::TraceSettings;
-use afterimage::warp::MAX_REFERENCES;
+use afterimage::{
+    Mode, camera::Camera, raster::save::Target, reference::ReferenceFrame, render::aov::Aov,
+    render::bands::Background, trace::TraceSettings, warp::MAX_REFERENCES,
+};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use glam::DVec3;

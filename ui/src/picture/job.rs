@@ -2,21 +2,17 @@
 
 use super::memory::{TooLarge, check, check_banded};
 use super::notes::{Made, notes};
-use afterimage::raster::color::ToneMap;
-use afterimage::raster::pixel_types::TypeCounts;
-use afterimage::raster::save::Target;
-use afterimage::raster::save::{Channel, ChannelValues, SaveError};
+use afterimage::raster::save::{Channel, ChannelValues, SaveError, Target};
 use afterimage::raster::stream::{Contents, PictureFile, Rows};
+use afterimage::raster::{color::ToneMap, pixel_types::TypeCounts};
 use afterimage::reference::{ReferenceCache, ReferenceFrame};
 use afterimage::render::aov::{Aov, display_rows, display_rows_alpha, types_rows};
 use afterimage::render::bands::{Background, Band, BandedPicture};
 use afterimage::render::{FrameStats, RefineState};
 use afterimage::trace::parallel::Stop;
 use afterimage::{Camera, FrameRequest, RenderSettings, Renderer, Tracer};
-use std::path::PathBuf;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::Instant;
+use std::{path::PathBuf, sync::Arc, time::Instant};
 
 /// A picture to render.
 #[derive(Clone, Debug)]

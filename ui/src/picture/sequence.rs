@@ -2,12 +2,8 @@
 //! interrupted sequence is resumed: finished pictures are kept.
 
 use super::{Output, PictureJob, Shows};
-use afterimage::Tracer;
-use afterimage::camera::CameraPath;
-use afterimage::raster::load::read_bounded;
-use afterimage::raster::save::Target;
-use afterimage::raster::save::write_atomically;
-use afterimage::trace::parallel::Stop;
+use afterimage::raster::save::{Target, write_atomically};
+use afterimage::{Tracer, camera::CameraPath, raster::load::read_bounded, trace::parallel::Stop};
 use anyhow::{anyhow, bail};
 use std::path::{Path, PathBuf};
 
