@@ -1,4 +1,5 @@
-//! Checks of looked-up frames: what is wrong is found, what is right is left alone, and the estimate is true.
+//! Audits of looked-up frames: wrong references are found, right ones are left alone, and the
+//! estimate contains the true error.
 
 use crate::rooms::{cuboid, dvec, quad, room_camera, room_tracer};
 use afterimage::raster::load::display_of;
@@ -28,8 +29,8 @@ fn insert(cache: &mut ReferenceCache, tracer: &Tracer, camera: &Camera, seed: u6
     cache.insert(Arc::new(ReferenceFrame::trace(tracer, camera, SIZE, &trace, NEVER).unwrap()));
 }
 
-/// Renders a view and checks pixels of it.
-fn checked(
+/// Renders a view and audits `count` pixels of it.
+fn audited(
     tracer: &Tracer,
     camera: &Camera,
     cache: &mut ReferenceCache,
@@ -49,7 +50,7 @@ fn truth(tracer: &Tracer, camera: &Camera) -> Vec<Vec3> {
     render_antialiased(&FrameRequest::new(tracer, camera, SIZE, &settings), 1).radiance
 }
 
-/// A lit room; `brightness` is its lamp's.
+/// A room with a lamp of a given brightness.
 fn lit_room(brightness: f32) -> Tracer {
     let mut b = SceneBuilder::new("lit room");
     let wall = b.add_material(Material::diffuse("wall", Vec3::splat(0.5)));
@@ -61,7 +62,7 @@ fn lit_room(brightness: f32) -> Tracer {
 }
 
 #[test]
-fn a_poisoned_reference_is_found_and_forgets() {
+fn wrong_light_of_a_reference_is_found_and_forgotten() {
     let (tracer, brighter) = (lit_room(4.0), lit_room(12.0));
     let camera = moved(0.1, 0.02);
     let mut cache = ReferenceCache::new(tracer.scene(), 1 << 30);
@@ -74,13 +75,13 @@ fn a_poisoned_reference_is_found_and_forgets() {
     let right = display_of(&truth(&tracer, &camera));
     let mut auditor = Auditor::default();
     let psnr = |radiance: &[Vec3]| psnr_db(&display_of(radiance), &right);
-    let (before, first) = checked(&tracer, &camera, &mut cache, &mut auditor, 384);
+    let (before, first) = audited(&tracer, &camera, &mut cache, &mut auditor, 384);
     assert!(first.wrong_percent > 5.0, "{first:?}");
     for _ in 0..40 {
-        checked(&tracer, &camera, &mut cache, &mut auditor, 384);
+        audited(&tracer, &camera, &mut cache, &mut auditor, 384);
     }
-    let (after, last) = checked(&tracer, &camera, &mut cache, &mut auditor, 384);
-    // Where both lights are white on a screen nothing looks wrong.
+    let (after, last) = audited(&tracer, &camera, &mut cache, &mut auditor, 384);
+    // Where both lights are white on a screen, no pixel looks wrong.
     assert!(last.forgotten_blocks >= 8, "{last:?}");
     assert_eq!(cache.entries()[0].frame.lit(), innocent, "the other reference is left alone");
     assert!(
@@ -92,7 +93,7 @@ fn a_poisoned_reference_is_found_and_forgets() {
 }
 
 #[test]
-fn what_is_right_is_never_forgotten() {
+fn right_light_is_never_forgotten() {
     for tracer in [room_tracer(true, true), lit_room(4.0)] {
         let mut cache = ReferenceCache::new(tracer.scene(), 1 << 30);
         for i in 0..3 {
@@ -102,7 +103,7 @@ fn what_is_right_is_never_forgotten() {
         let mut looked_up = 0;
         for i in 0..60 {
             let camera = moved(0.02 * f64::from(i), 0.004 * f64::from(i));
-            let (_, estimate) = checked(&tracer, &camera, &mut cache, &mut auditor, 384);
+            let (_, estimate) = audited(&tracer, &camera, &mut cache, &mut auditor, 384);
             assert_eq!(estimate.forgotten_blocks, 0, "frame {i}");
             looked_up += 384;
         }
@@ -122,18 +123,18 @@ fn the_estimate_covers_the_true_error() {
         let mut auditor = Auditor::default();
         let (mut shown, mut estimate) = (Vec::new(), AuditEstimate::default());
         for _ in 0..100 {
-            (shown, estimate) = checked(&tracer, &camera, &mut cache, &mut auditor, 384);
+            (shown, estimate) = audited(&tracer, &camera, &mut cache, &mut auditor, 384);
         }
         let right = psnr_db(&display_of(&shown), &display_of(&truth(&tracer, &camera)));
         let (low, high) = (estimate.psnr_low_db.unwrap(), estimate.psnr_high_db.unwrap());
-        // The display curve's bend under noise: a little more than the interval.
+        // The curvature of the display curve under noise adds a little to the interval.
         assert!((low - 0.5..high + 0.5).contains(&right), "{right} dB is not in {low}..{high} dB");
         assert!(estimate.plus_minus_db().unwrap() < 1.5 && estimate.pixels > 30_000, "{estimate:?}");
     }
 }
 
 #[test]
-fn a_walk_is_checked_where_that_is_asked_for() {
+fn a_walk_is_audited_if_that_is_enabled() {
     let tracer = Arc::new(lit_room(4.0));
     let render = RenderSettings { mode: Mode::Exact, trace: TRACE };
     for (audits, mode) in [(true, Mode::Exact), (false, Mode::Exact), (true, Mode::Paper)] {
@@ -143,9 +144,9 @@ fn a_walk_is_checked_where_that_is_asked_for() {
             WalkthroughSettings { render, audits, ..WalkthroughSettings::default() },
         );
         let stats = walk.render(&room_camera(), SIZE, NEVER).stats;
-        let is_checked = audits && mode == Mode::Exact;
-        assert_eq!(stats.audit.is_some_and(|a| a.pixels > 0), is_checked);
-        assert_eq!(stats.secs.audit > 0.0, is_checked);
+        let is_audited = audits && mode == Mode::Exact;
+        assert_eq!(stats.audit.is_some_and(|a| a.pixels > 0), is_audited);
+        assert_eq!(stats.secs.audit > 0.0, is_audited);
         assert!(stats.secs.frame >= stats.secs.audit);
     }
 }

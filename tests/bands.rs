@@ -1,4 +1,5 @@
-//! Pictures band by band: the bits of the whole picture, files written from the top.
+//! Pictures rendered in bands have the bits of the whole picture, and files are written from the
+//! top.
 
 use crate::rooms::{room_camera, room_tracer};
 use afterimage::raster::load::{Picture, read_notes};
@@ -32,10 +33,10 @@ fn bands_have_the_bits_of_the_whole_picture() {
         let (picture, done) = (banded(&tracer, &camera, passes), AtomicU64::new(0));
         let (mut y, mut counted) = (0, RayCounts::default());
         for rows in [0..8, 8..24, 24..37] {
-            let note = |more| {
-                done.fetch_add(more, Ordering::Relaxed);
+            let report = |work| {
+                done.fetch_add(work, Ordering::Relaxed);
             };
-            let (band, rays) = picture.render(rows.clone(), NEVER, &note).unwrap();
+            let (band, rays) = picture.render(rows.clone(), NEVER, &report).unwrap();
             counted += rays;
             let part = (y * SIZE[0]) as usize..(rows.end * SIZE[0]) as usize;
             assert_eq!(band.radiance, whole.radiance[part.clone()]);
@@ -50,7 +51,7 @@ fn bands_have_the_bits_of_the_whole_picture() {
                     match (&of_band.values, &of_whole.values) {
                         (ChannelValues::Real(a), ChannelValues::Real(b)) => assert_eq!(*a, b[part.clone()]),
                         (ChannelValues::Index(a), ChannelValues::Index(b)) => assert_eq!(*a, b[part.clone()]),
-                        _ => panic!("{name} changes its kind"),
+                        _ => panic!("{name} has values of another kind"),
                     }
                 }
             }
@@ -79,9 +80,9 @@ fn a_stop_ends_a_band() {
 }
 
 #[test]
-fn without_the_background_the_sky_is_transparent_and_all_else_as_it_was() {
+fn without_the_background_the_sky_is_transparent_and_all_else_is_unchanged() {
     let tracer = room_tracer(false, false);
-    // From outside, past the room.
+    // Seen from outside, the room covers a part of the picture.
     let camera = Camera::look_at(DVec3::new(30.0, 1.0, 30.0), DVec3::new(0.0, 1.0, 5.0), 60.0);
     let shown = banded(&tracer, &camera, 4);
     let left_out = BandedPicture { background: Background::LeftOut, ..banded(&tracer, &camera, 4) };
@@ -116,7 +117,7 @@ fn a_png_written_in_portions_is_the_one_written_at_once() {
     let mut file = PictureFile::begin(target(folder.path(), "a.png"), Contents::Png, [3, 4], &notes).unwrap();
     file.write(Rows::Srgb(pixels[..3].to_vec())).unwrap();
     file.write(Rows::Srgb(pixels[3..].to_vec())).unwrap();
-    assert!(!folder.path().join("a.png").exists(), "no half of it is seen under its name");
+    assert!(!folder.path().join("a.png").exists(), "an unfinished file is not visible under its name");
     let path = file.finish(true).unwrap();
     std::fs::write(folder.path().join("b.png"), encode_png([3, 4], &pixels, &notes).unwrap()).unwrap();
     let picture = Picture::load(&path).unwrap();
@@ -176,8 +177,8 @@ fn names_are_numbered_and_an_abandoned_file_leaves_nothing() {
     }
     drop(begin());
     let mut too_much = begin();
-    let told = (0..10).find_map(|_| too_much.write(Rows::SrgbAlpha(vec![[0; 4]])).err()).unwrap();
-    assert!(told.to_string().contains("too many rows"), "{told}");
+    let error = (0..10).find_map(|_| too_much.write(Rows::SrgbAlpha(vec![[0; 4]])).err()).unwrap();
+    assert!(error.to_string().contains("too many rows"), "{error}");
     assert_eq!(names(folder.path()), 2);
     let nowhere = Target::File(folder.path().join("none/a.png"));
     assert!(nowhere.probe().unwrap_err().to_string().contains("none"));

@@ -1,4 +1,5 @@
-//! Frames cut at a budget: the worst first, and gone on with to the same bits.
+//! Frames stopped at a time budget: they are resumed to the same bits, and show the most important
+//! pixels first.
 
 use crate::rooms::{room_camera, room_tracer};
 use afterimage::reference::PlacementPolicy;
@@ -28,13 +29,13 @@ fn walk(tracer: &Arc<Tracer>, mode: Mode) -> Walkthrough {
     walk
 }
 
-/// Stops after so many pixels.
+/// A stop condition that is true after a number of pixels.
 fn stop_after(pixels: &AtomicUsize) -> bool {
     pixels.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |n| n.checked_sub(1)).is_err()
 }
 
 #[test]
-fn a_frame_that_was_cut_and_gone_on_with_has_the_bits_of_one_that_was_not() {
+fn a_frame_that_was_stopped_and_resumed_has_the_bits_of_one_that_was_not() {
     let tracer = Arc::new(room_tracer(true, true));
     for mode in MODES {
         let mut whole = walk(&tracer, mode);
@@ -58,10 +59,11 @@ fn a_frame_that_was_cut_and_gone_on_with_has_the_bits_of_one_that_was_not() {
 }
 
 #[test]
-fn a_cut_frame_is_near_the_whole_one_where_it_is_not_done() {
+fn a_stopped_frame_is_close_to_the_complete_one_where_it_is_not_done() {
     let tracer = Arc::new(room_tracer(true, true));
     let mut were_cut = 0;
-    // The other modes know no surface where they are not done, so a lamp's one sample is shown by all around it.
+    // The other modes know no surface where they are not done, so one sample of a lamp spreads to
+    // all pixels around it.
     for mode in [Mode::Fast, Mode::Exact] {
         let mut walk = walk(&tracer, mode);
         let pixels = AtomicUsize::new(SIZE[0] as usize * SIZE[1] as usize / 8);
@@ -69,20 +71,21 @@ fn a_cut_frame_is_near_the_whole_one_where_it_is_not_done() {
         were_cut += u32::from(!cut.stats.is_complete);
         let cut = cut.radiance.clone();
         let whole = &walk.resume(NEVER).radiance;
-        // But for the lamp, whose few pixels would outweigh all others.
+        // Without the lamp, whose few pixels would outweigh all others.
         let lit: Vec<usize> = (0..whole.len()).filter(|&i| whole[i].max_element() < 1.0).collect();
         let error = |shown: &dyn Fn(usize) -> Vec3| -> f32 {
             lit.iter().map(|&i| (shown(i).min(Vec3::ONE) - whole[i]).length_squared()).sum()
         };
-        // A picture left black is off by its whole light. In so small a picture mirror and glass are most of what is left.
+        // A black picture is off by all of its light. In a picture this small, most of what is not
+        // done is mirror and glass.
         let (shown, black) = (error(&|i| cut[i]), error(&|_| Vec3::ZERO));
         assert!(shown < 0.75 * black, "{mode:?}: {shown} of {black}");
     }
-    assert!(were_cut >= 1, "nothing was cut, so nothing was shown");
+    assert!(were_cut >= 1, "no frame was stopped, so nothing was tested");
 }
 
 #[test]
-fn what_changed_meanwhile_is_not_gone_on_with() {
+fn a_frame_is_not_resumed_after_a_change() {
     let tracer = Arc::new(room_tracer(true, false));
     let mut cut = walk(&tracer, Mode::Exact);
     cut.render(&room_camera(), SIZE, &|| true);

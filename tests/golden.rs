@@ -1,4 +1,4 @@
-//! Small, tight goldens: the type of every pixel of a known view.
+//! A small golden file: the type of every pixel of a known view.
 
 use crate::rooms::{room_camera, room_tracer};
 use afterimage::reference::ReferenceFrame;
@@ -7,10 +7,10 @@ use afterimage::trace::parallel::NEVER;
 use afterimage::{Camera, FrameRequest, Mode, RenderSettings, Renderer};
 use std::path::Path;
 
-/// After a change that is meant to move pixels: run with `AFTERIMAGE_BLESS=1`, look at the difference, say why in the
-/// commit.
+/// After a change that is meant to change pixels, run with `AFTERIMAGE_BLESS=1`, inspect the
+/// difference, and explain it in the commit message.
 #[test]
-fn pixel_types_of_a_room_seen_from_two_steps_on() {
+fn pixel_types_of_a_room_seen_from_two_steps_ahead() {
     let size = [64, 40];
     let tracer = room_tracer(true, true);
     let settings =
@@ -19,7 +19,8 @@ fn pixel_types_of_a_room_seen_from_two_steps_on() {
     let reference = ReferenceFrame::trace(&tracer, &start, size, &settings.trace, NEVER).unwrap();
     let camera = Camera { eye: start.eye + start.forward() * 0.8, yaw: start.yaw + 0.15, ..start };
     let mut renderer = Renderer::default();
-    let frame = renderer.render(&FrameRequest::new(&tracer, &camera, size, &settings).warping(&[&reference]));
+    let request = FrameRequest::new(&tracer, &camera, size, &settings);
+    let frame = renderer.render(&request.warping(&[&reference]));
     let row = |types: &[_]| {
         types.iter().map(|t: &afterimage::raster::pixel_types::PixelType| t.number().to_string()).collect()
     };

@@ -1,4 +1,4 @@
-//! Mode `exact`: what it shows is what the primary ray meets, in light that was traced there.
+//! Mode `exact`: a pixel shows the surface that its primary ray meets, in light traced there.
 
 use crate::rooms::{cuboid, dvec, leafy_scene, quad, room_camera, room_tracer};
 use afterimage::camera::View;
@@ -31,7 +31,7 @@ fn walkthrough(tracer: &Arc<Tracer>) -> Walkthrough {
     Walkthrough::new(tracer.clone(), settings)
 }
 
-/// Traces what a walk wants after a frame.
+/// Traces the reference that a walk wants after a frame, if any.
 fn add_wanted(walk: &mut Walkthrough) {
     if let Some(pose) = walk.wanted_reference() {
         let size = walk.frame().view.size;
@@ -84,7 +84,7 @@ fn every_pixel_shows_the_surface_that_its_ray_meets() {
         }
         let name = &tracer.scene().name;
         assert_eq!(wrong, 0, "{name}: of {pixels} pixels");
-        // The second frame of each place at least is looked up; all but the sky and mirrors.
+        // At least the second frame of each place is looked up, except for sky and mirrors.
         assert!(looked_up * 8 > pixels, "{name}: {looked_up} of {pixels} pixels looked up");
     }
 }
@@ -102,13 +102,16 @@ fn without_a_reference_it_is_the_full_tracer_bit_for_bit() {
             let none = ReferenceCache::new(tracer.scene(), 1 << 30);
             let (exact, full) = (exact(&tracer, &camera, &none), full(&tracer, &camera));
             assert!(exact.radiance == full.radiance, "{} at {i}", tracer.scene().name);
-            assert!(full.radiance.iter().any(|r| *r != full.radiance[0]), "an even picture shows nothing");
+            assert!(
+                full.radiance.iter().any(|r| *r != full.radiance[0]),
+                "a picture of one colour proves nothing"
+            );
         }
     }
 }
 
-/// Two closed rooms, a lamp in each, farther apart than the samples of a small picture: a floor that goes on behind a
-/// wall thinner than that cannot be told from the one before it.
+/// Two closed rooms with a lamp in each, farther apart than the samples of a small picture: a floor
+/// that continues behind a thinner wall cannot be distinguished from the floor in front of it.
 fn two_rooms() -> Tracer {
     let mut b = SceneBuilder::new("two rooms");
     let wall = b.add_material(Material::diffuse("wall", Vec3::new(0.7, 0.6, 0.5)));
@@ -121,7 +124,7 @@ fn two_rooms() -> Tracer {
 }
 
 #[test]
-fn after_a_teleport_it_is_the_full_tracer_bit_for_bit() {
+fn in_another_room_it_is_the_full_tracer_bit_for_bit() {
     let tracer = two_rooms();
     let [here, there] =
         [0.0, 5.0].map(|x| Camera::look_at(dvec(x + 1.0, 1.5, 3.5), dvec(x + 2.0, 1.0, 0.0), 70.0));
@@ -158,10 +161,7 @@ fn the_same_bits_at_any_number_of_threads() {
 fn light_of_another_epoch_is_never_used() {
     let (old, new) = (Arc::new(room_tracer(false, false)), Arc::new(room_tracer(true, true)));
     let cache = cache_with(&old, &[room_camera()], &TRACE);
-    assert_eq!(
-        (LookupSet::new(&cache, old.epoch()).len(), LookupSet::new(&cache, new.epoch()).len()),
-        (1, 0)
-    );
+    assert_eq!([&old, &new].map(|t| LookupSet::new(&cache, t.epoch()).len()), [1, 0]);
     let mut walk = walkthrough(&old);
     let stale = walk.reference_job(room_camera(), SIZE).trace(NEVER).unwrap();
     walk.set_tracer(new.clone());
@@ -169,7 +169,8 @@ fn light_of_another_epoch_is_never_used() {
     assert!(walk.render(&room_camera(), SIZE, NEVER).radiance == full(&new, &room_camera()).radiance);
 }
 
-/// A sheet across a lit half of the world and a dark one, with a mirror on the dark side that shows the sheet's back.
+/// A sheet between a lit and a dark side, with a mirror on the dark side that shows the sheet's
+/// back.
 fn sheet() -> Tracer {
     let mut b = SceneBuilder::new("sheet");
     let white = b.add_material(Material::diffuse("white", Vec3::splat(0.8)));
@@ -181,7 +182,7 @@ fn sheet() -> Tracer {
 }
 
 #[test]
-fn a_sheet_lends_no_light_to_its_other_side() {
+fn light_of_one_side_of_a_sheet_is_not_reused_on_the_other() {
     let tracer = sheet();
     let lit = Camera::look_at(dvec(0.3, 0.2, 1.5), dvec(0.0, 0.0, 0.0), 75.0);
     let dark = Camera::look_at(dvec(0.3, 0.2, -1.5), dvec(0.0, 0.0, 0.0), 75.0);
@@ -193,14 +194,14 @@ fn a_sheet_lends_no_light_to_its_other_side() {
         assert!(frame.radiance.iter().all(|r| *r == Vec3::ZERO), "light came through the sheet");
     }
     assert!(exact(&tracer, &by_mirror, &cache).types.contains(&PixelType::Secondary));
-    // And the dark of the other side is not lent either.
+    // Nor is the darkness of the other side reused.
     let cache = cache_with(&tracer, &[dark, by_mirror], &TRACE);
     assert!(exact(&tracer, &lit, &cache).radiance == full(&tracer, &lit).radiance);
 }
 
-/// Under an even sky the light on a convex body is the same everywhere, and sampled without noise.
+/// Under a uniform sky the light on a convex body is the same everywhere, and free of noise.
 #[test]
-fn in_even_light_it_shows_even_light() {
+fn uniform_light_is_shown_as_uniform() {
     let even = Vec3::new(0.731, 0.4127, 0.219);
     let mut b = SceneBuilder::new("furnace");
     let matte = b.add_material(Material::diffuse("matte", Vec3::splat(0.6)));
@@ -215,7 +216,7 @@ fn in_even_light_it_shows_even_light() {
         let frame = walk.render(&Camera::look_at(eye, dvec(1.0, 0.5, 0.7), 45.0), [160, 104], NEVER);
         for ((shown, &triangle), t) in frame.radiance.iter().zip(&frame.triangle).zip(&frame.types) {
             let expected = if triangle == u32::MAX { even } else { even * 0.6 };
-            // What packing takes, and the rounding of a few sums.
+            // The error of packing, and the rounding of a few sums.
             let allowed = expected.max_element() * (1.0 / 512.0 + 1e-5);
             assert!((*shown - expected).abs().max_element() <= allowed, "{shown} for {expected}");
             seen += usize::from(triangle != u32::MAX);
@@ -227,7 +228,7 @@ fn in_even_light_it_shows_even_light() {
 }
 
 #[test]
-fn a_reference_that_is_switched_off_is_as_good_as_gone() {
+fn a_disabled_reference_is_used_no_more_than_a_removed_one() {
     let tracer = room_tracer(false, false);
     let poses = [room_camera(), Camera { yaw: room_camera().yaw + 0.4, ..room_camera() }];
     let mut cache = cache_with(&tracer, &poses, &TRACE);
@@ -241,18 +242,15 @@ fn a_reference_that_is_switched_off_is_as_good_as_gone() {
     assert_eq!((&without.radiance, &without.types), (&removed.radiance, &removed.types));
     assert_ne!(without.radiance, both.radiance);
     let view = View::new(&poses[0], &tracer.scene().frame, SIZE);
-    assert_eq!(
-        ReferenceSelector::default().select(&mut cache, &view, tracer.epoch(), 8).len(),
-        1,
-        "nor is it warped"
-    );
+    let selected = ReferenceSelector::default().select(&mut cache, &view, tracer.epoch(), 8);
+    assert_eq!(selected.len(), 1, "nor is it warped");
     assert!(cache.set_enabled(first, true));
     assert_eq!(exact(&tracer, &poses[1], &cache).radiance, both.radiance);
     cache.remove(first);
     assert!(!cache.set_enabled(first, true));
 }
 
-/// No reference: all that the mirror and the glass show has to be shaded, once.
+/// Without references, all points that the mirror and the glass show are shaded, once.
 #[test]
 fn what_mirrors_and_glass_show_is_shaded_once() {
     let tracer = room_tracer(true, true);
@@ -264,17 +262,18 @@ fn what_mirrors_and_glass_show_is_shaded_once() {
             .clone()
     };
     let [first, second, third] = [render(), render(), render()];
-    // First surfaces are shaded in every frame here, as nobody makes a reference of them.
+    // First surfaces are shaded in every frame here, because no frame becomes a reference.
     let saved = first.stats.rays.shadow - second.stats.rays.shadow;
     assert!(saved > 0, "{:?} {:?}", first.stats.rays, second.stats.rays);
-    assert!(third.stats.rays.shadow <= second.stats.rays.shadow, "what was kept stays");
+    assert!(third.stats.rays.shadow <= second.stats.rays.shadow, "cached points stay");
     assert_eq!(first.stats.rays.secondary, second.stats.rays.secondary, "reflected and refracted alike");
     let mean = |frame: &afterimage::Frame| frame.radiance.iter().map(|r| r.element_sum()).sum::<f32>();
     let off = (mean(&second) / mean(&first) - 1.0).abs();
     assert!(off < 0.01, "the light is that of the first frame: {off}");
 }
 
-/// A post on a floor before a mirror, lit by a point: its shadow has sharp edges, and there is no noise.
+/// A post on a floor in front of a mirror, under a point light: its shadow has sharp edges and no
+/// noise.
 fn post_and_mirror() -> Arc<Tracer> {
     let mut b = SceneBuilder::new("post");
     let matte = b.add_material(Material::diffuse("matte", Vec3::splat(0.6)));
@@ -286,9 +285,10 @@ fn post_and_mirror() -> Arc<Tracer> {
     Arc::new(Tracer::new(Arc::new(b.finish().unwrap())))
 }
 
-/// What was traced for another pixel lies beside the edge; where light jumps only the very place will do.
+/// A point traced for another pixel may be on the other side of the edge, so at an edge only light
+/// of the same point is reused.
 #[test]
-fn the_edge_of_a_shadow_stays_in_its_place_seen_at_once_and_in_a_mirror() {
+fn the_edge_of_a_shadow_stays_in_place_seen_directly_and_in_a_mirror() {
     let tracer = post_and_mirror();
     let trace = TraceSettings { samples: 16, ..TRACE };
     let mut walk = walkthrough(&tracer);
@@ -309,6 +309,6 @@ fn the_edge_of_a_shadow_stays_in_its_place_seen_at_once_and_in_a_mirror() {
             off += u32::from((shown - right).abs().max_element() > 0.2 * shown.max(right).max_element());
         }
     }
-    // Lent within a whole footprint it was 7, unchecked in the mirror 46.
+    // With light reused within a whole footprint there were 7, and unchecked in the mirror 46.
     assert_eq!(off, 0, "pixels in nine frames");
 }

@@ -1,12 +1,12 @@
-//! Convergence at rest: the same bits however it was interrupted.
+//! Refinement of a stationary camera's picture: the same bits however it was interrupted.
 
 use crate::rooms::{room_camera, room_tracer};
 use afterimage::math::key::Key;
 use afterimage::reference::PlacementPolicy;
 use afterimage::reference::placement::NONE;
-use afterimage::render::{CONVERGED_PASSES, render_antialiased};
+use afterimage::render::{CONVERGED_PASSES as PASSES, render_antialiased};
 use afterimage::trace::TraceSettings;
-use afterimage::trace::parallel::NEVER;
+use afterimage::trace::parallel::{NEVER, Stop};
 use afterimage::{
     Camera, Frame, FrameRequest, Mode, RenderSettings, Renderer, Tracer, Walkthrough, WalkthroughSettings,
 };
@@ -14,7 +14,7 @@ use glam::Vec3;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Neither side a multiple of a tile's.
+/// Neither side is a multiple of a tile's.
 const SIZE: [u32; 2] = [45, 27];
 const PIXELS: usize = 45 * 27;
 const TRACE: TraceSettings = TraceSettings { samples: 1, bounces: 0, seed: 9 };
@@ -43,19 +43,21 @@ fn walk_at_rest(tracer: &Arc<Tracer>, mode: Mode) -> Walkthrough {
 }
 
 fn full(tracer: &Tracer) -> Frame {
-    Renderer::default()
-        .render(&FrameRequest::new(tracer, &room_camera(), SIZE, &settings(Mode::Full)))
-        .clone()
+    let settings = settings(Mode::Full);
+    Renderer::default().render(&FrameRequest::new(tracer, &room_camera(), SIZE, &settings)).clone()
+}
+
+fn antialiased(tracer: &Tracer, passes: u32, stop: Stop<'_>) -> Frame {
+    let (camera, settings) = (room_camera(), settings(Mode::Full));
+    let request = FrameRequest::new(tracer, &camera, SIZE, &settings).with_stop(stop);
+    render_antialiased(&request, passes)
 }
 
 fn converged(tracer: &Tracer) -> Frame {
-    render_antialiased(
-        &FrameRequest::new(tracer, &room_camera(), SIZE, &settings(Mode::Full)),
-        CONVERGED_PASSES,
-    )
+    antialiased(tracer, PASSES, NEVER)
 }
 
-/// Refines until so many pixels are done.
+/// Refines until a number of pixels is done.
 fn refine_pixels(walk: &mut Walkthrough, pixels: usize) -> afterimage::RefineState {
     let left = AtomicUsize::new(pixels);
     let stop = || left.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |n| n.checked_sub(1)).is_err();
@@ -74,14 +76,13 @@ fn after_the_first_pass_the_picture_is_the_full_tracers() {
     assert!(walk.frame().radiance != full.radiance, "the frame before was looked up");
     let types = walk.frame().types.clone();
     let state = refine_pixels(&mut walk, PIXELS);
-    assert_eq!((state.pass, state.of, state.is_complete), (1, CONVERGED_PASSES, false));
+    assert_eq!((state.pass, state.of, state.is_complete), (1, PASSES, false));
     let frame = walk.frame();
     assert!(frame.radiance == full.radiance && frame.triangle == full.triangle);
     assert!(frame.disparity == full.disparity);
-    assert!(frame.types == types, "what was reused is still shown");
+    assert!(frame.types == types, "the types of the looked-up frame are still shown");
     assert_eq!(frame.stats.refined, state);
-    let once =
-        render_antialiased(&FrameRequest::new(&tracer, &room_camera(), SIZE, &settings(Mode::Full)), 1);
+    let once = antialiased(&tracer, 1, NEVER);
     assert!(once.radiance == full.radiance && once.triangle == full.triangle && once.stats.is_complete);
     assert_eq!(once.stats.rays, full.stats.rays);
 }
@@ -108,7 +109,7 @@ fn it_converges_to_the_antialiased_picture_however_it_is_interrupted() {
             }
             assert!(walk.frame().radiance == converged.radiance, "{threads} threads");
             assert!(rounds > 8, "{rounds} rounds");
-            // What has converged stays, and costs nothing.
+            // A converged picture stays as it is, and costs nothing.
             let asked = AtomicUsize::new(0);
             let state = walk.refine(&|| asked.fetch_add(1, Ordering::Relaxed) > 0);
             assert!(state.is_complete && asked.into_inner() == 0);
@@ -127,9 +128,9 @@ fn antialiasing_has_the_same_bits_at_any_number_of_threads_and_smooths() {
         let settings = RenderSettings { mode: Mode::Full, trace };
         render_antialiased(&FrameRequest::new(&tracer, &room_camera(), SIZE, &settings), passes)
     };
-    let [one, four] = [1, 4].map(|threads| pool(threads).install(|| render(CONVERGED_PASSES)));
+    let [one, four] = [1, 4].map(|threads| pool(threads).install(|| render(PASSES)));
     assert!(one.radiance == four.radiance && one.stats.rays == four.stats.rays);
-    // As a screen shows it: the lamp's edge alone would outweigh all else.
+    // Clipped as on a screen: the lamp's edge alone would outweigh all other pixels.
     let truth = downsampled(&tracer);
     let error = |radiance: &[Vec3]| -> f32 {
         let square = |(a, b): (&Vec3, &Vec3)| (a.min(Vec3::ONE) - b.min(Vec3::ONE)).length_squared();
@@ -153,7 +154,7 @@ fn downsampled(tracer: &Tracer) -> Vec<Vec3> {
 }
 
 #[test]
-fn a_new_reference_at_rest_takes_nothing_back() {
+fn a_new_reference_leaves_a_refined_picture_as_it_is() {
     let tracer = tracer();
     let mut walk = walk_at_rest(&tracer, Mode::Exact);
     refine_pixels(&mut walk, 2 * PIXELS + PIXELS / 3);
@@ -168,7 +169,7 @@ fn a_new_reference_at_rest_takes_nothing_back() {
 }
 
 #[test]
-fn every_change_starts_anew() {
+fn every_change_restarts_refinement() {
     let tracer = tracer();
     let turned = Camera { yaw: room_camera().yaw + 1e-6, ..room_camera() };
     let more = WalkthroughSettings {
@@ -201,10 +202,7 @@ fn the_papers_picture_is_left_as_it_is() {
 fn a_stopped_picture_says_so_and_has_no_holes() {
     let asked = AtomicUsize::new(0);
     let stop = || asked.fetch_add(1, Ordering::Relaxed) >= PIXELS / 2;
-    let frame = render_antialiased(
-        &FrameRequest::new(&tracer(), &room_camera(), SIZE, &settings(Mode::Full)).with_stop(&stop),
-        CONVERGED_PASSES,
-    );
+    let frame = antialiased(&tracer(), PASSES, &stop);
     assert!(!frame.stats.is_complete);
     let lit = frame.radiance.iter().filter(|r| r.max_element() > 0.0).count();
     assert!(lit * 10 > 9 * PIXELS, "{lit} of {PIXELS} pixels show something");

@@ -1,4 +1,4 @@
-//! The paper's steps: identities, a slow twin of the warp, and what must never happen.
+//! The paper's steps: identities, a simple twin of the warp, and what must never happen.
 
 use crate::rooms::{dvec, room_camera, room_tracer};
 use afterimage::camera::PixelWarp;
@@ -9,8 +9,10 @@ use afterimage::trace::TraceSettings;
 use afterimage::trace::parallel::NEVER;
 use afterimage::warp::{ReferenceSelector, WarpBuffer};
 use afterimage::{
-    Camera, FrameRequest, Mode, RenderSettings, Renderer, Tracer, View, Walkthrough, WalkthroughSettings,
+    Camera, Frame, FrameRequest, Mode, RenderSettings, Renderer, Tracer, View, Walkthrough,
+    WalkthroughSettings,
 };
+use glam::Vec3;
 use std::sync::Arc;
 
 const SIZE: [u32; 2] = [96, 64];
@@ -24,11 +26,24 @@ fn reference(tracer: &Tracer, camera: &Camera) -> ReferenceFrame {
     ReferenceFrame::trace(tracer, camera, SIZE, &TRACE, NEVER).unwrap()
 }
 
+fn full(tracer: &Tracer, camera: &Camera) -> Vec<Vec3> {
+    Renderer::default()
+        .render(&FrameRequest::new(tracer, camera, SIZE, &settings(Mode::Full)))
+        .radiance
+        .clone()
+}
+
+fn paper(tracer: &Tracer, camera: &Camera, references: &[&ReferenceFrame]) -> Frame {
+    let settings = settings(Mode::Paper);
+    let request = FrameRequest::new(tracer, camera, SIZE, &settings);
+    Renderer::default().render(&request.warping(references)).clone()
+}
+
 pub(crate) fn moved(camera: &Camera, forward_m: f64, turn: f64) -> Camera {
     Camera { eye: camera.eye + camera.forward() * forward_m, yaw: camera.yaw + turn, ..*camera }
 }
 
-/// What packing takes from light at most, as a share of its largest channel.
+/// Maximum error of packed light, as a share of its largest channel.
 const PACKING: f32 = 1.0 / 512.0;
 
 #[test]
@@ -36,16 +51,14 @@ fn a_reference_warped_onto_its_own_camera_has_no_hole_and_the_same_light() {
     let tracer = room_tracer(false, false);
     let camera = room_camera();
     let reference = reference(&tracer, &camera);
-    let mut renderer = Renderer::default();
-    let frame = renderer
-        .render(&FrameRequest::new(&tracer, &camera, SIZE, &settings(Mode::Paper)).warping(&[&reference]));
+    let frame = paper(&tracer, &camera, &[&reference]);
     assert!(frame.types.iter().all(|t| *t == PixelType::Reused));
     assert_eq!(frame.stats.rays, Default::default(), "Type 1 takes no rays");
     let mut lit = 0;
     for (pixel, shown) in (0u32..).zip(&frame.radiance) {
         let full = tracer.pixel(&frame.view, pixel, &TRACE, &mut Default::default());
         let albedo = tracer.scene().material_of(full.hit.unwrap().triangle).diffuse;
-        // The last factor is the rounding of the product itself.
+        // The last term is the rounding of the product itself.
         let allowed = albedo * full.light.max_element() * PACKING + full.radiance * (2.0 * f32::EPSILON);
         let off = (*shown - full.radiance).abs();
         assert!(off.cmple(allowed).all(), "pixel {pixel}: {off} of {}", full.radiance);
@@ -57,17 +70,12 @@ fn a_reference_warped_onto_its_own_camera_has_no_hole_and_the_same_light() {
 #[test]
 fn paper_without_references_is_the_full_tracer_bit_for_bit() {
     let tracer = room_tracer(true, true);
-    let mut renderer = Renderer::default();
-    let full = renderer
-        .render(&FrameRequest::new(&tracer, &room_camera(), SIZE, &settings(Mode::Full)))
-        .radiance
-        .clone();
-    let paper = renderer.render(&FrameRequest::new(&tracer, &room_camera(), SIZE, &settings(Mode::Paper)));
-    assert!(paper.radiance == full);
+    let paper = paper(&tracer, &room_camera(), &[]);
+    assert!(paper.radiance == full(&tracer, &room_camera()));
     assert_eq!(paper.stats.types.unseen, paper.stats.types.total());
 }
 
-/// Serial, and too simple to be wrong: every sample in order, a plain comparison.
+/// A serial warp too simple to be wrong: every sample in order, a plain depth comparison.
 pub(crate) fn warp_slowly(references: &[&ReferenceFrame], view: &View) -> Vec<Option<(usize, u32, f32)>> {
     let mut nearest: Vec<Option<(usize, u32, f32)>> = vec![None; view.pixel_count()];
     for (slot, reference) in references.iter().enumerate() {
@@ -87,7 +95,7 @@ pub(crate) fn warp_slowly(references: &[&ReferenceFrame], view: &View) -> Vec<Op
 }
 
 #[test]
-fn the_parallel_warp_equals_its_slow_twin() {
+fn the_parallel_warp_equals_a_simple_serial_one() {
     let tracer = room_tracer(true, false);
     let start = room_camera();
     let references: Vec<_> =
@@ -119,7 +127,7 @@ fn a_warped_point_lands_where_the_camera_sees_it() {
         let point = reference.view.eye_f64 + reference.offset_from_eye(pixel).as_dvec3();
         let p = view.scene_from_pixel_f64.inverse() * (point - view.eye_f64);
         let (sx, sy) = (p.x / p.z, p.y / p.z);
-        // Within a thousandth of a pixel the two roundings may fall to different sides.
+        // Within a thousandth of a pixel, rounding may choose different pixels.
         if (sx - sx.round()).abs() < 1e-3 || (sy - sy.round()).abs() < 1e-3 {
             continue;
         }
@@ -136,11 +144,9 @@ fn type_counts_sum_and_a_mirror_is_never_type_1() {
     let start = room_camera();
     let references = [reference(&tracer, &start), reference(&tracer, &moved(&start, 0.5, 0.2))];
     let references: Vec<&ReferenceFrame> = references.iter().collect();
-    let mut renderer = Renderer::default();
     for (forward, turn) in [(0.0, 0.0), (0.2, 0.1), (1.0, -0.3), (0.0, 3.0)] {
         let camera = moved(&start, forward, turn);
-        let frame = renderer
-            .render(&FrameRequest::new(&tracer, &camera, SIZE, &settings(Mode::Paper)).warping(&references));
+        let frame = paper(&tracer, &camera, &references);
         let types = frame.stats.types;
         assert_eq!(types.total(), frame.view.pixel_count());
         let p = types.percentages();
@@ -159,33 +165,25 @@ fn type_2_equals_the_plain_tracer_at_the_reference_camera() {
     let tracer = room_tracer(true, true);
     let camera = room_camera();
     let reference = reference(&tracer, &camera);
-    let mut renderer = Renderer::default();
-    let full =
-        renderer.render(&FrameRequest::new(&tracer, &camera, SIZE, &settings(Mode::Full))).radiance.clone();
-    let paper = renderer
-        .render(&FrameRequest::new(&tracer, &camera, SIZE, &settings(Mode::Paper)).warping(&[&reference]));
+    let (full, paper) = (full(&tracer, &camera), paper(&tracer, &camera, &[&reference]));
     assert!(paper.stats.types.secondary > 150, "{:?}", paper.stats.types);
     let wrong = full
         .iter()
         .zip(&paper.radiance)
         .filter(|(a, b)| (**a - **b).abs().max_element() > a.max_element().max(0.1) / 64.0)
         .count();
-    // A stored point is rounded: at an edge seen in a mirror a few pixels show the other side of it.
+    // Stored points are rounded: at an edge seen in a mirror, a few pixels show its other side.
     assert!(wrong * 200 <= full.len(), "{wrong} of {} pixels differ", full.len());
 }
 
 #[test]
-fn a_teleport_leaves_nothing_to_reuse_and_equals_the_full_tracer() {
+fn a_view_that_no_reference_saw_equals_the_full_tracer() {
     let tracer = room_tracer(false, false);
     let reference = reference(&tracer, &room_camera());
-    let mut renderer = Renderer::default();
     let away = Camera { yaw: room_camera().yaw + std::f64::consts::PI, ..room_camera() };
-    let full =
-        renderer.render(&FrameRequest::new(&tracer, &away, SIZE, &settings(Mode::Full))).radiance.clone();
-    let paper = renderer
-        .render(&FrameRequest::new(&tracer, &away, SIZE, &settings(Mode::Paper)).warping(&[&reference]));
+    let paper = paper(&tracer, &away, &[&reference]);
     assert_eq!(paper.stats.types.unseen, paper.stats.types.total());
-    assert!(paper.radiance == full);
+    assert!(paper.radiance == full(&tracer, &away));
 }
 
 #[test]
@@ -214,7 +212,7 @@ fn the_cache_keeps_its_budget_and_evicts_what_contributes_least() {
     }
     cache.insert(Arc::new(reference(&tracer, &room_camera())));
     assert_eq!(cache.bytes(), 3 * one);
-    assert!(cache.entries().iter().all(|e| e.id != ids[1]), "the idle reference should have gone");
+    assert!(cache.entries().iter().all(|e| e.id != ids[1]), "the idle reference is still there");
     assert_eq!(cache.evicted(), 1);
     const { assert!(ReferenceFrame::BYTES_PER_PIXEL <= 16) };
 }
@@ -270,10 +268,9 @@ fn poisoned_pixels_and_points_behind_the_eye_are_left_out() {
 #[test]
 fn unknown_pixels_take_the_mean_of_the_known_around_them() {
     use afterimage::raster::fill::fill_unknown;
-    use glam::Vec3;
-    // So dim that all count alike.
+    // So dim that all pixels have the same weight.
     const DIM: f32 = 1e-5;
-    // Odd sizes, so that the coarser levels have cells cut by the border.
+    // Odd sizes, so that the border cuts cells of the coarser levels.
     let (width, height) = (7, 5);
     let before: Vec<Vec3> = (0..width * height).map(|i| Vec3::splat(i as f32 * DIM)).collect();
     let mut known = vec![true; width * height];
@@ -283,8 +280,9 @@ fn unknown_pixels_take_the_mean_of_the_known_around_them() {
     let mut after = before.clone();
     fill_unknown(&mut after, &known, width, &mut Vec::new());
     assert!((0..before.len()).filter(|&i| known[i]).all(|i| after[i] == before[i]));
-    // Of the square {0, 1, 7, 8} only 8 is known, and the squares beside it have the means 6 and 18; that of 16 has 64 / 3.
-    // 34 is a square of its own, so its square of four by four, cut to {18, .., 34}, and those around it decide.
+    // Of the square {0, 1, 7, 8} only 8 is known, and the squares next to it have the means 6 and
+    // 18; that of 16 has 64 / 3. Pixel 34 is a square by itself, so its square of four by four, cut
+    // to {18, .., 34}, and those around it decide.
     let expected = [(0, 8.0), (1, 8.0 * 0.75 + 6.0 * 0.25), (7, 8.0 * 0.75 + 18.0 * 0.25), (16, 17.0)];
     assert!(expected.iter().all(|&(hole, value)| (after[hole].x / DIM - value).abs() < 0.01), "{after:?}");
     assert!(after[34].x > 8.0 * DIM && after[34].x < 34.0 * DIM);
@@ -302,11 +300,9 @@ fn a_stopped_frame_says_so_and_has_no_holes() {
     let mut renderer = Renderer::default();
     let asked = AtomicUsize::new(0);
     let stop = || asked.fetch_add(1, Ordering::Relaxed) >= 2;
-    let frame = renderer.render(
-        &FrameRequest::new(&tracer, &camera, SIZE, &settings(Mode::Paper))
-            .warping(&[&reference])
-            .with_stop(&stop),
-    );
+    let settings = settings(Mode::Paper);
+    let request = FrameRequest::new(&tracer, &camera, SIZE, &settings).with_stop(&stop);
+    let frame = renderer.render(&request.warping(&[&reference]));
     assert!(!frame.stats.is_complete);
     assert_eq!(frame.stats.types.total(), frame.view.pixel_count());
     assert!(frame.radiance.iter().filter(|r| r.max_element() > 0.0).count() * 10 > 9 * frame.radiance.len());
@@ -331,11 +327,11 @@ fn a_predicted_reference_stands_ahead_and_only_where_it_is_worth_a_frame() {
     };
     for percent in [5.0, 40.0] {
         let quiet = seen(percent, previous, 3);
-        assert_eq!(decide(percent, &quiet, 100.0), None, "at the threshold nothing is wanted");
+        assert_eq!(decide(percent, &quiet, 100.0), None, "at the threshold no reference is wanted");
         let open = seen(percent + 25.0, previous, 3);
         let ahead = decide(percent, &open, percent + 25.0).unwrap();
         assert!((ahead.eye - camera.eye).dot(camera.forward()) > 0.2 && ahead.yaw > camera.yaw, "{ahead:?}");
-        assert_eq!(decide(percent, &open, 0.0), Some(camera), "what is held suffices ahead, not here");
+        assert_eq!(decide(percent, &open, 0.0), Some(camera), "the references suffice ahead but not here");
     }
     let little = seen(8.0, previous, 3);
     assert_eq!(decide(5.0, &little, 8.0), None, "not worth a frame while moving");
@@ -345,7 +341,7 @@ fn a_predicted_reference_stands_ahead_and_only_where_it_is_worth_a_frame() {
         Some(camera),
         "the first stands where the viewer is"
     );
-    // Walking at a wall: the pose ahead stays in the room.
+    // Walking towards a wall: the pose ahead stays in the room.
     let fast = seen(90.0, moved(&camera, -3.0, 0.0), 1);
     let ahead = decide(5.0, &fast, 90.0).unwrap();
     assert!(ahead.eye.z > -4.0, "{:?}", ahead.eye);

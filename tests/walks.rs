@@ -1,4 +1,5 @@
-//! Whole scenes: ours through the importer, and those of others where they are there, rendered and walked.
+//! Whole scenes, rendered along walks: our own, imported from a file, and third-party scenes where
+//! they are present.
 
 use afterimage::camera::CameraPath;
 use afterimage::import::{ImportOptions, load};
@@ -18,7 +19,7 @@ fn open(path: &Path) -> Tracer {
     Tracer::new(Arc::new(load(path, &ImportOptions::default(), &|_, _| true).unwrap()))
 }
 
-/// Renders a few frames of a walk in paper mode, each from a reference taken a little before it.
+/// Renders a few frames of a walk in mode `paper`, each from a reference taken two frames before.
 fn walk(name: &str, tracer: &Tracer, path: &CameraPath) {
     let mut renderer = Renderer::default();
     let settings = RenderSettings { mode: Mode::Paper, trace: TRACE };
@@ -40,7 +41,7 @@ fn walk(name: &str, tracer: &Tracer, path: &CameraPath) {
 }
 
 #[test]
-fn our_own_model_comes_through_the_importer_whole() {
+fn our_own_model_is_imported_completely() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/scenes/studio");
     let tracer = open(&folder.join("studio.obj"));
     let scene = tracer.scene();
@@ -52,7 +53,7 @@ fn our_own_model_comes_through_the_importer_whole() {
 }
 
 #[test]
-fn scenes_of_others_can_be_walked() {
+fn third_party_scenes_can_be_walked() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/scenes");
     let Ok(text) = std::fs::read(folder.join("cameras.json")) else {
         let _ = writeln!(std::io::stderr(), "skipped: {} has no cameras.json", folder.display());
@@ -61,7 +62,7 @@ fn scenes_of_others_can_be_walked() {
     let cameras: BTreeMap<String, serde_json::Value> = serde_json::from_slice(&text).unwrap();
     for (name, entry) in cameras {
         let path: CameraPath = serde_json::from_value(entry.clone()).unwrap();
-        // One of the boxes stands for all: `CornellBox-*.obj`.
+        // One of the variants represents all: `CornellBox-*.obj`.
         let file = folder.join(entry["file"].as_str().unwrap().replace('*', "Mirror"));
         walk(&name, &open(&file), &path);
     }

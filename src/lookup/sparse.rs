@@ -170,53 +170,28 @@ fn hit_tiles(tracer: &Tracer, view: &View, known: &LookupSet<'_>) -> Vec<HitTile
         .collect()
 }
 
-/// One mark per pixel, with a border of one pixel so that every neighbour has a mark.
-struct Marks {
-    stride: usize,
-    is_open: Vec<bool>,
-}
-
 /// The pixels to be lit, tile by tile: the open ones and their neighbours, so that a look-up
 /// between lit and unlit pixels finds all its samples in one reference.
 fn open_pixels(tiles: &[HitTile], view: &View) -> Vec<u32> {
-    let stride = view.size[0] as usize + 2;
-    let mut marks = Marks { stride, is_open: vec![false; stride * (view.size[1] as usize + 2)] };
-    for tile in tiles {
-        for_each_bit(tile.open, |i| marks.mark_around(tile.pixel(i)));
-    }
-    let mut open = Vec::new();
-    for tile in tiles {
-        for_each_bit(tile.wanted, |i| {
-            let [x, y] = tile.pixel(i);
-            if marks.is_open[(y as usize + 1) * stride + x as usize + 1] {
-                open.push(y * view.size[0] + x);
-            }
-        });
-    }
-    open
-}
-
-impl Marks {
-    fn mark_around(&mut self, [x, y]: [u32; 2]) {
+    // One mark per pixel, with a border of one pixel so that every neighbour has a mark.
+    let [width, height] = view.size.map(|s| s as usize);
+    let stride = width + 2;
+    let mut marks = vec![false; stride * (height + 2)];
+    let pixels = |tile: &HitTile, mask: u64| {
+        pixels_of_tile(tile.corner, view.size).filter(move |(i, _)| mask >> i & 1 == 1)
+    };
+    for (_, pixel) in tiles.iter().flat_map(|tile| pixels(tile, tile.open)) {
         for row in 0..3 {
-            let at = (y as usize + row) * self.stride + x as usize;
-            self.is_open[at..at + 3].fill(true);
+            let at = (pixel / width + row) * stride + pixel % width;
+            marks[at..at + 3].fill(true);
         }
     }
-}
-
-fn for_each_bit(mut bits: u64, mut f: impl FnMut(u32)) {
-    while bits != 0 {
-        f(bits.trailing_zeros());
-        bits &= bits - 1;
-    }
+    let wanted = tiles.iter().flat_map(|tile| pixels(tile, tile.wanted));
+    let is_marked = |pixel: &usize| marks[(pixel / width + 1) * stride + pixel % width + 1];
+    wanted.map(|(_, pixel)| pixel).filter(is_marked).map(|pixel| pixel as u32).collect()
 }
 
 impl HitTile {
-    fn pixel(&self, i: u32) -> [u32; 2] {
-        [self.corner[0] + i % 8, self.corner[1] + i / 8]
-    }
-
     fn store_hits(&self, frame: &mut ReferenceFrame, tracer: &Tracer) {
         for (i, pixel) in pixels_of_tile(self.corner, frame.view.size) {
             let hit = (self.triangle[i] != NO_TRIANGLE).then_some((self.t[i], self.triangle[i]));

@@ -20,6 +20,7 @@ use crate::trace::{
 };
 use glam::Vec3;
 use rayon::prelude::*;
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
@@ -89,13 +90,13 @@ impl PassTile {
     }
 
     /// Traces the pixels that have not had this pass.
-    fn trace(&mut self, pass: &Pass<'_>, stop: &StopLatch<'_>) -> RayCounts {
+    fn trace(&mut self, pass: &Pass<'_>, stop: Stop<'_>) -> RayCounts {
         let mut rays = RayCounts::default();
         for (i, pixel) in pixels_of_tile(self.corner, pass.view.size) {
             if self.done >> i & 1 == 1 {
                 continue;
             }
-            if stop.is_set() {
+            if stop() {
                 break;
             }
             let traced = pass.tracer.pixel(&pass.view, pixel as u32, &pass.trace, &mut rays);
@@ -105,7 +106,7 @@ impl PassTile {
     }
 
     /// Traces all passes, one after the other.
-    pub(super) fn trace_all(&mut self, passes: &[Pass<'_>], stop: &StopLatch<'_>) -> RayCounts {
+    pub(super) fn trace_all(&mut self, passes: &[Pass<'_>], stop: Stop<'_>) -> RayCounts {
         let mut rays = RayCounts::default();
         for pass in passes {
             self.done = 0;
@@ -127,28 +128,14 @@ impl PassTile {
     }
 }
 
-/// A stop condition that stays true once it was.
-pub(super) struct StopLatch<'a> {
-    stop: Stop<'a>,
-    is_set: AtomicBool,
-}
-
-impl<'a> StopLatch<'a> {
-    pub(super) fn new(stop: Stop<'a>) -> Self {
-        Self { stop, is_set: AtomicBool::new(false) }
-    }
-
-    pub(super) fn is_set(&self) -> bool {
-        let is_set = self.was_set() || (self.stop)();
-        if is_set {
-            self.is_set.store(true, Ordering::Relaxed);
+/// A stop condition that stays true once it was. `is_set` stores whether it was.
+pub(super) fn latched<'a>(stop: Stop<'a>, is_set: &'a AtomicBool) -> impl Fn() -> bool + Sync + 'a {
+    move || {
+        let stops = is_set.load(Ordering::Relaxed) || stop();
+        if stops {
+            is_set.store(true, Ordering::Relaxed);
         }
-        is_set
-    }
-
-    /// True where the condition was true before; it is not evaluated again.
-    pub(super) fn was_set(&self) -> bool {
-        self.is_set.load(Ordering::Relaxed)
+        stops
     }
 }
 
@@ -229,12 +216,13 @@ impl Accumulation {
 
     /// Traces until all passes are done or `stop` is true. What is done then is kept.
     pub(super) fn run(&mut self, tracer: &Tracer, stop: Stop<'_>) {
-        let stop = StopLatch::new(stop);
+        let is_stopped = AtomicBool::new(false);
+        let stop = latched(stop, &is_stopped);
         while self.pass < self.passes {
             let number = (self.pass, self.passes);
             let pass = Pass::new(tracer, &self.view, &self.trace, number, Background::Shown);
             self.rays += trace_tiles(&mut self.tiles, |tile| tile.trace(&pass, &stop));
-            if stop.was_set() {
+            if is_stopped.load(Ordering::Relaxed) {
                 return;
             }
             self.pass += 1;
@@ -268,14 +256,19 @@ impl Accumulation {
     }
 }
 
+/// The top left pixels of all tiles of some rows of a picture.
+pub(super) fn tile_corners(rows: Range<u32>, width: u32) -> impl Iterator<Item = [u32; 2]> {
+    rows.step_by(TILE_SIDE).flat_map(move |y| (0..width).step_by(TILE_SIDE).map(move |x| [x, y]))
+}
+
 /// All tiles of a picture, in dispersed order.
 fn dispersed_tiles([width, height]: [u32; 2]) -> Vec<PassTile> {
-    let side = TILE_SIDE as u32;
-    let mut corners: Vec<[u32; 2]> = (0..height.div_ceil(side))
-        .flat_map(|row| (0..width.div_ceil(side)).map(move |column| [column, row]))
-        .collect();
-    corners.sort_by_key(|[column, row]| dispersed_pass(*column, *row));
-    corners.into_iter().map(|corner| PassTile::new(corner.map(|c| c * side))).collect()
+    let mut corners: Vec<[u32; 2]> = tile_corners(0..height, width).collect();
+    corners.sort_by_key(|corner| {
+        let [column, row] = corner.map(|c| c / TILE_SIDE as u32);
+        dispersed_pass(column, row)
+    });
+    corners.into_iter().map(PassTile::new).collect()
 }
 
 /// The point of the pixel that a pass samples, in pixels from the centre: a lattice around the

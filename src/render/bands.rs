@@ -2,7 +2,7 @@
 //! bits as in the whole picture.
 
 pub use super::accumulate::Background;
-use super::accumulate::{Pass, PassTile, StopLatch, trace_tiles};
+use super::accumulate::{Pass, PassTile, latched, tile_corners, trace_tiles};
 use super::frame::Frame;
 use crate::camera::{Camera, View};
 use crate::lookup::pixels_of_tile;
@@ -11,6 +11,7 @@ use crate::trace::parallel::Stop;
 use crate::trace::{NO_TRIANGLE, RayCounts, TILE_SIDE, TraceSettings, Tracer};
 use glam::Vec3;
 use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Some rows of a picture with all that is known of each pixel. Row-major, top row first.
 #[derive(Clone, Debug)]
@@ -97,22 +98,17 @@ impl BandedPicture<'_> {
         let count = self.passes.max(1);
         let pass = |number| Pass::new(self.tracer, &view, &self.trace, (number, count), self.background);
         let passes: Vec<Pass<'_>> = (0..count).map(pass).collect();
-        let mut tiles = self.tiles(rows.clone());
-        let stop = StopLatch::new(stop);
+        let mut tiles: Vec<PassTile> = tile_corners(rows.clone(), self.size[0]).map(PassTile::new).collect();
+        let is_stopped = AtomicBool::new(false);
+        let stop = latched(stop, &is_stopped);
         let rays = trace_tiles(&mut tiles, |tile| {
             let rays = tile.trace_all(&passes, &stop);
-            if !stop.was_set() {
+            if !is_stopped.load(Ordering::Relaxed) {
                 report(pixels_of_tile(tile.corner, self.size).count() as u64 * u64::from(count));
             }
             rays
         });
-        (!stop.was_set()).then(|| (self.assemble(view, rows, &tiles), rays))
-    }
-
-    fn tiles(&self, rows: Range<u32>) -> Vec<PassTile> {
-        let corners =
-            rows.step_by(TILE_SIDE).flat_map(|y| (0..self.size[0]).step_by(TILE_SIDE).map(move |x| [x, y]));
-        corners.map(PassTile::new).collect()
+        (!is_stopped.into_inner()).then(|| (self.assemble(view, rows, &tiles), rays))
     }
 
     fn assemble(&self, view: View, rows: Range<u32>, tiles: &[PassTile]) -> Band {

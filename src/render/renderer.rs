@@ -14,7 +14,7 @@ use crate::lookup::{
 use crate::raster::pixel_types::{NO_SUPPLIER, PixelType, TypeCounts};
 use crate::reference::ReferenceFrame;
 use crate::trace::parallel::tile_order;
-use crate::trace::{NO_TRIANGLE, PixelTrace, TILE_SIDE, TraceSettings, Tracer};
+use crate::trace::{NO_TRIANGLE, PixelTrace, TILE_SIDE, Tracer};
 use crate::warp::WarpBuffer;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -300,14 +300,8 @@ impl Renderer {
             .zip(&frame.triangle)
             .map(|(t, &triangle)| (triangle != NO_TRIANGLE).then_some((t, triangle)));
         let lights = self.unseen.done().map(|(_, traced)| traced.light);
-        let trace = unseen_trace(settings);
+        let trace = settings.unseen_trace();
         let (camera, size) = (&frame.camera, frame.view.size);
         ReferenceFrame::from_lit_pixels(tracer, camera, size, &trace, hits, self.unseen.pixels(), lights)
     }
-}
-
-/// The settings that a mode shades pixels with which no reference knows.
-fn unseen_trace(settings: &RenderSettings) -> TraceSettings {
-    let quality = settings.mode.lookup_quality();
-    quality.map_or(settings.trace, |quality| quality.unseen_trace(&settings.trace))
 }

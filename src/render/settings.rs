@@ -67,3 +67,10 @@ pub struct RenderSettings {
     /// Sample count, bounces and seed of the tracer.
     pub trace: TraceSettings,
 }
+
+impl RenderSettings {
+    /// The settings that pixels are shaded with which no reference knows.
+    pub(super) fn unseen_trace(&self) -> TraceSettings {
+        self.mode.lookup_quality().map_or(self.trace, |quality| quality.unseen_trace(&self.trace))
+    }
+}

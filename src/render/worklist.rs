@@ -11,21 +11,10 @@ pub(super) fn dispersed_pass(x: u32, y: u32) -> usize {
     DISPERSED[(4 * (y % 4) + x % 4) as usize]
 }
 
-/// Brings lists of pixels into dispersed order. Keeps its memory.
+/// Scratch memory that brings lists of pixels into dispersed order, reused between frames.
 #[derive(Debug, Default)]
 pub(super) struct Dispersal {
     passes: [Vec<u32>; 16],
-}
-
-impl Dispersal {
-    fn apply(&mut self, pixels: &mut Vec<u32>, width: u32) {
-        self.passes.iter_mut().for_each(Vec::clear);
-        for &pixel in &*pixels {
-            self.passes[dispersed_pass(pixel % width, pixel / width)].push(pixel);
-        }
-        pixels.clear();
-        self.passes.iter().for_each(|pass| pixels.extend_from_slice(pass));
-    }
 }
 
 /// Pixels to be traced, each with its result once it is done. Keeps its memory between frames.
@@ -52,7 +41,12 @@ impl<R: Send> WorkList<R> {
 
     /// Brings a list that was just begun into dispersed order.
     pub(super) fn disperse(&mut self, dispersal: &mut Dispersal, width: u32) {
-        dispersal.apply(&mut self.pixels, width);
+        dispersal.passes.iter_mut().for_each(Vec::clear);
+        for &pixel in &self.pixels {
+            dispersal.passes[dispersed_pass(pixel % width, pixel / width)].push(pixel);
+        }
+        self.pixels.clear();
+        dispersal.passes.iter().for_each(|pass| self.pixels.extend_from_slice(pass));
     }
 
     /// Traces what is missing in the first `1 / part` of the list. Returns what `trace` adds up in
