@@ -108,7 +108,7 @@ impl BandedPicture<'_> {
             }
             rays
         });
-        (!is_stopped.into_inner()).then(|| (self.assemble(view, rows, &tiles), rays))
+        (!is_stopped.load(Ordering::Relaxed)).then(|| (self.assemble(view, rows, &tiles), rays))
     }
 
     fn assemble(&self, view: View, rows: Range<u32>, tiles: &[PassTile]) -> Band {
