@@ -6,6 +6,7 @@ mod lines;
 mod materials;
 mod properties;
 mod real;
+mod saving;
 mod sidecar;
 mod textures;
 

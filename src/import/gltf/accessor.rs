@@ -5,28 +5,21 @@ use super::document::{Document, Found, List};
 use super::{buffers::Buffers, schema};
 use crate::import::trouble::Trouble;
 
-/// Storage type of a number.
+/// Storage type of a number, by its code in the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Component {
-    I8,
-    U8,
-    I16,
-    U16,
-    U32,
-    F32,
+    I8 = 5120,
+    U8 = 5121,
+    I16 = 5122,
+    U16 = 5123,
+    U32 = 5125,
+    F32 = 5126,
 }
 
 impl Component {
     fn of(code: u32) -> Option<Self> {
-        Some(match code {
-            5120 => Self::I8,
-            5121 => Self::U8,
-            5122 => Self::I16,
-            5123 => Self::U16,
-            5125 => Self::U32,
-            5126 => Self::F32,
-            _ => return None,
-        })
+        let all = [Self::I8, Self::U8, Self::I16, Self::U16, Self::U32, Self::F32];
+        all.into_iter().find(|component| *component as u32 == code)
     }
 
     fn bytes(self) -> usize {

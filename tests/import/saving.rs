@@ -1,0 +1,57 @@
+//! Saving edited materials and daylight next to a model.
+
+use super::Folder;
+use afterimage::import::save_edit;
+use afterimage::scene::Material;
+use afterimage::scene::solar::{SunPosition, clear_daylight};
+use glam::Vec3;
+use std::fs;
+
+const MODEL: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\n\
+                     usemtl wall\nf 1 2 3\nusemtl pane\nf 1 3 4\nusemtl floor\nf 1 2 6 5\n";
+
+const WRITTEN: &str = "# my notes\nunit = \"m\" # metres\n\n[[material]]\nname = \"wall\"\n\
+                       diffuse = [0.1, 0.2, 0.3] # painted\n\n[extra]\nkept = true\n\n\
+                       [[material]]\nname = \"pane\"\nkind = \"mirror\"\n";
+
+#[test]
+fn a_saved_edit_is_imported_again_and_everything_else_is_kept() {
+    let folder = Folder::with_obj(MODEL).add("scene.afterimage.toml", WRITTEN);
+    let before = folder.load().to_edit();
+    let mut now = before.clone();
+    let find = |name: &str| before.materials.iter().position(|m| m.name == name).unwrap();
+    now.materials[find("wall")].diffuse = Vec3::new(0.7, 0.05, 1.0 / 3.0);
+    now.materials[find("pane")] = Material::glass("pane", 1.52, Vec3::new(0.9, 0.95, 0.9));
+    now.materials[find("floor")] = Material::mirror("floor", Vec3::splat(0.8));
+    now.daylight = clear_daylight(&SunPosition { azimuth_deg: 200.0, height_deg: 30.0 }, 0.0);
+    let file = save_edit(&folder.path("scene.obj"), &before, &now).unwrap();
+    assert_eq!(file, folder.path("scene.afterimage.toml"));
+    let again = folder.load().to_edit();
+    assert_eq!(again.materials, now.materials);
+    let (sun, wanted) = (again.daylight.sun.unwrap(), now.daylight.sun.unwrap());
+    assert!((sun.direction - wanted.direction).length() < 1e-6);
+    assert!((sun.angular_radius / wanted.angular_radius - 1.0).abs() < 1e-6);
+    assert_eq!((sun.irradiance, again.daylight.sky), (wanted.irradiance, now.daylight.sky));
+    let text = fs::read_to_string(&file).unwrap();
+    for kept in ["# my notes\nunit = \"m\" # metres\n", "# painted", "[extra]\nkept = true"] {
+        assert!(text.contains(kept), "{kept:?} is gone from:\n{text}");
+    }
+    assert_eq!(text.matches("\"wall\"").count(), 1);
+    save_edit(&folder.path("scene.obj"), &now, &now).unwrap();
+    assert_eq!(fs::read_to_string(&file).unwrap(), text, "without a difference nothing is written");
+}
+
+#[test]
+fn a_file_that_is_not_valid_toml_is_not_changed() {
+    let folder = Folder::with_obj(MODEL);
+    let before = folder.load().to_edit();
+    let mut now = before.clone();
+    now.materials[0].diffuse = Vec3::ZERO;
+    for broken in ["material = 3\n", "[[material\n"] {
+        let file = folder.path("scene.afterimage.toml");
+        fs::write(&file, broken).unwrap();
+        let error = save_edit(&folder.path("scene.obj"), &before, &now).unwrap_err();
+        assert!(error.to_string().contains("scene.afterimage.toml"), "{error}");
+        assert_eq!(fs::read_to_string(&file).unwrap(), broken);
+    }
+}
