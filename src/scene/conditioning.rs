@@ -52,14 +52,6 @@ pub struct Conditioning {
 }
 
 impl Conditioning {
-    /// Returns an upper bound for the share of light that needs more than `bounces` bounces: the
-    /// rest of the geometric series. `None` if a material reflects all light, so that there is no
-    /// bound.
-    pub fn rest_after(&self, bounces: u32) -> Option<f64> {
-        let ratio = f64::from(self.reflectance_max);
-        (ratio < 1.0).then(|| ratio.powi(bounces as i32 + 1))
-    }
-
     /// Describes the numbers in sentences for the user, one per fact.
     pub fn sentences(&self) -> Vec<String> {
         let material = match self.reflectance_max_material.as_str() {

@@ -2,6 +2,7 @@
 
 mod analytic;
 mod clearance;
+mod edits;
 mod gallery;
 
 use afterimage::scene::{Scene, builtin};

@@ -1,7 +1,6 @@
 //! Two rows of fluted columns that carry two architraves.
 
-use super::palette::Palette;
-use super::plan::RoomName;
+use super::{palette::Palette, plan::RoomName};
 use crate::scene::SceneBuilder;
 use crate::scene::builtin::shapes::{Faces, Local, block, fluted_shaft, lathe};
 use glam::DVec3;

@@ -1,15 +1,13 @@
 //! The wall of mirrors, the vitrine and the benches.
 
-use super::palette::Palette;
-use super::pictures::framed;
 use super::plan::{Facing, RoomName};
-use super::terrace::PLATFORM_M;
+use super::{palette::Palette, pictures::framed, terrace::PLATFORM_M};
 use crate::scene::SceneBuilder;
 use crate::scene::builtin::shapes::{Faces, Local, bar, block, gear, torus, torus_knot};
 use glam::DVec3;
 
 /// World position of the middle of the vitrine on the floor.
-pub(super) const VITRINE: [f64; 3] = [29.6, 0.0, 3.2];
+const VITRINE: [f64; 3] = [29.6, 0.0, 3.2];
 const VITRINE_HALF_M: [f64; 2] = [0.7, 0.4];
 const VITRINE_TABLE_M: f64 = 0.85;
 const VITRINE_GLASS_M: f64 = 0.75;

@@ -1,8 +1,7 @@
 //! Twelve lamps. Each is an emissive quad below an opaque housing, because a quad emits from both
 //! sides.
 
-use super::palette::Palette;
-use super::plan::RoomName;
+use super::{palette::Palette, plan::RoomName};
 use crate::scene::builtin::shapes::{Faces, Local, block, ceiling};
 use crate::scene::{Material, SceneBuilder};
 use glam::{DVec3, Vec3};

@@ -1,8 +1,7 @@
 //! The positions of the statues, and their plinths.
 
 use super::figures::{Figure, band, boulder, bust, knot, rings, ripples, spire, vase};
-use super::palette::Palette;
-use super::terrace::PLATFORM_M;
+use super::{palette::Palette, terrace::PLATFORM_M};
 use crate::scene::builtin::shapes::{Faces, Local, block};
 use crate::scene::{MaterialId, SceneBuilder};
 use glam::DVec3;

@@ -1,7 +1,6 @@
 //! The raised platform with its stairs and its railing of thin balusters.
 
-use super::palette::Palette;
-use super::plan::RoomName;
+use super::{palette::Palette, plan::RoomName};
 use crate::scene::SceneBuilder;
 use crate::scene::builtin::shapes::{Closing, Grid, Local, bar, floor, lathe, on_circle, stairs};
 use glam::{DVec3, Vec2};
