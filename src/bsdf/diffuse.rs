@@ -40,8 +40,8 @@ impl Lobe for Diffuse {
             .map_or(ScatterSet::EMPTY, |direction| ScatterSet::reflected(direction, self.albedo))
     }
 
-    fn evaluate(&self, facing: &Facing, incident: Vec3, scattered: Vec3) -> Vec3 {
-        let is_reflected = self.pdf(facing, incident, scattered) > 0.0;
+    fn evaluate(&self, facing: &Facing, _incident: Vec3, scattered: Vec3) -> Vec3 {
+        let is_reflected = facing.geometric_normal.dot(scattered) > 0.0;
         if is_reflected { self.radiance(Vec3::ONE) } else { Vec3::ZERO }
     }
 

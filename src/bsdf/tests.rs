@@ -97,8 +97,8 @@ fn assert_samples_its_density(lobe: &impl Lobe, facing: &Facing, incident: Vec3)
     for u in points() {
         for s in lobe.sample(facing, incident, u).heaviest_first() {
             shares[octant(s.direction)] += 1.0 / SAMPLES as f32;
-            let cos = s.direction.dot(facing.shading_normal).abs();
-            let value = lobe.evaluate(facing, incident, s.direction) * cos;
+            let cos = s.direction.dot(facing.shading_normal) * if s.is_transmitted { -1.0 } else { 1.0 };
+            let value = lobe.evaluate(facing, incident, s.direction) * cos.max(0.0);
             let expected = s.weight * lobe.pdf(facing, incident, s.direction);
             assert!((value - expected).abs().max_element() < 1e-4 * (1.0 + expected.max_element()), "{s:?}");
         }
@@ -110,12 +110,16 @@ fn assert_samples_its_density(lobe: &impl Lobe, facing: &Facing, incident: Vec3)
     }
 }
 
-/// Light takes a path both ways with the same loss (Helmholtz).
+/// Light takes a path both ways with the same loss (Helmholtz). Interpolated normals break this law
+/// for every lobe.
 fn assert_reciprocal(lobe: &impl Lobe, facing: &Facing, incident: Vec3) {
+    if facing.shading_normal != facing.geometric_normal {
+        return;
+    }
     for scattered in incidents(facing).into_iter().map(|d| -d) {
         let there = lobe.evaluate(facing, incident, scattered);
         let back = lobe.evaluate(facing, -scattered, -incident);
-        assert!((there - back).abs().max_element() <= 1e-5 * there.max_element(), "{there} and {back}");
+        assert!((there - back).abs().max_element() <= 1e-5 * there.max_element().max(1.0), "{there} and {back}");
     }
 }
 

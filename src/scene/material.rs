@@ -80,11 +80,6 @@ impl Material {
         !matches!(self.kind, MaterialKind::Diffuse)
     }
 
-    /// True for mirrors, with or without Schlick's rise.
-    pub fn is_mirror(&self) -> bool {
-        matches!(self.kind, MaterialKind::Mirror { .. })
-    }
-
     /// True for glass, which transmits light.
     pub fn is_glass(&self) -> bool {
         matches!(self.kind, MaterialKind::Glass { .. })
