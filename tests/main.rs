@@ -5,6 +5,7 @@
 
 mod audit;
 mod bands;
+mod bsdf;
 mod budget;
 mod builtin;
 mod bundles;
@@ -15,6 +16,7 @@ mod experiments;
 mod features;
 mod golden;
 mod import;
+mod indoor_start;
 mod layers;
 mod lights;
 mod lookup;

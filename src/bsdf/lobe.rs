@@ -56,7 +56,11 @@ pub trait Lobe {
         true
     }
 
-    /// Returns the share of light that a shadow ray keeps; see [`super::straight_transmittance`].
+    /// Returns the share of light, per channel, that passes straight through the surface along a
+    /// shadow ray; `None` for an opaque surface.
+    ///
+    /// `passage` returns the cosine (0..1) between the ray and the triangle's normal, and how the
+    /// triangle bounds a solid; it is called for transmissive lobes only.
     #[inline(always)]
     fn straight_transmittance(&self, _passage: impl FnOnce() -> (f32, SolidSide)) -> Option<Vec3> {
         None

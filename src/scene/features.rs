@@ -39,7 +39,7 @@ impl SceneFeatures {
     pub(super) fn of(materials: &[Material], lights: &[Light], sky: bool, needles: bool) -> Self {
         let any = |test: fn(&Material) -> bool| materials.iter().any(test);
         Self {
-            mirror: any(|m| m.is_view_dependent() && !m.is_glass()),
+            mirror: any(Material::is_mirror),
             glass: any(Material::is_glass),
             textures: any(|m| m.diffuse_texture.is_some()),
             alpha: any(|m| m.alpha_texture.is_some()),

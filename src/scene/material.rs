@@ -80,6 +80,11 @@ impl Material {
         !matches!(self.kind, MaterialKind::Diffuse)
     }
 
+    /// True if the second lobe only reflects.
+    pub fn is_mirror(&self) -> bool {
+        self.is_view_dependent() && !self.is_glass()
+    }
+
     /// True for glass, which transmits light.
     pub fn is_glass(&self) -> bool {
         matches!(self.kind, MaterialKind::Glass { .. })

@@ -2,8 +2,7 @@
 //! the backs of its walls, or nothing where all light is inside.
 
 use super::Tracer;
-use crate::camera::Camera;
-use crate::camera::CameraPath;
+use crate::camera::{Camera, CameraPath};
 use crate::scene::{Light, NamedView};
 use glam::{DQuat, DVec3};
 use std::f64::consts::{PI, TAU};
@@ -163,67 +162,4 @@ fn direction_on_sphere(i: i32, count: i32) -> DVec3 {
     let y = 1.0 - 2.0 * (f64::from(i) + 0.5) / f64::from(count);
     let (sine, angle) = ((1.0 - y * y).sqrt(), f64::from(i) * PI * (3.0 - 5f64.sqrt()));
     DVec3::new(sine * angle.cos(), y, sine * angle.sin())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::scene::{Material, Scene, SceneBuilder};
-    use glam::{Vec2, Vec3};
-
-    /// A box whose faces look in or out.
-    fn shell(builder: &mut SceneBuilder, low: [f64; 3], high: [f64; 3], looks_in: bool) {
-        let material = builder.add_material(Material::diffuse("wall", Vec3::splat(0.5)));
-        let p = |bits: [usize; 3]| DVec3::from_array([0, 1, 2].map(|i| [low, high][bits[i]][i]));
-        for axis in 0..3 {
-            for side in 0..2 {
-                let corner = |u: usize, v: usize| {
-                    let mut bits = [0; 3];
-                    (bits[axis], bits[(axis + 1) % 3], bits[(axis + 2) % 3]) = (side, u, v);
-                    p(bits)
-                };
-                let mut corners = [corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)];
-                if (side == 1) == looks_in {
-                    corners.reverse();
-                }
-                builder.add_quad(corners, Vec2::ONE, material);
-            }
-        }
-    }
-
-    fn begun(shells: &[([f64; 3], [f64; 3], bool)], lamp: Option<DVec3>) -> Arc<Scene> {
-        let mut builder = SceneBuilder::new("rooms");
-        builder.point_lights.extend(lamp.map(|at| (at, Vec3::ONE)));
-        shells.iter().for_each(|(low, high, looks_in)| shell(&mut builder, *low, *high, *looks_in));
-        Tracer::new(Arc::new(builder.finish().unwrap())).beginning_indoors().scene().clone()
-    }
-
-    #[test]
-    fn a_visit_of_rooms_begins_in_the_larger_one_and_looks_along_it() {
-        let rooms = [([0.0, 0.0, 0.0], [4.0, 3.0, 4.0], true), ([4.5, 0.0, 0.0], [20.0, 3.0, 6.0], true)];
-        let rooms = begun(&rooms, None);
-        let start = rooms.start();
-        assert!(
-            (4.5..20.0).contains(&start.eye.x) && (start.eye.y - Camera::EYE_HEIGHT_M).abs() < 1e-6,
-            "{start:?}"
-        );
-        assert!(start.forward().x.abs() > 0.9, "{start:?}");
-        assert_eq!(rooms.views.iter().map(|v| v.name.as_str()).collect::<Vec<_>>(), ["start", "outside"]);
-        assert!(rooms.walk.keyframes.iter().all(|key| key.eye == start.eye));
-    }
-
-    #[test]
-    fn a_house_is_first_seen_from_outside_where_light_falls_there() {
-        let house = [([0.0, 0.0, 0.0], [9.0, 4.0, 9.0], false), ([0.3, 0.1, 0.3], [8.7, 3.7, 8.7], true)];
-        let by_day = begun(&house, None);
-        assert!(by_day.views.len() == 1 && by_day.start().eye.y > 4.0);
-        let by_lamp = begun(&house, Some(DVec3::new(4.0, 3.0, 4.0)));
-        assert!(by_lamp.views.len() == 2 && (by_lamp.start().eye.y - 1.7).abs() < 1e-6);
-    }
-
-    #[test]
-    fn a_body_turned_inside_out_has_no_room_to_begin_in() {
-        let low = begun(&[([0.0; 3], [5.0, 1.5, 5.0], true)], None);
-        assert_eq!(low.views.len(), 1, "the ceiling is too low");
-    }
 }

@@ -1,6 +1,6 @@
 //! Rays that measure the model, in world metres: for walking, measuring and plans.
 
-use super::{Hit, Tracer};
+use super::Tracer;
 use crate::math::Ray;
 use crate::scene::MaterialId;
 use glam::{DVec3, Vec3};
@@ -43,20 +43,14 @@ impl Tracer {
         let origin = frame.scene_from_world_f64(origin_m).as_vec3();
         let ray = Ray { origin, direction, t_max: (reach_m * frame.units_per_metre) as f32 };
         let hit = self.bvh().closest(&ray, |hit| stops(hit.triangle) && self.stands(&ray, hit))?;
-        Some(self.probe_of(&ray, &hit))
-    }
-
-    /// Converts a hit to world metres.
-    fn probe_of(&self, ray: &Ray, hit: &Hit) -> Probe {
-        let point = self.surface(ray, hit);
-        let frame = &self.scene().frame;
-        Probe {
+        let point = self.surface(&ray, &hit);
+        Some(Probe {
             distance_m: f64::from(hit.t) / frame.units_per_metre,
             position_m: frame.world_from_scene(point.position),
             normal: point.geometric_normal,
             triangle: hit.triangle,
             material: point.material,
             is_front: point.is_front,
-        }
+        })
     }
 }

@@ -1,8 +1,7 @@
 //! A point on a surface, with all that shading needs.
 
-use crate::bsdf::{Bsdf, Facing, Scatter, albedo};
-use crate::math::Ray;
-use crate::math::ray::offset_from_surface;
+use crate::bsdf::{Facing, Scatter, albedo};
+use crate::math::{Ray, ray::offset_from_surface};
 use crate::scene::{MaterialId, Scene, SolidSide};
 use glam::{Vec2, Vec3};
 
@@ -92,11 +91,6 @@ impl SurfacePoint {
         };
         let Self { geometric_normal, shading_normal, .. } = *self;
         Facing { geometric_normal, shading_normal, enters_solid }
-    }
-
-    /// The viewer-dependent lobe of the surface.
-    pub fn bsdf<'a>(&self, scene: &'a Scene) -> Bsdf<'a> {
-        Bsdf { material: &scene.materials[self.material.0 as usize], facing: self.facing(scene) }
     }
 
     /// The ray of a path that continues as `scatter` says.

@@ -9,9 +9,8 @@ use crate::math::Ray;
 use crate::scene::{Material, Scene};
 use glam::Vec3;
 use rayon::prelude::*;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::Instant;
+use std::{sync::Arc, time::Instant};
 
 /// Largest distance by which a hit may lie in front of or behind its triangle, relative to its own
 /// distance. Beyond it the triangle test has failed on a needle.
@@ -42,6 +41,11 @@ impl Tracer {
         let corners: Vec<[Vec3; 3]> =
             (0..scene.triangles.len() as u32).into_par_iter().map(|t| scene.corners(t)).collect();
         let bvh = Arc::new(Bvh::build_without(&corners, &scene.hidden));
+        Self::with_bvh(scene, bvh, start)
+    }
+
+    /// Begins a new epoch with a hierarchy whose building began at `start`.
+    fn with_bvh(scene: Arc<Scene>, bvh: Arc<Bvh>, start: Instant) -> Self {
         let epoch = SceneEpoch(NEXT_EPOCH.fetch_add(1, Ordering::Relaxed));
         let lights = LightGrid::new(&scene);
         Self { scene, bvh, lights, epoch, build_secs: start.elapsed().as_secs_f64() }
@@ -54,16 +58,9 @@ impl Tracer {
     /// If the numbers of triangles differ.
     #[must_use]
     pub fn with_same_geometry(&self, scene: Arc<Scene>) -> Self {
-        assert_eq!(
-            scene.triangles.len(),
-            self.scene.triangles.len(),
-            "another geometry needs another hierarchy"
-        );
-        let start = Instant::now();
-        let epoch = SceneEpoch(NEXT_EPOCH.fetch_add(1, Ordering::Relaxed));
-        let lights = LightGrid::new(&scene);
-        let build_secs = start.elapsed().as_secs_f64();
-        Self { scene, bvh: self.bvh.clone(), lights, epoch, build_secs }
+        let counts = [&scene, &self.scene].map(|scene| scene.triangles.len());
+        assert_eq!(counts[0], counts[1], "another geometry needs another hierarchy");
+        Self::with_bvh(scene, self.bvh.clone(), Instant::now())
     }
 
     /// The scene that is traced.

@@ -1,14 +1,10 @@
 //! Builds the hierarchy: a binary tree (`cluster`), improved by `obvhs`, then folded (`fold`).
 
-use super::cluster::cluster;
-use super::fold::Fold;
 use super::node::{Child, MAX_DEPTH};
-use super::tree::Bvh;
+use super::{cluster::cluster, fold::Fold, tree::Bvh};
 use fearless_simd::Level;
 use glam::Vec3;
-use obvhs::aabb::Aabb;
-use obvhs::bvh2::Bvh2;
-use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
+use obvhs::{aabb::Aabb, bvh2::Bvh2, bvh2::reinsertion::ReinsertionOptimizer};
 use rayon::prelude::*;
 
 /// Share of the nodes that reinsertion moves in a round. Rays of the gallery visit 1 to 4 % fewer

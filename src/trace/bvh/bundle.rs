@@ -15,15 +15,14 @@
 //! origin and their edges, and tested against eight rays at a time. Testing each triangle that the
 //! bundle may meet against all rays was slower than single rays.
 
+use super::bits::Bits;
 use super::cone::{Beam, Cone, Lanes};
-use super::hit::Hit;
 use super::node::{Child, Node};
 use super::packet::{ShearedRay, TrianglePacket};
-use super::ray_bundle::{BUNDLE_RAYS, MIN_RAYS, RayBundle, lane_values};
+use super::ray_bundle::{MIN_RAYS, RayBundle, lane_values};
 use super::rays8::{LANES, SeenTriangle, Shear8};
-use super::slab::FAR_SLACK;
 use super::traverse::{Occluder, STACK, any_in_packet};
-use super::tree::Bvh;
+use super::{hit::Hit, slab::FAR_SLACK, tree::Bvh};
 use arrayvec::ArrayVec;
 use fearless_simd::{Simd, SimdBase, SimdMask, dispatch, f32x4, f32x8};
 
@@ -91,7 +90,7 @@ impl Bvh {
         accept: &mut impl FnMut(usize, &Hit) -> bool,
     ) -> u32 {
         let (mut occluder, mut blocked) = (Occluder::default(), 0);
-        for ray in (0..BUNDLE_RAYS).filter(|ray| rays >> ray & 1 == 1) {
+        for ray in Bits(rays) {
             let accept = |hit: &Hit| !ASKS || accept(ray, hit);
             blocked |= u32::from(self.walk_any(simd, &bundle.ray(ray), &mut occluder, accept)) << ray;
         }
@@ -164,10 +163,7 @@ impl<'a, S: Simd> Walk<'a, S> {
             let node = &self.bvh.nodes[inner as usize];
             visited += 1;
             // Test the children's boxes against all rays at once.
-            let mut mask = self.cone.meets(self.simd, node, &origin);
-            while mask != 0 {
-                let lane = mask.trailing_zeros() as usize;
-                mask &= mask - 1;
+            for lane in Bits(self.cone.meets(self.simd, node, &origin)) {
                 let packet = node.children[lane].packet();
                 // Test a leaf, or a node of a long walk, against each ray.
                 let tests_rays = packet.is_some() || visited > NODES_UNTESTED;
@@ -222,11 +218,8 @@ impl<'a, S: Simd> Walk<'a, S> {
         // Cull triangles by the beam of the rays.
         let [a, b, c] = packet.corners();
         let corners = [self.relative(a), self.relative(b), self.relative(c)];
-        let mut mask = self.beam.meets_triangles(self.simd, &corners);
         // Test each remaining triangle against eight rays at a time.
-        while mask != 0 {
-            let lane = mask.trailing_zeros() as usize;
-            mask &= mask - 1;
+        for lane in Bits(self.beam.meets_triangles(self.simd, &corners)) {
             let corner = |k: usize| [0, 1, 2].map(|axis| corners[k][axis][lane]);
             let corners = [corner(0), corner(1), corner(2)];
             self.triangle::<ASKS>(corners, packet.triangle(lane), rays, accept);
@@ -238,12 +231,10 @@ impl<'a, S: Simd> Walk<'a, S> {
     fn packet<const ASKS: bool>(
         &mut self,
         packet: &TrianglePacket,
-        mut rays: u32,
+        rays: u32,
         accept: &mut impl FnMut(usize, &Hit) -> bool,
     ) {
-        while rays != 0 {
-            let ray = rays.trailing_zeros() as usize;
-            rays &= rays - 1;
+        for ray in Bits(rays) {
             let (half, lane) = (ray / LANES, ray % LANES);
             let Shear8 { x, y, z } = &self.shear[half];
             let sheared =
@@ -290,8 +281,7 @@ impl<'a, S: Simd> Walk<'a, S> {
             // Ask whether each hit counts.
             if ASKS && met != 0 {
                 let [b1, b2] = hits.barycentrics();
-                let asked = met;
-                for lane in (0..LANES).filter(|lane| asked >> lane & 1 == 1) {
+                for lane in Bits(met) {
                     let hit = Hit { t: hits.t[lane], triangle, b1: b1[lane], b2: b2[lane] };
                     if !accept(half * LANES + lane, &hit) {
                         met &= !(1 << lane);

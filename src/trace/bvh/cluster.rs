@@ -7,10 +7,7 @@
 //! next. Where each box lies inside the next, a round of the original merges only one pair: 40,000
 //! such boxes took 72 s with the builder of `obvhs` 0.4, which has no such bound.
 
-use obvhs::aabb::Aabb;
-use obvhs::bvh2::Bvh2;
-use obvhs::bvh2::node::Bvh2Node;
-use obvhs::ploc::morton::morton_encode_u64_unorm;
+use obvhs::{aabb::Aabb, bvh2::Bvh2, bvh2::node::Bvh2Node, ploc::morton::morton_encode_u64_unorm};
 use rayon::prelude::*;
 
 /// Number of neighbours on each side among which a box chooses.

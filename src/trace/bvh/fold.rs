@@ -6,8 +6,7 @@
 //! because a packet tests four at a time.
 
 use super::node::{Child, Node, WIDTH};
-use super::packet::TrianglePacket;
-use super::tree::Bvh;
+use super::{packet::TrianglePacket, tree::Bvh};
 use glam::Vec3;
 use obvhs::bvh2::Bvh2;
 

@@ -16,6 +16,7 @@
 //! | `tile` | 64 primary rays |
 //! | `ray_bundle`, `cone`, `bundle` | up to 16 shadow rays: the data, their bounds, the traversal |
 
+mod bits;
 mod build;
 mod bundle;
 mod cluster;

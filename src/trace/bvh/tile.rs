@@ -9,6 +9,7 @@
 //! SIGGRAPH 2005. We differ: there is one level, and triangles are also culled by the planes
 //! through the eye and their edges.
 
+use super::bits::Bits;
 use super::hit::{Hit, NO_TRIANGLE};
 use super::node::{Child, Node};
 use super::packet::{TrianglePacket, largest_axis};
@@ -273,10 +274,7 @@ impl<S: Simd> Walk<'_, S> {
             [p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]]
         });
         // Cull triangles outside the tile, then test the others against eight rays at a time.
-        let mut mask = self.may_be_met(&corners, sides);
-        while mask != 0 {
-            let lane = mask.trailing_zeros() as usize;
-            mask &= mask - 1;
+        for lane in Bits(self.may_be_met(&corners, sides)) {
             let corner = |k: usize| [0, 1, 2].map(|axis| corners[k][axis][lane]);
             let triangle = packet.triangle(lane);
             if self.triangle::<ASKS>([corner(0), corner(1), corner(2)], triangle, accept) {

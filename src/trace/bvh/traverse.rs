@@ -1,10 +1,10 @@
 //! Traversal along one ray: nearest hit and any hit.
 
+use super::bits::Bits;
 use super::hit::{Hit, NO_TRIANGLE};
 use super::node::{Child, MAX_DEPTH, Node, WIDTH};
 use super::packet::{ShearedRay, TrianglePacket, intersect_triangle};
-use super::slab::SlabRay;
-use super::tree::Bvh;
+use super::{slab::SlabRay, tree::Bvh};
 use crate::math::Ray;
 use arrayvec::ArrayVec;
 use fearless_simd::{Simd, dispatch};
@@ -130,10 +130,8 @@ impl Bvh {
                 continue;
             }
             let node = &self.nodes[child.0 as usize];
-            let (mut mask, _) = slab.children(node, ray.t_max);
-            while mask != 0 {
-                stack.push(node.children[mask.trailing_zeros() as usize]);
-                mask &= mask - 1;
+            for lane in Bits(slab.children(node, ray.t_max).0) {
+                stack.push(node.children[lane]);
             }
         }
         false
@@ -156,13 +154,11 @@ pub(super) fn any_in_packet(
     accept: &mut impl FnMut(&Hit) -> bool,
 ) -> bool {
     let hits = packet.intersect(ray, t_max);
-    let mut mask = hits.mask;
-    while mask != 0 {
-        let hit = hits.hit(mask.trailing_zeros() as usize, packet);
+    for lane in Bits(hits.mask) {
+        let hit = hits.hit(lane, packet);
         if hit.t < t_max && accept(&hit) {
             return true;
         }
-        mask &= mask - 1;
     }
     false
 }
@@ -176,16 +172,14 @@ fn closest_in_packet(
     accept: &impl Fn(&Hit) -> bool,
 ) {
     let hits = packet.intersect(ray, best.t);
-    let mut mask = hits.mask;
-    while mask != 0 {
-        let hit = hits.hit(mask.trailing_zeros() as usize, packet);
+    for lane in Bits(hits.mask) {
+        let hit = hits.hit(lane, packet);
         let nearer = hit.t < best.t || (hit.t == best.t && hit.triangle < best.triangle);
         // The ray's end is no hit: `best` has no triangle until a hit before the end is found.
         let at_end = best.triangle == NO_TRIANGLE && hit.t == best.t;
         if nearer && !at_end && accept(&hit) {
             *best = hit;
         }
-        mask &= mask - 1;
     }
 }
 
@@ -193,17 +187,14 @@ fn closest_in_packet(
 #[inline(always)]
 pub(super) fn nearest_first(
     node: &Node,
-    mut mask: u32,
+    mask: u32,
     enter: [f32; WIDTH],
     stack: &mut ArrayVec<(Child, f32), STACK>,
 ) -> Child {
     let first = mask.trailing_zeros() as usize;
-    mask &= mask - 1;
     let mut nearest = (node.children[first], enter[first]);
     let base = stack.len();
-    while mask != 0 {
-        let lane = mask.trailing_zeros() as usize;
-        mask &= mask - 1;
+    for lane in Bits(mask & (mask - 1)) {
         let mut other = (node.children[lane], enter[lane]);
         if other.1 < nearest.1 {
             std::mem::swap(&mut nearest, &mut other);

@@ -8,8 +8,7 @@
 //! every mode, every thread and every run culls the same lights.
 
 use super::sample::point_on;
-use crate::math::Ray;
-use crate::math::key::Key;
+use crate::math::{Ray, key::Key};
 use crate::scene::{Light, Scene};
 use crate::trace::Bvh;
 use glam::{UVec3, Vec3};

@@ -148,8 +148,7 @@ fn lattice<S: Simd>(simd: S, first: u32, count: u32, shift: [f32; 2]) -> [f32x8<
 
 #[cfg(test)]
 mod tests {
-    use super::super::sample::sample;
-    use super::*;
+    use super::{super::sample::sample, *};
     use crate::camera::View;
     use crate::math::key::Key;
     use crate::scene::{Light, builtin};

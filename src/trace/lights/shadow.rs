@@ -1,6 +1,6 @@
 //! The share of light that passes along shadow rays.
 
-use crate::bsdf::straight_transmittance;
+use crate::bsdf::Lobe;
 use crate::math::Ray;
 use crate::trace::Tracer;
 use crate::trace::bvh::{BUNDLE_RAYS, Hit, MIN_RAYS, Occluder, RayBundle};
@@ -64,7 +64,7 @@ impl Tracer {
             let cos = (n.dot(ray.direction).abs() / (n.length() * ray.direction.length())).min(1.0);
             (cos, scene.solids[hit.triangle as usize])
         };
-        match straight_transmittance(scene.material_of(hit.triangle), passage) {
+        match scene.material_of(hit.triangle).straight_transmittance(passage) {
             Some(share) => {
                 *passed *= share;
                 false

@@ -2,9 +2,7 @@
 
 use super::dimension::INDIRECT;
 use crate::bsdf::Diffuse;
-use crate::math::Ray;
-use crate::math::key::Key;
-use crate::math::sampling::lattice;
+use crate::math::{Ray, key::Key, sampling::lattice};
 use crate::trace::{RayCounts, SurfacePoint, Tracer};
 use glam::Vec3;
 use std::f32::consts::PI;

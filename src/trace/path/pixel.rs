@@ -2,8 +2,7 @@
 
 use super::specular::PathVertex;
 use crate::camera::View;
-use crate::math::Ray;
-use crate::math::key::Key;
+use crate::math::{Ray, key::Key};
 use crate::trace::{Hit, RayCounts, SurfacePoint, TraceSettings, Tracer};
 use glam::Vec3;
 

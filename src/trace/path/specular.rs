@@ -6,9 +6,8 @@
 //! recursion, and a branch ends once it carries less than [`CUTOFF`].
 
 use super::dimension::{LOBE, SPECULAR};
-use crate::bsdf::ScatterSet;
-use crate::math::Ray;
-use crate::math::key::Key;
+use crate::bsdf::{Lobe, ScatterSet};
+use crate::math::{Ray, key::Key};
 use crate::trace::{SurfacePoint, Tracer};
 use arrayvec::ArrayVec;
 use glam::Vec3;
@@ -115,6 +114,7 @@ impl Tracer {
 
     /// Samples the viewer-dependent lobe of a point seen along `direction` (any length).
     pub(super) fn scatter(&self, point: &SurfacePoint, direction: Vec3, key: Key) -> ScatterSet {
-        point.bsdf(self.scene()).sample(direction.normalize_or(Vec3::Y), key.with(LOBE).pair())
+        let (facing, incident) = (point.facing(self.scene()), direction.normalize_or(Vec3::Y));
+        self.material(point).sample(&facing, incident, key.with(LOBE).pair())
     }
 }

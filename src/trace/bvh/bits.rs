@@ -1,0 +1,16 @@
+//! The set bits of a mask.
+
+/// Iterates over the indices of the set bits, lowest first.
+pub(super) struct Bits(pub(super) u32);
+
+impl Iterator for Bits {
+    type Item = usize;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<usize> {
+        let lane = self.0.trailing_zeros() as usize;
+        let is_set = self.0 != 0;
+        self.0 &= self.0.wrapping_sub(1);
+        is_set.then_some(lane)
+    }
+}
