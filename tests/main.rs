@@ -21,6 +21,7 @@ mod layers;
 mod lights;
 mod lookup;
 mod metrics;
+mod numbers;
 mod placement;
 mod refine;
 mod reuse;

@@ -1,7 +1,6 @@
 //! The warp equation: where the pixels of one view land in another.
 
-use crate::camera::NEAREST_DEPTH;
-use crate::camera::View;
+use crate::camera::{NEAREST_DEPTH, View};
 use fearless_simd::prelude::*;
 use glam::{DMat3, Mat3, Vec3};
 

@@ -56,20 +56,6 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> Result<(), SaveError> {
     Target::File(path.to_owned()).write(bytes).map(drop)
 }
 
-/// Writes a new file `stem-0001.extension` atomically, with the first number that is free. Returns
-/// its path.
-///
-/// # Errors
-/// [`SaveError::Write`] with the path and the system's reason.
-pub fn write_new_atomically(
-    folder: &Path,
-    stem: &str,
-    extension: &'static str,
-    bytes: &[u8],
-) -> Result<PathBuf, SaveError> {
-    Target::Next { folder: folder.to_owned(), stem: stem.to_owned(), extension }.write(bytes)
-}
-
 impl Target {
     /// Path of the file, or the first path that is tried.
     pub fn path(&self) -> PathBuf {

@@ -1,7 +1,7 @@
 //! PNG files of complete pictures, and the channels of OpenEXR files. Files are written with
 //! [`write_atomically`].
 
-pub use super::atomic_file::{SaveError, Target, write_atomically, write_new_atomically};
+pub use super::atomic_file::{SaveError, Target, write_atomically};
 
 use std::path::Path;
 

@@ -6,8 +6,7 @@
 //! best choice (Nemhauser et al. 1978).
 
 use crate::camera::{PixelWarp, View};
-use crate::reference::placement::OpenSpot;
-use crate::reference::{CachedReference, ReferenceCache, ReferenceFrame, ReferenceId};
+use crate::reference::{CachedReference, ReferenceCache, ReferenceFrame, ReferenceId, placement::OpenSpot};
 use crate::trace::SceneEpoch;
 use glam::Vec2;
 use rayon::prelude::*;

@@ -1,10 +1,8 @@
 //! A reference as the source of a warp: which target rows each of its tiles can reach. A band skips
 //! tiles that cannot reach it.
 
-use crate::camera::PixelWarp;
-use crate::camera::View;
-use crate::reference::ReferenceFrame;
-use crate::reference::disparity_tiles::TILE;
+use crate::camera::{PixelWarp, View};
+use crate::reference::{ReferenceFrame, disparity_tiles::TILE};
 use rayon::prelude::*;
 use std::ops::Range;
 

@@ -8,8 +8,7 @@
 
 use crate::camera::View;
 use crate::reference::ReferenceFrame;
-use crate::warp::band::Band;
-use crate::warp::source::Source;
+use crate::warp::{band::Band, source::Source};
 use fearless_simd::Level;
 use rayon::prelude::*;
 

@@ -70,12 +70,6 @@ pub struct Situation<'a> {
     pub predict_open: OpenPrediction<'a>,
 }
 
-impl std::fmt::Debug for Situation<'_> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Situation").field("seen", self.seen).finish_non_exhaustive()
-    }
-}
-
 /// Limits for references that are traced before the first frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PrefetchRequest {

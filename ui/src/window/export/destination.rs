@@ -1,6 +1,6 @@
 //! Where new files are saved, and how they are named.
 
-use afterimage::raster::save::{SaveError, write_new_atomically};
+use afterimage::raster::save::{SaveError, Target};
 use std::path::PathBuf;
 
 /// Folders that are tried in order, and the stem of the names in them.
@@ -29,7 +29,7 @@ impl Destination {
     ) -> Result<PathBuf, Option<SaveError>> {
         let mut last = None;
         for folder in &self.folders {
-            match write_new_atomically(folder, &self.stem, extension, bytes) {
+            match (Target::Next { folder: folder.clone(), stem: self.stem.clone(), extension }).write(bytes) {
                 Ok(path) => return Ok(path),
                 Err(error) => last = Some(error),
             }
