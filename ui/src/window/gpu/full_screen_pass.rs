@@ -43,7 +43,7 @@ pub(crate) fn pipeline(
 }
 
 /// Draws one triangle that covers the target.
-pub(crate) fn draw(
+fn draw(
     encoder: &mut wgpu::CommandEncoder,
     label: &str,
     target: &wgpu::TextureView,
@@ -68,24 +68,94 @@ pub(crate) fn draw(
     pass.draw(0..3, 0..1);
 }
 
-/// A binding that the vertex and the fragment shader read.
-pub(crate) fn entry(binding: u32, ty: wgpu::BindingType) -> wgpu::BindGroupLayoutEntry {
-    wgpu::BindGroupLayoutEntry { binding, visibility: wgpu::ShaderStages::VERTEX_FRAGMENT, ty, count: None }
+/// The layout of bindings that the vertex and the fragment shader read, numbered from 0.
+pub(crate) fn layout(
+    device: &wgpu::Device,
+    label: &str,
+    bindings: &[wgpu::BindingType],
+) -> wgpu::BindGroupLayout {
+    let visibility = wgpu::ShaderStages::VERTEX_FRAGMENT;
+    let entry = |(binding, &ty)| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
+    let entries: Vec<_> = (0..).zip(bindings).map(entry).collect();
+    device
+        .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
+}
+
+/// Binds resources, numbered from 0.
+pub(crate) fn bind<'a>(
+    device: &wgpu::Device,
+    label: &str,
+    layout: &wgpu::BindGroupLayout,
+    resources: impl IntoIterator<Item = wgpu::BindingResource<'a>>,
+) -> wgpu::BindGroup {
+    let entry = |(binding, resource)| wgpu::BindGroupEntry { binding, resource };
+    let entries: Vec<_> = (0..).zip(resources).map(entry).collect();
+    device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })
 }
 
 /// A two-dimensional texture with one sample per texel.
-pub(crate) fn texture_entry(
-    binding: u32,
-    sample_type: wgpu::TextureSampleType,
-) -> wgpu::BindGroupLayoutEntry {
+pub(crate) const fn texture_type(sample_type: wgpu::TextureSampleType) -> wgpu::BindingType {
     let view_dimension = wgpu::TextureViewDimension::D2;
-    entry(binding, wgpu::BindingType::Texture { sample_type, view_dimension, multisampled: false })
+    wgpu::BindingType::Texture { sample_type, view_dimension, multisampled: false }
 }
 
+/// A texture of floats that is read without filtering.
+pub(crate) const UNFILTERED: wgpu::BindingType =
+    texture_type(wgpu::TextureSampleType::Float { filterable: false });
+
 /// The uniform buffer of a pass.
-pub(crate) fn uniform_entry(binding: u32) -> wgpu::BindGroupLayoutEntry {
-    let ty = wgpu::BufferBindingType::Uniform;
-    entry(binding, wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None })
+pub(crate) const UNIFORM: wgpu::BindingType = wgpu::BindingType::Buffer {
+    ty: wgpu::BufferBindingType::Uniform,
+    has_dynamic_offset: false,
+    min_binding_size: None,
+};
+
+/// A pass that reads one texture and its parameters, and writes another texture.
+pub(crate) struct TexturePass {
+    label: &'static str,
+    pipeline: wgpu::RenderPipeline,
+    layout: wgpu::BindGroupLayout,
+    params: wgpu::Buffer,
+}
+
+impl TexturePass {
+    /// Creates the pass; `params_size` is in bytes.
+    pub(crate) fn new(
+        device: &wgpu::Device,
+        label: &'static str,
+        shader: wgpu::ShaderModuleDescriptor<'_>,
+        target: wgpu::TextureFormat,
+        params_size: usize,
+    ) -> Self {
+        let layout = layout(device, label, &[UNFILTERED, UNIFORM]);
+        let shader = device.create_shader_module(shader);
+        let pipeline = pipeline(device, label, &layout, &shader, &[], target);
+        Self { label, pipeline, layout, params: uniform_buffer(device, label, params_size) }
+    }
+
+    /// Binds the texture that is read.
+    pub(crate) fn bind(&self, device: &wgpu::Device, texture: &wgpu::Texture) -> wgpu::BindGroup {
+        let (view, params) = (view(texture), self.params.as_entire_binding());
+        bind(device, self.label, &self.layout, [wgpu::BindingResource::TextureView(&view), params])
+    }
+
+    /// Writes the parameters and draws.
+    pub(crate) fn draw(
+        &self,
+        queue: &wgpu::Queue,
+        encoder: &mut wgpu::CommandEncoder,
+        target: &wgpu::TextureView,
+        bind_group: &wgpu::BindGroup,
+        params: &[u8],
+    ) {
+        queue.write_buffer(&self.params, 0, params);
+        draw(encoder, self.label, target, &self.pipeline, bind_group);
+    }
+}
+
+/// The default view of a texture.
+pub(crate) fn view(texture: &wgpu::Texture) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor::default())
 }
 
 /// Creates the uniform buffer of a pass, which is written before each draw.

@@ -10,7 +10,7 @@
 //! surface, the pixel is filled from the surroundings of the surface that hides it, and marked as
 //! filled. Source of the idea: positional timewarp (van Waveren, VRST 2016).
 
-use crate::window::gpu::full_screen_pass as pass;
+use crate::window::gpu::full_screen_pass::{self as pass, TexturePass};
 use crate::window::rendering::depth_ranges::{DepthRanges, LEVELS};
 use afterimage::Camera;
 use afterimage::camera::{SceneFrame, View};
@@ -90,9 +90,7 @@ const _: () = assert!(size_of::<Params>() == 144);
 /// The pass that computes a map: for every pixel of the new view, its displacement into the last
 /// frame.
 pub struct Timewarp {
-    pipeline: wgpu::RenderPipeline,
-    layout: wgpu::BindGroupLayout,
-    params: wgpu::Buffer,
+    pass: TexturePass,
     max_texels: u32,
 }
 
@@ -117,25 +115,15 @@ impl Timewarp {
         if !uses.contains(wgpu::TextureUsages::RENDER_ATTACHMENT) {
             return None;
         }
-        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("timewarp"),
-            entries: &[
-                pass::texture_entry(0, wgpu::TextureSampleType::Float { filterable: false }),
-                pass::uniform_entry(1),
-            ],
-        });
         let is_software = adapter.get_info().device_type == wgpu::DeviceType::Cpu;
         Some(Self {
-            pipeline: pass::pipeline(
+            pass: TexturePass::new(
                 device,
                 "timewarp",
-                &layout,
-                &device.create_shader_module(wgpu::include_wgsl!("timewarp.wgsl")),
-                &[],
+                wgpu::include_wgsl!("timewarp.wgsl"),
                 MAP_FORMAT,
+                size_of::<Params>(),
             ),
-            layout,
-            params: pass::uniform_buffer(device, "timewarp", size_of::<Params>()),
             max_texels: if is_software { MAX_TEXELS_IN_SOFTWARE } else { u32::MAX },
         })
     }
@@ -154,16 +142,7 @@ impl Timewarp {
             wgpu::TextureFormat::Rg32Float,
             wgpu::TextureUsages::COPY_DST,
         );
-        let depths = ranges.create_view(&wgpu::TextureViewDescriptor::default());
-        let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("timewarp"),
-            layout: &self.layout,
-            entries: &[
-                wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&depths) },
-                wgpu::BindGroupEntry { binding: 1, resource: self.params.as_entire_binding() },
-            ],
-        });
-        let view = map.create_view(&wgpu::TextureViewDescriptor::default());
+        let (view, bind_group) = (pass::view(&map), self.pass.bind(device, &ranges));
         WarpMap { map, size: map_size, pixels_per_texel, ranges, view, bind_group }
     }
 
@@ -180,8 +159,7 @@ impl Timewarp {
         reprojection: &Reprojection,
     ) {
         let params = reprojection.params(map.pixels_per_texel);
-        queue.write_buffer(&self.params, 0, bytemuck::bytes_of(&params));
-        pass::draw(encoder, "timewarp", &map.view, &self.pipeline, &map.bind_group);
+        self.pass.draw(queue, encoder, &map.view, &map.bind_group, bytemuck::bytes_of(&params));
     }
 }
 

@@ -1,7 +1,7 @@
 //! The tone mapping pass: radiance to display colour. It runs once per frame and exposure, because
 //! the window is redrawn far more often than either changes.
 
-use crate::window::gpu::full_screen_pass as pass;
+use crate::window::gpu::full_screen_pass::{self as pass, TexturePass};
 use afterimage::raster::color::ToneMap;
 use egui_wgpu::wgpu;
 
@@ -29,12 +29,8 @@ impl ToneMapping {
     }
 }
 
-/// The pass and its pipeline.
-pub(crate) struct ToneMapPass {
-    pipeline: wgpu::RenderPipeline,
-    layout: wgpu::BindGroupLayout,
-    params: wgpu::Buffer,
-}
+/// The pass.
+pub(crate) struct ToneMapPass(TexturePass);
 
 /// Radiance of a picture, rgb9e5, and its tone-mapped colours.
 pub(crate) struct ToneMapped {
@@ -48,39 +44,17 @@ pub(crate) struct ToneMapped {
 
 impl ToneMapPass {
     pub(crate) fn new(device: &wgpu::Device) -> Self {
-        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("tone map"),
-            entries: &[
-                pass::texture_entry(0, wgpu::TextureSampleType::Float { filterable: false }),
-                pass::uniform_entry(1),
-            ],
-        });
-        let shader = device.create_shader_module(wgpu::include_wgsl!("tone_map.wgsl"));
-        Self {
-            pipeline: pass::pipeline(device, "tone map", &layout, &shader, &[], DISPLAY_FORMAT),
-            layout,
-            params: pass::uniform_buffer(device, "tone map", size_of::<ToneMapping>()),
-        }
+        let shader = wgpu::include_wgsl!("tone_map.wgsl");
+        Self(TexturePass::new(device, "tone map", shader, DISPLAY_FORMAT, size_of::<ToneMapping>()))
     }
 
     /// Creates the textures of a picture.
     pub(crate) fn make_textures(&self, device: &wgpu::Device, size: [u32; 2]) -> ToneMapped {
         let texture = |format, usage| pass::texture(device, "tone map", size, format, usage);
-        let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
         let radiance = texture(wgpu::TextureFormat::Rgb9e5Ufloat, wgpu::TextureUsages::COPY_DST);
         let display = texture(DISPLAY_FORMAT, wgpu::TextureUsages::RENDER_ATTACHMENT);
-        let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("tone map"),
-            layout: &self.layout,
-            entries: &[
-                wgpu::BindGroupEntry {
-                    binding: 0,
-                    resource: wgpu::BindingResource::TextureView(&view(&radiance)),
-                },
-                wgpu::BindGroupEntry { binding: 1, resource: self.params.as_entire_binding() },
-            ],
-        });
-        ToneMapped { radiance, size, display: view(&display), bind_group, done: None }
+        let (display, bind_group) = (pass::view(&display), self.0.bind(device, &radiance));
+        ToneMapped { radiance, size, display, bind_group, done: None }
     }
 
     /// Runs the pass unless its result is current. All pictures of one draw share the parameters.
@@ -95,8 +69,8 @@ impl ToneMapPass {
             return;
         }
         picture.done = Some(parameters);
-        queue.write_buffer(&self.params, 0, bytemuck::bytes_of(&parameters));
-        pass::draw(encoder, "tone map", &picture.display, &self.pipeline, &picture.bind_group);
+        let bytes = bytemuck::bytes_of(&parameters);
+        self.0.draw(queue, encoder, &picture.display, &picture.bind_group, bytes);
     }
 }
 

@@ -202,19 +202,12 @@ impl CallbackTrait for Show {
 
 impl ViewGpu {
     fn new(adapter: &wgpu::Adapter, device: &wgpu::Device, target: wgpu::TextureFormat) -> Self {
-        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("viewport"),
-            entries: &[
-                pass::texture_entry(0, wgpu::TextureSampleType::Float { filterable: true }),
-                pass::entry(1, wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering)),
-                pass::texture_entry(2, wgpu::TextureSampleType::Uint),
-                pass::texture_entry(3, wgpu::TextureSampleType::Uint),
-                pass::uniform_entry(4),
-                pass::texture_entry(5, wgpu::TextureSampleType::Float { filterable: false }),
-                pass::texture_entry(6, wgpu::TextureSampleType::Float { filterable: true }),
-                pass::texture_entry(7, wgpu::TextureSampleType::Float { filterable: true }),
-            ],
-        });
+        let filtered = pass::texture_type(wgpu::TextureSampleType::Float { filterable: true });
+        let indices = pass::texture_type(wgpu::TextureSampleType::Uint);
+        let sampler = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
+        let (unfiltered, uniform) = (pass::UNFILTERED, pass::UNIFORM);
+        let bindings = [filtered, sampler, indices, indices, uniform, unfiltered, filtered, filtered];
+        let layout = pass::layout(device, "viewport", &bindings);
         Self {
             pipelines: Vec::new(),
             shader: device.create_shader_module(wgpu::ShaderModuleDescriptor {
@@ -232,8 +225,7 @@ impl ViewGpu {
             params: pass::uniform_buffer(device, "viewport", size_of::<Params>()),
             tone_map: ToneMapPass::new(device),
             timewarp: Timewarp::new(adapter, device),
-            no_map: texture(device, [1, 1], wgpu::TextureFormat::Rgba16Float)
-                .create_view(&wgpu::TextureViewDescriptor::default()),
+            no_map: pass::view(&texture(device, [1, 1], wgpu::TextureFormat::Rgba16Float)),
             textures: None,
         }
     }
@@ -263,23 +255,20 @@ impl ViewGpu {
         let errors = texture(wgpu::TextureFormat::Rgba8Unorm);
         let (types, suppliers) = (texture(wgpu::TextureFormat::R8Uint), texture(wgpu::TextureFormat::R8Uint));
         let warp = self.timewarp.as_ref().map(|timewarp| timewarp.make_map(device, size));
-        let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
-        let map = warp.as_ref().map(|warp| view(&warp.map));
-        let bind = |binding, resource| wgpu::BindGroupEntry { binding, resource };
-        let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("viewport"),
-            layout: &self.layout,
-            entries: &[
-                bind(0, wgpu::BindingResource::TextureView(&color.display)),
-                bind(1, wgpu::BindingResource::Sampler(&self.sampler)),
-                bind(2, wgpu::BindingResource::TextureView(&view(&types))),
-                bind(3, wgpu::BindingResource::TextureView(&view(&suppliers))),
-                bind(4, self.params.as_entire_binding()),
-                bind(5, wgpu::BindingResource::TextureView(map.as_ref().unwrap_or(&self.no_map))),
-                bind(6, wgpu::BindingResource::TextureView(&full.display)),
-                bind(7, wgpu::BindingResource::TextureView(&view(&errors))),
-            ],
-        });
+        let map = warp.as_ref().map(|warp| pass::view(&warp.map));
+        let [types_view, suppliers_view, errors_view] = [&types, &suppliers, &errors].map(pass::view);
+        let resource = wgpu::BindingResource::TextureView;
+        let resources = [
+            resource(&color.display),
+            wgpu::BindingResource::Sampler(&self.sampler),
+            resource(&types_view),
+            resource(&suppliers_view),
+            self.params.as_entire_binding(),
+            resource(map.as_ref().unwrap_or(&self.no_map)),
+            resource(&full.display),
+            resource(&errors_view),
+        ];
+        let bind_group = pass::bind(device, "viewport", &self.layout, resources);
         Textures { size, color, types, suppliers, full, errors, warp, bind_group }
     }
 }
