@@ -61,8 +61,44 @@
 //! # Ok::<(), afterimage::scene::SceneError>(())
 //! ```
 //!
-//! The lower level is as public: [`Renderer`] makes one frame from references of your own,
-//! [`Tracer`] traces single pixels. Embedded scenes come from [`scene::builtin::build`].
+//! # Single frames and single rays
+//! A [`Renderer`] makes one frame from a [`FrameRequest`], which names the references to reuse.
+//! Here mode `paper` warps one reference; `reusing(&cache)` passes a whole
+//! [`reference::ReferenceCache`] to any mode:
+//!
+//! ```
+//! use afterimage::reference::ReferenceFrame;
+//! use afterimage::scene::builtin;
+//! use afterimage::trace::{TraceSettings, parallel::NEVER};
+//! use afterimage::{FrameRequest, Mode, RenderSettings, Renderer, Tracer};
+//! use std::sync::Arc;
+//!
+//! let tracer = Tracer::new(Arc::new(builtin::build("cornell")?));
+//! let (camera, size, trace) = (*tracer.scene().start(), [48, 48], TraceSettings::default());
+//! let reference = ReferenceFrame::trace(&tracer, &camera, size, &trace, NEVER).expect("it is never stopped");
+//!
+//! let settings = RenderSettings { mode: Mode::Paper, trace };
+//! let references = [&reference];
+//! let request = FrameRequest::new(&tracer, &camera, size, &settings).warping(&references);
+//! let mut renderer = Renderer::default();
+//! let frame = renderer.render(&request);
+//! assert_eq!(frame.stats.types.unseen, 0); // from the same pose, every pixel is copied
+//! # Ok::<(), afterimage::scene::SceneError>(())
+//! ```
+//!
+//! A [`Tracer`] also answers single rays, in world metres:
+//!
+//! ```
+//! use afterimage::{Tracer, scene::builtin};
+//! use glam::DVec3;
+//! use std::sync::Arc;
+//!
+//! let tracer = Tracer::new(Arc::new(builtin::build("cornell")?));
+//! let floor = tracer.probe(DVec3::new(0.0, 2.0, -0.5), DVec3::NEG_Y, 10.0).expect("a floor");
+//! assert!((floor.distance_m - 2.0).abs() < 1e-3);
+//! assert_eq!(tracer.scene().materials[floor.material.0 as usize].name, "white");
+//! # Ok::<(), afterimage::scene::SceneError>(())
+//! ```
 //!
 //! # Features
 //! All three are on by default.

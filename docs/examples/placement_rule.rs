@@ -25,7 +25,7 @@ static EVERY_HALF_METRE: PlacementRule = PlacementRule {
     keeps_frame: |_lit_percent, _threshold_percent| false,
 };
 
-/// Returns the pose of the next reference, or `None`: the viewer's own pose where he crossed a
+/// Returns the pose of the next reference, or `None`: the viewer's own pose where it crossed a
 /// multiple of 0.5 m in x or z since the last frame, or where there is no reference yet.
 fn decide(now: &mut Situation<'_>) -> Option<Camera> {
     let cell = |camera: &Camera| [camera.eye.x, camera.eye.z].map(|metres| (metres / 0.5).floor() as i64);
