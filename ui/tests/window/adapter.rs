@@ -33,9 +33,7 @@ fn a_lost_graphics_card_is_reported_with_a_remedy() {
     let _ = device.poll(wgpu::PollType::Poll);
     // Frames are still rendered; each is sent to a device that is gone.
     harness.key_press(egui::Key::N);
-    step_until(&mut harness, "a message", |app| {
-        app.state().notices.iter().any(|n| n.text.contains("start the program again"))
-    });
+    step_until(&mut harness, "a message", |app| says(app, "start the program again"));
     let notices = &harness.state().state().notices;
     assert!(
         notices.iter().all(|n| n.severity == Severity::Error && n.text.lines().count() == 1),

@@ -11,7 +11,7 @@ use egui::{Key, Modifiers, vec2};
 #[test]
 fn w_flies_forward_and_generations_never_go_back() {
     let mut harness = app();
-    let before = *harness.state().state().navigation.fly.camera();
+    let before = camera(&harness);
     let mut newest = generation(&harness);
     harness.key_down(Key::W);
     for _ in 0..30 {
@@ -22,7 +22,7 @@ fn w_flies_forward_and_generations_never_go_back() {
     assert_eq!(harness.state().state().work, Work::Moving);
     harness.key_up(Key::W);
     settle(&mut harness);
-    let after = *harness.state().state().navigation.fly.camera();
+    let after = camera(&harness);
     let way = after.eye - before.eye;
     assert!((0.9..1.6).contains(&way.dot(before.forward())), "{way} in half a second at 2.5 m/s");
     let shown = harness.state().state().frame.as_ref().expect("a frame").camera;
@@ -32,7 +32,7 @@ fn w_flies_forward_and_generations_never_go_back() {
 #[test]
 fn a_drag_turns_and_the_wheel_dollies_or_changes_the_speed() {
     let mut harness = app();
-    let before = *harness.state().state().navigation.fly.camera();
+    let before = camera(&harness);
     let centre = viewport_centre(&harness);
     for event in [centre, centre + vec2(60.0, 30.0)] {
         harness.hover_at(event);
@@ -44,7 +44,7 @@ fn a_drag_turns_and_the_wheel_dollies_or_changes_the_speed() {
     }
     harness.drop_at(centre + vec2(60.0, 30.0));
     harness.step();
-    let after = *harness.state().state().navigation.fly.camera();
+    let after = camera(&harness);
     assert!(after.yaw < before.yaw && after.pitch < before.pitch, "right and down: {before:?} {after:?}");
     assert_eq!(after.eye, before.eye);
     let wheel = egui::Event::MouseWheel {
@@ -140,7 +140,7 @@ fn p_pauses_and_resumes() {
 #[test]
 fn typing_does_not_fly() {
     let mut harness = app();
-    let before = *harness.state().state().navigation.fly.camera();
+    let before = camera(&harness);
     let field = || -> Role { Role::TextInput };
     harness.get_by_role_and_label(field(), "Model file").focus();
     harness.step();
@@ -199,7 +199,7 @@ fn saved_views_are_reached_by_number_and_in_turn() {
     for (key, view) in [(Key::Num2, 1), (Key::L, 2), (Key::Num1, 0)] {
         harness.key_press(key);
         harness.run_steps(60);
-        assert_eq!(*harness.state().state().navigation.fly.camera(), views[view].camera);
+        assert_eq!(camera(&harness), views[view].camera);
     }
 }
 

@@ -14,7 +14,7 @@ fn a_click_tells_what_is_there() {
     let mut harness = app();
     click(&mut harness, 0.0, 0.0);
     let found = selection(harness.state()).inspection.clone().expect("a wall at least");
-    let camera = *harness.state().state().navigation.fly.camera();
+    let camera = camera(&harness);
     assert!((found.position_m.distance(camera.eye) - found.distance_m).abs() < 1e-3);
     assert!((found.depth_m - found.distance_m).abs() < 1e-6, "in the centre depth is distance");
     let facts = found.pixel.expect("the frame is of this pose");
@@ -54,7 +54,7 @@ fn m_measures_between_two_clicks_and_corners_attract() {
     // The near edge of the red box's top.
     let tracer_corner = glam::DVec3::new(0.35, 0.5, -0.35);
     let rect = harness.get_by_label("3D viewport").rect();
-    let camera = *harness.state().state().navigation.fly.camera();
+    let camera = camera(&harness);
     let seen = afterimage_ui::window::gpu::projection::Projection::new(&camera, rect).point(tracer_corner);
     let offset = seen.expect("before the eye") - rect.center();
     click(&mut harness, offset.x + 2.0, offset.y + 2.0);

@@ -20,10 +20,6 @@ fn state(window: &Window) -> &AppState {
     window.state().state()
 }
 
-fn camera(window: &Window) -> afterimage::Camera {
-    *state(window).navigation.fly.camera()
-}
-
 fn arrive(window: &mut Window) {
     window.step();
     for _ in 0..120 {
@@ -46,19 +42,11 @@ fn way(window: &mut Window, key: Key) -> DVec3 {
     DVec3::new(way.x, camera(window).eye.y - before.eye.y, -way.z)
 }
 
-fn says(window: &Window, text: &str) -> bool {
-    state(window).notices.iter().any(|notice| notice.text.contains(text))
-}
-
 /// Presses a key, and returns the options before and after.
 fn options(window: &mut Window, chord: Chord) -> [Options; 2] {
     let before = state(window).options;
     press(window, chord);
     [before, state(window).options]
-}
-
-fn sends(window: &Window, wanted: &ViewportCommand) -> bool {
-    window.output().viewport_output.values().any(|viewport| viewport.commands.contains(wanted))
 }
 
 fn moves(window: &mut Window, action: Action, chord: Chord, index: usize) {
@@ -110,7 +98,7 @@ fn changes_view(window: &mut Window, action: Action, chord: Chord, index: usize)
             arrive(window);
             match view {
                 Some(view) => assert_eq!(camera(window), view),
-                None => assert!(says(window, &format!("Ctrl+{}", index + 1))),
+                None => assert!(says(window.state(), &format!("Ctrl+{}", index + 1))),
             }
         }
         Action::SaveView => {
@@ -250,9 +238,7 @@ fn asks(window: &mut Window, action: Action, chord: Chord) {
         }
         Action::Screenshot => {
             press(window, chord);
-            step_until(window, "a picture", |app| {
-                app.state().notices.iter().any(|n| n.text.contains("saved"))
-            });
+            step_until(window, "a picture", |app| says(app, "saved"));
         }
         Action::CopyPose => {
             window.event(egui::Event::Copy);

@@ -22,8 +22,8 @@ mod threads;
 mod timewarp;
 mod unsaved_changes;
 
-use afterimage::Scene;
 use afterimage::render::Mode;
+use afterimage::{Camera, Scene};
 use afterimage_ui::window::{App, SceneSource, WindowRequest};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
@@ -134,6 +134,20 @@ fn generation(harness: &Harness<'static, App>) -> u64 {
 
 fn held(harness: &Harness<'static, App>) -> usize {
     harness.state().state().references_used_and_held()[1]
+}
+
+fn camera(harness: &Harness<'static, App>) -> Camera {
+    *harness.state().state().navigation.fly.camera()
+}
+
+/// True where a message with this text is shown.
+fn says(app: &App, text: &str) -> bool {
+    app.state().notices.iter().any(|notice| notice.text.contains(text))
+}
+
+/// True where the window sends this command to the desktop.
+fn sends(window: &Harness<'static, App>, wanted: &egui::ViewportCommand) -> bool {
+    window.output().viewport_output.values().any(|viewport| viewport.commands.contains(wanted))
 }
 
 fn viewport_centre(harness: &Harness<'static, App>) -> egui::Pos2 {

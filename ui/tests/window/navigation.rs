@@ -1,14 +1,9 @@
 //! Walking, going to surfaces, saved views, the camera path.
 
 use super::*;
-use afterimage::Camera;
 use afterimage::camera::CameraPath;
 use afterimage_ui::window::input::fly_camera::{MoveMode, ViewChange};
 use egui::{Key, Modifiers, vec2};
-
-fn camera(harness: &Harness<'static, App>) -> Camera {
-    *harness.state().state().navigation.fly.camera()
-}
 
 /// Steps until an eased change of view is over.
 fn arrive(harness: &mut Harness<'static, App>) {
@@ -133,7 +128,7 @@ fn ctrl_v_takes_a_pose() {
     assert!((c.eye - glam::DVec3::new(1.0, 1.5, 2.0)).length() < 1e-9 && c.forward().x < -0.999);
     harness.event(egui::Event::Paste("a shopping list".to_owned()));
     harness.run_steps(2);
-    assert!(harness.state().state().notices.iter().any(|n| n.text.contains("no --eye")));
+    assert!(says(harness.state(), "no --eye"));
 }
 
 #[test]
@@ -199,7 +194,7 @@ fn a_recorded_walk_is_a_file_that_the_tour_reads() {
     harness.key_up(Key::A);
     let end = camera(&harness);
     press(&mut harness, "Stop and save path");
-    step_until(&mut harness, "a message", |app| app.state().notices.iter().any(|n| n.text.contains("saved")));
+    step_until(&mut harness, "a message", |app| says(app, "saved"));
     let text = std::fs::read_to_string(folder.path().join("afterimage-room-walk-0001.json")).expect("a file");
     let walk: CameraPath = serde_json::from_str(&text).expect("a walk");
     assert!(walk.keyframes.len() > 5 && walk.frames > 20);

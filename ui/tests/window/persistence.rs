@@ -38,7 +38,7 @@ impl Home {
 }
 
 fn said(harness: &mut Harness<'static, App>, words: &'static str) -> Severity {
-    step_until(harness, words, move |app| app.state().notices.iter().any(|n| n.text.contains(words)));
+    step_until(harness, words, move |app| says(app, words));
     let notices = &harness.state().state().notices;
     notices.iter().find(|n| n.text.contains(words)).expect("it was said").severity
 }
@@ -171,12 +171,12 @@ fn a_changed_model_is_loaded_again_and_a_broken_one_is_not_shown() {
     harness.key_down(Key::W);
     harness.run_steps(5);
     harness.key_up(Key::W);
-    let camera = *harness.state().state().navigation.fly.camera();
+    let before = camera(&harness);
     std::fs::write(home.path("triangle.obj"), format!("{TRIANGLE}v 1 1 0\nf 2 3 4\n")).expect("a file");
     step_until(&mut harness, "the new model", |app| {
         app.state().scene.as_ref().is_some_and(|s| s.triangles == 2)
     });
-    assert_eq!(*harness.state().state().navigation.fly.camera(), camera, "one stays where one is");
+    assert_eq!(camera(&harness), before, "a reload keeps the pose");
     std::fs::write(home.path("triangle.obj"), "nothing\n").expect("a file");
     step_until(&mut harness, "the mistake", |app| {
         app.state().notices.iter().any(|n| n.severity == Severity::Error)

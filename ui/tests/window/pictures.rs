@@ -131,19 +131,17 @@ fn a_folder_that_accepts_no_file_is_reported_with_a_remedy() {
 fn a_dropped_picture_leads_back_to_its_view() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut harness = saving(folder.path(), small());
-    let there = *harness.state().state().navigation.fly.camera();
+    let there = camera(&harness);
     harness.key_press(Key::F12);
     assert_eq!(notice(&mut harness).0, Severity::Info);
     harness.key_press(Key::Num2);
     harness.run_steps(60);
-    assert_ne!(*harness.state().state().navigation.fly.camera(), there);
+    assert_ne!(camera(&harness), there);
     let path = folder.path().join("afterimage-room-0001.png");
     harness.input_mut().dropped_files.push(Arc::new(driving::Dropped(path)));
-    step_until(&mut harness, "the picture's view", |app| {
-        app.state().notices.iter().any(|n| n.text.contains("picture was taken"))
-    });
+    step_until(&mut harness, "the picture's view", |app| says(app, "picture was taken"));
     harness.run_steps(60);
-    let back = *harness.state().state().navigation.fly.camera();
+    let back = camera(&harness);
     assert!(
         (back.eye - there.eye).length() < 1e-9 && (back.yaw - there.yaw).abs() < 1e-9,
         "{back:?} {there:?}"
@@ -186,9 +184,7 @@ fn the_path_becomes_numbered_pictures_and_goes_on_where_it_was_cut() {
     let first =
         std::fs::metadata(sequence.join("frame_0000.png")).and_then(|m| m.modified()).expect("a time");
     harness.key_press_modifiers(Modifiers::SHIFT, Key::F12);
-    step_until(&mut harness, "another message", |app| {
-        app.state().notices.iter().any(|n| n.text.contains("already"))
-    });
+    step_until(&mut harness, "another message", |app| says(app, "already"));
     assert_eq!(count(), frames);
     let again =
         std::fs::metadata(sequence.join("frame_0000.png")).and_then(|m| m.modified()).expect("a time");

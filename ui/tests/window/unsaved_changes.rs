@@ -48,10 +48,6 @@ fn close(window: &mut Harness<'static, App>) -> bool {
     is_held
 }
 
-fn sends(window: &Harness<'static, App>, wanted: &ViewportCommand) -> bool {
-    window.output().viewport_output.values().any(|viewport| viewport.commands.contains(wanted))
-}
-
 /// Steps until the window closes itself.
 fn wait_for_close(window: &mut Harness<'static, App>) {
     let start = Instant::now();
@@ -67,11 +63,11 @@ fn closing_asks_and_enter_saves() {
     let mut changed = Changed::new();
     assert!(close(&mut changed.window));
     assert!(changed.window.get_by_label("Save").is_focused(), "the first answer has the keyboard");
-    let before = *changed.window.state().state().navigation.fly.camera();
+    let before = camera(&changed.window);
     changed.window.key_down(Key::W);
     changed.window.run_steps(3);
     changed.window.key_up(Key::W);
-    assert_eq!(*changed.window.state().state().navigation.fly.camera(), before, "a question has the keys");
+    assert_eq!(camera(&changed.window), before, "a question has the keys");
     changed.window.key_press(Key::Enter);
     wait_for_close(&mut changed.window);
     assert!(changed.saved().is_some_and(|text| text.contains("kind = \"mirror\"")));

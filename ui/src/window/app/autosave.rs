@@ -1,7 +1,6 @@
 //! The session that is kept in case of a crash.
 
-use crate::window::app::session_file::{EXTENSION, SessionFile};
-use crate::window::app::watch::modified;
+use super::{EXTENSION, SessionFile, modified};
 use crate::window::state::AppState;
 use afterimage::Camera;
 use std::path::{Path, PathBuf};

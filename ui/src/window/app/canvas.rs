@@ -1,6 +1,6 @@
 //! The viewport: its place in the window, what is drawn over it, and the newest frame.
 
-use crate::window::app::comparison::overlay;
+use super::overlay;
 use crate::window::gpu::presentation::Presentation;
 use crate::window::gpu::timewarp::Reprojection;
 use crate::window::gpu::viewport;
@@ -33,7 +33,7 @@ impl Canvas {
         if state.options.shows_statistics && inner.is_positive() {
             ui.scope_builder(egui::UiBuilder::new().max_rect(inner), |ui| panels::hud::show(ui, state));
         }
-        if state.navigation.shows_hint && state.loading.is_none() && inner.is_positive() {
+        if !state.navigation.has_moved && state.loading.is_none() && inner.is_positive() {
             panels::hud::hint(ui, rect);
         }
         (response, canvas)

@@ -1,39 +1,39 @@
 //! The comparison with the full tracer: its picture is traced once the view is at rest, dropped when the
 //! view changes, and its distance to the shown picture is measured.
 
-use crate::window::app::services::{Measurement, Services};
-use crate::window::app::session::Session;
+use super::{Measurement, Parts, Services, Session};
 use crate::window::gpu::presentation::Overlay;
 use crate::window::gpu::viewport;
-use crate::window::rendering::full_trace::{FullTrace, Subject};
-use crate::window::rendering::pool::lower_priority;
-use crate::window::rendering::task::{TaskError, spawn_task, take_result};
+use crate::window::rendering::{FullTrace, Subject, TaskError, lower_priority, spawn_task, take_result};
 use crate::window::state::{AppState, Compare, Comparison, Pair, difference};
 
 /// Takes the comparison one step further.
-pub(super) fn update_comparison(state: &mut AppState, session: &Session, services: &mut Services) {
-    take_measurement(state, services);
-    let subject = subject(state, session);
-    if services.full_trace.as_ref().is_some_and(|trace| Some(&trace.subject) != subject.as_ref()) {
-        services.full_trace = None;
-        (state.comparison.full, state.comparison.error) = (None, None);
+pub(super) fn update_comparison(app: &mut Parts) {
+    take_measurement(&mut app.state, &mut app.services);
+    let subject = subject(&app.state, &app.session);
+    if app.services.full_trace.as_ref().is_some_and(|trace| Some(&trace.subject) != subject.as_ref()) {
+        app.services.full_trace = None;
+        (app.state.comparison.full, app.state.comparison.error) = (None, None);
     }
-    let is_due = state.comparison.is_wanted() && services.full_trace.is_none() && is_at_rest(state, services);
+    let is_due = app.state.comparison.is_wanted()
+        && app.services.full_trace.is_none()
+        && is_at_rest(&app.state, &app.services);
     if let Some(subject) = subject.filter(|_| is_due) {
-        services.full_trace = Some(FullTrace::start(subject, services.threads, services.wake.clone()));
+        app.services.full_trace =
+            Some(FullTrace::start(subject, app.services.threads, app.services.wake.clone()));
     }
-    if let Some(trace) = &services.full_trace {
-        let full = &mut state.comparison.full;
+    if let Some(trace) = &app.services.full_trace {
+        let full = &mut app.state.comparison.full;
         if trace.take(full)
-            && let (Some(graphics), Some(full)) = (&services.graphics, full)
+            && let (Some(graphics), Some(full)) = (&app.services.graphics, full)
         {
             viewport::upload_full(graphics, full);
         }
         if let Some(text) = trace.failure() {
-            state.error(format!("tracing in full failed: {text}"));
+            app.state.error(format!("tracing in full failed: {text}"));
         }
     }
-    measure(state, services);
+    measure(&app.state, &mut app.services);
 }
 
 /// Everything that decides the full tracer's picture of the current view.

@@ -1,10 +1,7 @@
 //! Commands about the selected pixel, distance, material and reference; the plan and the thumbnails.
 
-use crate::window::app::services::Services;
-use crate::window::app::session::Session;
-use crate::window::rendering::plan::Plan;
-use crate::window::rendering::request::{ReferenceRadiance, RenderCommand};
-use crate::window::rendering::task::{spawn_task, take_result};
+use super::{Parts, Services};
+use crate::window::rendering::{Plan, ReferenceRadiance, RenderCommand, spawn_task, take_result};
 use crate::window::state::{AppState, InspectCommand, ReferenceView, Work};
 use afterimage::raster::color;
 use std::sync::Arc;
@@ -38,18 +35,19 @@ pub(super) fn handle_inspect(state: &mut AppState, services: &Services, command:
 }
 
 /// Shows a plan that was cut, and cuts one where the camera is on another floor.
-pub(super) fn update_plan(state: &mut AppState, session: &Session, services: &mut Services) {
-    if let Some(Ok(plan)) = take_result(&mut services.plan) {
-        state.plan.cut = Some(Arc::new(plan));
+pub(super) fn update_plan(app: &mut Parts) {
+    if let Some(Ok(plan)) = take_result(&mut app.services.plan) {
+        app.state.plan.cut = Some(Arc::new(plan));
     }
-    let (Some(tracer), None) = (session.tracer(), &services.plan) else { return };
-    let eye_m = state.navigation.fly.camera().eye.y;
+    let (Some(tracer), None) = (app.session.tracer(), &app.services.plan) else { return };
+    let eye_m = app.state.navigation.fly.camera().eye.y;
     let is_on_floor = |plan: &Arc<Plan>| (plan.height_m - eye_m).abs() <= SAME_FLOOR_M;
-    if state.plan.cut.as_ref().is_some_and(is_on_floor) || state.work == Work::Moving {
+    if app.state.plan.cut.as_ref().is_some_and(is_on_floor) || app.state.work == Work::Moving {
         return;
     }
     let scene = tracer.scene().clone();
-    services.plan = Some(spawn_task("plan", services.wake.clone(), move |_| Ok(Plan::cut(&scene, eye_m))));
+    app.services.plan =
+        Some(spawn_task("plan", app.services.wake.clone(), move |_| Ok(Plan::cut(&scene, eye_m))));
 }
 
 /// Traces small pictures of all views and references while the renderer is idle.

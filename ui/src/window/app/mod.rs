@@ -6,6 +6,7 @@ mod comparison;
 mod inspect;
 mod navigation;
 mod open_scene;
+mod parts;
 mod persistence;
 mod pictures;
 mod poll;
@@ -18,4 +19,26 @@ mod update;
 mod watch;
 mod window_app;
 
+use autosave::{Autosave, is_recovery, left_behind, recovery_file};
+use canvas::Canvas;
+use comparison::{overlay, update_comparison};
+use inspect::{handle_inspect, show_reference, update_plan, update_thumbnails};
+use navigation::handle_navigation;
+use open_scene::{
+    cancel_loading, go_to_picture, handle_answer, hold_close, leave, open, open_new, open_path, open_session,
+    poll_loading, poll_watch, reload,
+};
+use parts::Parts;
+use persistence::{
+    autosave, end_autosave, forget_recent, read_state_folder, remember_model, restore_session, save_session,
+};
+use pictures::{handle_picture, poll_export, save_from_references};
+use poll::poll;
+use render_request::{current_work, send_request};
+use scene_edits::{begin_edits, handle_edit, poll_edit, save_beside};
+use services::{AppEvent, Measurement, PendingEdit, Services};
+use session::{Arrival, MOTION_TIME, Session};
+use session_file::{EXTENSION, SessionFile, is_session};
+use update::{apply, show_appearance};
+use watch::{modified, watch};
 pub use window_app::App;

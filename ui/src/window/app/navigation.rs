@@ -1,11 +1,10 @@
 //! Commands about views, camera paths and the way the camera moves.
 
+use super::{AppEvent, Services};
 use crate::picture::pose_text::pose_of_flags;
-use crate::window::app::services::{AppEvent, Services};
-use crate::window::export::destination::Destination;
-use crate::window::input::fly_camera::MoveMode;
-use crate::window::input::playback::Recording;
-use crate::window::rendering::task::TaskError;
+use crate::window::export::Destination;
+use crate::window::input::{MoveMode, Recording};
+use crate::window::rendering::TaskError;
 use crate::window::state::{AppState, NavigationCommand, SavedView};
 use afterimage::camera::CameraPath;
 

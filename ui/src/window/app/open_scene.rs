@@ -1,19 +1,13 @@
 //! Opening models, sessions and pictures. Unsaved changes are asked about before they would be lost.
 
+use super::{
+    AppEvent, Arrival, Parts, Services, SessionFile, begin_edits, is_recovery, is_session, remember_model,
+    restore_session, save_beside, watch,
+};
 use crate::picture::restore::{PictureView, beside, is_picture, read_view};
 use crate::settings;
-use crate::window::app::autosave::is_recovery;
-use crate::window::app::persistence::{remember_model, restore_session};
-use crate::window::app::scene_edits::{begin_edits, save_beside};
-use crate::window::app::services::{AppEvent, Services};
-use crate::window::app::session::{Arrival, Session};
-use crate::window::app::session_file::{SessionFile, is_session};
-use crate::window::app::watch::watch;
-use crate::window::input::playback::Playback;
-use crate::window::input::walking::Obstacles;
-use crate::window::rendering::request::RenderCommand;
-use crate::window::rendering::scene_loading::{Loading, SceneSource};
-use crate::window::rendering::task::{TaskError, take_result};
+use crate::window::input::{Obstacles, Playback};
+use crate::window::rendering::{Loading, RenderCommand, SceneSource, TaskError, take_result};
 use crate::window::state::{Answer, AppState, Edits, Leaving, PlanState, SceneInfo};
 use afterimage::{Camera, Tracer};
 use egui::ViewportCommand;
@@ -25,74 +19,64 @@ use std::sync::Arc;
 const MAX_SESSION_BYTES: u64 = 64 << 20;
 
 /// Opens a file of any kind.
-pub(super) fn open_path(state: &mut AppState, session: &mut Session, services: &mut Services, path: PathBuf) {
-    session.arrival = Arrival::default();
+pub(super) fn open_path(app: &mut Parts, path: PathBuf) {
+    app.session.arrival = Arrival::default();
     if is_picture(&path) {
-        services.spawn("picture", move || {
+        app.services.spawn("picture", move || {
             let view = read_view(&path).map_err(TaskError::failed)?;
             Ok(AppEvent::PictureView(beside(view, &path)))
         });
     } else if is_session(&path) {
-        open_session(state, session, services, path);
+        open_session(app, path);
     } else {
-        open(state, services, SceneSource::file(path));
+        open(app, SceneSource::file(path));
     }
 }
 
 /// Opens a session. A kept session that is broken is renamed, so that it is not offered again.
-pub(super) fn open_session(
-    state: &mut AppState,
-    session: &mut Session,
-    services: &mut Services,
-    path: PathBuf,
-) {
+pub(super) fn open_session(app: &mut Parts, path: PathBuf) {
     let text = settings::read_text(&path, MAX_SESSION_BYTES).map_err(|error| error.to_string());
     match text.and_then(|text| SessionFile::parse(&text, &path)) {
         Ok(file) => {
             let source = file.source(&path);
-            session.arrival.session = Some((file, path));
-            open(state, services, source);
+            app.session.arrival.session = Some((file, path));
+            open(app, source);
         }
         Err(message) => {
             let is_renamed =
                 is_recovery(&path) && std::fs::rename(&path, path.with_extension("toml.bad")).is_ok();
-            state.error(message + if is_renamed { "; it was renamed to end in .bad" } else { "" });
+            app.state.error(message + if is_renamed { "; it was renamed to end in .bad" } else { "" });
         }
     }
 }
 
 /// Goes to the view of a picture. Its scene is loaded unless it is shown.
-pub(super) fn go_to_picture(
-    state: &mut AppState,
-    session: &mut Session,
-    services: &mut Services,
-    view: PictureView,
-) {
-    if session.tracer().is_some_and(|tracer| tracer.scene().hash == view.scene_hash) {
-        state.navigation.fly.ease_to(view.camera);
-        state.quality.exposure_ev = view.exposure_ev.unwrap_or(state.quality.exposure_ev);
-        return state.info("the picture was taken here");
+pub(super) fn go_to_picture(app: &mut Parts, view: PictureView) {
+    if app.session.tracer().is_some_and(|tracer| tracer.scene().hash == view.scene_hash) {
+        app.state.navigation.fly.ease_to(view.camera);
+        app.state.quality.exposure_ev = view.exposure_ev.unwrap_or(app.state.quality.exposure_ev);
+        return app.state.info("the picture was taken here");
     }
     let source = SceneSource::named(&view.scene, Default::default());
     if let SceneSource::File { path, .. } = &source
         && !path.exists()
     {
-        return state.error(format!(
+        return app.state.error(format!(
             "the picture shows {}, which does not exist; open the model, then drop the picture again",
             view.scene
         ));
     }
-    if is_shown(state, &source) {
+    if is_shown(&app.state, &source) {
         // A reload keeps the pose.
-        state.navigation.fly.jump_to(view.camera);
+        app.state.navigation.fly.jump_to(view.camera);
     }
-    session.arrival = Arrival {
+    app.session.arrival = Arrival {
         camera: Some(view.camera),
         exposure_ev: view.exposure_ev,
         scene_hash: Some(view.scene_hash),
         ..Arrival::default()
     };
-    open(state, services, source);
+    open(app, source);
 }
 
 fn is_shown(state: &AppState, source: &SceneSource) -> bool {
@@ -104,29 +88,24 @@ fn has_unsaved_changes(state: &AppState) -> bool {
 }
 
 /// Loads a scene, or asks first what is to be done with unsaved changes. A reload keeps them.
-pub(super) fn open(state: &mut AppState, services: &mut Services, source: SceneSource) {
-    if is_shown(state, &source) || !has_unsaved_changes(state) {
-        load(services, source);
+pub(super) fn open(app: &mut Parts, source: SceneSource) {
+    if is_shown(&app.state, &source) || !has_unsaved_changes(&app.state) {
+        load(&mut app.services, source);
     } else {
-        state.dialogs.leaving = Some(Leaving::Open(source));
+        app.state.dialogs.leaving = Some(Leaving::Open(source));
     }
 }
 
 /// Opens a scene by itself: an earlier destination no longer applies.
-pub(super) fn open_new(
-    state: &mut AppState,
-    session: &mut Session,
-    services: &mut Services,
-    source: SceneSource,
-) {
-    session.arrival = Arrival::default();
-    open(state, services, source);
+pub(super) fn open_new(app: &mut Parts, source: SceneSource) {
+    app.session.arrival = Arrival::default();
+    open(app, source);
 }
 
 /// Loads the scene that is shown once more.
-pub(super) fn reload(state: &mut AppState, services: &mut Services) {
-    if let Some(source) = state.scene.as_ref().map(|s| s.source.clone()) {
-        open(state, services, source);
+pub(super) fn reload(app: &mut Parts) {
+    if let Some(source) = app.state.scene.as_ref().map(|s| s.source.clone()) {
+        open(app, source);
     }
 }
 
@@ -136,31 +115,31 @@ fn load(services: &mut Services, source: SceneSource) {
 }
 
 /// Stops loading.
-pub(super) fn cancel_loading(session: &mut Session, services: &mut Services) {
-    services.loading = None;
-    (session.arrival, session.discards_edits) = (Arrival::default(), false);
+pub(super) fn cancel_loading(app: &mut Parts) {
+    app.services.loading = None;
+    (app.session.arrival, app.session.discards_edits) = (Arrival::default(), false);
 }
 
 /// Shows the progress of loading, and then the scene, or asks first what is to be done with changes that
 /// were made meanwhile.
-pub(super) fn poll_loading(state: &mut AppState, session: &mut Session, services: &mut Services) {
-    state.loading = services.loading.as_ref().map(|l| (l.source.clone(), l.progress()));
-    let Some(result) = services.loading.as_ref().and_then(Loading::result) else { return };
-    let (Some(loading), _) = (services.loading.take(), state.loading.take()) else { return };
+pub(super) fn poll_loading(app: &mut Parts) {
+    app.state.loading = app.services.loading.as_ref().map(|l| (l.source.clone(), l.progress()));
+    let Some(result) = app.services.loading.as_ref().and_then(Loading::result) else { return };
+    let (Some(loading), _) = (app.services.loading.take(), app.state.loading.take()) else { return };
     let source = loading.source.clone();
     match result {
         Ok(tracer) => {
-            let discards = std::mem::take(&mut session.discards_edits);
-            if is_shown(state, &source) || discards || !has_unsaved_changes(state) {
-                show_scene(state, session, services, source, tracer);
+            let discards = std::mem::take(&mut app.session.discards_edits);
+            if is_shown(&app.state, &source) || discards || !has_unsaved_changes(&app.state) {
+                show_scene(app, source, tracer);
             } else {
-                state.dialogs.leaving = Some(Leaving::Show(source, tracer));
+                app.state.dialogs.leaving = Some(Leaving::Show(source, tracer));
             }
         }
         Err(error) => {
-            cancel_loading(session, services);
+            cancel_loading(app);
             if let TaskError::Failed(message) = error {
-                state.error(message);
+                app.state.error(message);
             }
         }
     }
@@ -168,75 +147,64 @@ pub(super) fn poll_loading(state: &mut AppState, session: &mut Session, services
 
 /// Reloads the scene when its files have changed. The camera stays, and the old scene stays where the new
 /// one cannot be loaded.
-pub(super) fn poll_watch(state: &mut AppState, services: &mut Services) {
-    if let Some(Ok(path)) = take_result(&mut services.watch) {
-        services.watch = Some(watch(path.clone(), services.wake.clone()));
-        state.info(format!("{} has changed and is loaded again", path.display()));
-        reload(state, services);
+pub(super) fn poll_watch(app: &mut Parts) {
+    if let Some(Ok(path)) = take_result(&mut app.services.watch) {
+        app.services.watch = Some(watch(path.clone(), app.services.wake.clone()));
+        app.state.info(format!("{} has changed and is loaded again", path.display()));
+        reload(app);
     }
 }
 
-fn show_scene(
-    state: &mut AppState,
-    session: &mut Session,
-    services: &mut Services,
-    source: SceneSource,
-    tracer: Arc<Tracer>,
-) {
-    let is_reload = is_shown(state, &source);
-    let arrival = std::mem::take(&mut session.arrival);
+fn show_scene(app: &mut Parts, source: SceneSource, tracer: Arc<Tracer>) {
+    let is_reload = is_shown(&app.state, &source);
+    let arrival = std::mem::take(&mut app.session.arrival);
     let scene = SceneInfo::new(source.clone(), &tracer);
     if arrival.scene_hash.as_ref().is_some_and(|expected| *expected != tracer.scene().hash) {
-        state.info("the scene has changed since the picture was taken; this is the same pose in it");
+        app.state.info("the scene has changed since the picture was taken; this is the same pose in it");
     }
     if !scene.warnings.is_empty() {
         let count = scene.warnings.len();
-        state.info(format!("{}: {count} import warnings, listed in the Scene panel", scene.name));
+        app.state.info(format!("{}: {count} import warnings, listed in the Scene panel", scene.name));
     }
     if !is_reload {
-        let (view_index, start) = start_pose(state, &scene, &arrival);
-        state.navigation.view_index = view_index;
-        state.navigation.fly.jump_to(start);
-        state.navigation.playback = Playback::of_scene(tracer.scene().walk.clone());
-        (state.navigation.recording, state.navigation.renaming) = (None, None);
+        let (view_index, start) = start_pose(&mut app.state, &scene, &arrival);
+        app.state.navigation.view_index = view_index;
+        app.state.navigation.fly.jump_to(start);
+        app.state.navigation.playback = Playback::of_scene(tracer.scene().walk.clone());
+        (app.state.navigation.recording, app.state.navigation.renaming) = (None, None);
     }
-    state.scene = Some(scene);
-    state.history.clear();
-    state.thumbnails.set_tracer(tracer.clone());
-    services.plan = None;
-    state.plan = PlanState { cut: None, view: if is_reload { state.plan.view } else { Default::default() } };
-    session.obstacles = Some(Obstacles::new(tracer.clone()));
-    begin_edits(state, session, services, tracer.scene(), is_reload);
-    session.first_generation = services.render.send(RenderCommand::SetTracer(tracer));
+    app.state.scene = Some(scene);
+    app.state.history.clear();
+    app.state.thumbnails.set_tracer(tracer.clone());
+    app.services.plan = None;
+    app.state.plan =
+        PlanState { cut: None, view: if is_reload { app.state.plan.view } else { Default::default() } };
+    app.session.obstacles = Some(Obstacles::new(tracer.clone()));
+    begin_edits(app, tracer.scene(), is_reload);
+    app.session.first_generation = app.services.render.send(RenderCommand::SetTracer(tracer));
     if !is_reload {
-        reset_quality(state, session, services, &source, &arrival);
+        reset_quality(app, &source, &arrival);
     }
-    session.sent = None;
-    restore_session(state, session, arrival.session, is_reload);
-    services.watch = None;
+    app.session.sent = None;
+    restore_session(app, arrival.session, is_reload);
+    app.services.watch = None;
     if let SceneSource::File { path, .. } = source {
-        remember_model(state, services, &path);
-        services.watch = Some(watch(path, services.wake.clone()));
+        remember_model(app, &path);
+        app.services.watch = Some(watch(path, app.services.wake.clone()));
     }
 }
 
 /// Sets bounces and exposure as they suit the scene; a reset of the quality restores these bounces. Models
 /// from files are made for renderers with indirect light, and their exposure is metered.
-fn reset_quality(
-    state: &mut AppState,
-    session: &mut Session,
-    services: &Services,
-    source: &SceneSource,
-    arrival: &Arrival,
-) {
-    let launch = &services.launch;
+fn reset_quality(app: &mut Parts, source: &SceneSource, arrival: &Arrival) {
+    let launch = &app.services.launch;
     let is_model = matches!(source, SceneSource::File { .. });
     let bounces = if is_model { launch.model_bounces } else { launch.settings.render.trace.bounces };
-    for quality in [&mut state.quality, &mut state.default_quality] {
+    for quality in [&mut app.state.quality, &mut app.state.default_quality] {
         quality.walk.render.trace.bounces = bounces;
     }
-    state.quality.exposure_ev = arrival.exposure_ev.unwrap_or(state.default_quality.exposure_ev);
-    session.is_metering = is_model && launch.exposure_ev.is_none() && arrival.exposure_ev.is_none();
+    app.state.quality.exposure_ev = arrival.exposure_ev.unwrap_or(app.state.default_quality.exposure_ev);
+    app.session.is_metering = is_model && launch.exposure_ev.is_none() && arrival.exposure_ev.is_none();
 }
 
 /// Returns the index of the saved view to start at, and the pose.
@@ -255,46 +223,41 @@ fn start_pose(state: &mut AppState, scene: &SceneInfo, arrival: &Arrival) -> (us
 }
 
 /// Keeps the window open where closing it would lose changes, and asks.
-pub(super) fn hold_close(state: &mut AppState, session: &mut Session, services: &Services) {
-    let is_closing = services.ctx.input(|i| i.viewport().close_requested());
-    if is_closing && !session.may_close && has_unsaved_changes(state) {
-        services.ctx.send_viewport_cmd(ViewportCommand::CancelClose);
-        session.arrival = Arrival::default();
-        state.dialogs.leaving = Some(Leaving::Close);
+pub(super) fn hold_close(app: &mut Parts) {
+    let is_closing = app.services.ctx.input(|i| i.viewport().close_requested());
+    if is_closing && !app.session.may_close && has_unsaved_changes(&app.state) {
+        app.services.ctx.send_viewport_cmd(ViewportCommand::CancelClose);
+        app.session.arrival = Arrival::default();
+        app.state.dialogs.leaving = Some(Leaving::Close);
     }
 }
 
 /// Applies the answer to the question about unsaved changes.
-pub(super) fn handle_answer(
-    state: &mut AppState,
-    session: &mut Session,
-    services: &mut Services,
-    answer: Answer,
-) {
+pub(super) fn handle_answer(app: &mut Parts, answer: Answer) {
     match answer {
         // The action follows once they are saved.
-        Answer::Save => save_beside(state, services),
+        Answer::Save => save_beside(app),
         Answer::Discard => {
-            let is_opening = matches!(state.dialogs.leaving, Some(Leaving::Open(_)));
-            leave(state, session, services);
-            session.discards_edits = is_opening;
+            let is_opening = matches!(app.state.dialogs.leaving, Some(Leaving::Open(_)));
+            leave(app);
+            app.session.discards_edits = is_opening;
         }
         Answer::Stay => {
-            state.dialogs.leaving = None;
-            session.arrival = Arrival::default();
+            app.state.dialogs.leaving = None;
+            app.session.arrival = Arrival::default();
         }
     }
 }
 
 /// Does what has waited for the answer, if anything has.
-pub(super) fn leave(state: &mut AppState, session: &mut Session, services: &mut Services) {
-    match state.dialogs.leaving.take() {
+pub(super) fn leave(app: &mut Parts) {
+    match app.state.dialogs.leaving.take() {
         Some(Leaving::Close) => {
-            session.may_close = true;
-            services.ctx.send_viewport_cmd(ViewportCommand::Close);
+            app.session.may_close = true;
+            app.services.ctx.send_viewport_cmd(ViewportCommand::Close);
         }
-        Some(Leaving::Open(source)) => load(services, source),
-        Some(Leaving::Show(source, tracer)) => show_scene(state, session, services, source, tracer),
+        Some(Leaving::Open(source)) => load(&mut app.services, source),
+        Some(Leaving::Show(source, tracer)) => show_scene(app, source, tracer),
         None => {}
     }
 }

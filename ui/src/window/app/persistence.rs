@@ -1,12 +1,9 @@
 //! Sessions and recent files: saved, kept and restored.
 
+use super::{AppEvent, EXTENSION, Parts, Services, SessionFile, is_recovery, left_behind, recovery_file};
 use crate::settings;
-use crate::window::app::autosave::{is_recovery, left_behind, recovery_file};
-use crate::window::app::services::{AppEvent, Services};
-use crate::window::app::session::Session;
-use crate::window::app::session_file::{EXTENSION, SessionFile};
-use crate::window::export::destination::Destination;
-use crate::window::rendering::task::TaskError;
+use crate::window::export::Destination;
+use crate::window::rendering::TaskError;
 use crate::window::state::AppState;
 use afterimage::raster::save::{SaveError, write_atomically};
 use std::path::{Path, PathBuf};
@@ -27,12 +24,12 @@ pub(super) fn read_state_folder(state: &mut AppState, folder: &Path) {
 }
 
 /// Saves the session in its file, or in a new one where it has none.
-pub(super) fn save_session(state: &mut AppState, session: &Session, services: &mut Services) {
-    let Some(content) = SessionFile::of(state, &session.unknown_keys) else {
-        return state.error("there is no scene to save a session of");
+pub(super) fn save_session(app: &mut Parts) {
+    let Some(content) = SessionFile::of(&app.state, &app.session.unknown_keys) else {
+        return app.state.error("there is no scene to save a session of");
     };
-    let (file, destination) = (session.file.clone(), services.destination(state));
-    services.spawn("save", move || {
+    let (file, destination) = (app.session.file.clone(), app.services.destination(&app.state));
+    app.services.spawn("save", move || {
         let text = content.text().map_err(TaskError::Failed)?;
         write_session(&text, file, &destination).map(AppEvent::SavedSession)
     });
@@ -54,55 +51,50 @@ fn write_session(text: &str, file: Option<PathBuf>, destination: &Destination) -
 
 /// Restores the session that has waited for its scene. Another scene than before has no session file: that
 /// of the old scene is not overwritten.
-pub(super) fn restore_session(
-    state: &mut AppState,
-    session: &mut Session,
-    awaited: Option<(SessionFile, PathBuf)>,
-    is_reload: bool,
-) {
+pub(super) fn restore_session(app: &mut Parts, awaited: Option<(SessionFile, PathBuf)>, is_reload: bool) {
     if let Some((content, file)) = awaited {
-        session.unknown_keys = content.restore(state);
-        session.is_metering = false;
+        app.session.unknown_keys = content.restore(&mut app.state);
+        app.session.is_metering = false;
         if is_recovery(&file) {
             // The session is kept under another name from now on. If this fails it is offered again.
             let _ = std::fs::remove_file(&file);
-            session.file = None;
+            app.session.file = None;
         } else {
-            session.file = Some(file);
+            app.session.file = Some(file);
         }
     } else if !is_reload {
-        (session.file, session.unknown_keys) = (None, Table::new());
+        (app.session.file, app.session.unknown_keys) = (None, Table::new());
     }
 }
 
 /// Puts a model first in the list of recent files.
-pub(super) fn remember_model(state: &mut AppState, services: &mut Services, path: &Path) {
+pub(super) fn remember_model(app: &mut Parts, path: &Path) {
     let full = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-    state.files.recent.retain(|p| *p != full);
-    state.files.recent.insert(0, full);
-    state.files.recent.truncate(MAX_RECENT);
-    write_recent(state, services);
+    app.state.files.recent.retain(|p| *p != full);
+    app.state.files.recent.insert(0, full);
+    app.state.files.recent.truncate(MAX_RECENT);
+    write_recent(app);
 }
 
 /// Empties the list of recent files.
-pub(super) fn forget_recent(state: &mut AppState, services: &mut Services) {
-    state.files.recent.clear();
-    write_recent(state, services);
+pub(super) fn forget_recent(app: &mut Parts) {
+    app.state.files.recent.clear();
+    write_recent(app);
 }
 
-fn write_recent(state: &AppState, services: &mut Services) {
-    let files = state.files.recent.iter().map(|p| toml::Value::String(p.display().to_string()));
+fn write_recent(app: &mut Parts) {
+    let files = app.state.files.recent.iter().map(|p| toml::Value::String(p.display().to_string()));
     let table = Table::from_iter([("files".to_owned(), toml::Value::Array(files.collect()))]);
-    keep(services, "recent.toml", table.to_string(), "recent files are not remembered");
+    keep(&mut app.services, "recent.toml", table.to_string(), "recent files are not remembered");
 }
 
 /// Keeps the session in case of a crash. Returns the time until it may be kept again.
-pub(super) fn autosave(state: &AppState, session: &mut Session, services: &mut Services) -> Option<Duration> {
-    let folder = services.launch.state_folder.as_ref()?;
-    let (text, rest) = session.autosave.due(state, &session.unknown_keys);
+pub(super) fn autosave(app: &mut Parts) -> Option<Duration> {
+    let folder = app.services.launch.state_folder.as_ref()?;
+    let (text, rest) = app.session.autosave.due(&app.state, &app.session.unknown_keys);
     if let Some(text) = text {
         let file = recovery_file(folder).file_name()?.to_string_lossy().into_owned();
-        keep(services, &file, text, "the session is not kept in case of a crash");
+        keep(&mut app.services, &file, text, "the session is not kept in case of a crash");
     }
     rest
 }

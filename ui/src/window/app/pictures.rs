@@ -1,12 +1,10 @@
 //! Commands about saved pictures and picture sequences.
 
+use super::{Parts, Services};
 use crate::picture::sequence::Sequence;
 use crate::picture::{LONGEST_SIDE, PictureJob, Shows};
-use crate::window::app::services::Services;
-use crate::window::app::session::Session;
-use crate::window::export::pictures::{Exported, save_picture, save_sequence, spawn_export};
-use crate::window::rendering::request::{Picture, RenderCommand};
-use crate::window::rendering::task::{TaskError, TaskHandle, take_result};
+use crate::window::export::{Exported, save_picture, save_sequence, spawn_export};
+use crate::window::rendering::{Picture, RenderCommand, TaskError, TaskHandle, take_result};
 use crate::window::state::{AppState, PictureCommand, PictureFormat, PictureSize};
 use afterimage::reference::ReferenceFrame;
 use afterimage::render::aov::Aov;
@@ -16,17 +14,12 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Applies a command.
-pub(super) fn handle_picture(
-    state: &mut AppState,
-    session: &Session,
-    services: &mut Services,
-    command: PictureCommand,
-) {
-    let picture = &mut state.picture;
+pub(super) fn handle_picture(app: &mut Parts, command: PictureCommand) {
+    let picture = &mut app.state.picture;
     let saved = match command {
-        PictureCommand::Save => save(state, session, services, None),
-        PictureCommand::SaveWithoutBackground => save(state, session, services, Some(Background::LeftOut)),
-        PictureCommand::SaveSequence => sequence(state, session, services),
+        PictureCommand::Save => save(app, None),
+        PictureCommand::SaveWithoutBackground => save(app, Some(Background::LeftOut)),
+        PictureCommand::SaveSequence => sequence(app),
         PictureCommand::ShowDialog(is_open) => return picture.is_open = is_open,
         PictureCommand::Set(settings) => return picture.settings = settings,
         PictureCommand::SetFolderText(text) => {
@@ -34,10 +27,10 @@ pub(super) fn handle_picture(
             picture.settings.folder = (!trimmed.is_empty()).then(|| PathBuf::from(trimmed));
             return picture.folder_text = text;
         }
-        PictureCommand::Cancel => return cancel(state, services),
+        PictureCommand::Cancel => return cancel(&mut app.state, &mut app.services),
     };
     if let Err(message) = saved {
-        state.error(message);
+        app.state.error(message);
     }
 }
 
@@ -74,80 +67,66 @@ fn job(state: &AppState, camera: Camera, background: Background) -> Result<Pictu
 }
 
 /// Saves the current view. Modes that reuse references first ask the render thread for them.
-fn save(
-    state: &AppState,
-    session: &Session,
-    services: &mut Services,
-    background: Option<Background>,
-) -> Result<(), String> {
-    let background = background.unwrap_or(state.picture.settings.background);
-    let job = job(state, *state.navigation.fly.camera(), background)?;
+fn save(app: &mut Parts, background: Option<Background>) -> Result<(), String> {
+    let background = background.unwrap_or(app.state.picture.settings.background);
+    let job = job(&app.state, *app.state.navigation.fly.camera(), background)?;
     if job.settings.mode == Mode::Full {
-        return export_picture(state, session, services, job, Vec::new());
+        return export_picture(app, job, Vec::new());
     }
-    services.render.send(RenderCommand::Picture);
+    app.services.render.send(RenderCommand::Picture);
     Ok(())
 }
 
 /// Saves a picture whose references have arrived from the render thread.
-pub(super) fn save_from_references(
-    state: &mut AppState,
-    session: &Session,
-    services: &mut Services,
-    picture: Picture,
-) {
-    let job = job(state, picture.camera, Background::Shown);
-    let saved = job.and_then(|job| export_picture(state, session, services, job, picture.references));
+pub(super) fn save_from_references(app: &mut Parts, picture: Picture) {
+    let job = job(&app.state, picture.camera, Background::Shown);
+    let saved = job.and_then(|job| export_picture(app, job, picture.references));
     if let Err(message) = saved {
-        state.error(message);
+        app.state.error(message);
     }
 }
 
 fn export_picture(
-    state: &AppState,
-    session: &Session,
-    services: &mut Services,
+    app: &mut Parts,
     job: PictureJob,
     references: Vec<Arc<ReferenceFrame>>,
 ) -> Result<(), String> {
     job.check(&references).map_err(|error| error.to_string())?;
-    let shows = match state.picture.settings.format {
+    let shows = match app.state.picture.settings.format {
         PictureFormat::Png => Shows::Display,
         PictureFormat::Exr => Shows::Linear(Aov::ALL.to_vec()),
     };
-    let destination = services.destination(state);
-    start(session, services, move |tracer, task| {
-        save_picture(&job, tracer, &references, &destination, &shows, task)
-    })
+    let destination = app.services.destination(&app.state);
+    start(app, move |tracer, task| save_picture(&job, tracer, &references, &destination, &shows, task))
 }
 
 /// Saves the camera path. Every picture of the sequence is traced in full.
-fn sequence(state: &AppState, session: &Session, services: &mut Services) -> Result<(), String> {
-    let walk = state.navigation.playback.path.clone();
+fn sequence(app: &mut Parts) -> Result<(), String> {
+    let walk = app.state.navigation.playback.path.clone();
     if walk.keyframes.len() < 2 {
         return Err("a sequence needs a camera path of two keys or more; K adds one at your pose".to_owned());
     }
-    let settings = &state.picture.settings;
-    let job = job(state, *state.navigation.fly.camera(), settings.background)?;
+    let settings = &app.state.picture.settings;
+    let job = job(&app.state, *app.state.navigation.fly.camera(), settings.background)?;
     let full = RenderSettings { mode: Mode::Full, ..job.settings };
     let antialias = Some(settings.antialias).filter(|n| *n > 1);
     let sequence = Sequence { job: PictureJob { settings: full, antialias, ..job }, walk };
-    let destination = services.destination(state);
-    start(session, services, move |tracer, task| save_sequence(&sequence, tracer, &destination, task))
+    let destination = app.services.destination(&app.state);
+    start(app, move |tracer, task| save_sequence(&sequence, tracer, &destination, task))
 }
 
 /// Starts an export, unless one is running.
 fn start(
-    session: &Session,
-    services: &mut Services,
+    app: &mut Parts,
     work: impl FnOnce(&Tracer, &TaskHandle) -> Result<Exported, TaskError> + Send + 'static,
 ) -> Result<(), String> {
-    if services.export.is_some() {
+    if app.services.export.is_some() {
         return Err("a picture is being saved; wait for it, or cancel it".to_owned());
     }
-    if let Some(tracer) = session.tracer().cloned() {
-        let export = spawn_export(services.threads, services.wake.clone(), move |task| work(&tracer, task));
-        services.export = Some(export);
+    if let Some(tracer) = app.session.tracer().cloned() {
+        let export =
+            spawn_export(app.services.threads, app.services.wake.clone(), move |task| work(&tracer, task));
+        app.services.export = Some(export);
     }
     Ok(())
 }

@@ -1,17 +1,11 @@
 //! Takes over everything that has happened in the background since the last update of the window.
 
-use crate::window::app::inspect::{show_reference, update_plan, update_thumbnails};
-use crate::window::app::open_scene::{
-    go_to_picture, handle_answer, leave, open_path, poll_loading, poll_watch,
+use super::{
+    AppEvent, Parts, go_to_picture, handle_answer, leave, open_path, poll_edit, poll_export, poll_loading,
+    poll_watch, save_from_references, show_reference, update_plan, update_thumbnails,
 };
-use crate::window::app::pictures::{poll_export, save_from_references};
-use crate::window::app::scene_edits::poll_edit;
-use crate::window::app::services::{AppEvent, Services};
-use crate::window::app::session::Session;
 use crate::window::gpu::viewport;
-use crate::window::rendering::lock::locked;
-use crate::window::rendering::request::Message;
-use crate::window::rendering::task::{TaskError, take_result};
+use crate::window::rendering::{Message, TaskError, locked, take_result};
 use crate::window::state::{Answer, AppState};
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
@@ -20,39 +14,39 @@ use std::path::PathBuf;
 const METERED_EV: RangeInclusive<f32> = -4.0..=6.0;
 
 /// Takes over results, messages and the newest frame.
-pub(super) fn poll(state: &mut AppState, session: &mut Session, services: &mut Services) {
-    poll_loading(state, session, services);
-    poll_export(state, services);
-    poll_edit(state, session, services);
-    poll_watch(state, services);
-    poll_messages(state, session, services);
-    poll_tasks(state, session, services);
-    poll_frame(state, session, services);
-    state.notices.retain(|n| !n.is_expired());
-    update_plan(state, session, services);
-    update_thumbnails(state, services);
+pub(super) fn poll(app: &mut Parts) {
+    poll_loading(app);
+    poll_export(&mut app.state, &mut app.services);
+    poll_edit(app);
+    poll_watch(app);
+    poll_messages(app);
+    poll_tasks(app);
+    poll_frame(app);
+    app.state.notices.retain(|n| !n.is_expired());
+    update_plan(app);
+    update_thumbnails(&mut app.state, &app.services);
 }
 
-fn poll_messages(state: &mut AppState, session: &Session, services: &mut Services) {
-    let messages: Vec<Message> = services.render.messages().collect();
+fn poll_messages(app: &mut Parts) {
+    let messages: Vec<Message> = app.services.render.messages().collect();
     for message in messages {
         match message {
-            Message::Reference(reference) => show_reference(state, services, &reference),
-            Message::Picture(picture) => save_from_references(state, session, services, picture),
-            Message::Failed(text) => state.error(text),
+            Message::Reference(reference) => show_reference(&mut app.state, &app.services, &reference),
+            Message::Picture(picture) => save_from_references(app, picture),
+            Message::Failed(text) => app.state.error(text),
         }
     }
-    for text in std::mem::take(&mut *locked(&services.graphics_errors)) {
-        state.error(text);
+    for text in std::mem::take(&mut *locked(&app.services.graphics_errors)) {
+        app.state.error(text);
     }
 }
 
-fn poll_tasks(state: &mut AppState, session: &mut Session, services: &mut Services) {
-    if let Some(Ok(Some(path))) = take_result(&mut services.file_dialog) {
-        open_path(state, session, services, path);
+fn poll_tasks(app: &mut Parts) {
+    if let Some(Ok(Some(path))) = take_result(&mut app.services.file_dialog) {
+        open_path(app, path);
     }
     let mut results = Vec::new();
-    services.tasks.retain(|task| {
+    app.services.tasks.retain(|task| {
         let result = task.result();
         let is_running = result.is_none();
         results.extend(result);
@@ -60,34 +54,34 @@ fn poll_tasks(state: &mut AppState, session: &mut Session, services: &mut Servic
     });
     for result in results {
         match result {
-            Ok(event) => apply(state, session, services, event),
-            Err(TaskError::Failed(text)) => state.error(text),
+            Ok(event) => apply(app, event),
+            Err(TaskError::Failed(text)) => app.state.error(text),
             Err(TaskError::Cancelled) => {}
         }
     }
 }
 
-fn apply(state: &mut AppState, session: &mut Session, services: &mut Services, event: AppEvent) {
+fn apply(app: &mut Parts, event: AppEvent) {
     match event {
-        AppEvent::Saved(path) => saved(state, &path),
+        AppEvent::Saved(path) => saved(&mut app.state, &path),
         AppEvent::SavedSession(path) => {
-            saved(state, &path);
-            session.file = Some(path);
+            saved(&mut app.state, &path);
+            app.session.file = Some(path);
         }
         AppEvent::Kept => {}
-        AppEvent::PictureView(view) => go_to_picture(state, session, services, view),
+        AppEvent::PictureView(view) => go_to_picture(app, view),
         AppEvent::SavedEdit(edit, Ok(path)) => {
-            saved(state, &path);
-            if let Some(edits) = &mut state.edits {
+            saved(&mut app.state, &path);
+            if let Some(edits) = &mut app.state.edits {
                 edits.set_saved(*edit);
             }
-            leave(state, session, services);
+            leave(app);
         }
         AppEvent::SavedEdit(_, Err(text)) => {
-            if state.dialogs.leaving.is_some() {
-                handle_answer(state, session, services, Answer::Stay);
+            if app.state.dialogs.leaving.is_some() {
+                handle_answer(app, Answer::Stay);
             }
-            state.error(text);
+            app.state.error(text);
         }
     }
 }
@@ -97,20 +91,20 @@ fn saved(state: &mut AppState, path: &PathBuf) {
 }
 
 /// Shows the newest frame. The first complete one of a model that was just opened sets the exposure.
-fn poll_frame(state: &mut AppState, session: &mut Session, services: &Services) {
-    if !services.render.take_frame(&mut state.frame) {
+fn poll_frame(app: &mut Parts) {
+    if !app.services.render.take_frame(&mut app.state.frame) {
         return;
     }
-    let Some(frame) = &state.frame else { return };
-    let is_metered = session.is_metering && frame.generation >= session.first_generation;
+    let Some(frame) = &app.state.frame else { return };
+    let is_metered = app.session.is_metering && frame.generation >= app.session.first_generation;
     if let Some(ev) = frame.metered_ev.filter(|_| is_metered) {
-        state.quality.exposure_ev = ev.clamp(*METERED_EV.start(), *METERED_EV.end());
-        session.is_metering = false;
+        app.state.quality.exposure_ev = ev.clamp(*METERED_EV.start(), *METERED_EV.end());
+        app.session.is_metering = false;
     }
-    if let Some(graphics) = &services.graphics {
+    if let Some(graphics) = &app.services.graphics {
         viewport::upload(graphics, frame);
     }
     if !frame.is_refinement {
-        state.record();
+        app.state.record();
     }
 }

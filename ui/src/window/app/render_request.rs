@@ -1,70 +1,69 @@
 //! The request that is sent to the renderer, and what the renderer is doing.
 
-use crate::window::app::services::Services;
-use crate::window::app::session::{MOTION_TIME, Session};
-use crate::window::rendering::request::RenderRequest;
-use crate::window::state::{AppState, Work};
+use super::{MOTION_TIME, Parts};
+use crate::window::rendering::RenderRequest;
+use crate::window::state::Work;
 use std::time::{Duration, Instant};
 
 /// Largest edge of a frame in pixels: the largest texture that every adapter accepts.
 const MAX_EDGE: f32 = 8192.0;
 
 /// Sends the pose and the settings where they have changed.
-pub(super) fn send_request(state: &mut AppState, session: &mut Session, services: &Services) {
-    let (is_sharp, q) = (is_sharp(state, session, services), &state.quality);
+pub(super) fn send_request(app: &mut Parts) {
+    let (is_sharp, q) = (is_sharp(app), &app.state.quality);
     let scale = if is_sharp { 1.0 } else { q.render_scale };
     let edge = |pixels: u32| (pixels as f32 * scale).round().clamp(1.0, MAX_EDGE) as u32;
-    let size = if state.viewport_size.contains(&0) { [0, 0] } else { state.viewport_size.map(edge) };
+    let size = if app.state.viewport_size.contains(&0) { [0, 0] } else { app.state.viewport_size.map(edge) };
     let request = RenderRequest {
-        camera: *state.navigation.fly.camera(),
+        camera: *app.state.navigation.fly.camera(),
         size,
         settings: q.walk,
         budget: (!is_sharp).then(|| Duration::from_secs_f32(q.budget_ms / 1000.0)),
-        is_paused: state.options.is_paused,
-        is_compared: state.comparison.is_wanted(),
+        is_paused: app.state.options.is_paused,
+        is_compared: app.state.comparison.is_wanted(),
     };
-    if session.sent != Some(request) {
-        if session.sent.is_some_and(|s| s.camera != request.camera) {
-            session.moved = Instant::now();
-            state.navigation.shows_hint = false;
+    if app.session.sent != Some(request) {
+        if app.session.sent.is_some_and(|s| s.camera != request.camera) {
+            app.session.moved = Instant::now();
+            app.state.navigation.has_moved = true;
         }
-        services.render.request(request);
-        session.sent = Some(request);
+        app.services.render.request(request);
+        app.session.sent = Some(request);
     }
 }
 
 /// True where nothing has changed since a frame at the render scale was complete: then a frame with every
 /// pixel of the viewport is requested. Only in modes that refine at rest.
-fn is_sharp(state: &AppState, session: &Session, services: &Services) -> bool {
-    let (q, camera) = (&state.quality, state.navigation.fly.camera());
+fn is_sharp(app: &Parts) -> bool {
+    let (q, camera) = (&app.state.quality, app.state.navigation.fly.camera());
     let may_be = q.walk.render.mode.refines() && q.render_scale < 1.0;
     let is_same = |s: &RenderRequest| s.camera == *camera && s.settings == q.walk && !s.is_paused;
     // Pictures that are compared keep their size.
     let has_rested = || {
-        let is_compared = state.comparison.is_wanted();
-        session.moved.elapsed() >= MOTION_TIME && has_newest(state, services) && !is_compared
+        let is_compared = app.state.comparison.is_wanted();
+        app.session.moved.elapsed() >= MOTION_TIME && has_newest(app) && !is_compared
     };
-    let sent = session.sent.as_ref().filter(|s| may_be && is_same(s));
+    let sent = app.session.sent.as_ref().filter(|s| may_be && is_same(s));
     sent.is_some_and(|s| s.budget.is_none() || has_rested())
 }
 
 /// True where the newest request is shown and complete.
-fn has_newest(state: &AppState, services: &Services) -> bool {
-    let is_newest = |generation| generation == services.render.generation();
-    state.frame.as_ref().is_some_and(|f| is_newest(f.generation) && f.stats.is_complete)
+fn has_newest(app: &Parts) -> bool {
+    let is_newest = |generation| generation == app.services.render.generation();
+    app.state.frame.as_ref().is_some_and(|f| is_newest(f.generation) && f.stats.is_complete)
 }
 
 /// Returns what the renderer is doing.
-pub(super) fn current_work(state: &AppState, session: &Session, services: &Services) -> Work {
+pub(super) fn current_work(app: &Parts) -> Work {
     match () {
-        () if services.loading.is_some() => Work::Loading,
-        () if state.scene.is_none() => Work::NoScene,
-        () if state.options.is_paused => Work::Paused,
-        () if session.moved.elapsed() < MOTION_TIME && !state.navigation.shows_hint => Work::Moving,
-        () if services.edit.is_some() => Work::Editing,
-        () if !has_newest(state, services) => Work::Filling,
-        () if services.render.is_adding_reference() => Work::AddingReference,
-        () => match state.frame.as_ref().map(|f| f.stats.refined) {
+        () if app.services.loading.is_some() => Work::Loading,
+        () if app.state.scene.is_none() => Work::NoScene,
+        () if app.state.options.is_paused => Work::Paused,
+        () if app.session.moved.elapsed() < MOTION_TIME && app.state.navigation.has_moved => Work::Moving,
+        () if app.services.edit.is_some() => Work::Editing,
+        () if !has_newest(app) => Work::Filling,
+        () if app.services.render.is_adding_reference() => Work::AddingReference,
+        () => match app.state.frame.as_ref().map(|f| f.stats.refined) {
             Some(refined) if refined.of > 0 && refined.is_complete => Work::Converged,
             Some(refined) if refined.of > 0 => Work::Refining,
             _ => Work::Complete,

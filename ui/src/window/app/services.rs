@@ -1,13 +1,8 @@
 //! Threads, tasks and the graphics adapter.
 
 use crate::picture::restore::PictureView;
-use crate::window::export::destination::Destination;
-use crate::window::export::pictures::Exported;
-use crate::window::rendering::full_trace::FullTrace;
-use crate::window::rendering::plan::Plan;
-use crate::window::rendering::render_thread::RenderThread;
-use crate::window::rendering::scene_loading::Loading;
-use crate::window::rendering::task::{Task, TaskError, Wake, spawn_task};
+use crate::window::export::{Destination, Exported};
+use crate::window::rendering::{FullTrace, Loading, Plan, RenderThread, Task, TaskError, Wake, spawn_task};
 use crate::window::request::WindowRequest;
 use crate::window::state::{AppState, Pair, PictureError};
 use afterimage::Tracer;

@@ -1,9 +1,8 @@
 //! The open scene: everything about it that panels do not read.
 
-use crate::window::app::autosave::Autosave;
-use crate::window::app::session_file::SessionFile;
-use crate::window::input::walking::Obstacles;
-use crate::window::rendering::request::RenderRequest;
+use super::{Autosave, SessionFile};
+use crate::window::input::Obstacles;
+use crate::window::rendering::RenderRequest;
 use afterimage::scene::SceneEdit;
 use afterimage::{Camera, Tracer};
 use std::path::PathBuf;

@@ -2,8 +2,8 @@
 //! not know are kept when the session is saved again.
 
 use crate::cli::flags;
-use crate::window::input::playback::Playback;
-use crate::window::rendering::scene_loading::SceneSource;
+use crate::window::input::Playback;
+use crate::window::rendering::SceneSource;
 use crate::window::state::{AppState, SavedView};
 use afterimage::camera::CameraPath;
 use afterimage::{Camera, Mode};

@@ -1,61 +1,54 @@
 //! Applies commands: dispatches those of a part of the window to its handler, and handles the others.
 
+use super::{
+    AppEvent, Parts, Services, cancel_loading, forget_recent, handle_answer, handle_edit, handle_inspect,
+    handle_navigation, handle_picture, open_new, open_path, open_session, reload, save_session,
+};
 use crate::picture::pose_text::pose_flags;
 use crate::settings::{self, Theme};
-use crate::window::app::inspect::handle_inspect;
-use crate::window::app::navigation::handle_navigation;
-use crate::window::app::open_scene::{
-    cancel_loading, handle_answer, open_new, open_path, open_session, reload,
-};
-use crate::window::app::persistence::{forget_recent, save_session};
-use crate::window::app::pictures::handle_picture;
-use crate::window::app::scene_edits::handle_edit;
-use crate::window::app::services::{AppEvent, Services};
-use crate::window::app::session::Session;
-use crate::window::input::fly_camera::ViewChange;
-use crate::window::rendering::request::RenderCommand;
-use crate::window::rendering::task::{TaskError, spawn_task};
+use crate::window::input::ViewChange;
+use crate::window::rendering::{RenderCommand, TaskError, spawn_task};
 use crate::window::state::{AppState, Appearance, Command, Compare, FileCommand};
 use egui::ViewportCommand;
 
 /// Applies a command of a panel or a key.
-pub(super) fn apply(state: &mut AppState, session: &mut Session, services: &mut Services, command: Command) {
+pub(super) fn apply(app: &mut Parts, command: Command) {
     match command {
-        Command::Open(source) => open_new(state, session, services, source),
-        Command::OpenPath(path) => open_path(state, session, services, path),
-        Command::Browse => browse(services),
-        Command::CancelLoading => cancel_loading(session, services),
-        Command::Reload => reload(state, services),
-        Command::Navigate(command) => handle_navigation(state, services, command),
-        Command::Edit(command) => handle_edit(state, session, services, command),
-        Command::Inspect(command) => handle_inspect(state, services, command),
-        Command::Picture(command) => handle_picture(state, session, services, command),
-        Command::Files(command) => handle_files(state, session, services, command),
-        Command::Answer(answer) => handle_answer(state, session, services, answer),
-        Command::SetAppearance(appearance) => set_appearance(state, services, appearance),
+        Command::Open(source) => open_new(app, source),
+        Command::OpenPath(path) => open_path(app, path),
+        Command::Browse => browse(&mut app.services),
+        Command::CancelLoading => cancel_loading(app),
+        Command::Reload => reload(app),
+        Command::Navigate(command) => handle_navigation(&mut app.state, &mut app.services, command),
+        Command::Edit(command) => handle_edit(app, command),
+        Command::Inspect(command) => handle_inspect(&mut app.state, &app.services, command),
+        Command::Picture(command) => handle_picture(app, command),
+        Command::Files(command) => handle_files(app, command),
+        Command::Answer(answer) => handle_answer(app, answer),
+        Command::SetAppearance(appearance) => set_appearance(&mut app.state, &mut app.services, appearance),
         Command::AddReference => {
-            services.render.send(RenderCommand::AddReference(*state.navigation.fly.camera()));
+            app.services.render.send(RenderCommand::AddReference(*app.state.navigation.fly.camera()));
         }
         Command::Remove(id) => {
-            services.render.send(RenderCommand::Remove(id));
+            app.services.render.send(RenderCommand::Remove(id));
         }
         Command::Clear => {
-            state.dialogs.asks_to_clear = false;
-            services.render.send(RenderCommand::Clear);
+            app.state.dialogs.asks_to_clear = false;
+            app.services.render.send(RenderCommand::Clear);
         }
-        Command::Quit => services.ctx.send_viewport_cmd(ViewportCommand::Close),
-        Command::FullScreen => set_full_screen(services, !is_full_screen(services)),
-        Command::Escape => escape(state, services),
+        Command::Quit => app.services.ctx.send_viewport_cmd(ViewportCommand::Close),
+        Command::FullScreen => set_full_screen(&app.services, !is_full_screen(&app.services)),
+        Command::Escape => escape(&mut app.state, &app.services),
         Command::CopyPose => {
-            let flags = pose_flags(state.navigation.fly.camera());
-            state.info(format!("copied {flags}"));
-            services.ctx.copy_text(flags);
+            let flags = pose_flags(app.state.navigation.fly.camera());
+            app.state.info(format!("copied {flags}"));
+            app.services.ctx.copy_text(flags);
         }
-        Command::CopyText(text) => services.ctx.copy_text(text),
-        command => set(state, command),
+        Command::CopyText(text) => app.services.ctx.copy_text(text),
+        command => set(&mut app.state, command),
     }
     // The window shows the change, even if no event follows.
-    services.ctx.request_repaint();
+    app.services.ctx.request_repaint();
 }
 
 /// Applies a command that only changes the state.
@@ -83,21 +76,21 @@ fn set(state: &mut AppState, command: Command) {
     }
 }
 
-fn handle_files(state: &mut AppState, session: &mut Session, services: &mut Services, command: FileCommand) {
+fn handle_files(app: &mut Parts, command: FileCommand) {
     match command {
-        FileCommand::SaveSession => save_session(state, session, services),
+        FileCommand::SaveSession => save_session(app),
         FileCommand::Recover => {
-            if let Some(path) = state.files.recovery.take() {
-                open_session(state, session, services, path);
+            if let Some(path) = app.state.files.recovery.take() {
+                open_session(app, path);
             }
         }
         FileCommand::DiscardRecovery => {
-            if let Some(path) = state.files.recovery.take() {
+            if let Some(path) = app.state.files.recovery.take() {
                 // If this fails, the session is offered again with the next start.
                 let _ = std::fs::remove_file(path);
             }
         }
-        FileCommand::ForgetRecent => forget_recent(state, services),
+        FileCommand::ForgetRecent => forget_recent(app),
     }
 }
 

@@ -1,6 +1,6 @@
 //! Watching the files of a model.
 
-use crate::window::rendering::task::{Task, TaskError, Wake, spawn_task};
+use crate::window::rendering::{Task, TaskError, Wake, spawn_task};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 

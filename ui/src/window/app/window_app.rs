@@ -1,34 +1,22 @@
 //! The app of the window.
 
-use crate::window::app::canvas::Canvas;
-use crate::window::app::comparison::update_comparison;
-use crate::window::app::open_scene::{hold_close, open, open_session};
-use crate::window::app::persistence::{autosave, end_autosave, read_state_folder};
-use crate::window::app::poll::poll;
-use crate::window::app::render_request::{current_work, send_request};
-use crate::window::app::services::Services;
-use crate::window::app::session::{Arrival, MOTION_TIME, Session};
-use crate::window::app::session_file::is_session;
-use crate::window::app::update::{apply, show_appearance};
+use super::{
+    Arrival, Canvas, MOTION_TIME, Parts, Services, Session, apply, autosave, current_work, end_autosave,
+    hold_close, is_session, open, open_session, poll, read_state_folder, send_request, show_appearance,
+    update_comparison,
+};
 use crate::window::gpu::adapter;
-use crate::window::input::commands::key_commands;
-use crate::window::input::pointer::{Input, steer};
+use crate::window::input::{Input, key_commands, steer};
 use crate::window::panels;
-use crate::window::rendering::render_thread::RenderThread;
-use crate::window::rendering::scene_loading::SceneSource;
-use crate::window::rendering::task::Wake;
+use crate::window::rendering::{RenderThread, SceneSource, Wake};
 use crate::window::request::WindowRequest;
-use crate::window::state::{AppState, Command, Severity, Work};
-use afterimage::Camera;
-use glam::DVec3;
+use crate::window::state::{AppState, Command, Quality, Severity, Work};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 /// The app of the window: shows panels and frames, and applies commands.
 pub struct App {
-    state: AppState,
-    session: Session,
-    services: Services,
+    parts: Parts,
     input: Input,
 }
 
@@ -42,10 +30,13 @@ impl App {
         let ctx = cc.egui_ctx.clone();
         // Not request_repaint(), which paints two frames per call.
         let wake: Wake = Arc::new(move || ctx.request_repaint_after(Duration::from_millis(1)));
-        let mut state = AppState::new(launch.settings, Camera::look_at(DVec3::ZERO, DVec3::NEG_Z, 60.0));
-        state.quality.exposure_ev = launch.exposure_ev.unwrap_or(state.quality.exposure_ev);
-        state.quality.tone_map = launch.tone_map;
-        state.default_quality = state.quality;
+        let quality = Quality {
+            walk: launch.settings,
+            exposure_ev: launch.exposure_ev.unwrap_or_default(),
+            tone_map: launch.tone_map,
+            ..Quality::default()
+        };
+        let mut state = AppState { quality, default_quality: quality, ..AppState::default() };
         state.picture.settings = launch.picture.clone();
         state.files.settings_file.clone_from(&launch.settings_file);
         if let Some(folder) = &launch.state_folder {
@@ -65,8 +56,7 @@ impl App {
             fov_y_deg: launch.fov_y_deg,
             ..Arrival::default()
         };
-        let mut session = Session::new(arrival);
-        let mut services = Services {
+        let services = Services {
             render: RenderThread::start(threads, wake.clone())?,
             threads,
             launch,
@@ -85,36 +75,35 @@ impl App {
             tasks: Vec::new(),
         };
         show_appearance(&mut state, &services, services.launch.appearance);
-        match services.launch.scene.clone().unwrap_or_else(SceneSource::default_builtin) {
-            SceneSource::File { path, .. } if is_session(&path) => {
-                open_session(&mut state, &mut session, &mut services, path);
-            }
-            scene => open(&mut state, &mut services, scene),
+        let mut parts = Parts { state, session: Session::new(arrival), services };
+        match parts.services.launch.scene.clone().unwrap_or_else(SceneSource::default_builtin) {
+            SceneSource::File { path, .. } if is_session(&path) => open_session(&mut parts, path),
+            scene => open(&mut parts, scene),
         }
-        if services.loading.is_none() {
-            open(&mut state, &mut services, SceneSource::default_builtin());
+        if parts.services.loading.is_none() {
+            open(&mut parts, SceneSource::default_builtin());
         }
-        Ok(Self { state, session, services, input: Input::default() })
+        Ok(Self { parts, input: Input::default() })
     }
 
     /// Returns what the window shows.
     pub fn state(&self) -> &AppState {
-        &self.state
+        &self.parts.state
     }
 
     /// Returns the render thread.
     pub fn threads(&self) -> &RenderThread {
-        &self.services.render
+        &self.parts.services.render
     }
 
     /// Returns the scene that is being loaded, if any.
     pub fn loading(&self) -> Option<&SceneSource> {
-        self.services.loading.as_ref().map(|loading| &loading.source)
+        self.parts.services.loading.as_ref().map(|loading| &loading.source)
     }
 
     /// Shows menu, side panel and viewport; returns the viewport's response and canvas.
     fn show_panels(&mut self, ui: &mut egui::Ui, commands: &mut Vec<Command>) -> (egui::Response, Canvas) {
-        let state = &mut self.state;
+        let state = &mut self.parts.state;
         if state.options.shows_panels {
             let bare = egui::Frame::side_top_panel(ui.style()).fill(egui::Color32::TRANSPARENT);
             let menu = egui::Panel::top("menu").frame(bare);
@@ -127,7 +116,7 @@ impl App {
 
     /// Shows messages and dialogs over the viewport.
     fn show_dialogs(&self, ui: &egui::Ui, viewport: egui::Rect, commands: &mut Vec<Command>) {
-        let (state, ctx) = (&self.state, &self.services.ctx);
+        let (state, ctx) = (&self.parts.state, &self.parts.services.ctx);
         if ctx.input(|i| !i.raw.hovered_files.is_empty()) {
             panels::notices::drop_hint(ui, viewport);
         }
@@ -149,14 +138,14 @@ impl App {
 
     /// Asks for later updates: a word or a message may change without any event.
     fn request_updates(&mut self) {
-        let ctx = &self.services.ctx.clone();
-        if let Some(rest) = autosave(&self.state, &mut self.session, &mut self.services) {
+        let ctx = &self.parts.services.ctx.clone();
+        if let Some(rest) = autosave(&mut self.parts) {
             ctx.request_repaint_after(rest);
         }
-        if self.state.work == Work::Moving {
+        if self.parts.state.work == Work::Moving {
             ctx.request_repaint_after(MOTION_TIME);
         }
-        if self.state.notices.iter().any(|n| n.severity == Severity::Info) {
+        if self.parts.state.notices.iter().any(|n| n.severity == Severity::Info) {
             ctx.request_repaint_after(Duration::from_secs(1));
         }
     }
@@ -164,29 +153,33 @@ impl App {
 
 impl eframe::App for App {
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
-        poll(&mut self.state, &mut self.session, &mut self.services);
-        hold_close(&mut self.state, &mut self.session, &self.services);
-        self.state.note_window_secs(ui.ctx().input(|i| i.unstable_dt));
-        self.state.work = current_work(&self.state, &self.session, &self.services);
+        poll(&mut self.parts);
+        hold_close(&mut self.parts);
+        self.parts.state.note_window_secs(ui.ctx().input(|i| i.unstable_dt));
+        self.parts.state.work = current_work(&self.parts);
         let mut commands =
-            key_commands(&self.state, &mut self.input, self.session.obstacles.as_ref(), ui.ctx());
+            key_commands(&self.parts.state, &mut self.input, self.parts.session.obstacles.as_ref(), ui.ctx());
         let (response, canvas) = self.show_panels(ui, &mut commands);
-        panels::comparison::split_line(ui, response.rect, &self.state, &mut commands);
-        steer(&mut self.state, &mut self.input, self.session.obstacles.as_ref(), &response);
+        panels::comparison::split_line(ui, response.rect, &self.parts.state, &mut commands);
+        steer(&mut self.parts.state, &mut self.input, self.parts.session.obstacles.as_ref(), &response);
         self.show_dialogs(ui, response.rect, &mut commands);
         for command in commands {
-            apply(&mut self.state, &mut self.session, &mut self.services, command);
+            apply(&mut self.parts, command);
         }
-        update_comparison(&mut self.state, &self.session, &mut self.services);
-        canvas.draw(&self.state, self.services.graphics.is_some(), self.session.first_generation);
-        send_request(&mut self.state, &mut self.session, &self.services);
+        update_comparison(&mut self.parts);
+        canvas.draw(
+            &self.parts.state,
+            self.parts.services.graphics.is_some(),
+            self.parts.session.first_generation,
+        );
+        send_request(&mut self.parts);
         self.request_updates();
     }
 
     /// Returns the background of the panels. Clearing the window costs nothing, and a filled panel much on
     /// a software rasteriser: egui's shader divides 24 times per pixel.
     fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
-        let is_srgb = self.services.graphics.as_ref().is_some_and(|g| g.target_format.is_srgb());
+        let is_srgb = self.parts.services.graphics.as_ref().is_some_and(|g| g.target_format.is_srgb());
         match visuals.panel_fill {
             fill if is_srgb => egui::Rgba::from(fill).to_array(),
             fill => fill.to_normalized_gamma_f32(),
@@ -194,11 +187,11 @@ impl eframe::App for App {
     }
 
     fn on_exit(&mut self) {
-        self.services.loading = None;
-        if let Some(export) = self.services.export.take() {
+        self.parts.services.loading = None;
+        if let Some(export) = self.parts.services.export.take() {
             export.cancel_and_wait();
         }
-        end_autosave(&self.services);
-        self.services.render.stop();
+        end_autosave(&self.parts.services);
+        self.parts.services.render.stop();
     }
 }

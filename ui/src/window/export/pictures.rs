@@ -1,10 +1,9 @@
 //! Saving pictures and picture sequences in the background.
 
-use super::destination::Destination;
+use super::Destination;
 use crate::picture::sequence::Sequence;
 use crate::picture::{Output, PictureJob, Shows};
-use crate::window::rendering::pool::background_pool;
-use crate::window::rendering::task::{Task, TaskError, TaskHandle, Wake, spawn_task};
+use crate::window::rendering::{Task, TaskError, TaskHandle, Wake, background_pool, spawn_task};
 use afterimage::Tracer;
 use afterimage::raster::save::Target;
 use afterimage::reference::ReferenceFrame;

@@ -1,6 +1,6 @@
 //! Views of a surface or of the whole scene.
 
-use crate::window::input::walking::EYE_HEIGHT_M;
+use super::EYE_HEIGHT_M;
 use afterimage::Camera;
 use afterimage::trace::Probe;
 use glam::DVec3;

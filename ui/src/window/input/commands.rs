@@ -1,12 +1,9 @@
 //! Keys, the clipboard and dropped files as commands.
 
+use super::{Input, MoveMode, Obstacles, probe_at};
 use crate::window::gpu::presentation::{Coloring, Heatmap};
 use crate::window::input::aim;
-use crate::window::input::fly_camera::MoveMode;
-use crate::window::input::inspect::probe_at;
 use crate::window::input::keymap::{Action, Attention, Pressed};
-use crate::window::input::pointer::Input;
-use crate::window::input::walking::Obstacles;
 use crate::window::state::{
     AppState, Command, Compare, EditCommand, FileCommand, InspectCommand, NavigationCommand, Options,
     PictureCommand,

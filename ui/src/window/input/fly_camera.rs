@@ -1,7 +1,7 @@
 //! The camera of the window: flying and walking by keys, drags and the wheel. World metres, no
 //! roll.
 
-use crate::window::input::walking::{Obstacles, Walker};
+use super::{Obstacles, Walker};
 use afterimage::Camera;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -94,11 +94,11 @@ pub struct FlyCamera {
     is_settling: bool,
 }
 
-impl FlyCamera {
-    /// Starts at a pose, flying at the default speed.
-    pub fn new(camera: Camera) -> Self {
+impl Default for FlyCamera {
+    /// At the origin, looking along -Z with a field of view of 60 degrees, flying.
+    fn default() -> Self {
         Self {
-            camera,
+            camera: Camera::look_at(DVec3::ZERO, DVec3::NEG_Z, 60.0),
             speed_m_per_s: DEFAULT_SPEED,
             ease: None,
             view_change: ViewChange::default(),
@@ -107,7 +107,9 @@ impl FlyCamera {
             is_settling: false,
         }
     }
+}
 
+impl FlyCamera {
     /// Returns how it moves.
     pub fn move_mode(&self) -> MoveMode {
         self.move_mode
@@ -281,13 +283,9 @@ fn wrap(angle: f64) -> f64 {
 mod tests {
     use super::*;
 
-    fn at_origin() -> FlyCamera {
-        FlyCamera::new(Camera::look_at(DVec3::ZERO, DVec3::NEG_Z, 60.0))
-    }
-
     #[test]
     fn a_second_forward_is_the_speed_in_metres() {
-        let mut fly = at_origin();
+        let mut fly = FlyCamera::default();
         for _ in 0..10 {
             fly.advance(&Motion { forward: 1.0, factor: 1.0, ..Motion::default() }, 0.1, None);
         }
@@ -296,14 +294,14 @@ mod tests {
 
     #[test]
     fn diagonals_are_no_faster_and_a_hitch_does_not_fly_through_walls() {
-        let mut fly = at_origin();
+        let mut fly = FlyCamera::default();
         fly.advance(&Motion { forward: 1.0, right: 1.0, factor: 1.0, ..Motion::default() }, 100.0, None);
         assert!((fly.camera().eye.length() - DEFAULT_SPEED * LONGEST_STEP_SECS).abs() < 1e-9);
     }
 
     #[test]
     fn dragging_right_looks_right_and_down_looks_down_but_never_over() {
-        let mut fly = at_origin();
+        let mut fly = FlyCamera::default();
         fly.look([0.1, 0.1]);
         assert!(fly.camera().forward().x > 0.0 && fly.camera().forward().y < 0.0);
         fly.look([0.0, 100.0]);
@@ -312,7 +310,7 @@ mod tests {
 
     #[test]
     fn easing_arrives_exactly_and_goes_the_shorter_way() {
-        let mut fly = at_origin();
+        let mut fly = FlyCamera::default();
         fly.jump_to(Camera { yaw: 3.0, ..*fly.camera() });
         let target = Camera { yaw: -3.0, eye: DVec3::ONE, ..*fly.camera() };
         fly.ease_to(target);
@@ -325,7 +323,7 @@ mod tests {
 
     #[test]
     fn ones_own_motion_ends_an_eased_one() {
-        let mut fly = at_origin();
+        let mut fly = FlyCamera::default();
         fly.ease_to(Camera { eye: DVec3::splat(100.0), ..*fly.camera() });
         fly.look([0.1, 0.0]);
         fly.advance(&Motion::default(), 1.0, None);
@@ -334,7 +332,7 @@ mod tests {
 
     #[test]
     fn speed_and_field_of_view_stay_in_range() {
-        let mut fly = at_origin();
+        let mut fly = FlyCamera::default();
         fly.change_speed(1000.0);
         assert_eq!(fly.speed_m_per_s(), *SPEED_RANGE.end());
         fly.change_speed(-1000.0);
@@ -345,15 +343,15 @@ mod tests {
 
     #[test]
     fn the_wheel_moves_towards_the_cursor() {
-        let mut fly = at_origin();
+        let mut fly = FlyCamera::default();
         fly.dolly(fly.direction_through(1.0, 0.0, 2.0), 1.0, 1.0, None);
         assert!(fly.camera().eye.x > 0.0 && fly.camera().eye.z < 0.0);
     }
 
     #[test]
     fn small_changes_are_quick_large_ones_slower_and_none_is_eased_where_motion_is_unwanted() {
-        let mut fly = at_origin();
-        let secs = |to: Camera| ease_secs(&at_origin().camera, &to);
+        let mut fly = FlyCamera::default();
+        let secs = |to: Camera| ease_secs(&FlyCamera::default().camera, &to);
         assert_eq!(secs(*fly.camera()), EASE_SECS[0]);
         assert_eq!(secs(Camera { eye: DVec3::X * 1e3, ..*fly.camera() }), EASE_SECS[1]);
         assert!((EASE_SECS[0]..EASE_SECS[1]).contains(&secs(Camera { yaw: 1.0, ..*fly.camera() })));
@@ -365,7 +363,7 @@ mod tests {
 
     #[test]
     fn a_walker_who_looks_down_still_goes_ahead() {
-        let mut fly = at_origin();
+        let mut fly = FlyCamera::default();
         fly.set_move_mode(MoveMode::Walk);
         fly.look([0.0, 0.2]);
         fly.advance(&Motion { forward: 1.0, up: 1.0, factor: 1.0, ..Motion::default() }, 0.1, None);

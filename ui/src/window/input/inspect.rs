@@ -1,9 +1,9 @@
 //! The surface and the pixel at a point of the viewport. Points are given right and up from its centre, in
 //! -1..1.
 
+use super::Obstacles;
 use crate::window::gpu::projection::Projection;
-use crate::window::input::walking::Obstacles;
-use crate::window::rendering::exchange::{PublishedFrame, supplier_byte};
+use crate::window::rendering::{PublishedFrame, supplier_byte};
 use crate::window::state::{AppState, Inspection, PixelFacts, Snap};
 use afterimage::raster::pixel_types::PixelType;
 use afterimage::raster::rgb9e5;

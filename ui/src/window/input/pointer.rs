@@ -1,10 +1,8 @@
 //! Drags, clicks and the wheel over the viewport.
 
+use super::{Motion, Obstacles, SPEED_FACTOR, inspect, probe_at, snap_at};
 use crate::window::input::aim;
-use crate::window::input::fly_camera::{Motion, SPEED_FACTOR};
-use crate::window::input::inspect::{inspect, probe_at, snap_at};
 use crate::window::input::keymap::{Action, Keyboard};
-use crate::window::input::walking::Obstacles;
 use crate::window::state::AppState;
 use egui::{
     Context, CursorGrab, Event, MouseWheelUnit, PointerButton, Pos2, Response, Vec2, ViewportCommand,

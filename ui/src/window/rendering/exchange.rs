@@ -1,7 +1,7 @@
 //! Finished frames, passed from the render thread to the window without waiting or allocating.
 
+use super::locked;
 use crate::window::rendering::depth_ranges::DepthRanges;
-use crate::window::rendering::lock::locked;
 use afterimage::Camera;
 use afterimage::camera::SceneFrame;
 use afterimage::raster::color::metered_exposure_ev;

@@ -1,8 +1,6 @@
 //! The full tracer's picture of a view, traced in the background for the comparison.
 
-use crate::window::rendering::exchange::{Exchange, PublishedFrame};
-use crate::window::rendering::pool::background_pool;
-use crate::window::rendering::task::{Task, TaskError, TaskHandle, Wake, spawn_task};
+use super::{Exchange, PublishedFrame, Task, TaskError, TaskHandle, Wake, background_pool, spawn_task};
 use afterimage::reference::placement::{NONE, PlacementPolicy};
 use afterimage::{Camera, Mode, RenderSettings, Tracer, Walkthrough, WalkthroughSettings};
 use std::sync::Arc;

@@ -1,7 +1,6 @@
 //! The thread that traces references while frames are rendered.
 
-use crate::window::rendering::pool::background_pool;
-use crate::window::rendering::task::panic_text;
+use super::{background_pool, panic_text};
 use afterimage::ReferenceJob;
 use afterimage::reference::ReferenceFrame;
 use crossbeam_channel::{Receiver, Sender, unbounded};

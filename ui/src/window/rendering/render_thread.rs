@@ -4,14 +4,10 @@
 //! it was begun. One thread renders all frames in that order, so an older pose is never shown after a
 //! newer one.
 
-use crate::window::rendering::exchange::PublishedFrame;
-use crate::window::rendering::lock::locked;
-use crate::window::rendering::pool::background_pool;
-use crate::window::rendering::references;
-use crate::window::rendering::request::{Message, RenderCommand, RenderRequest};
-use crate::window::rendering::shared::Shared;
-use crate::window::rendering::task::Wake;
-use crate::window::rendering::worker::Worker;
+use super::{
+    Message, PublishedFrame, RenderCommand, RenderRequest, Shared, Wake, Worker, background_pool, locked,
+    references,
+};
 use crossbeam_channel::{Receiver, unbounded};
 use std::io;
 use std::sync::Arc;

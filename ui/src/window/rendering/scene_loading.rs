@@ -1,6 +1,6 @@
 //! Loading a scene off the window's thread: the one place that knows where scenes come from.
 
-use crate::window::rendering::task::{Progress, Task, TaskError, TaskHandle, Wake, spawn_task};
+use super::{Progress, Task, TaskError, TaskHandle, Wake, spawn_task};
 use afterimage::Tracer;
 use afterimage::import;
 use afterimage::import::{ImportOptions, Phase};

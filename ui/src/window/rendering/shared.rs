@@ -1,9 +1,6 @@
 //! State that the window shares with its render thread.
 
-use crate::window::rendering::exchange::Exchange;
-use crate::window::rendering::lock::locked;
-use crate::window::rendering::references::Outcome;
-use crate::window::rendering::request::{RenderCommand, RenderRequest};
+use super::{Exchange, Outcome, RenderCommand, RenderRequest, locked};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Condvar, Mutex};
 

@@ -1,6 +1,6 @@
 //! Background tasks: a thread with progress, cancellation and one result.
 
-use crate::window::rendering::lock::locked;
+use super::locked;
 use crossbeam_channel::{Receiver, bounded};
 use std::any::Any;
 use std::fmt::Display;

@@ -1,7 +1,6 @@
 //! Small pictures of views and references, traced one at a time while the renderer is idle.
 
-use crate::window::rendering::pool::background_pool;
-use crate::window::rendering::task::{Task, TaskError, TaskHandle, Wake, spawn_task, take_result};
+use super::{Task, TaskError, TaskHandle, Wake, background_pool, spawn_task, take_result};
 use afterimage::raster::color::{ToneMap, metered_exposure_ev, srgb8};
 use afterimage::trace::TraceSettings;
 use afterimage::{Camera, FrameRequest, Mode, RenderSettings, Renderer, Tracer};

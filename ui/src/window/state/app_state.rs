@@ -1,32 +1,19 @@
 //! Everything that panels read.
 
-use super::appearance::Appearance;
-use super::comparison::Comparison;
-use super::edits::Edits;
-use super::history::{self, Sample};
-use super::navigation::Navigation;
-use super::notices::{self, Notice, Severity};
-use super::options::Options;
-use super::picture::PictureState;
-use super::quality::Quality;
-use super::scene::SceneInfo;
-use super::selection::Selection;
-use super::sun::SunControls;
-use super::unsaved_changes::Leaving;
-use super::work::Work;
+use super::{
+    Appearance, Comparison, Edits, Leaving, Navigation, Notice, Options, PictureState, Quality, Sample,
+    SceneInfo, Selection, Severity, SunControls, Work,
+};
 use crate::window::gpu::presentation::{Overlay, Presentation};
-use crate::window::rendering::exchange::PublishedFrame;
-use crate::window::rendering::plan::{Plan, PlanView};
-use crate::window::rendering::scene_loading::SceneSource;
-use crate::window::rendering::task::Progress;
-use crate::window::rendering::thumbnails::Thumbnails;
-use afterimage::{Camera, WalkthroughSettings};
+use crate::window::rendering::{Plan, PlanView, Progress, PublishedFrame, SceneSource, Thumbnails};
+use crate::window::state::history::{self};
+use crate::window::state::notices::{self};
 use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Everything that is shown or saved: what panels read.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct AppState {
     /// Rendering settings, as the user set them.
     pub quality: Quality,
@@ -110,36 +97,6 @@ pub struct PlanState {
 }
 
 impl AppState {
-    /// The state before the first scene.
-    pub fn new(walk: WalkthroughSettings, camera: Camera) -> Self {
-        let quality = Quality::new(walk);
-        Self {
-            quality,
-            default_quality: quality,
-            options: Options::default(),
-            navigation: Navigation::new(camera),
-            scene: None,
-            loading: None,
-            frame: None,
-            work: Work::Loading,
-            history: VecDeque::new(),
-            notices: Vec::new(),
-            dialogs: Dialogs::default(),
-            viewport_size: [0, 0],
-            window_ms: 0.0,
-            software_adapter: None,
-            comparison: Comparison::default(),
-            edits: None,
-            sun: SunControls::default(),
-            selection: Selection::default(),
-            plan: PlanState::default(),
-            thumbnails: Thumbnails::default(),
-            picture: PictureState::default(),
-            appearance: Appearance::default(),
-            files: FileState::default(),
-        }
-    }
-
     /// Returns how the newest frame is drawn.
     pub fn presentation(&self) -> Presentation {
         Presentation {

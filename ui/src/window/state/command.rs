@@ -1,17 +1,10 @@
 //! Commands: panels and keys return them, and the handlers in `app` apply them.
 
-use super::appearance::Appearance;
-use super::comparison::Compare;
-use super::edits::Change;
-use super::options::Options;
-use super::picture::PictureCommand;
-use super::quality::Quality;
-use super::sun::SunControls;
-use super::unsaved_changes::Answer;
-use crate::window::input::fly_camera::MoveMode;
-use crate::window::input::playback::Playback;
-use crate::window::rendering::plan::PlanView;
-use crate::window::rendering::scene_loading::SceneSource;
+#![allow(missing_docs, reason = "each name describes its command")]
+
+use super::{Answer, Appearance, Change, Compare, Options, PictureCommand, Quality, SunControls};
+use crate::window::input::{MoveMode, Playback};
+use crate::window::rendering::{PlanView, SceneSource};
 use afterimage::Camera;
 use afterimage::reference::ReferenceId;
 use afterimage::scene::MaterialId;
@@ -19,7 +12,6 @@ use std::path::PathBuf;
 
 /// A command of a panel or a key.
 #[derive(Clone, Debug)]
-#[allow(missing_docs, reason = "each name describes its command")]
 pub enum Command {
     Open(SceneSource),
     OpenPath(PathBuf),
@@ -59,7 +51,6 @@ pub enum Command {
 
 /// A command about views, camera paths and the way the camera moves.
 #[derive(Clone, Debug)]
-#[allow(missing_docs, reason = "each name describes its command")]
 pub enum NavigationCommand {
     GoToView(usize),
     GoToKey(u8),
@@ -80,7 +71,6 @@ pub enum NavigationCommand {
 
 /// A command about the scene's materials and daylight.
 #[derive(Clone, Debug)]
-#[allow(missing_docs, reason = "each name describes its command")]
 pub enum EditCommand {
     Change(Change),
     SetSun(SunControls),
@@ -91,7 +81,6 @@ pub enum EditCommand {
 
 /// A command about the selected pixel, distance, material or reference.
 #[derive(Clone, Debug)]
-#[allow(missing_docs, reason = "each name describes its command")]
 pub enum InspectCommand {
     CloseInspector,
     SelectMaterial(MaterialId),
@@ -107,7 +96,6 @@ pub enum InspectCommand {
 
 /// A command about sessions and recent files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(missing_docs, reason = "each name describes its command")]
 pub enum FileCommand {
     SaveSession,
     Recover,

@@ -1,7 +1,7 @@
 //! The comparison of the shown picture with the full tracer's.
 
-use super::quality::Quality;
-use crate::window::rendering::exchange::PublishedFrame;
+use super::Quality;
+use crate::window::rendering::PublishedFrame;
 use afterimage::raster::color::srgb8;
 use afterimage::raster::metrics::{CompareError, error_picture, flip_map, psnr_db};
 use afterimage::raster::rgb9e5;
@@ -93,12 +93,11 @@ pub fn difference(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use afterimage::WalkthroughSettings;
     use afterimage::raster::metrics::PSNR_OF_EQUALS_DB;
 
     #[test]
     fn equal_pictures_do_not_differ_and_a_spot_is_found() {
-        let quality = Quality::new(WalkthroughSettings::default());
+        let quality = Quality::default();
         let mut picture = vec![rgb9e5::pack(Vec3::splat(0.3)); 32 * 32];
         let full = picture.clone();
         let (error, map) = difference(&picture, &full, [32, 32], &quality).unwrap();

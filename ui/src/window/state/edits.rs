@@ -1,6 +1,6 @@
 //! Edits of the scene since it was opened, with undo and redo.
 
-use super::scene::SavedView;
+use super::SavedView;
 use afterimage::scene::{Daylight, Material, MaterialId, SceneEdit};
 use std::time::{Duration, Instant};
 

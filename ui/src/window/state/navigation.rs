@@ -1,11 +1,9 @@
 //! Where the user is, and how he moves.
 
-use crate::window::input::fly_camera::FlyCamera;
-use crate::window::input::playback::{Playback, Recording};
-use afterimage::Camera;
+use crate::window::input::{FlyCamera, Playback, Recording};
 
 /// The camera, the saved view it was last at, and the camera path.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Navigation {
     /// The camera.
     pub fly: FlyCamera,
@@ -17,20 +15,6 @@ pub struct Navigation {
     pub recording: Option<Recording>,
     /// The saved view that is being renamed: its index, and the text typed so far.
     pub renaming: Option<(usize, String)>,
-    /// True until the user moves for the first time: the viewport shows how.
-    pub shows_hint: bool,
-}
-
-impl Navigation {
-    /// At a pose, with no camera path.
-    pub fn new(camera: Camera) -> Self {
-        Self {
-            fly: FlyCamera::new(camera),
-            view_index: 0,
-            playback: Playback::default(),
-            recording: None,
-            renaming: None,
-            shows_hint: true,
-        }
-    }
+    /// False until the user moves for the first time: the viewport shows how.
+    pub has_moved: bool,
 }

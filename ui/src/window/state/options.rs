@@ -1,7 +1,7 @@
 //! Switches of the window.
 
 use crate::window::gpu::presentation::{Coloring, Heatmap};
-use crate::window::input::fly_camera::ViewChange;
+use crate::window::input::ViewChange;
 
 /// Switches of the window.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,6 +1,6 @@
 //! Settings and progress of saved pictures.
 
-use crate::window::rendering::task::Progress;
+use crate::window::rendering::Progress;
 use afterimage::Mode;
 use afterimage::render::bands::Background;
 use std::path::PathBuf;

@@ -22,10 +22,9 @@ pub struct Quality {
     pub tone_map: ToneMap,
 }
 
-impl Quality {
-    /// The window's defaults with the settings of a walkthrough.
-    pub fn new(walk: WalkthroughSettings) -> Self {
-        let tone_map = ToneMap::default();
+impl Default for Quality {
+    fn default() -> Self {
+        let (walk, tone_map) = (WalkthroughSettings::default(), ToneMap::default());
         Self { walk, render_scale: 0.5, budget_ms: 100.0, exposure_ev: 0.0, tone_map }
     }
 }

@@ -1,6 +1,6 @@
 //! The scene, as panels show it.
 
-use crate::window::rendering::scene_loading::SceneSource;
+use crate::window::rendering::SceneSource;
 use afterimage::scene::{Scene, SceneFeatures, Warning};
 use afterimage::{Camera, Tracer};
 

@@ -1,6 +1,6 @@
 //! Actions that wait for an answer, because they would lose unsaved changes.
 
-use crate::window::rendering::scene_loading::SceneSource;
+use crate::window::rendering::SceneSource;
 use afterimage::Tracer;
 use std::sync::Arc;
 

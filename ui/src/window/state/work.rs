@@ -1,11 +1,12 @@
 //! What the renderer is doing, in words.
 
-use crate::window::rendering::exchange::PublishedFrame;
+use crate::window::rendering::PublishedFrame;
 
 /// What the renderer is doing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[allow(missing_docs, reason = "word() describes each")]
 pub enum Work {
+    #[default]
     Loading,
     NoScene,
     Paused,

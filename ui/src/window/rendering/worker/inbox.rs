@@ -1,9 +1,8 @@
 //! Waiting for requests and commands, and applying them.
 
+use super::super::{Message, RenderCommand, locked};
 use super::owner::{Worker, asks_for_pixels};
 use crate::picture::memory;
-use crate::window::rendering::lock::locked;
-use crate::window::rendering::request::{Message, RenderCommand};
 use afterimage::Walkthrough;
 use std::sync::PoisonError;
 use std::sync::atomic::Ordering;

@@ -1,9 +1,6 @@
 //! Everything that the render thread owns.
 
-use crate::window::rendering::references::Job;
-use crate::window::rendering::request::{Message, RenderRequest};
-use crate::window::rendering::shared::Shared;
-use crate::window::rendering::task::Wake;
+use super::super::{Job, Message, RenderRequest, Shared, Wake};
 use afterimage::reference::ReferenceId;
 use afterimage::{Camera, Walkthrough};
 use crossbeam_channel::Sender;

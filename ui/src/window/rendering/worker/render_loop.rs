@@ -1,9 +1,7 @@
 //! Frames: rendered, resumed, refined and shown.
 
+use super::super::{Message, PublishedFrame, panic_text};
 use super::owner::Worker;
-use crate::window::rendering::exchange::PublishedFrame;
-use crate::window::rendering::request::Message;
-use crate::window::rendering::task::panic_text;
 use afterimage::Walkthrough;
 use afterimage::trace::parallel::Stop;
 use std::panic::{AssertUnwindSafe, catch_unwind};
