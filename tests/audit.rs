@@ -2,16 +2,13 @@
 //! estimate contains the true error.
 
 use crate::rooms::{cuboid, dvec, quad, room_camera, room_tracer};
-use afterimage::raster::load::display_of;
-use afterimage::raster::metrics::psnr_db;
 use afterimage::reference::{ReferenceCache, ReferenceFrame};
 use afterimage::render::audit::{Audited, Auditor};
 use afterimage::render::{AuditEstimate, render_antialiased};
 use afterimage::scene::{Material, SceneBuilder};
-use afterimage::trace::TraceSettings;
-use afterimage::trace::parallel::NEVER;
 use afterimage::{
     Camera, FrameRequest, Mode, RenderSettings, Renderer, Tracer, Walkthrough, WalkthroughSettings,
+    raster::load::display_of, raster::metrics::psnr_db, trace::TraceSettings, trace::parallel::NEVER,
 };
 use glam::{DVec3, Vec3};
 use std::sync::Arc;

@@ -3,15 +3,14 @@
 
 use crate::rooms::{room_camera, room_tracer};
 use afterimage::raster::load::{Picture, read_notes};
-use afterimage::raster::save::Target;
-use afterimage::raster::save::{Channel, ChannelValues, encode_png};
+use afterimage::raster::save::{Channel, ChannelValues, Target, encode_png};
 use afterimage::raster::stream::{Contents, PictureFile, Rows};
 use afterimage::render::aov::{Aov, display_rows_alpha};
 use afterimage::render::bands::{Background, Band, BandedPicture};
-use afterimage::render::render_antialiased;
-use afterimage::trace::parallel::NEVER;
 use afterimage::trace::{RayCounts, TraceSettings, Tracer};
-use afterimage::{Camera, FrameRequest, Mode, RenderSettings};
+use afterimage::{
+    Camera, FrameRequest, Mode, RenderSettings, render::render_antialiased, trace::parallel::NEVER,
+};
 use glam::{DVec3, Vec3};
 use std::sync::atomic::{AtomicU64, Ordering};
 

@@ -2,14 +2,15 @@
 //! pixels first.
 
 use crate::rooms::{room_camera, room_tracer};
-use afterimage::reference::PlacementPolicy;
-use afterimage::reference::placement::NONE;
-use afterimage::trace::TraceSettings;
-use afterimage::trace::parallel::NEVER;
-use afterimage::{Camera, Mode, RenderSettings, Tracer, Walkthrough, WalkthroughSettings};
+use afterimage::{
+    Camera, Mode, RenderSettings, Tracer, Walkthrough, WalkthroughSettings, reference::PlacementPolicy,
+    reference::placement::NONE, trace::TraceSettings, trace::parallel::NEVER,
+};
 use glam::Vec3;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::{
+    sync::Arc,
+    sync::atomic::{AtomicUsize, Ordering},
+};
 
 const SIZE: [u32; 2] = [45, 27];
 const MODES: [Mode; 4] = [Mode::Full, Mode::Paper, Mode::Fast, Mode::Exact];

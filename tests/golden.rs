@@ -1,10 +1,10 @@
 //! A small golden file: the type of every pixel of a known view.
 
 use crate::rooms::{room_camera, room_tracer};
-use afterimage::reference::ReferenceFrame;
-use afterimage::trace::TraceSettings;
-use afterimage::trace::parallel::NEVER;
-use afterimage::{Camera, FrameRequest, Mode, RenderSettings, Renderer};
+use afterimage::{
+    Camera, FrameRequest, Mode, RenderSettings, Renderer, reference::ReferenceFrame, trace::TraceSettings,
+    trace::parallel::NEVER,
+};
 use std::path::Path;
 
 /// After a change that is meant to change pixels, run with `AFTERIMAGE_BLESS=1`, inspect the

@@ -1,22 +1,16 @@
 //! Mode `exact`: a pixel shows the surface that its primary ray meets, in light traced there.
 
 use crate::rooms::{cuboid, dvec, leafy_scene, quad, room_camera, room_tracer};
-use afterimage::camera::View;
 use afterimage::import::{ImportOptions, load};
-use afterimage::lookup::LookupSet;
-use afterimage::raster::pixel_types::PixelType;
-use afterimage::reference::placement::THRESHOLD;
 use afterimage::reference::{PlacementPolicy, ReferenceCache, ReferenceFrame};
 use afterimage::scene::{Material, Scene, SceneBuilder, Sky, builtin};
-use afterimage::trace::TraceSettings;
-use afterimage::trace::parallel::NEVER;
-use afterimage::warp::ReferenceSelector;
 use afterimage::{
     Camera, FrameRequest, Mode, RenderSettings, Renderer, Tracer, Walkthrough, WalkthroughSettings,
+    camera::View, lookup::LookupSet, raster::pixel_types::PixelType, reference::placement::THRESHOLD,
+    trace::TraceSettings, trace::parallel::NEVER, warp::ReferenceSelector,
 };
 use glam::{DVec3, Vec3};
-use std::path::Path;
-use std::sync::Arc;
+use std::{path::Path, sync::Arc};
 
 const SIZE: [u32; 2] = [77, 50];
 const TRACE: TraceSettings = TraceSettings { samples: 2, bounces: 0, seed: 3 };

@@ -1,18 +1,17 @@
 //! Refinement of a stationary camera's picture: the same bits however it was interrupted.
 
 use crate::rooms::{room_camera, room_tracer};
-use afterimage::math::key::Key;
-use afterimage::reference::PlacementPolicy;
-use afterimage::reference::placement::NONE;
 use afterimage::render::{CONVERGED_PASSES as PASSES, render_antialiased};
-use afterimage::trace::TraceSettings;
 use afterimage::trace::parallel::{NEVER, Stop};
 use afterimage::{
     Camera, Frame, FrameRequest, Mode, RenderSettings, Renderer, Tracer, Walkthrough, WalkthroughSettings,
+    math::key::Key, reference::PlacementPolicy, reference::placement::NONE, trace::TraceSettings,
 };
 use glam::Vec3;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::{
+    sync::Arc,
+    sync::atomic::{AtomicUsize, Ordering},
+};
 
 /// Neither side is a multiple of a tile's.
 const SIZE: [u32; 2] = [45, 27];

@@ -1,16 +1,13 @@
 //! The paper's steps: identities, a simple twin of the warp, and what must never happen.
 
 use crate::rooms::{dvec, room_camera, room_tracer};
-use afterimage::camera::PixelWarp;
-use afterimage::raster::pixel_types::PixelType;
 use afterimage::reference::placement::{PREDICTIVE, THRESHOLD};
 use afterimage::reference::{PlacementPolicy, ReferenceCache, ReferenceFrame};
-use afterimage::trace::TraceSettings;
-use afterimage::trace::parallel::NEVER;
 use afterimage::warp::{ReferenceSelector, WarpBuffer};
 use afterimage::{
     Camera, Frame, FrameRequest, Mode, RenderSettings, Renderer, Tracer, View, Walkthrough,
-    WalkthroughSettings,
+    WalkthroughSettings, camera::PixelWarp, raster::pixel_types::PixelType, trace::TraceSettings,
+    trace::parallel::NEVER,
 };
 use glam::Vec3;
 use std::sync::Arc;

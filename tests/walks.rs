@@ -1,16 +1,13 @@
 //! Whole scenes, rendered along walks: our own, imported from a file, and third-party scenes where
 //! they are present.
 
-use afterimage::camera::CameraPath;
 use afterimage::import::{ImportOptions, load};
-use afterimage::reference::ReferenceFrame;
-use afterimage::trace::TraceSettings;
-use afterimage::trace::parallel::NEVER;
-use afterimage::{FrameRequest, Mode, RenderSettings, Renderer, Tracer};
-use std::collections::BTreeMap;
+use afterimage::{
+    FrameRequest, Mode, RenderSettings, Renderer, Tracer, camera::CameraPath, reference::ReferenceFrame,
+    trace::TraceSettings, trace::parallel::NEVER,
+};
 use std::io::Write as _;
-use std::path::Path;
-use std::sync::Arc;
+use std::{collections::BTreeMap, path::Path, sync::Arc};
 
 const SIZE: [u32; 2] = [64, 36];
 const TRACE: TraceSettings = TraceSettings { samples: 1, bounces: 1, seed: 0 };

@@ -6,7 +6,7 @@
 
 use afterimage::raster::color::ToneMap;
 use afterimage::raster::save::save_png;
-use afterimage::render::aov::display_picture;
+use afterimage::render::aov::display_rows;
 use afterimage::scene::builtin;
 use afterimage::trace::parallel::NEVER;
 use afterimage::{Tracer, Walkthrough, WalkthroughSettings};
@@ -34,7 +34,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let frame = walk.render(&camera, size, NEVER);
 
     // Radiance is linear and unbounded. Exposure (stops) and tone map make it 8-bit sRGB.
-    let picture = display_picture(frame, 0.0, ToneMap::Aces);
+    let picture = display_rows(&frame.radiance, 0.0, ToneMap::Aces);
     save_png(&file, size, &picture, &[("Software", "Afterimage".to_owned())])?;
     println!("{}: {:.2} s, {} rays", file.display(), frame.stats.secs.frame, frame.stats.rays.total());
     Ok(())

@@ -4,8 +4,7 @@
 use super::policy::{BAD_GUESS, HYSTERESIS, LookupQuality, MAX_POINTS_PER_PIXEL};
 use super::{LookupSet, PointCache, SurfaceKey, TracedPoint};
 use crate::camera::View;
-use crate::math::Ray;
-use crate::math::key::Key;
+use crate::math::{Ray, key::Key};
 use crate::trace::{Hit, PixelTrace, RayCounts, SurfacePoint, TraceSettings, Tracer};
 use glam::Vec3;
 use std::ops::AddAssign;
@@ -128,11 +127,10 @@ impl PixelResolver<'_> {
         if point.albedo(self.tracer.scene()) == Vec3::ZERO {
             return self.cached_or_traced(point, end, tally);
         }
-        let SurfaceKey { position, normal, footprint } = self.surface_key(point, end);
-        let found = if self.quality.checks_guesses {
-            self.lookup.light_at(position, normal, point.triangle, footprint)
-        } else {
-            self.lookup.unchecked_light_at(position, normal, point.triangle)
+        let key = self.surface_key(point, end);
+        let found = match self.quality.checks_guesses {
+            true => self.lookup.light_at(&key, point.triangle),
+            false => self.lookup.unchecked_light_at(&key, point.triangle),
         };
         match found {
             Some(found) if found.is_guess => {

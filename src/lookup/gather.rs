@@ -5,9 +5,11 @@
 //! on a pixel's surface is decided in disparity, which is linear in picture coordinates over a
 //! plane.
 
-use super::point::LookupReference;
 use super::policy::{DEPTH_ROUNDING, EDGE_GAP, MAX_MAGNIFICATION, MIN_WEIGHT, PLANE_TOLERANCE};
-use super::tile::{TileLight, TilePoints};
+use super::{
+    point::LookupReference,
+    tile::{TileLight, TilePoints},
+};
 use crate::camera::{NEAREST_DEPTH, PixelWarp};
 use crate::reference::light::UNLIT;
 use crate::trace::{TILE_RAYS, TILE_SIDE};

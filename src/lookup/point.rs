@@ -6,6 +6,7 @@
 //! We differ: several references are averaged, finer ones with larger weights, and only the
 //! arriving light is reused, not the reflected radiance.
 
+use super::point_cache::SurfaceKey;
 use super::policy::{
     DEPTH_ROUNDING, EDGE_GAP, MAX_AVERAGED_REFERENCES, MAX_FOUND, MAX_JUMP, MAX_LOSS, MAX_NOISE_SPREAD,
     MIN_COVERAGE, MIN_WEIGHT, PLANE_TOLERANCE,
@@ -14,8 +15,7 @@ use crate::camera::NEAREST_DEPTH;
 use crate::math::whole::floor;
 use crate::raster::rgb9e5::Rgb9e5Scale;
 use crate::reference::directory::{Directory, MAX_SLOTS, PackedNormal, SlotMask};
-use crate::reference::light::UNLIT;
-use crate::reference::{CachedReference, ReferenceCache, ReferenceFrame, ReferenceSnapshot};
+use crate::reference::{CachedReference, ReferenceCache, ReferenceFrame, ReferenceSnapshot, light::UNLIT};
 use crate::trace::SceneEpoch;
 use arrayvec::ArrayVec;
 use glam::{Mat3, Vec3};
@@ -227,33 +227,21 @@ impl<'a> LookupSet<'a> {
         self.usable == 0
     }
 
-    /// The light arriving at a point in scene space whose unit normal points to the side that is
-    /// viewed: the mean over references that see the point, weighted by the square of their sample
-    /// density. Three references are averaged, and more while none is as fine as `footprint`, the
-    /// distance between neighbouring points of the picture. `None` where no reference sees it.
-    pub fn light_at(
-        &self,
-        position: Vec3,
-        normal: Vec3,
-        triangle: u32,
-        footprint: f32,
-    ) -> Option<FoundLight> {
-        self.find::<true>(position, normal, triangle, footprint)
+    /// The light arriving at a point of a triangle: the mean over references that see the point,
+    /// weighted by the square of their sample density. Three references are averaged, and more
+    /// while none is as fine as the point's footprint. `None` where no reference sees it.
+    pub fn light_at(&self, point: &SurfaceKey, triangle: u32) -> Option<FoundLight> {
+        self.find::<true>(point, triangle)
     }
 
     /// The light as [`Self::light_at`] finds it in three references at most, never marked a guess.
-    pub fn unchecked_light_at(&self, position: Vec3, normal: Vec3, triangle: u32) -> Option<FoundLight> {
-        self.find::<false>(position, normal, triangle, f32::INFINITY)
+    pub fn unchecked_light_at(&self, point: &SurfaceKey, triangle: u32) -> Option<FoundLight> {
+        self.find::<false>(point, triangle)
     }
 
     #[inline]
-    fn find<const CHECKS: bool>(
-        &self,
-        position: Vec3,
-        normal: Vec3,
-        triangle: u32,
-        footprint: f32,
-    ) -> Option<FoundLight> {
+    fn find<const CHECKS: bool>(&self, point: &SurfaceKey, triangle: u32) -> Option<FoundLight> {
+        let SurfaceKey { position, normal, footprint } = *point;
         let mut mask = self.directory.mask(self.directory.cell_of(position)) & self.usable;
         let (mut sum, mut total, mut found) = (Vec3::ZERO, 0.0, 0);
         let (mut coverage, mut jump, mut loss) = (0.0f32, 0.0f32, f32::INFINITY);

@@ -11,8 +11,7 @@
 use super::policy::{
     BLOCK, BLOCK_BUCKETS, BORDER, BUCKETS, CELL_EDGE, LEVELS, LEVELS_READ, PLANE_SHARE, WAYS,
 };
-use crate::math::key::Key;
-use crate::math::whole::floor;
+use crate::math::{key::Key, whole::floor};
 use crate::reference::directory::PackedNormal;
 use crate::trace::SceneEpoch;
 use glam::Vec3;

@@ -3,12 +3,10 @@
 //! Light is resampled once, when a frame looks it up: a sparse reference copies none from others.
 
 use super::policy::{ESTIMATE_STEP, MAX_SMOOTHED};
-use super::tile::inside_mask;
-use super::{LookupSet, TileLight, TileSurfaces, ViewLookup, pixels_of_tile};
+use super::{LookupSet, TileLight, TileSurfaces, ViewLookup, pixels_of_tile, tile::inside_mask};
 use crate::camera::{Camera, View};
 use crate::math::key::Key;
-use crate::reference::ReferenceFrame;
-use crate::reference::placement::OpenSpot;
+use crate::reference::{ReferenceFrame, placement::OpenSpot};
 use crate::trace::parallel::{Stop, trace_pixels};
 use crate::trace::{NO_TRIANGLE, TILE_RAYS, TILE_SIDE, TraceSettings, Tracer};
 use glam::{Vec2, Vec3};

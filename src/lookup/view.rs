@@ -1,10 +1,13 @@
 //! The look-up for the pixels of one view, tile by tile: chooses the references that are best for a
 //! tile, and gathers their light.
 
-use super::gather::ReferenceProjection;
 use super::point::{FoundLight, LookupReference, LookupSet};
-use super::policy::{MAX_AVERAGED_BEST, MAX_ROUNDS};
+use super::point_cache::SurfaceKey;
 use super::tile::{Choice, ROWS_LOOKED_UP, TileLight, TilePoints};
+use super::{
+    gather::ReferenceProjection,
+    policy::{MAX_AVERAGED_BEST, MAX_ROUNDS},
+};
 use crate::camera::{PixelWarp, View};
 use crate::math::simd;
 use crate::reference::directory::{ALIKE_COSINE, MAX_SLOTS, SlotMask};
@@ -104,12 +107,12 @@ impl<'a> ViewLookup<'a> {
         while open != 0 {
             let pixel = open.trailing_zeros() as usize;
             open &= open - 1;
-            if let Some(FoundLight { light, .. }) = self.set.light_at(
-                self.position(points, pixel),
-                points.normal_at(pixel),
-                points.triangle[pixel],
-                self.view.scene_from_pixel.x_axis.length() / points.disparity[pixel],
-            ) {
+            let key = SurfaceKey {
+                position: self.position(points, pixel),
+                normal: points.normal_at(pixel),
+                footprint: self.view.scene_from_pixel.x_axis.length() / points.disparity[pixel],
+            };
+            if let Some(FoundLight { light, .. }) = self.set.light_at(&key, points.triangle[pixel]) {
                 (found.light[0][pixel], found.light[1][pixel], found.light[2][pixel]) = light.into();
                 found.known |= 1 << pixel;
             }

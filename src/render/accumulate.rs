@@ -7,22 +7,25 @@
 //! the settings, so after one pass the picture is that of mode `full`. Each pixel sums its passes
 //! in order, so the bits depend neither on threads nor on when the work was interrupted.
 
-use super::frame::{Frame, RefineState};
-use super::request::FrameRequest;
-use super::worklist::dispersed_pass;
+use super::{
+    frame::{Frame, RefineState},
+    request::FrameRequest,
+    worklist::dispersed_pass,
+};
 use crate::camera::{Camera, View};
 use crate::lookup::pixels_of_tile;
-use crate::raster::fill::fill_unknown;
-use crate::raster::pixel_types::TypeCounts;
-use crate::trace::parallel::Stop;
+use crate::raster::{fill::fill_unknown, pixel_types::TypeCounts};
 use crate::trace::{
     NO_TRIANGLE, PixelTrace, RayCounts, SceneEpoch, TILE_RAYS, TILE_SIDE, TraceSettings, Tracer,
+    parallel::Stop,
 };
 use glam::Vec3;
 use rayon::prelude::*;
-use std::ops::Range;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
+use std::{
+    ops::Range,
+    sync::atomic::{AtomicBool, Ordering},
+    time::Instant,
+};
 
 /// Passes until a picture counts as converged: sixteen points show an edge in sixteen steps.
 pub const CONVERGED_PASSES: u32 = 16;
@@ -167,18 +170,13 @@ pub(super) struct Accumulation {
 }
 
 impl Accumulation {
-    pub(super) fn new(
-        tracer: &Tracer,
-        camera: &Camera,
-        size: [u32; 2],
-        trace: &TraceSettings,
-        passes: u32,
-    ) -> Self {
+    pub(super) fn new(request: &FrameRequest<'_>, passes: u32) -> Self {
+        let FrameRequest { tracer, camera, size, settings, .. } = *request;
         Self {
             camera: *camera,
             view: View::new(camera, &tracer.scene().frame, size),
             epoch: tracer.epoch(),
-            trace: *trace,
+            trace: settings.trace,
             passes,
             pass: 0,
             tiles: dispersed_tiles(size),
@@ -186,16 +184,11 @@ impl Accumulation {
         }
     }
 
-    /// True where this is the picture of a pose.
-    pub(super) fn is_of(
-        &self,
-        tracer: &Tracer,
-        camera: &Camera,
-        size: [u32; 2],
-        trace: &TraceSettings,
-    ) -> bool {
-        let same_scene = self.epoch == tracer.epoch();
-        same_scene && self.camera == *camera && self.view.size == size && self.trace == *trace
+    /// True where this is the picture of a request.
+    pub(super) fn is_of(&self, request: &FrameRequest<'_>) -> bool {
+        let FrameRequest { tracer, camera, size, settings, .. } = *request;
+        let is_same_scene = self.epoch == tracer.epoch();
+        is_same_scene && self.camera == *camera && self.view.size == size && self.trace == settings.trace
     }
 
     pub(super) fn state(&self) -> RefineState {
@@ -299,16 +292,15 @@ fn greatest_common_divisor(a: u32, b: u32) -> u32 {
 /// `full`. References are ignored. Pixels that a stop left undone show those around them, and the
 /// frame is not marked complete.
 pub fn render_antialiased(request: &FrameRequest<'_>, passes: u32) -> Frame {
-    let FrameRequest { tracer, camera, size, settings, stop, .. } = *request;
     let start = Instant::now();
-    let mut accumulation = Accumulation::new(tracer, camera, size, &settings.trace, passes.max(1));
-    accumulation.run(tracer, stop);
+    let mut accumulation = Accumulation::new(request, passes.max(1));
+    accumulation.run(request.tracer, request.stop);
     let mut frame = Frame::default();
-    frame.reset(camera, &accumulation.view);
+    frame.reset(request.camera, &accumulation.view);
     accumulation.write_to(&mut frame);
     if accumulation.pass == 0 {
         let known = accumulation.known_pixels();
-        fill_unknown(&mut frame.radiance, &known, size[0] as usize, &mut Vec::new());
+        fill_unknown(&mut frame.radiance, &known, request.size[0] as usize, &mut Vec::new());
     }
     frame.stats.types = TypeCounts::of(&frame.types);
     frame.stats.rays = accumulation.rays;

@@ -1,12 +1,12 @@
 //! Data of a finished frame's pixels, as channels of a file and as pictures.
 
 use super::bands::Band;
-use super::frame::Frame;
-use crate::raster::color::{ToneMap, srgb8};
-use crate::raster::pixel_types::{NO_SUPPLIER, PixelType};
-use crate::raster::save::Channel;
-use crate::trace::NO_TRIANGLE;
-use crate::trace::{SurfacePoint, Tracer};
+use crate::raster::{
+    color::{ToneMap, srgb8},
+    pixel_types::{NO_SUPPLIER, PixelType},
+    save::Channel,
+};
+use crate::trace::{NO_TRIANGLE, SurfacePoint, Tracer};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -104,16 +104,6 @@ pub fn display_rows_alpha(band: &Band, exposure_ev: f32, tone_map: ToneMap) -> V
         if coverage > 0.0 { [r, g, b, (coverage * 255.0).round() as u8] } else { [0; 4] }
     };
     band.radiance.par_iter().zip(&band.coverage).map(pixel).collect()
-}
-
-/// Display values, 8-bit sRGB, of a frame.
-pub fn display_picture(frame: &Frame, exposure_ev: f32, tone_map: ToneMap) -> Vec<[u8; 3]> {
-    display_rows(&frame.radiance, exposure_ev, tone_map)
-}
-
-/// The types of a frame's pixels, in exactly three colours.
-pub fn types_picture(frame: &Frame) -> Vec<[u8; 3]> {
-    types_rows(&frame.types)
 }
 
 /// The types of some pixels, in exactly three colours.

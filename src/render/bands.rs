@@ -2,16 +2,19 @@
 //! bits as in the whole picture.
 
 pub use super::accumulate::Background;
-use super::accumulate::{Pass, PassTile, latched, tile_corners, trace_tiles};
-use super::frame::Frame;
+use super::{
+    accumulate::{Pass, PassTile, latched, tile_corners, trace_tiles},
+    frame::Frame,
+};
 use crate::camera::{Camera, View};
 use crate::lookup::pixels_of_tile;
 use crate::raster::pixel_types::{NO_SUPPLIER, PixelMap, PixelType};
-use crate::trace::parallel::Stop;
-use crate::trace::{NO_TRIANGLE, RayCounts, TILE_SIDE, TraceSettings, Tracer};
+use crate::trace::{NO_TRIANGLE, RayCounts, TILE_SIDE, TraceSettings, Tracer, parallel::Stop};
 use glam::Vec3;
-use std::ops::Range;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::{
+    ops::Range,
+    sync::atomic::{AtomicBool, Ordering},
+};
 
 /// Some rows of a picture with all that is known of each pixel. Row-major, top row first.
 #[derive(Clone, Debug)]

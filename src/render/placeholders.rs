@@ -4,8 +4,7 @@
 //! edges stay sharp; for mirrors and glass, what they show is interpolated. Where the surface is
 //! not known, the colour is.
 
-use super::frame::Frame;
-use super::worklist::WorkList;
+use super::{frame::Frame, worklist::WorkList};
 use crate::raster::fill::{Levels, Surroundings, fill_unknown};
 use crate::trace::{NO_TRIANGLE, PixelTrace, Tracer};
 use glam::Vec3;

@@ -1,8 +1,10 @@
 //! The references that a policy wants before they are needed, and which of them are missing.
 
 use crate::camera::Camera;
-use crate::reference::ReferenceCache;
-use crate::reference::placement::{PlacementPolicy, PrefetchRequest};
+use crate::reference::{
+    ReferenceCache,
+    placement::{PlacementPolicy, PrefetchRequest},
+};
 use crate::trace::{SceneEpoch, Tracer};
 
 /// The share of the cache that prefetched references may fill, 0..1. The rest is for references

@@ -3,8 +3,7 @@
 use crate::camera::Camera;
 use crate::lookup::LookupSet;
 use crate::reference::{ReferenceFrame, ReferenceSnapshot};
-use crate::trace::parallel::Stop;
-use crate::trace::{TraceSettings, Tracer};
+use crate::trace::{TraceSettings, Tracer, parallel::Stop};
 use std::sync::Arc;
 
 /// A reference to be traced.

@@ -1,11 +1,9 @@
 //! Renders a frame, from the request to the finished picture.
 
-use super::frame::Frame;
 use super::placeholders::{Placeholders, Unfinished};
-use super::reprojection::Reprojection;
 use super::request::{FrameRequest, Source};
-use super::settings::RenderSettings;
 use super::worklist::{Dispersal, WorkList};
+use super::{frame::Frame, reprojection::Reprojection, settings::RenderSettings};
 use crate::camera::View;
 use crate::lookup::{
     BandLookup, CheckedPixel, LookupQuality, LookupSet, MAX_POINTS_PER_PIXEL, OpenPixels, PointCache, Tally,
@@ -13,8 +11,7 @@ use crate::lookup::{
 };
 use crate::raster::pixel_types::{NO_SUPPLIER, PixelType, TypeCounts};
 use crate::reference::ReferenceFrame;
-use crate::trace::parallel::tile_order;
-use crate::trace::{NO_TRIANGLE, PixelTrace, TILE_SIDE, Tracer};
+use crate::trace::{NO_TRIANGLE, PixelTrace, TILE_SIDE, Tracer, parallel::tile_order};
 use crate::warp::WarpBuffer;
 use glam::Vec3;
 use rayon::prelude::*;

@@ -4,8 +4,10 @@ use super::settings::{Mode, RenderSettings};
 use crate::camera::{Camera, View};
 use crate::lookup::{LookupQuality, LookupSet, PixelResolver, PointCache};
 use crate::reference::{ReferenceCache, ReferenceFrame};
-use crate::trace::Tracer;
-use crate::trace::parallel::{NEVER, Stop};
+use crate::trace::{
+    Tracer,
+    parallel::{NEVER, Stop},
+};
 use std::borrow::Cow;
 
 /// The references that a frame may reuse.

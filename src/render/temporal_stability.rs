@@ -5,10 +5,8 @@
 //! that show the same triangle there are compared.
 
 use super::frame::{Frame, TemporalStability};
-use crate::camera::PixelWarp;
-use crate::camera::View;
-use crate::raster::color::srgb_from_linear;
-use crate::raster::pixel_types::NO_SUPPLIER;
+use crate::camera::{PixelWarp, View};
+use crate::raster::{color::srgb_from_linear, pixel_types::NO_SUPPLIER};
 use crate::scene::Scene;
 use crate::trace::NO_TRIANGLE;
 use glam::Vec3;

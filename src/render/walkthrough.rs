@@ -7,23 +7,21 @@
 use super::accumulate::{Accumulation, CONVERGED_PASSES};
 use super::audit::{Audited, Auditor};
 use super::frame::{Frame, RefineState};
-use super::prefetch::Prefetch;
-use super::reference_job::ReferenceJob;
-use super::renderer::Renderer;
 use super::request::{FrameRequest, References};
 use super::settings::{Mode, RenderSettings};
-use super::temporal_stability::TemporalStabilityMeter;
+use super::{
+    prefetch::Prefetch, reference_job::ReferenceJob, renderer::Renderer,
+    temporal_stability::TemporalStabilityMeter,
+};
 use crate::camera::{Camera, View};
 use crate::lookup::{LookupSet, open_percent};
-use crate::reference::cache::CachedReference;
 use crate::reference::{
-    Observation, PlacementPolicy, ReferenceCache, ReferenceFrame, ReferenceId, settings_of_reference,
+    Observation, PlacementPolicy, ReferenceCache, ReferenceFrame, ReferenceId, cache::CachedReference,
+    settings_of_reference,
 };
-use crate::trace::Tracer;
-use crate::trace::parallel::Stop;
+use crate::trace::{Tracer, parallel::Stop};
 use crate::warp::ReferenceSelector;
-use std::sync::Arc;
-use std::time::Instant;
+use std::{sync::Arc, time::Instant};
 
 /// The settings of a walk.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -307,7 +305,8 @@ impl Walkthrough {
         let is_unrefined = stats.is_complete && stats.refined == RefineState::default();
         let is_first_pass = render.mode == Mode::Full && self.rendered == render && is_unrefined;
         let refinement = self.refinement.get_or_insert_with(|| {
-            let mut new = Accumulation::new(&self.tracer, &camera, size, &render.trace, CONVERGED_PASSES);
+            let request = FrameRequest::new(&self.tracer, &camera, size, &render);
+            let mut new = Accumulation::new(&request, CONVERGED_PASSES);
             if is_first_pass {
                 new.take_first_pass(self.renderer.frame());
             }
@@ -326,9 +325,8 @@ impl Walkthrough {
     /// Drops the refinement if it belongs to another pose or other settings.
     fn keep_refinement(&mut self, camera: &Camera, size: [u32; 2]) {
         let render = &self.settings.render;
-        let is_wanted =
-            |r: &Accumulation| render.mode.refines() && r.is_of(&self.tracer, camera, size, &render.trace);
-        self.refinement = self.refinement.take().filter(is_wanted);
+        let request = FrameRequest::new(&self.tracer, camera, size, render);
+        self.refinement = self.refinement.take().filter(|r| render.mode.refines() && r.is_of(&request));
     }
 
     /// The pose of the reference that the policy wants after a frame.

@@ -5,7 +5,7 @@ use crate::raster::color::ToneMap;
 use crate::raster::load::exposed;
 use crate::raster::metrics::{CompareError, error_picture, flip_map};
 use crate::render::Frame;
-use crate::render::aov::{display_picture, types_picture};
+use crate::render::aov::{display_rows, types_rows};
 use glam::Vec3;
 
 /// A frame as a report shows it: the picture, its pixel types and its error, all 8-bit sRGB.
@@ -35,8 +35,8 @@ impl FramePictures {
         Ok(Self {
             name: name.to_owned(),
             size,
-            shown: display_picture(frame, exposure_ev, ToneMap::Aces),
-            types: types_picture(frame),
+            shown: display_rows(&frame.radiance, exposure_ev, ToneMap::Aces),
+            types: types_rows(&frame.types),
             flip: flip_map(&found, &right, size)?,
         })
     }

@@ -3,7 +3,7 @@
 use crate::experiment::run::ExperimentError;
 use crate::raster::color::ToneMap;
 use crate::render::Frame;
-use crate::render::aov::display_picture;
+use crate::render::aov::display_rows;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// A property that must hold.
@@ -73,7 +73,7 @@ impl Measured {
 
     /// Adds a picture.
     pub(super) fn with_picture(self, frame: &Frame) -> Self {
-        let picture = Some((frame.view.size, display_picture(frame, 0.0, ToneMap::Aces)));
+        let picture = Some((frame.view.size, display_rows(&frame.radiance, 0.0, ToneMap::Aces)));
         Self { picture, ..self }
     }
 }

@@ -7,7 +7,7 @@ use crate::lookup::LookupSet;
 use crate::raster::color::ToneMap;
 use crate::raster::pixel_types::PixelType;
 use crate::reference::{ReferenceCache, ReferenceFrame};
-use crate::render::aov::display_picture;
+use crate::render::aov::display_rows;
 use crate::render::{Frame, FrameRequest, Mode, RenderSettings, Renderer};
 use crate::scene::{SceneBuilder, Sky};
 use crate::trace::parallel::NEVER;
@@ -135,7 +135,7 @@ pub(super) fn percent(part: usize, whole: usize) -> f64 {
 }
 
 pub(super) fn srgb(frame: &Frame) -> Vec<[u8; 3]> {
-    display_picture(frame, 0.0, ToneMap::Aces)
+    display_rows(&frame.radiance, 0.0, ToneMap::Aces)
 }
 
 /// Renders a clear object in uniform white light, where it must be invisible, and returns the share

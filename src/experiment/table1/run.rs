@@ -6,7 +6,7 @@ use crate::camera::Camera;
 use crate::experiment::measure::{FramePictures, References, Trial, truth_of};
 use crate::experiment::run::{CellOutcome, ExperimentContext, ExperimentError, RunRecord};
 use crate::raster::color::ToneMap;
-use crate::render::aov::display_picture;
+use crate::render::aov::display_rows;
 use crate::render::{Mode, Renderer};
 
 pub(crate) fn run_cell(context: &ExperimentContext<'_>, cell: &RunRecord) -> CellOutcome {
@@ -41,7 +41,7 @@ fn save_references(
             Trial { mode: Mode::Full, trace: context.settings.trace(), camera, references: &references };
         let mut renderer = Renderer::default();
         if let Some(frame) = trial.render(context, &mut renderer) {
-            let picture = display_picture(frame, exposure_ev, ToneMap::Aces);
+            let picture = display_rows(&frame.radiance, exposure_ev, ToneMap::Aces);
             context.save_picture(&format!("reference-{number}.png"), frame.view.size, &picture)?;
         }
     }

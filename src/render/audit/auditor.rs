@@ -8,17 +8,20 @@
 //! so an audited walk may differ from run to run where a reference is at fault; otherwise a picture
 //! does not depend on being audited.
 
-use super::audited::Audited;
-use super::blame::{self, Blame};
 use super::statistics::{AuditEstimate, FrameSums, Window, display_error, looks_wrong, visibly_brighter};
+use super::{
+    audited::Audited,
+    blame::{self, Blame},
+};
 use crate::math::key::Key;
 use crate::reference::ReferenceCache;
 use crate::render::frame::Frame;
-use crate::trace::parallel::{NEVER, trace_pixels};
-use crate::trace::{PixelTrace, TraceSettings};
+use crate::trace::{
+    PixelTrace, TraceSettings,
+    parallel::{NEVER, trace_pixels},
+};
 use glam::Vec3;
-use std::collections::BTreeMap;
-use std::time::Instant;
+use std::{collections::BTreeMap, time::Instant};
 
 /// The share of a frame's time that its audit may take, 0..1.
 const MAX_TIME: f64 = 0.05;

@@ -4,10 +4,8 @@
 //! guess, and the reference may be right. So pixels of the block are traced again from the
 //! reference's pose, and the block is at fault where those are off.
 
-use super::audited::Audited;
-use super::statistics::visibly_brighter;
-use crate::camera::PixelWarp;
-use crate::camera::View;
+use super::{audited::Audited, statistics::visibly_brighter};
+use crate::camera::{PixelWarp, View};
 use crate::reference::{CachedReference, ReferenceCache, ReferenceFrame, ReferenceId};
 use crate::render::frame::Frame;
 use crate::trace::{PixelTrace, RayCounts, TraceSettings, Tracer};

@@ -6,7 +6,7 @@ use super::{failure::Failure, interrupt, output, paths, progress::Progress, walk
 use crate::picture::{Made, memory, notes, sequence::film_command};
 use afterimage::experiment::{MeasureSettings, TourEvent, TourRecord, TourSettings, run_tour};
 use afterimage::raster::save::{save_png, write_atomically};
-use afterimage::render::aov::{display_picture, types_picture};
+use afterimage::render::aov::{display_rows, types_rows};
 use afterimage::{
     Frame, WalkthroughSettings, camera::CameraPath, experiment::run::csv, raster::stream::COMPLETE,
     reference::PlacementPolicy, reference::placement::RULES, render::bands::Background, warp::MAX_REFERENCES,
@@ -165,10 +165,10 @@ fn write_pictures(
     frame: &Frame,
 ) -> Result<(), Failure> {
     let folder = args.out.join("images");
-    let picture = display_picture(frame, flags.exposure_ev(), flags.tone_map);
+    let picture = display_rows(&frame.radiance, flags.exposure_ev(), flags.tone_map);
     let notes = file_notes(flags, loaded, frame);
     save_png(&folder.join(format!("frame_{number:04}.png")), frame.view.size, &picture, &notes)?;
-    let types = types_picture(frame);
+    let types = types_rows(&frame.types);
     save_png(&folder.join(format!("types_{number:04}.png")), frame.view.size, &types, &notes)?;
     Ok(())
 }
