@@ -1,5 +1,5 @@
-//! What the program is made of may be given away with it: every package's licence, from the
-//! packages themselves.
+//! The licences of all dependencies permit distributing the program. They are read from the
+//! packages.
 
 use serde_json::Value;
 use std::collections::{BTreeSet, HashMap};
@@ -23,10 +23,10 @@ const PERMITTED: [&str; 13] = [
     "MPL-2.0",
 ];
 
-/// Of fonts; they are data.
+/// Licences that are permitted for fonts, which are data.
 const PERMITTED_FONTS: [&str; 2] = ["OFL-1.1", "Ubuntu-font-1.0"];
 
-/// True where every part of an expression offers a permitted choice.
+/// True if every part of a licence expression offers a permitted choice.
 fn is_permitted(expression: &str) -> bool {
     let is_fine = |word: &str| PERMITTED.contains(&word) || PERMITTED_FONTS.contains(&word);
     let trimmed = |part: &str| part.trim().trim_matches(['(', ')']).trim().to_owned();
@@ -66,7 +66,7 @@ fn packages() -> Option<BTreeSet<[String; 3]>> {
 }
 
 #[test]
-fn every_licence_permits_giving_the_program_away() {
+fn every_licence_permits_distribution() {
     let Some(packages) = packages() else {
         eprintln!("skipped: cargo cannot list the packages here");
         return;

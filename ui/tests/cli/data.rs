@@ -1,4 +1,4 @@
-//! What the commands answer: the keys of the contract, and sums that must hold.
+//! Results of the commands: the keys of the contract, and sums that must hold.
 
 use super::{Bench, assert_keys, assert_types, keys, number};
 use afterimage::camera::{CameraKey, CameraPath};
@@ -58,7 +58,7 @@ fn full_and_paper_without_references_are_one_picture() {
 }
 
 #[test]
-fn compare_fails_below_the_asked_quality() {
+fn compare_fails_below_the_given_psnr() {
     let bench = Bench::new();
     for seed in [1, 2] {
         bench.json(&format!("render room.obj {POSE} {SMALL} --seed {seed} -o {seed}.png"));
@@ -98,11 +98,12 @@ fn inspect_answers_with_the_contract() {
 }
 
 #[test]
-fn the_unit_and_the_up_axis_are_heard() {
+fn unit_and_up_axis_are_applied() {
     let bench = Bench::new();
     let answer = bench.json("inspect room.obj --json --unit cm --up +Z");
     let upper = answer["bounds_m"][1].as_array().unwrap().iter().map(|v| v.as_f64().unwrap());
-    // Up was Y: the height of 3 now lies along -Z or +Z, the length of 8 along Y.
+    // The model's Y becomes Z and its Z becomes -Y: the height of 3 lies along Z, the length of 8
+    // along Y.
     let expected = [0.02, 0.04];
     for (found, wanted) in upper.zip(expected) {
         assert!((found - wanted).abs() < 1e-9, "{answer}");
@@ -157,7 +158,7 @@ fn tour_records_its_walk() {
 }
 
 #[test]
-fn without_a_display_the_program_walks_headless() {
+fn without_a_display_the_program_runs_the_tour() {
     let bench = Bench::new();
     let output = bench.run("room.obj --size 32x24 --samples 1 --json");
     assert!(output.status.success(), "{}", super::stderr(&output));
@@ -168,7 +169,7 @@ fn without_a_display_the_program_walks_headless() {
 }
 
 #[test]
-fn without_a_display_a_picture_walks_the_tour_of_its_scene() {
+fn without_a_display_a_picture_runs_the_tour_of_its_scene() {
     let bench = Bench::new();
     assert!(bench.run("render room.obj --size 16x12 --samples 1 -o a.png").status.success());
     let output = bench.run("a.png --size 32x24 --samples 1 --json");
@@ -197,7 +198,7 @@ fn throughput_answers_with_the_contract() {
 #[test]
 fn one_recorded_walk_serves_tours_and_experiments() {
     let bench = Bench::new();
-    // As the window writes a walk: the structure itself.
+    // The window saves a camera path in the same format.
     let at = |z: f64| CameraKey { eye: DVec3::new(0.0, 1.6, z), at: DVec3::new(0.4, 1.4, z - 3.0) };
     let walk = CameraPath { fov_y_deg: 60.0, frames: 4, keyframes: vec![at(3.0), at(1.0)] };
     std::fs::write(bench.path("mine.json"), serde_json::to_string_pretty(&walk).unwrap()).unwrap();
@@ -207,7 +208,7 @@ fn one_recorded_walk_serves_tours_and_experiments() {
         assert_eq!(tour["frames"].as_array().unwrap().len(), if file == "mine.json" { 4 } else { 6 });
         let line = "experiment placement room.obj --quick --size 32x18 --samples 1 --truth-samples 2 --frames 4 --json";
         let context = bench.json(&format!("{line} --path {file} --out lab-{}", file.replace('#', "-")));
-        // Two modes, six walks, five rules.
+        // Two modes, six camera paths, five rules.
         assert_eq!((&context["cells"], &context["is_complete"]), (&json!(60), &json!(true)));
         let policies = context.pointer("/exact/policies").unwrap().as_array().unwrap();
         let none = policies.iter().find(|p| p["rule"] == "none" && p["walk"] == "slow").unwrap();
@@ -249,7 +250,7 @@ fn shards_of_an_experiment_are_joined_to_the_whole() {
 }
 
 #[test]
-fn doctor_always_answers() {
+fn doctor_always_succeeds() {
     let bench = Bench::new();
     let answer = bench.json("doctor --json --threads 2");
     assert_keys(&answer, &["version", "threads", "simd", "adapters", "display", "paths"]);

@@ -1,4 +1,4 @@
-//! The real program, run as a person or a script runs it.
+//! Tests that run the program as a user or a script does.
 
 mod data;
 mod runs;
@@ -27,11 +27,11 @@ newmtl mirror\nKd 0 0 0\nKs 0.8 0.8 0.8\nillum 3
 newmtl lamp\nKd 0 0 0\nKe 8 8 8
 ";
 
-/// One that goes from one end of the room to the middle.
+/// A camera path from one end of the room to its middle.
 const WALKS: &str = r#"{"short": {"fov_y_deg": 60, "frames": 6, "keyframes": [
     {"eye": [0, 1.6, 3], "at": [0.4, 1.4, 0]}, {"eye": [0, 1.6, 1], "at": [0.4, 1.4, -2]}]}}"#;
 
-/// A folder of its own with the room in it.
+/// A temporary folder that contains the room.
 struct Bench {
     dir: TempDir,
 }
@@ -57,13 +57,13 @@ impl Bench {
         names
     }
 
-    /// Runs the program in the folder, words parted at spaces. No display, no cache but the
-    /// folder's own.
+    /// Runs the program in the folder, with arguments separated by spaces, without a display, and
+    /// with a cache in the folder.
     fn run(&self, line: &str) -> Output {
         self.run_with(line, &[])
     }
 
-    /// The same with further variables.
+    /// Like [`Self::run`], with additional environment variables.
     fn run_with(&self, line: &str, variables: &[(&str, &str)]) -> Output {
         Command::new(env!("CARGO_BIN_EXE_afterimage"))
             .args(line.split_whitespace())
@@ -79,7 +79,7 @@ impl Bench {
             .unwrap()
     }
 
-    /// The one JSON object of a run that must succeed.
+    /// The JSON object printed by a run that must succeed.
     fn json(&self, line: &str) -> Value {
         let output = self.run(line);
         assert!(output.status.success(), "{line}: {}", stderr(&output));
@@ -93,7 +93,7 @@ fn stderr(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// The names of an object's fields.
+/// Names of an object's fields.
 fn keys(value: &Value) -> Vec<&str> {
     value.as_object().unwrap().keys().map(String::as_str).collect()
 }
@@ -102,14 +102,14 @@ fn number(value: &Value, pointer: &str) -> f64 {
     value.pointer(pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("{pointer} in {value}"))
 }
 
-/// Every name of `wanted` is a field of `value`.
+/// Checks that every name of `wanted` is a field of `value`.
 fn assert_keys(value: &Value, wanted: &[&str]) {
     let found = keys(value);
     let missing: Vec<_> = wanted.iter().filter(|k| !found.contains(k)).collect();
     assert!(missing.is_empty(), "missing {missing:?} in {found:?}");
 }
 
-/// The sums that hold for every account of types.
+/// Checks the sums of the percentages of types.
 fn assert_types(types: &Value) {
     let part = |name: &str| number(types, &format!("/{name}_percent"));
     assert!((part("type1") + part("type2") + part("type3") - 100.0).abs() < 1e-9, "{types}");

@@ -1,4 +1,4 @@
-//! Experiments as the scheduler of a cluster, a power cut or an impatient person leaves them.
+//! Experiments that are sharded, killed or interrupted.
 
 use super::{Bench, number, stderr};
 use serde_json::{Value, json};
@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 const TABLE1: &str = "experiment table1 room.obj --quick --size 32x32 --samples 2 --truth-samples 8 --json";
 
-/// Slow enough to be caught while it runs.
+/// An experiment that is slow enough to be interrupted.
 const SLOW: &str = "experiment table1 room.obj --quick --size 128x128 --samples 16 --truth-samples 64 --json";
 
 fn command(bench: &Bench, line: &str) -> Command {
@@ -18,7 +18,7 @@ fn command(bench: &Bench, line: &str) -> Command {
     command
 }
 
-/// Every file of a folder with what is in it.
+/// All files of a folder with their contents.
 fn content(folder: &Path) -> Vec<(std::ffi::OsString, Vec<u8>)> {
     let entries = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap());
     let mut files: Vec<_> = entries
@@ -29,7 +29,7 @@ fn content(folder: &Path) -> Vec<(std::ffi::OsString, Vec<u8>)> {
     files
 }
 
-/// A run's summary without what the clock decides.
+/// The summary of a run without times.
 fn errors(answer: &Value) -> Vec<[f64; 3]> {
     let columns = answer["columns"].as_array().unwrap();
     columns.iter().map(|c| ["/psnr_db", "/flip_mean", "/type1_percent"].map(|name| number(c, name))).collect()
@@ -67,11 +67,11 @@ fn a_killed_run_resumes_and_ends_with_the_same_table() {
 fn an_interrupted_run_keeps_its_tables() {
     let bench = Bench::new();
     let mut child = begin(&bench, "run");
-    // By a signal of the terminal's kind, which the standard library does not send.
+    // The standard library cannot send SIGINT.
     let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
     assert!(sent.success());
     let code = child.wait().unwrap().code();
-    // It may have been done before it was asked.
+    // The run may have finished before the signal.
     assert!(code == Some(130) || code == Some(0), "{code:?}");
     let lines = std::fs::read_to_string(bench.path("run/records.csv")).unwrap().lines().count();
     assert!(lines > 4, "the cells that were done are in the table: {lines} lines");
@@ -80,7 +80,7 @@ fn an_interrupted_run_keeps_its_tables() {
 }
 
 #[test]
-fn array_jobs_are_told_their_part_by_the_scheduler() {
+fn array_jobs_take_their_shard_from_the_scheduler() {
     let bench = Bench::new();
     let schedulers: [(&str, &[(&str, &str)]); 3] = [
         (
@@ -102,7 +102,7 @@ fn array_jobs_are_told_their_part_by_the_scheduler() {
 }
 
 #[test]
-fn folders_of_other_runs_are_refused_and_left_as_they_are() {
+fn folders_of_other_runs_are_refused_and_not_changed() {
     let bench = Bench::new();
     bench.json(&format!("{TABLE1} --out a --shard 0/2"));
     bench.json(&format!("{TABLE1} --out b --shard 1/2 --seed 5"));

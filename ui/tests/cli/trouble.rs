@@ -1,9 +1,9 @@
-//! Bad input ends with the right code, one clear sentence on stderr, and nothing on stdout.
+//! Invalid input: the exit code, one sentence on stderr, and nothing on stdout.
 
 use super::{Bench, stderr};
 use std::time::{Duration, Instant};
 
-/// Runs a line that must fail with `code`, a message that holds `words`, and no data.
+/// Runs a command line that must fail with `code`, a message that contains `words`, and no data.
 fn assert_fails(bench: &Bench, line: &str, code: i32, words: &str) {
     let output = bench.run(line);
     let errors = stderr(&output);
@@ -110,7 +110,7 @@ fn warnings_end_with_four_when_strict() {
 
 #[test]
 #[cfg(target_os = "linux")]
-fn a_full_disk_is_told() {
+fn a_full_disk_is_reported() {
     if !std::path::Path::new("/dev/full").exists() {
         eprintln!("skipped: there is no /dev/full");
         return;
@@ -122,7 +122,7 @@ fn a_full_disk_is_told() {
 
 #[test]
 #[cfg(unix)]
-fn an_interrupted_tour_keeps_what_it_has() {
+fn an_interrupted_tour_keeps_its_records() {
     let bench = Bench::new();
     let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_afterimage"))
         .args(

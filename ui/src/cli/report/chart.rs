@@ -228,8 +228,8 @@ fn color(series: &Series, number: usize) -> &str {
     if is_color { &series.color } else { PALETTE[number % PALETTE.len()] }
 }
 
-/// For element content and attributes of XML and HTML. Control characters, which XML forbids, are
-/// left out.
+/// Escapes text for element content and attributes of XML and HTML. Control characters, which XML
+/// forbids, are removed.
 pub(super) fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
