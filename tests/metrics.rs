@@ -1,4 +1,4 @@
-//! Figures of difference against cases worked out by hand.
+//! Measures of difference, against values calculated by hand.
 
 use afterimage::raster::load::{Picture, PictureKind, display_of};
 use afterimage::raster::metrics::{PSNR_OF_EQUALS_DB, flip, max_abs, psnr_db, rel_mse, ssim};
@@ -6,7 +6,7 @@ use glam::Vec3;
 
 const SIZE: [u32; 2] = [32, 24];
 
-/// Smooth, with some texture, all values in 0.2..0.8.
+/// A smooth picture with some texture and all values in 0.2..0.8.
 fn pattern() -> Vec<Vec3> {
     let value = |i: u32| {
         let (x, y) = ((i % SIZE[0]) as f32, (i / SIZE[0]) as f32);
@@ -78,8 +78,8 @@ fn flip_grows_with_the_difference_and_stays_below_one() {
     assert!(flip(&[], &[], [0, 0]).is_err());
 }
 
-/// Means and 95th percentiles that `flip-evaluator` 1.7, the authors' own program, gives for these pictures at its usual
-/// 67.02 pixels per degree.
+/// Compares with the means and 95th percentiles of `flip-evaluator` 1.7, the authors' program, at
+/// its default of 67.02 pixels per degree.
 #[test]
 fn flip_is_that_of_its_authors() {
     let flat = |c: [f32; 3]| vec![Vec3::from(c); 768];
@@ -102,7 +102,7 @@ fn flip_is_that_of_its_authors() {
     for (name, shown, truth, [mean, p95]) in cases {
         let found = flip(&shown, &truth, SIZE).unwrap();
         let is_near = (found.mean - mean).abs() < 1e-4 && (found.p95 - p95).abs() < 1e-3;
-        assert!(is_near, "{name}: {found:?}, the authors' {mean} and {p95}");
+        assert!(is_near, "{name}: {found:?}, the authors have {mean} and {p95}");
     }
 }
 

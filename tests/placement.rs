@@ -1,4 +1,4 @@
-//! Where references are placed: rules against what they promise, and poses that a person could stand at.
+//! Placement of references: decisions of the rules, and poses at which a person can stand.
 
 use crate::rooms::{cuboid, dvec, quad, room_tracer};
 use afterimage::camera::{CameraKey, CameraPath};
@@ -12,8 +12,8 @@ use std::sync::Arc;
 
 const SIZE: [u32; 2] = [96, 54];
 
-/// Two rooms of 4 x 4 m joined by a door of 0.9 m, a plinth in the second, a lamp in each; 4 steps of 0.2 m lead on to a
-/// platform behind the second room.
+/// Two rooms of 4 x 4 m with a lamp in each, joined by a door of 0.9 m. The second has a plinth,
+/// and four steps of 0.2 m lead from it to a platform.
 fn two_rooms() -> Tracer {
     let mut b = SceneBuilder::new("two rooms");
     let wall = b.add_material(Material::diffuse("wall", Vec3::splat(0.7)));
@@ -49,7 +49,7 @@ fn every_rule_is_found_by_its_name() {
 }
 
 #[test]
-fn one_can_stand_behind_doors_and_on_stairs_but_not_in_things() {
+fn a_person_can_stand_behind_doors_and_on_stairs_but_not_inside_objects() {
     let tracer = two_rooms();
     let places = walkable(&tracer);
     let at = |x: f64, z: f64| places.iter().find(|p| p.eye.x == x && p.eye.z == z).map(|p| p.eye.y);
@@ -64,7 +64,7 @@ fn one_can_stand_behind_doors_and_on_stairs_but_not_in_things() {
 }
 
 #[test]
-fn a_grid_looks_all_around_from_every_place_and_keeps_to_its_number() {
+fn a_grid_looks_all_around_at_every_position_and_keeps_its_limit() {
     let tracer = two_rooms();
     let ahead = |most| {
         (GRID.prefetch_poses)(&tracer, &PrefetchRequest { size: SIZE, fov_y: 1.0, max_references: most })
@@ -73,7 +73,7 @@ fn a_grid_looks_all_around_from_every_place_and_keeps_to_its_number() {
         let poses = ahead(most);
         assert!(!poses.is_empty() && poses.len() <= most, "{} of {most}", poses.len());
         let around = |pose: &Camera| poses.iter().filter(|p| p.eye == pose.eye).count();
-        // 1 radian high at 16:9 is 1.54 wide: five pictures for a turn.
+        // 1 radian high at 16:9 is 1.54 radians wide, so a full turn takes five pictures.
         assert!(poses.iter().all(|pose| around(pose) == 5));
         assert_eq!(poses, ahead(most));
     }
@@ -81,13 +81,13 @@ fn a_grid_looks_all_around_from_every_place_and_keeps_to_its_number() {
 }
 
 #[test]
-fn a_greedy_reference_shows_what_the_next_frames_do_not_know() {
+fn a_greedy_reference_covers_open_pixels_of_the_next_frames() {
     let tracer = room_tracer(false, false);
     let camera = Camera::look_at(dvec(0.2, 1.5, 3.0), dvec(0.2, 1.5, 0.0), 60.0);
     let previous = Camera { eye: camera.eye + dvec(0.0, 0.0, 0.2), yaw: camera.yaw - 0.08, ..camera };
     let seen =
         Observation { camera, previous, open_percent: 30.0, is_sparse: false, was_cut: false, held: 2 };
-    // The left third of every picture ahead is open.
+    // The left third of every extrapolated picture is open.
     let mut predict_open = |_: &Camera, spots: Option<&mut Vec<OpenSpot>>| {
         let spot = |i: u32| OpenSpot {
             point: Vec2::new((i % 32) as f32 + 0.5, (i / 32) as f32 + 0.5),
@@ -100,17 +100,25 @@ fn a_greedy_reference_shows_what_the_next_frames_do_not_know() {
     };
     let policy = PlacementPolicy::new(&GREEDY, 5.0);
     let pose = policy.decide(&seen, SIZE, &tracer, &mut predict_open).unwrap();
-    assert!(pose.yaw > camera.yaw, "it looks to the left, where the open pixels are: {pose:?}");
-    assert!(sees(&tracer, camera.eye, pose.eye), "it stands in the room");
-    assert_eq!(policy.decide(&seen, SIZE, &tracer, &mut predict_open), Some(pose), "and always there");
+    assert!(pose.yaw > camera.yaw, "it must look left, where the open pixels are: {pose:?}");
+    assert!(sees(&tracer, camera.eye, pose.eye), "it must stand in the room");
+    assert_eq!(
+        policy.decide(&seen, SIZE, &tracer, &mut predict_open),
+        Some(pose),
+        "the decision must be repeatable"
+    );
     let quiet = Observation { open_percent: 5.0, ..seen };
     assert_eq!(policy.decide(&quiet, SIZE, &tracer, &mut predict_open), None);
     let mut known = |_: &Camera, _: Option<&mut Vec<OpenSpot>>| 0.0;
-    assert_eq!(policy.decide(&seen, SIZE, &tracer, &mut known), None, "nothing ahead is open");
+    assert_eq!(
+        policy.decide(&seen, SIZE, &tracer, &mut known),
+        None,
+        "nothing is open at the extrapolated poses"
+    );
 }
 
 #[test]
-fn references_ahead_are_made_once_and_serve() {
+fn prefetched_references_are_traced_once_and_reused() {
     let tracer = Arc::new(two_rooms());
     for mode in [Mode::Paper, Mode::Exact] {
         let render = RenderSettings { mode, ..Default::default() };
@@ -130,7 +138,7 @@ fn references_ahead_are_made_once_and_serve() {
         assert!(made.len() >= 8 && walk.cache().evicted() == 0, "{} made", made.len());
         let open = walk.render(&start, SIZE, &|| false).stats.types.percentages().unseen_percent;
         assert!(open < 50.0, "{open} % are open, 100 without a reference");
-        assert_eq!(walk.wanted_reference(), None, "a grid adds nothing on the way");
+        assert_eq!(walk.wanted_reference(), None, "a grid adds no reference during the walk");
     }
 }
 
@@ -140,7 +148,8 @@ fn a_power_law_is_found_with_its_uncertainty() {
     let exact: Vec<[f64; 2]> = [1.0, 2.0, 8.0].map(|x: f64| [x, 3.0 * x.powf(0.7)]).to_vec();
     let law = power_law(&exact).unwrap();
     assert!((law.exponent - 0.7).abs() < 1e-12 && law.standard_error < 1e-7, "{law:?}");
-    // By hand: logarithms (0, 0), (1, 2), (2, 2) have slope 1, and lie 1/3, 2/3, 1/3 off: sqrt(2/3 / 1 / 2).
+    // By hand: the logarithms (0, 0), (1, 2), (2, 2) have slope 1 and residuals 1/3, 2/3, 1/3, so
+    // the standard error is sqrt(2/3 / 1 / 2).
     let e = std::f64::consts::E;
     let law = power_law(&[[1.0, 1.0], [e, e * e], [e * e, e * e]]).unwrap();
     assert!(
@@ -152,7 +161,7 @@ fn a_power_law_is_found_with_its_uncertainty() {
 }
 
 #[test]
-fn statues_behind_the_viewer_leave_the_picture_as_it_is() {
+fn statues_behind_the_viewer_do_not_change_the_picture() {
     use afterimage::render::Renderer;
     use afterimage::scene::builtin::statue_hall;
     let picture = |triangles: usize| {

@@ -1,4 +1,4 @@
-//! Picture files: what is written comes back, and a failed write leaves what was there.
+//! Picture files: a written file is read back unchanged, and a failed write leaves the old file.
 
 use afterimage::raster::load::{Picture, PictureKind};
 use afterimage::raster::save::{Channel, ChannelValues, SaveError, Target, save_png, write_atomically};
@@ -124,7 +124,7 @@ fn a_link_keeps_pointing_and_a_picture_is_readable_by_others() {
     write_atomically(&link, b"new").unwrap();
     assert!(std::fs::symlink_metadata(&link).unwrap().is_symlink());
     assert_eq!(std::fs::read(&real).unwrap(), b"new");
-    // Whatever the umask, never the mode of a temporary file with the group's bit lost against a plain file's.
+    // The permissions are those of an ordinary new file, not those of a temporary file.
     let plain = folder.path().join("plain");
     std::fs::write(&plain, b"").unwrap();
     let mode = |p: &Path| std::fs::metadata(p).unwrap().permissions().mode() & 0o777;
@@ -143,7 +143,7 @@ fn broken_pictures_are_refused_with_their_name() {
     }
 }
 
-/// A disk of 64 kB, unmounted when done; `None` without the right to make one.
+/// A disk of 64 kB, unmounted when dropped. `None` without the permission to mount one.
 #[cfg(target_os = "linux")]
 struct SmallDisk(tempfile::TempDir);
 
@@ -183,7 +183,7 @@ fn a_disk_that_fills_up_keeps_the_old_files() {
     assert_eq!(std::fs::read(&path).unwrap(), old);
     assert_eq!(names(disk.0.path()), ["a.png"], "no temporary file is left");
 
-    // A journal that no longer fits says so, and keeps what it had.
+    // A journal that no longer fits returns an error and keeps its earlier entries.
     let done = |key: &str, bytes: usize| {
         let records = vec![RunRecord::default().with("x", "y".repeat(bytes))];
         Done { place: 0, key: key.to_owned(), records, cell_secs: 0.0 }

@@ -1,4 +1,5 @@
-//! The warp's fast paths: vectors of any width, bands, tiles passed over, against the slow twin.
+//! The fast paths of the warp (vectors of any width, bands, skipped tiles) against a slow reference
+//! implementation.
 
 use crate::reuse::{moved, warp_slowly};
 use crate::rooms::{room_camera, room_tracer};
@@ -13,7 +14,7 @@ use fearless_simd::Level;
 
 const TRACE: TraceSettings = TraceSettings { samples: 1, bounces: 0, seed: 5 };
 
-/// All that this machine has: on x86-64 four widths, with and without fused multiplication.
+/// All SIMD levels of this machine: on x86-64 four widths, with and without fused multiply-add.
 fn levels() -> Vec<Level> {
     let mut levels = vec![Level::new(), Level::baseline()];
     #[cfg(target_arch = "x86_64")]
@@ -24,7 +25,7 @@ fn levels() -> Vec<Level> {
     levels
 }
 
-/// Sizes that are no multiple of a tile or a vector, one smaller than either.
+/// References whose sizes are not multiples of a tile or a vector; one is smaller than both.
 fn references(tracer: &Tracer) -> Vec<ReferenceFrame> {
     let poses = [(0.0, 0.0, [131, 77]), (0.7, 0.1, [64, 40]), (-0.2, -0.3, [96, 64]), (0.1, 0.2, [7, 3])];
     let trace = |(forward, turn, size)| {
@@ -33,7 +34,8 @@ fn references(tracer: &Tracer) -> Vec<ReferenceFrame> {
     poses.map(trace).into()
 }
 
-/// A walk, a turn on the spot, one out of the room, upwards, and back to front.
+/// Views after a step, after a turn on the spot, from outside the room, upwards, and from the
+/// opposite side.
 fn views(tracer: &Tracer) -> Vec<View> {
     let start = room_camera();
     let up = Camera { pitch: 1.2, ..start };
@@ -45,7 +47,7 @@ fn views(tracer: &Tracer) -> Vec<View> {
 }
 
 #[test]
-fn every_width_of_vector_and_number_of_threads_gives_the_slow_twins_bits() {
+fn every_vector_width_and_thread_count_gives_the_bits_of_the_slow_version() {
     let tracer = room_tracer(true, false);
     let references = references(&tracer);
     let references: Vec<&ReferenceFrame> = references.iter().collect();
@@ -65,7 +67,7 @@ fn every_width_of_vector_and_number_of_threads_gives_the_slow_twins_bits() {
 }
 
 #[test]
-fn nothing_to_warp_leaves_nothing() {
+fn a_warp_without_references_leaves_every_pixel_empty() {
     let tracer = room_tracer(false, false);
     let reference = ReferenceFrame::trace(&tracer, &room_camera(), [40, 30], &TRACE, NEVER).unwrap();
     let view = View::new(&room_camera(), &tracer.scene().frame, [40, 30]);
@@ -77,7 +79,7 @@ fn nothing_to_warp_leaves_nothing() {
 }
 
 #[test]
-fn bounds_hold_every_point_of_their_box() {
+fn bounds_contain_every_point_of_their_box() {
     let frame = room_tracer(false, false).scene().frame;
     let size = [640, 400];
     let view = |key: Key| {
@@ -92,7 +94,7 @@ fn bounds_hold_every_point_of_their_box() {
         let [x, y] = key.with(4).pair();
         let [x, y] = [(x * 570.0) as u32, (y * 390.0) as u32];
         let [near, range] = key.with(5).pair();
-        // From the sky to nearer than a ten-thousandth of the room.
+        // From the sky to closer than a ten-thousandth of the room.
         let near = if round % 3 == 0 { 0.0 } else { 10f32.powf(4.0 * near - 4.0) };
         let (x, y) = ([x, x + 63], [y, y + 7]);
         let d = [near, near + range * range * 2.0 * (0.1 + near)];
@@ -106,7 +108,7 @@ fn bounds_hold_every_point_of_their_box() {
             let Some((px, py, _)) = warp.point(sx, sy, (d[0] + w * (d[1] - d[0])).min(d[1])) else {
                 continue;
             };
-            let [across, down] = bounds.expect("a point in front of the eye, of a box behind it");
+            let [across, down] = bounds.expect("a point is in front of the eye, but its box is behind it");
             assert!(across[0] <= px && px <= across[1], "{px} is not in {across:?}");
             assert!(down[0] <= py && py <= down[1], "{py} is not in {down:?}");
         }

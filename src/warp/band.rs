@@ -17,13 +17,13 @@ const MAX_LANES: usize = 16;
 const GROUP: usize = 4 * MAX_LANES;
 
 /// Consecutive rows of the target.
-pub(crate) struct Band<'a> {
+pub(super) struct Band<'a> {
     /// Keys of these rows, row-major.
-    pub(crate) keys: &'a mut [u64],
+    pub(super) keys: &'a mut [u64],
     /// Row range in the target.
-    pub(crate) rows: Range<u32>,
+    pub(super) rows: Range<u32>,
     /// Width of the target in pixels.
-    pub(crate) width: u32,
+    pub(super) width: u32,
 }
 
 /// Target cells, as indices into the band, and keys of a group of samples. A sample that lands
@@ -36,7 +36,7 @@ struct Landings {
 impl Band<'_> {
     /// Fills each cell with the largest key that lands on it, with the SIMD instructions of a
     /// level. The result does not depend on the level.
-    pub(crate) fn fill(&mut self, level: Level, sources: &[Source<'_>]) {
+    pub(super) fn fill(&mut self, level: Level, sources: &[Source<'_>]) {
         dispatch!(level, simd => self.fill_in_vectors(simd, sources));
     }
 

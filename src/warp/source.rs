@@ -10,9 +10,9 @@ use std::ops::Range;
 const MIN_TILES: usize = 128;
 
 /// A reference, prepared for the warp into one view.
-pub(crate) struct Source<'a> {
+pub(super) struct Source<'a> {
     /// Warp from pixels of the reference to pixels of the target.
-    pub(crate) warp: PixelWarp,
+    pub(super) warp: PixelWarp,
     reference: &'a ReferenceFrame,
     first_id: u32,
     /// Target rows that each tile can reach, row-major. Empty if the tile is not visible.
@@ -20,25 +20,25 @@ pub(crate) struct Source<'a> {
 }
 
 /// A row of tiles.
-pub(crate) struct TileRow<'a> {
+pub(super) struct TileRow<'a> {
     source: &'a Source<'a>,
     index: u32,
     spans: &'a [Range<u32>],
 }
 
 /// Neighbouring tiles of a row, as a rectangle of pixels.
-pub(crate) struct Run<'a> {
+pub(super) struct Run<'a> {
     /// Reference that the tiles belong to.
-    pub(crate) source: &'a Source<'a>,
+    pub(super) source: &'a Source<'a>,
     /// Pixel rows in the reference.
-    pub(crate) rows: Range<u32>,
+    pub(super) rows: Range<u32>,
     /// Pixel columns in the reference.
-    pub(crate) columns: Range<u32>,
+    pub(super) columns: Range<u32>,
 }
 
 impl<'a> Source<'a> {
     /// Prepares a reference for the warp into `view`. `first_id` is the sample of its first pixel.
-    pub(crate) fn new(reference: &'a ReferenceFrame, view: &View, first_id: u32) -> Self {
+    pub(super) fn new(reference: &'a ReferenceFrame, view: &View, first_id: u32) -> Self {
         let warp = PixelWarp::new(&reference.view, view);
         let ranges = reference.tiles().ranges();
         let columns = reference.tiles().columns();
@@ -55,25 +55,25 @@ impl<'a> Source<'a> {
     }
 
     /// All rows of tiles, from top to bottom.
-    pub(crate) fn tile_rows(&self) -> impl Iterator<Item = TileRow<'_>> {
+    pub(super) fn tile_rows(&self) -> impl Iterator<Item = TileRow<'_>> {
         let rows = self.spans.chunks(self.reference.tiles().columns().max(1));
         rows.zip(0..).map(|(spans, index)| TileRow { source: self, index, spans })
     }
 
     /// Sample of the first pixel in row `y`.
-    pub(crate) fn first_id_of_row(&self, y: u32) -> u32 {
+    pub(super) fn first_id_of_row(&self, y: u32) -> u32 {
         self.first_id + y * self.reference.view.size[0]
     }
 }
 
 impl<'a> TileRow<'a> {
     /// End of the rows of a band that any of the tiles can reach.
-    pub(crate) fn last_row_in(&self, band: &Range<u32>) -> u32 {
+    pub(super) fn last_row_in(&self, band: &Range<u32>) -> u32 {
         self.spans.iter().map(|span| span.end.min(band.end)).max().unwrap_or(0)
     }
 
     /// Tiles that can reach a band, with neighbours combined into runs.
-    pub(crate) fn runs_in(&self, band: &Range<u32>) -> impl Iterator<Item = Run<'a>> {
+    pub(super) fn runs_in(&self, band: &Range<u32>) -> impl Iterator<Item = Run<'a>> {
         let meets = |span: &Range<u32>| span.start < band.end && band.start < span.end;
         let size = self.source.reference.view.size;
         let mut tile = 0;
@@ -95,7 +95,7 @@ impl<'a> TileRow<'a> {
 impl Run<'_> {
     /// Disparities of the run's pixels in row `y` of the reference.
     #[inline(always)]
-    pub(crate) fn disparities(&self, y: u32) -> &[f32] {
+    pub(super) fn disparities(&self, y: u32) -> &[f32] {
         let row = y as usize * self.source.reference.view.size[0] as usize;
         let columns = self.columns.start as usize..self.columns.end as usize;
         &self.source.reference.disparity()[row..][columns]

@@ -17,7 +17,7 @@ use rayon::prelude::*;
 /// Rule that places a reference where it covers most of the open pixels of the next frames.
 pub const GREEDY: PlacementRule = PlacementRule {
     name: "greedy",
-    about: "where most of what is unknown ahead is seen",
+    about: "where most open pixels of the next frames are visible",
     has_threshold: true,
     prefetch_poses: PlacementRule::no_prefetch,
     decide,

@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 /// Rule that traces references on a grid in advance.
 pub const GRID: PlacementRule = PlacementRule {
     name: "grid",
-    about: "everywhere on a grid, before you get there",
+    about: "on a grid over the whole floor, in advance",
     has_threshold: false,
     prefetch_poses,
     decide: |_| None,

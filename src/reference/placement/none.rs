@@ -5,7 +5,7 @@ use super::rule::PlacementRule;
 /// Rule that never places a reference.
 pub const NONE: PlacementRule = PlacementRule {
     name: "none",
-    about: "only when asked for",
+    about: "only at your request",
     has_threshold: false,
     prefetch_poses: PlacementRule::no_prefetch,
     decide: |_| None,

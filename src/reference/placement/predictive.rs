@@ -9,7 +9,7 @@ use crate::camera::Camera;
 /// Rule that places references at the extrapolated pose.
 pub const PREDICTIVE: PlacementRule = PlacementRule {
     name: "predictive",
-    about: "ahead on your way",
+    about: "at the position predicted from your motion",
     has_threshold: true,
     prefetch_poses: PlacementRule::no_prefetch,
     decide,

@@ -6,7 +6,7 @@ use crate::camera::Camera;
 /// Rule that places a reference at the viewer's pose above a percentage of open pixels.
 pub const THRESHOLD: PlacementRule = PlacementRule {
     name: "threshold",
-    about: "where you are",
+    about: "at your position",
     has_threshold: true,
     prefetch_poses: PlacementRule::no_prefetch,
     decide,
