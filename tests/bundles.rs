@@ -1,4 +1,4 @@
-//! Shadow rays traced together against the same rays traced one by one.
+//! Shadow rays traced as a bundle against the same rays traced one by one.
 
 use super::bvh::{random, triangle_soup};
 use afterimage::math::key::Key;
@@ -8,12 +8,13 @@ use afterimage::trace::{BUNDLE_RAYS, Bvh, Hit, RayBundle, RayCounts, SurfacePoin
 use glam::Vec3;
 use std::sync::Arc;
 
+/// Random triangles, moved by `offset`.
 fn soup(count: u32, size: f32, offset: Vec3) -> Vec<[Vec3; 3]> {
     triangle_soup(count, size, 5).into_iter().map(|corners| corners.map(|corner| corner + offset)).collect()
 }
 
-/// Rays from one point to a parallelogram: narrow or wide, ending at it or going on, some aimed at vertices of the soup or
-/// along axes, some broken.
+/// Rays from one point to a parallelogram: narrow or wide, ending there or without an end, some
+/// aimed at vertices of the soup or along axes, some with NaN or infinity.
 fn bundle(i: u32, mesh: &[[Vec3; 3]], offset: Vec3) -> RayBundle {
     let key = Key::of_pixel(6, i);
     let size = [1e-4, 0.02, 0.2, 1.0][i as usize % 4];
@@ -42,7 +43,8 @@ fn bundle(i: u32, mesh: &[[Vec3; 3]], offset: Vec3) -> RayBundle {
     bundle
 }
 
-/// How many rays are blocked, of how many; each as `one` tells of it.
+/// Asserts that each ray of many bundles is blocked as it is alone. Returns the number of blocked
+/// rays and of all rays.
 fn count(bvh: &Bvh, mesh: &[[Vec3; 3]], offset: Vec3, accept: impl Fn(&Hit) -> bool) -> [u32; 2] {
     let mut counts = [0; 2];
     for i in 0..6000 {
@@ -53,7 +55,7 @@ fn count(bvh: &Bvh, mesh: &[[Vec3; 3]], offset: Vec3, accept: impl Fn(&Hit) -> b
             assert_eq!(blocked >> ray & 1 == 1, expected, "bundle {i}, ray {ray}: {:?}", bundle.ray(ray));
             counts[0] += u32::from(expected);
         }
-        assert_eq!(blocked >> bundle.len(), 0, "bundle {i}: a ray that is not there");
+        assert_eq!(blocked >> bundle.len(), 0, "bundle {i}: a ray beyond its length");
         counts[1] += bundle.len() as u32;
     }
     counts
@@ -81,9 +83,10 @@ fn bundles_are_blocked_where_their_rays_are() {
     }
 }
 
-/// Corner planes that rays run in, and walls that they end on: where rounding alone decides, it decides as for single rays.
+/// Rays that lie in the plane of a triangle or end on one: rounding decides them as it does for
+/// single rays.
 #[test]
-fn rays_in_planes_and_ends_on_walls_are_as_alone() {
+fn rays_in_planes_and_rays_that_end_on_walls_are_blocked_as_alone() {
     let grid = |i: u32, k: u32| (Key::of_pixel(8, i).with(k).pair()[0] * 8.0).floor() / 4.0 - 1.0;
     let at = |i: u32, k: u32| Vec3::new(grid(i, k), grid(i, k + 1), grid(i, k + 2));
     let mesh: Vec<[Vec3; 3]> = (0..40).map(|i| [at(i, 0), at(i, 3), at(i, 6)]).collect();
@@ -111,7 +114,7 @@ fn rays_in_planes_and_ends_on_walls_are_as_alone() {
 }
 
 #[test]
-fn no_ray_is_asked_about_a_triangle_twice() {
+fn no_ray_is_tested_against_a_triangle_twice() {
     let mesh = soup(400, 0.5, Vec3::ZERO);
     let bvh = Bvh::build(&mesh);
     for i in 0..2000 {
@@ -129,7 +132,7 @@ fn an_empty_tree_blocks_nothing() {
     assert_eq!(Bvh::build(&[]).any_at_all_in_bundle(&bundle), 0);
 }
 
-/// A sheet of glass dims, whatever comes before it; what stands behind it blocks.
+/// A sheet of glass dims, whatever lies in front of it; an opaque surface behind it blocks.
 #[test]
 fn light_that_passes_along_a_bundle_is_that_of_its_rays() {
     let tracer = Tracer::new(Arc::new(builtin::build("gallery").unwrap()));
@@ -145,7 +148,7 @@ fn light_that_passes_along_a_bundle_is_that_of_its_rays() {
             tracer.transmittances(&bundle, &mut passed);
             for (ray, &passed) in passed.iter().enumerate().take(bundle.len()) {
                 let alone = tracer.transmittance(&bundle.ray(ray), &mut Default::default());
-                // The order in which sheets are met may differ, and with it the last bit.
+                // The order in which sheets are multiplied may differ, and with it the last bit.
                 assert!((passed - alone).abs().max_element() <= 1e-6, "{passed} {alone}");
                 blocked += u32::from(alone == Vec3::ZERO);
                 dimmed += u32::from(alone != Vec3::ZERO && alone != Vec3::ONE);
@@ -156,6 +159,7 @@ fn light_that_passes_along_a_bundle_is_that_of_its_rays() {
     assert!(dimmed > 100 && blocked > 100 && dimmed + blocked < all, "{dimmed}, {blocked} of {all}");
 }
 
+/// The shadow rays of a point, with their count checked.
 fn shadow_bundles(tracer: &Tracer, point: &SurfacePoint, pixel: u32) -> Vec<RayBundle> {
     let settings = TraceSettings::default();
     let key = Key::of_pixel(settings.seed, pixel);
@@ -163,6 +167,6 @@ fn shadow_bundles(tracer: &Tracer, point: &SurfacePoint, pixel: u32) -> Vec<RayB
     tracer.shadow_bundles(point, settings.samples, key, &mut bundles);
     tracer.irradiance(point, settings.samples, key, &mut counts);
     let rays: usize = bundles.iter().map(RayBundle::len).sum();
-    assert_eq!(counts.shadow as usize, rays, "every ray of a bundle is counted");
+    assert_eq!(counts.shadow as usize, rays, "not every ray of a bundle is counted");
     bundles
 }

@@ -1,4 +1,4 @@
-//! The hierarchy against a loop over all triangles in f64, and the promises of watertightness.
+//! The hierarchy against a loop over all triangles in f64, and its watertightness.
 
 use afterimage::math::Ray;
 use afterimage::math::key::Key;
@@ -7,12 +7,14 @@ use afterimage::trace::{Bvh, Hit};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
+/// A random point of the cube from -1 to 1.
 pub(super) fn random(key: Key, index: u32) -> Vec3 {
     let [x, y] = key.with(2 * index).pair();
     let [z, _] = key.with(2 * index + 1).pair();
     Vec3::new(x, y, z) * 2.0 - 1.0
 }
 
+/// Random triangles of about the given size, with their centres in the cube from -1 to 1.
 pub(super) fn triangle_soup(count: u32, size: f32, seed: u64) -> Vec<[Vec3; 3]> {
     (0..count)
         .map(|i| {
@@ -23,7 +25,8 @@ pub(super) fn triangle_soup(count: u32, size: f32, seed: u64) -> Vec<[Vec3; 3]> 
         .collect()
 }
 
-/// Moeller and Trumbore in f64, and how far inside the triangle the hit is (least barycentric).
+/// Returns the distance of a hit after Moeller and Trumbore in f64, and the smallest barycentric,
+/// which tells how far inside the triangle it lies.
 fn hit_f64(ray: &Ray, triangle: &[Vec3; 3]) -> Option<(f64, f64)> {
     let [a, b, c] = triangle.map(Vec3::as_dvec3);
     let (o, d): (DVec3, DVec3) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
@@ -47,7 +50,7 @@ fn nearest_hit_equals_a_loop_over_all_triangles_in_f64() {
         let ray = Ray::new(random(key, 0) * 1.5, random(key, 1));
         let hits: Vec<_> =
             soup.iter().enumerate().filter_map(|(k, t)| Some((k, hit_f64(&ray, t)?))).collect();
-        // A ray that grazes an edge, or meets two triangles at nearly one distance, is decided by rounding.
+        // Leave out rays that graze an edge: rounding decides them.
         if hits.iter().any(|(_, (_, least))| least.abs() < 1e-5) {
             continue;
         }
@@ -84,14 +87,14 @@ fn of_equal_distances_the_lower_triangle_wins() {
     assert_eq!(hit.triangle, 0);
 }
 
-/// The nearest of all triangles by the arithmetic of the tree, without the tree.
+/// Returns the nearest hit with all triangles, by the arithmetic of the tree but without the tree.
 fn nearest_of_all(bvh: &Bvh, ray: &Ray, mesh: &[[Vec3; 3]]) -> Option<Hit> {
     let hits = (0..).zip(mesh).filter_map(|(i, corners)| bvh.on_triangle(ray, i, *corners));
     hits.min_by(|a, b| a.t.total_cmp(&b.t).then(a.triangle.cmp(&b.triangle)))
 }
 
 #[test]
-fn which_of_two_triangles_at_one_distance_is_hit_is_not_up_to_the_tree() {
+fn the_tree_does_not_decide_between_triangles_at_one_distance() {
     let ball = sphere(12, 300.0, Vec3::new(100.0, -50.0, 20.0));
     // The same triangles in another order make another tree.
     let turned: Vec<[Vec3; 3]> = ball.iter().copied().rev().collect();
@@ -112,7 +115,7 @@ fn sphere(rings: u32, scale: f32, offset: Vec3) -> Vec<[Vec3; 3]> {
     use std::f32::consts::{PI, TAU};
     let at = |i: u32, j: u32| {
         let (theta, phi) = (PI * i as f32 / rings as f32, TAU * (j % rings) as f32 / rings as f32);
-        // The poles must be one point, or the mesh would not be closed.
+        // Each pole must be one point, or the mesh would not be closed.
         let sin = if i == 0 || i == rings { 0.0 } else { theta.sin() };
         offset + Vec3::new(sin * phi.cos(), theta.cos(), sin * phi.sin()) * scale
     };

@@ -1,4 +1,4 @@
-//! Lights that nobody sees cost nothing, and leaving them out changes nothing that can be seen.
+//! Lights that do not reach a cell cost nothing there, and culling them changes no visible light.
 
 use crate::rooms::{cuboid, dvec, quad};
 use afterimage::scene::{Material, Scene, SceneBuilder};
@@ -39,20 +39,21 @@ fn shadow_rays_and_radiance(rooms: u32) -> (RayCounts, Vec<Vec3>) {
 fn time_does_not_grow_with_lights_in_closed_rooms() {
     let (few, _) = shadow_rays_and_radiance(4);
     let (many, _) = shadow_rays_and_radiance(40);
-    // Cells are cut relative to the scene's size, so the longer row has coarser ones: some slack, but no factor of 10.
+    // The size of cells is relative to that of the scene, so the longer row has coarser cells:
+    // allow a factor of 2, not of 10.
     assert!(many.shadow < 2 * few.shadow, "{} shadow rays for 40 rooms, {} for 4", many.shadow, few.shadow);
 }
 
 #[test]
-fn what_is_cut_brings_no_light() {
+fn culled_lights_bring_no_light() {
     let rooms = 12;
     let scene = row_of_rooms(rooms);
     let (_, culled) = shadow_rays_and_radiance(rooms);
     let tracer = Tracer::new(Arc::new(scene));
     let camera = Camera::look_at(dvec(0.4, 1.6, 2.5), dvec(3.0, 1.2, 0.8), 75.0);
     let view = afterimage::View::new(&camera, &tracer.scene().frame, [96, 72]);
-    // The same picture with every light sampled, by the sum over scenes of one light each: light is additive, and
-    // a scene of one light is never cut.
+    // Render every light on its own and add them up: light is additive, and a scene of one light
+    // culls none.
     let mut sum = vec![Vec3::ZERO; view.pixel_count()];
     for light in 0..tracer.scene().lights.len() {
         let mut one = (**tracer.scene()).clone();
@@ -69,12 +70,12 @@ fn what_is_cut_brings_no_light() {
         compared().map(|(c, s)| f(*c, *s)).sum::<f32>() / compared().count() as f32
     };
     let (with, without) = (mean(&|c, _| c.x), mean(&|_, s| s.x));
-    // 64 against 4 samples: the noise of the mean of some thousand pixels is well below this.
-    assert!((with / without - 1.0).abs() < 0.01, "mean radiance {with} with the cut, {without} without");
+    // With 64 and 4 samples, the noise of the mean of some thousand pixels is well below this.
+    assert!((with / without - 1.0).abs() < 0.01, "mean radiance {with} with culling, {without} without");
 }
 
 #[test]
-fn cuts_are_counted() {
+fn culled_lights_are_counted() {
     let tracer = Tracer::new(Arc::new(row_of_rooms(12)));
     let camera = Camera::look_at(dvec(0.4, 1.6, 2.5), dvec(3.0, 1.2, 0.8), 75.0);
     let settings =

@@ -7,6 +7,7 @@ use afterimage::{Camera, Tracer};
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
+/// A vector of world coordinates.
 pub(crate) fn dvec(x: f64, y: f64, z: f64) -> DVec3 {
     DVec3::new(x, y, z)
 }
@@ -16,12 +17,14 @@ pub(crate) fn cuboid(b: &mut SceneBuilder, low: DVec3, high: DVec3, material: Ma
     shapes::cuboid(b, [low, high], material, inside_out);
 }
 
+/// Optional contents of [`room`].
 pub(crate) struct RoomOptions {
     pub(crate) mirror: bool,
     pub(crate) glass: bool,
 }
 
-/// A 6 x 3 x 8 m room with a few boxes and a lamp, and on demand a mirror on a wall and a block of glass.
+/// A 6 x 3 x 8 m room with a few boxes and a lamp, and optionally a mirror on a wall and a block of
+/// glass.
 pub(crate) fn room(options: &RoomOptions) -> Scene {
     let mut b = SceneBuilder::new("test room");
     let wall = b.add_material(Material::diffuse("wall", Vec3::new(0.7, 0.65, 0.6)));
@@ -42,16 +45,17 @@ pub(crate) fn room(options: &RoomOptions) -> Scene {
     b.finish().unwrap()
 }
 
+/// The tracer of [`room`].
 pub(crate) fn room_tracer(mirror: bool, glass: bool) -> Tracer {
     Tracer::new(Arc::new(room(&RoomOptions { mirror, glass })))
 }
 
-/// Looks into the room from its end.
+/// A camera at the end of the room that looks along it.
 pub(crate) fn room_camera() -> Camera {
     Camera::look_at(dvec(0.2, 1.5, 3.5), dvec(-0.2, 1.2, -4.0), 65.0)
 }
 
-/// Leaves cut out of three sheets by a texture, in the open, under a lamp.
+/// Three sheets from which a texture cuts out leaves, without walls, under a lamp.
 pub(crate) fn leafy_scene() -> Scene {
     let mut b = SceneBuilder::new("leaves");
     let texel = |i: u32| {

@@ -1,4 +1,5 @@
-//! What a tile of pixels sees against what each of its rays sees alone, its slow twin: the same bits.
+//! The hits of a tile of rays against those of each ray alone, its slow twin: the bits are the
+//! same.
 
 use crate::rooms::{cuboid, dvec, leafy_scene, quad, room_camera, room_tracer};
 use afterimage::math::key::Key;
@@ -8,12 +9,13 @@ use afterimage::{Camera, Tracer, View};
 use glam::{DVec3, Vec2, Vec3};
 use std::sync::Arc;
 
-/// A hit exactly on an edge, where the triangle test and the boxes above it may be of two minds.
+/// True for a hit exactly on an edge, where the triangle test and the boxes above it may disagree.
 fn is_on_edge(hit: Option<Hit>) -> bool {
     hit.is_some_and(|h| h.b1 == 0.0 || h.b2 == 0.0 || h.b1 + h.b2 >= 1.0)
 }
 
-/// Compares every pixel of a picture. Returns how many rays met a surface, and how many none.
+/// Compares every pixel of a picture. Returns the number of rays that hit a surface, and of those
+/// that hit none.
 fn assert_same(tracer: &Tracer, camera: &Camera, size: [u32; 2]) -> [usize; 2] {
     let view = View::new(camera, &tracer.scene().frame, size);
     let (mut tile, mut hits) = (primary_tile(&view, [0, 0]), TileHits::NONE);
@@ -42,9 +44,10 @@ fn assert_same(tracer: &Tracer, camera: &Camera, size: [u32; 2]) -> [usize; 2] {
     counts
 }
 
+/// A camera in the room with a given direction and field of view.
 fn turned(yaw_deg: f64, pitch_deg: f64, fov_y_deg: f64) -> Camera {
     let fov_y = fov_y_deg.to_radians();
-    // Not in the plane of any wall.
+    // The eye lies in the plane of no wall.
     let eye = dvec(0.213, 1.517, 3.489);
     Camera { eye, yaw: yaw_deg.to_radians(), pitch: pitch_deg.to_radians(), fov_y }
 }
@@ -82,7 +85,8 @@ fn views_from_outside_and_from_far_away() {
     }
 }
 
-/// Eyes in the plane of a wall, at a corner, and on an edge, where culling by planes through the eye has nothing to go by.
+/// Eyes in the plane of a wall, at a corner and on an edge, where planes through the eye are
+/// degenerate.
 #[test]
 fn eyes_on_surfaces() {
     let tracer = room_tracer(false, false);

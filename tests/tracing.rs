@@ -15,8 +15,9 @@ fn mean(radiance: &[Vec3]) -> Vec3 {
     radiance.iter().copied().sum::<Vec3>() / radiance.len() as f32
 }
 
-/// A cube whose walls emit 1 and reflect rho: radiance after n bounces is 1 + rho + ... + rho^(n+1), the last term
-/// because light that comes straight from the walls is no bounce of its own.
+/// The walls of a cube emit 1 and reflect rho. The radiance after n bounces is 1 + rho + ... +
+/// rho^(n+1); the last term exists because light straight from the walls does not count as a
+/// bounce.
 #[test]
 fn furnace_has_its_closed_form_within_one_percent() {
     let rho = 0.5f32;
@@ -38,8 +39,8 @@ fn furnace_has_its_closed_form_within_one_percent() {
     }
 }
 
-/// Two facing mirrors of reflectance r with emitters on them: each bounce adds r times the last. The sum must differ
-/// from the geometric series by no more than the bound that is printed.
+/// Two emitting mirrors of reflectance r face each other: each bounce adds r times the one before.
+/// The sum may differ from the geometric series by at most the bound that `inspect` prints.
 #[test]
 fn parallel_mirrors_stay_within_the_printed_bound() {
     for r in [0.5f32, 0.8, 0.98] {
@@ -65,7 +66,7 @@ fn parallel_mirrors_stay_within_the_printed_bound() {
         let whole = 0.1 / (1.0 - r);
         let missing = whole - traced.radiance.x;
         let bound = truncation_bound(r, 0.1);
-        // Rounding of a sum of some hundred terms comes on top.
+        // Allow for the rounding of a sum of some hundred terms.
         assert!(
             missing > -1e-3 * whole && missing <= bound * 1.001,
             "r {r}: missing {missing}, bound {bound}"
@@ -76,7 +77,8 @@ fn parallel_mirrors_stay_within_the_printed_bound() {
 
 #[test]
 fn an_area_light_gives_the_form_factor_of_parallel_squares() {
-    // Unit squares one apart, facing: the middle of the lower sees a form factor of 4 * 0.0596831 * ... in closed form.
+    // Two unit squares face each other at distance 1; the form factor of the lower one's middle has
+    // a closed form.
     let mut b = SceneBuilder::new("squares");
     let floor = b.add_material(Material::diffuse("floor", Vec3::ONE));
     let lamp = b.add_material(Material::emissive("lamp", Vec3::ONE));
@@ -95,7 +97,8 @@ fn an_area_light_gives_the_form_factor_of_parallel_squares() {
         &TraceSettings { samples: 4096, ..Default::default() },
         &mut RayCounts::default(),
     );
-    // Point to parallel rectangle a x b at distance c with a corner above the point, four times (a = b = 1/2, c = 1).
+    // Four times the form factor from a point to a parallel rectangle a x b at distance c, one
+    // corner of which lies above the point (a = b = 1/2, c = 1).
     let (x, y) = (0.5f64, 0.5f64);
     let (rx, ry) = ((1.0 + x * x).sqrt(), (1.0 + y * y).sqrt());
     let corner = (x / rx * (y / rx).atan() + y / ry * (x / ry).atan()) / (2.0 * std::f64::consts::PI);
@@ -205,7 +208,8 @@ fn scenes_scaled_by_powers_of_two_and_moved_by_whole_units_have_the_same_bits() 
     }
 }
 
-/// A floor lit by a lamp and by way of a wall, with or without something in between.
+/// Returns the brightness of a floor that is lit by a lamp and by way of a wall; `add` adds to the
+/// scene.
 fn floor_brightness(bounces: u32, add: impl Fn(&mut SceneBuilder)) -> f32 {
     let mut b = SceneBuilder::new("corner");
     let white = b.add_material(Material::diffuse("white", Vec3::splat(0.8)));
@@ -223,7 +227,7 @@ fn floor_brightness(bounces: u32, add: impl Fn(&mut SceneBuilder)) -> f32 {
 #[test]
 fn light_that_bounces_through_glass_is_counted_once() {
     let open = floor_brightness(1, |_| {});
-    // Between lamp and floor; of index one and no absorption, so that it changes nothing.
+    // A pane between lamp and floor, of index one and without absorption, changes nothing.
     let behind_glass = floor_brightness(1, |b| {
         let glass = b.add_material(Material::glass("pane", 1.0, Vec3::ONE));
         quad(b, dvec(-1.9, 2.0, -1.9), dvec(3.8, 0.0, 0.0), dvec(0.0, 0.0, 3.8), glass);
@@ -234,7 +238,8 @@ fn light_that_bounces_through_glass_is_counted_once() {
 
 #[test]
 fn a_polished_wall_still_scatters_light() {
-    // The wall's diffuse part must bounce light as that of a matte wall of the same colour does; the mirror adds more.
+    // The wall's diffuse part must bounce light as a matte wall of the same colour does; its mirror
+    // adds more.
     let wall = |kind: MaterialKind| {
         move |b: &mut SceneBuilder| {
             let m = b.add_material(Material { kind, ..Material::diffuse("wall", Vec3::splat(0.6)) });

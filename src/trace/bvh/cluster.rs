@@ -84,10 +84,8 @@ fn is_first_of_pair(partners: &[u32], i: usize) -> bool {
 fn choose(current: &[Bvh2Node], partners: &mut Vec<u32>) {
     partners.clear();
     partners.resize(current.len(), 0);
-    partners.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, partners)| {
-        let first = chunk * CHUNK;
-        choose_in(current, first, partners);
-    });
+    let chunks = partners.par_chunks_mut(CHUNK).enumerate();
+    chunks.for_each(|(chunk, partners)| choose_in(current, chunk * CHUNK, partners));
 }
 
 /// [`choose`] for the boxes from `first` on. Every pair is measured once.

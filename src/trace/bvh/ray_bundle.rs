@@ -61,11 +61,8 @@ impl RayBundle {
 
     /// One of the rays.
     pub fn ray(&self, ray: usize) -> Ray {
-        Ray { origin: self.origin, direction: self.direction(ray), t_max: self.t_max[ray] }
-    }
-
-    fn direction(&self, ray: usize) -> Vec3 {
-        Vec3::from(self.directions.each_ref().map(|of_axis| of_axis[ray]))
+        let direction = Vec3::from(self.directions.each_ref().map(|of_axis| of_axis[ray]));
+        Ray { origin: self.origin, direction, t_max: self.t_max[ray] }
     }
 }
 

@@ -102,6 +102,8 @@ impl LightGrid {
     fn find(&self, scene: &Scene, bvh: &Bvh, index: u32, at: UVec3) -> Box<[u32]> {
         let low = self.low + at.as_vec3() * CELL - CELL / 2.0;
         let region = Region { low, size: CELL * 2.0, key: Key::of_pixel(0, index) };
+        // Enclose the region in a sphere.
+        let (centre, radius) = (region.low + region.size / 2.0, region.size / 2.0 * 3f32.sqrt());
         let mut seen = vec![false; self.all.len()];
         let first_lines = FIRST_LINES.min((CELL_LINES / self.all.len() as u32).max(1));
         let mut lines_left = CELL_LINES;
@@ -114,11 +116,11 @@ impl LightGrid {
             seen[light as usize] = reached > 0;
             // Estimate the light for the far side of the cell, so that a lamp near the middle does
             // not make the others seem negligible.
-            arriving += share * unshadowed(&scene.lights[light as usize], region.centre(), -region.radius());
+            arriving += share * unshadowed(&scene.lights[light as usize], centre, -radius);
         }
         // Draw more lines to each light that none has reached, until its bound is low enough.
         for &light in self.all.iter().filter(|&&light| !seen[light as usize]).collect::<Vec<_>>() {
-            let most = unshadowed(&scene.lights[light as usize], region.centre(), region.radius());
+            let most = unshadowed(&scene.lights[light as usize], centre, radius);
             // In a dark cell the quotient is infinite: every light counts.
             let needed = (3.0 * most / (TOLERANCE * arriving)).min(MAX_LINES as f32) as u32;
             let mut lines = first_lines..needed.max(first_lines);
@@ -143,15 +145,6 @@ struct Region {
 }
 
 impl Region {
-    fn centre(&self) -> Vec3 {
-        self.low + self.size / 2.0
-    }
-
-    /// Radius of the sphere around the region.
-    fn radius(&self) -> f32 {
-        self.size / 2.0 * 3f32.sqrt()
-    }
-
     /// True where line number `line` from the region to a light meets nothing opaque.
     fn reaches(&self, scene: &Scene, bvh: &Bvh, light: u32, line: u32) -> bool {
         let key = self.key.with(light).with(line);

@@ -56,6 +56,9 @@ pub(super) fn sample(
     origin: Vec3,
     u: [f32; 2],
 ) -> Option<LightSample> {
+    let distant = |d: Vec3, irradiance: Vec3| {
+        Some(LightSample { shadow_ray: Ray::new(origin, d), irradiance, is_clamped: false })
+    };
     match light {
         Light::Quad { corner, edge_u, edge_v, radiance } => {
             let on_light = *corner + *edge_u * u[0] + *edge_v * u[1];
@@ -83,15 +86,12 @@ pub(super) fn sample(
         Light::Sun { direction, cos_angular_radius, irradiance } => {
             let d = frame_around(*direction) * uniform_cone(u, *cos_angular_radius);
             let cos = cosine(point, d)?;
-            let irradiance = *irradiance * cos;
-            Some(LightSample { shadow_ray: Ray::new(origin, d), irradiance, is_clamped: false })
+            distant(d, *irradiance * cos)
         }
         Light::Sky => {
             let d = frame_around(point.shading_normal) * cosine_hemisphere(u);
             cosine(point, d)?;
-            let radiance = scene.sky.as_ref().map_or(Vec3::ZERO, |s| s.radiance(d));
-            let irradiance = radiance * PI;
-            Some(LightSample { shadow_ray: Ray::new(origin, d), irradiance, is_clamped: false })
+            distant(d, scene.sky.as_ref().map_or(Vec3::ZERO, |s| s.radiance(d)) * PI)
         }
     }
 }
