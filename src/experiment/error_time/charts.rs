@@ -1,9 +1,7 @@
 //! Charts of error against run time.
 
-use super::compare::pareto;
-use super::plan::DEFAULT_REFERENCES;
 use super::setups::{LEAD, METRICS, Metric, Setup};
-use super::words::time;
+use super::{compare::pareto, plan::DEFAULT_REFERENCES, words::time};
 use crate::experiment::run::report::{Axis, Block, Drawn, Point, Series};
 
 /// Colours of the modes, equal in every chart.

@@ -2,13 +2,10 @@
 //! picture.
 
 use super::truth::{TruthRequest, truth};
-use crate::raster::load::display_of;
 use crate::raster::metrics::{CompareError, flip, psnr_db};
-use crate::raster::pixel_types::PixelType;
-use crate::raster::save::SaveError;
+use crate::raster::{load::display_of, pixel_types::PixelType, save::SaveError};
 use crate::render::{Frame, FrameRequest, Mode, RenderSettings, Renderer};
-use crate::trace::parallel::Stop;
-use crate::trace::{TraceSettings, Tracer};
+use crate::trace::{TraceSettings, Tracer, parallel::Stop};
 use serde::Serialize;
 use std::path::PathBuf;
 

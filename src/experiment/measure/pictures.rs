@@ -1,9 +1,8 @@
 //! The pictures of a frame for a report.
 
 use crate::experiment::run::{ExperimentContext, ExperimentError};
-use crate::raster::color::ToneMap;
-use crate::raster::load::exposed;
 use crate::raster::metrics::{CompareError, error_picture, flip_map};
+use crate::raster::{color::ToneMap, load::exposed};
 use crate::render::Frame;
 use crate::render::aov::{display_rows, types_rows};
 use glam::Vec3;

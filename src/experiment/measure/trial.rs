@@ -1,10 +1,9 @@
 //! One view in one mode from given references: rendered several times for its time, compared once
 //! for its error.
 
-use super::errors::Errors;
 use super::measurement::{TRUTH_SEED, see_through_percent};
-use super::references::References;
 use super::truth::{TruthRequest, truth};
+use super::{errors::Errors, references::References};
 use crate::camera::Camera;
 use crate::experiment::run::{CellOutcome, ExperimentContext, RunRecord};
 use crate::render::{Frame, FrameRequest, Mode, RenderSettings, Renderer};

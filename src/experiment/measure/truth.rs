@@ -4,8 +4,7 @@
 use crate::camera::{Camera, View};
 use crate::raster::save::{SaveError, write_atomically};
 use crate::render::{FrameRequest, Mode, RenderSettings, Renderer};
-use crate::trace::parallel::Stop;
-use crate::trace::{RayCounts, TraceSettings, Tracer};
+use crate::trace::{RayCounts, TraceSettings, Tracer, parallel::Stop};
 use glam::Vec3;
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};

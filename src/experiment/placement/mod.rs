@@ -5,12 +5,10 @@
 //! that traces more may well know more.
 
 mod floor_plan;
-mod plan;
 mod report;
 mod run;
 mod walks;
 mod watch;
 
-pub(super) use plan::{cells, settings};
 pub(super) use report::report;
-pub(super) use run::run_cell;
+pub(super) use run::{cells, run_cell, settings};

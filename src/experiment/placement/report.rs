@@ -1,8 +1,7 @@
 //! Which rule leaves the fewest open pixels at equal tracing.
 
-use super::floor_plan;
-use super::plan::{MODES, POLICIES};
-use super::walks::WALKS;
+use super::run::{MODES, POLICIES};
+use super::{floor_plan, walks::WALKS};
 use crate::experiment::run::report::{Axis, Block, Drawn, Picture, Point, Section, Series, row};
 use crate::experiment::run::{Identity, Report, RunRecord, matching};
 use crate::render::Mode;

@@ -1,15 +1,70 @@
-//! Runs one walk under one policy.
+//! The walks, modes and policies that are compared, and the run of one of them.
 
-use super::plan::{MODES, POLICIES};
-use super::watch::Watch;
 use super::{floor_plan, walks};
+use super::{walks::WALKS, watch::Watch};
 use crate::camera::Camera;
 use crate::experiment::measure::{MeasureSettings, Measurement};
-use crate::experiment::run::{CellOutcome, ExperimentContext, ExperimentError, RunRecord};
+use crate::experiment::run::{
+    Cell, CellOutcome, Effort, ExperimentContext, ExperimentError, ExperimentSettings, RunRecord,
+};
 use crate::experiment::statistics::{median, percentile};
 use crate::experiment::tour::{FrameRecord, TourEvent, TourRecord, TourSettings, fly};
 use crate::reference::PlacementPolicy;
 use crate::render::{Mode, RenderSettings, WalkthroughSettings};
+
+pub(super) const MODES: [Mode; 2] = [Mode::Paper, Mode::Exact];
+
+/// A placement rule and the percentages at which it is measured. Above 20 %, and for sparse
+/// references below 1 %, the percentage alone decides whether a reference is worth tracing.
+pub(super) struct Policy {
+    pub(super) rule: &'static str,
+    /// Percentages for the dense references of the paper; the quick effort takes the first.
+    dense: &'static [f64],
+    /// Percentages for the sparse references of the look-up; the quick effort takes the first.
+    sparse: &'static [f64],
+}
+
+impl Policy {
+    /// The percentages for the references of a mode.
+    pub(super) fn percents(&self, mode: Mode) -> &'static [f64] {
+        if mode.looks_up() { self.sparse } else { self.dense }
+    }
+}
+
+/// All policies.
+pub(super) const POLICIES: [Policy; 5] = [
+    Policy { rule: "threshold", dense: &[5.0, 2.0, 10.0, 20.0, 40.0], sparse: &[1.0, 0.25, 4.0, 16.0] },
+    Policy { rule: "predictive", dense: &[5.0, 30.0, 50.0], sparse: &[1.0, 0.25, 0.0625] },
+    Policy { rule: "greedy", dense: &[5.0, 30.0, 50.0], sparse: &[1.0, 0.25, 0.0625] },
+    Policy { rule: "grid", dense: &[0.0], sparse: &[0.0] },
+    Policy { rule: "none", dense: &[0.0], sparse: &[0.0] },
+];
+
+pub(crate) fn settings(effort: Effort) -> ExperimentSettings {
+    let usual = ExperimentSettings { effort, views: 1, repetitions: 1, ..Default::default() };
+    let (size, frames, samples, truth_samples) = match effort {
+        Effort::Quick => ([160, 90], 24, 1, 16),
+        Effort::Usual => ([320, 180], 80, 4, 256),
+    };
+    ExperimentSettings { size, frames, samples, truth_samples, ..usual }
+}
+
+pub(crate) fn cells(context: &ExperimentContext<'_>) -> Vec<Cell> {
+    let is_quick = context.settings.effort == Effort::Quick;
+    let mut cells = Vec::new();
+    for mode in MODES {
+        for (walk, _) in WALKS {
+            for policy in POLICIES {
+                let percents = policy.percents(mode);
+                let count = if is_quick { 1 } else { percents.len() };
+                let record = RunRecord::default().with("mode", mode.name()).with("walk", walk);
+                let record = record.with("rule", policy.rule);
+                cells.extend(percents[..count].iter().map(|p| Cell(record.clone().with("percent", *p))));
+            }
+        }
+    }
+    cells
+}
 
 /// Number of frames of a walk that are compared with converged pictures.
 const MEASURED_FRAMES: u32 = 3;

@@ -1,11 +1,7 @@
 //! Runs the cells of a run folder.
 
-use super::context::ExperimentContext;
-use super::error::ExperimentError;
-use super::experiment::Experiment;
-use super::folder::RunFolder;
-use super::identity::Cell;
-use super::journal::Done;
+use super::{context::ExperimentContext, error::ExperimentError, experiment::Experiment, folder::RunFolder};
+use super::{identity::Cell, journal::Done};
 use std::time::Instant;
 
 /// Progress of a run.

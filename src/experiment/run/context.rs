@@ -1,17 +1,12 @@
 //! The scene, settings and folders that a cell runs with.
 
-use super::error::ExperimentError;
 use super::identity::{Identity, sha256_hex};
-use super::record::RunRecord;
-use super::settings::ExperimentSettings;
+use super::{error::ExperimentError, record::RunRecord, settings::ExperimentSettings};
 use crate::camera::{Camera, CameraPath};
-use crate::raster::color::metered_exposure_ev;
-use crate::raster::save::save_png;
-use crate::trace::Tracer;
-use crate::trace::parallel::Stop;
+use crate::raster::{color::metered_exposure_ev, save::save_png};
+use crate::trace::{Tracer, parallel::Stop};
 use glam::Vec3;
-use std::path::Path;
-use std::sync::Arc;
+use std::{path::Path, sync::Arc};
 
 /// The scene, settings and folders that a cell runs with.
 #[derive(Clone, Copy)]

@@ -1,7 +1,6 @@
 //! Why a run cannot be started or continued.
 
-use crate::raster::metrics::CompareError;
-use crate::raster::save::SaveError;
+use crate::raster::{metrics::CompareError, save::SaveError};
 use crate::scene::SceneError;
 use std::path::{Path, PathBuf};
 

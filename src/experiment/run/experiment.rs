@@ -1,11 +1,8 @@
 //! An experiment as data: a name and four functions.
 
-use super::context::ExperimentContext;
-use super::error::ExperimentError;
 use super::identity::{Cell, Identity};
-use super::record::RunRecord;
-use super::report::Report;
 use super::settings::{Effort, ExperimentSettings};
+use super::{context::ExperimentContext, error::ExperimentError, record::RunRecord, report::Report};
 
 /// A named experiment. The command line and the run folder need nothing else to run it.
 #[derive(Clone, Copy, Debug)]

@@ -1,16 +1,11 @@
 //! The folder of a run: never overwritten, resumed by the same run, and written by one process at a
 //! time.
 
-use super::csv::csv;
-use super::error::ExperimentError;
-use super::identity::Identity;
 use super::journal::{Done, Journal};
 use super::manifest::{FORMAT, Manifest, Session};
-use super::record::RunRecord;
-use super::report::Report;
 use super::shard::Shard;
-use crate::raster::load::read_bounded;
-use crate::raster::save::write_atomically;
+use super::{csv::csv, error::ExperimentError, identity::Identity, record::RunRecord, report::Report};
+use crate::raster::{load::read_bounded, save::write_atomically};
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 

@@ -1,14 +1,11 @@
 //! The journal of finished cells, one line per cell: appended, flushed and synced, so that a killed
 //! run loses at most the cell in progress.
 
-use super::error::ExperimentError;
-use super::record::RunRecord;
-use crate::raster::load::read_bounded;
-use crate::raster::save::write_atomically;
+use super::{error::ExperimentError, record::RunRecord};
+use crate::raster::{load::read_bounded, save::write_atomically};
 use serde::{Deserialize, Serialize};
 use std::fs::{File, OpenOptions};
-use std::io::Write;
-use std::path::Path;
+use std::{io::Write, path::Path};
 
 /// A finished cell.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

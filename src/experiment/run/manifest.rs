@@ -1,7 +1,6 @@
 //! The manifest of a run folder: what was run, how much of it is finished, and on which machines.
 
-use super::identity::Identity;
-use super::shard::Shard;
+use super::{identity::Identity, shard::Shard};
 use serde::{Deserialize, Serialize};
 
 /// Content of `manifest.json`.

@@ -1,12 +1,9 @@
 //! Merges the folders of shards into the folder of the whole run.
 
-use super::error::ExperimentError;
 use super::folder::{RunFolder, read_manifest};
-use super::journal::Journal;
 use super::manifest::{Manifest, Session};
-use super::shard::Shard;
-use crate::raster::load::read_bounded;
-use crate::raster::save::write_atomically;
+use super::{error::ExperimentError, journal::Journal, shard::Shard};
+use crate::raster::{load::read_bounded, save::write_atomically};
 use std::path::{Path, PathBuf};
 
 /// Merges run folders into a new one. Cells that are missing in all folders stay missing; running

@@ -4,10 +4,8 @@
 //! Triangles and lights are varied in a generated hall of statues, whose view stays the same
 //! however many statues stand behind the viewer. Everything else is measured in the given scene.
 
-mod plan;
 mod report;
 mod run;
 
-pub(super) use plan::{cells, settings};
 pub(super) use report::report;
-pub(super) use run::run_cell;
+pub(super) use run::{cells, run_cell, settings};

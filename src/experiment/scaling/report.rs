@@ -1,6 +1,6 @@
 //! Growth of frame time as exponents, compared with the goals.
 
-use super::plan::{AXES, MODES};
+use super::run::{AXES, MODES};
 use crate::experiment::run::report::{Axis, Block, Drawn, Point, Section, Series, row};
 use crate::experiment::run::{Identity, Report, RunRecord, matching, median_of};
 use crate::experiment::statistics::{PowerLaw, power_law};

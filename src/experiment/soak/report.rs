@@ -1,6 +1,6 @@
 //! Whether memory and frame times stayed constant.
 
-use super::plan::parts;
+use super::run::parts;
 use crate::experiment::run::report::{Axis, Block, Drawn, Point, Section, Series, fields};
 use crate::experiment::run::{Effort, Identity, Report, RunRecord};
 use serde_json::json;

@@ -1,20 +1,34 @@
-//! Walks for one part of the run.
+//! The parts of the run: each walks for a fixed time.
 
-use super::plan::parts;
-use crate::experiment::run::{CellOutcome, ExperimentContext, RunRecord};
+use crate::experiment::run::{Cell, CellOutcome, Effort, ExperimentContext, ExperimentSettings, RunRecord};
 use crate::experiment::statistics::percentile;
-use crate::reference::PlacementPolicy;
-use crate::reference::placement::THRESHOLD;
+use crate::reference::{PlacementPolicy, placement::THRESHOLD};
 use crate::render::{Mode, RenderSettings, Walkthrough, WalkthroughSettings};
 use serde_json::Value;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
+
+pub(crate) fn settings(effort: Effort) -> ExperimentSettings {
+    ExperimentSettings { effort, size: [320, 180], samples: 2, ..ExperimentSettings::default() }
+}
+
+/// Returns the number of parts of a run and the length of each.
+pub(super) fn parts(effort: Effort) -> (u32, Duration) {
+    match effort {
+        Effort::Quick => (6, Duration::from_secs(5)),
+        Effort::Usual => (30, Duration::from_secs(60)),
+    }
+}
+
+pub(crate) fn cells(context: &ExperimentContext<'_>) -> Vec<Cell> {
+    (0..parts(context.settings.effort).0).map(|part| Cell(RunRecord::default().with("part", part))).collect()
+}
 
 pub(crate) fn run_cell(context: &ExperimentContext<'_>, _: &RunRecord) -> CellOutcome {
     let length = parts(context.settings.effort).1;
     let start = Instant::now();
     // Every part does the same work, so that their times are comparable.
-    let mut walk = Walkthrough::new(Arc::clone(context.tracer), settings(context, 0));
+    let mut walk = Walkthrough::new(Arc::clone(context.tracer), walkthrough_settings(context, 0));
     let mut secs = Vec::new();
     let mut bad = 0usize;
     for frame in (0..).take_while(|_| start.elapsed() < length) {
@@ -47,7 +61,7 @@ pub(crate) fn run_cell(context: &ExperimentContext<'_>, _: &RunRecord) -> CellOu
 /// Acts as a restless user: at fixed frames changes the mode, clears the cache, or edits the scene.
 fn disturb(context: &ExperimentContext<'_>, walk: &mut Walkthrough, frame: u32) {
     match frame % 100 {
-        25 | 75 => walk.set_settings(settings(context, frame / 25)),
+        25 | 75 => walk.set_settings(walkthrough_settings(context, frame / 25)),
         50 => walk.cache_mut().clear(),
         99 => {
             let scene = walk.tracer().scene();
@@ -59,7 +73,7 @@ fn disturb(context: &ExperimentContext<'_>, walk: &mut Walkthrough, frame: u32) 
     }
 }
 
-fn settings(context: &ExperimentContext<'_>, turn: u32) -> WalkthroughSettings {
+fn walkthrough_settings(context: &ExperimentContext<'_>, turn: u32) -> WalkthroughSettings {
     let mode = [Mode::Exact, Mode::Paper, Mode::Fast][turn as usize % 3];
     WalkthroughSettings {
         render: RenderSettings { mode, trace: context.settings.trace() },

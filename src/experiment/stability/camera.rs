@@ -8,10 +8,8 @@ use super::pictures::{
 use super::rooms::{Room, ball, cuboid, dvec, random, tracer};
 use crate::camera::{Camera, NEAREST_DEPTH};
 use crate::experiment::run::ExperimentError;
-use crate::math::Ray;
-use crate::math::key::Key;
-use crate::raster::load::Picture;
-use crate::raster::save::save_png;
+use crate::math::{Ray, key::Key};
+use crate::raster::{load::Picture, save::save_png};
 use crate::reference::ReferenceFrame;
 use crate::render::{Frame, Mode};
 use crate::scene::{Material, SceneBuilder};

@@ -2,8 +2,7 @@
 
 use crate::experiment::run::ExperimentError;
 use crate::raster::color::ToneMap;
-use crate::render::Frame;
-use crate::render::aov::display_rows;
+use crate::render::{Frame, aov::display_rows};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// A property that must hold.

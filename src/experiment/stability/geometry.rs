@@ -6,16 +6,13 @@ use super::pictures::{
 };
 use super::rooms::{Room, ball, dvec, imported, is_named, random, soup, tracer, triangle, wall};
 use crate::camera::Camera;
-use crate::math::Ray;
-use crate::math::key::Key;
-use crate::math::sampling::uniform_triangle;
+use crate::math::{Ray, key::Key, sampling::uniform_triangle};
 use crate::render::Frame;
 use crate::scene::{Material, MaterialId, SceneBuilder, SceneError, Sun};
 use crate::trace::{Bvh, ILL_CONDITIONED, NO_TRIANGLE, Tracer};
 use glam::{DVec3, Vec2, Vec3, Vec3Swizzles};
 use rayon::prelude::*;
-use std::f64::consts::TAU;
-use std::time::Instant;
+use std::{f64::consts::TAU, time::Instant};
 
 pub(super) const CASES: &[Case] = &[
     case("C1 a face twice", "% of pixels that show the later one", 0.0, |_| twins_shown(true)),

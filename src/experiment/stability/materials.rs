@@ -8,15 +8,13 @@ use super::rooms::{Room, ball, cuboid, dvec, imported, quad, tracer, wall};
 use crate::bsdf::fresnel_dielectric;
 use crate::camera::{Camera, View};
 use crate::experiment::run::ExperimentError;
-use crate::math::Ray;
-use crate::math::key::Key;
+use crate::math::{Ray, key::Key};
 use crate::raster::color::{ToneMap, display_linear, metered_exposure_ev};
 use crate::render::{Frame, Mode};
 use crate::scene::{Encoding, Material, MaterialId, MaterialKind, SceneBuilder, Sky, Texture, TextureRef};
 use crate::trace::{MAX_BOUNCES, PixelTrace, RayCounts, TraceSettings, Tracer, truncation_bound};
 use glam::{DVec3, Vec2, Vec3};
-use std::f64::consts::FRAC_PI_2;
-use std::sync::Arc;
+use std::{f64::consts::FRAC_PI_2, sync::Arc};
 
 pub(super) const CASES: &[Case] = &[
     case("D1 Kd + Ks = 1.8", "reflectance above 1, or not reported", 1e-6, scaled_down),

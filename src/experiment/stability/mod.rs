@@ -8,7 +8,6 @@ mod artefacts;
 mod cache;
 mod camera;
 mod case;
-mod catalogue;
 mod geometry;
 mod materials;
 mod pictures;
@@ -19,6 +18,6 @@ mod scale;
 mod theorems;
 
 pub use case::{Case, Measured, Trial};
-pub use catalogue::cases;
 pub(super) use report::report;
+pub use run::cases;
 pub(super) use run::{cells, run_cell, settings};

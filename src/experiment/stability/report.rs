@@ -1,8 +1,7 @@
 //! Which cases hold.
 
 use super::case::Case;
-use super::catalogue::cases;
-use super::run::measured_name;
+use super::run::{cases, measured_name};
 use crate::experiment::run::report::{Block, Picture, Section, fields};
 use crate::experiment::run::{Identity, Report, RunRecord};
 use serde_json::{Value, json};

@@ -1,10 +1,24 @@
-//! Measures one case.
+//! The list of all cases, and the measurement of one.
 
 use super::case::{Case, Trial};
-use super::catalogue::cases;
+use super::{artefacts, cache, camera, geometry, materials, scale, theorems};
 use crate::experiment::run::{
     Cell, CellOutcome, Effort, ExperimentContext, ExperimentError, ExperimentSettings, RunRecord,
 };
+
+/// Every case, in the order of the catalogue.
+pub fn cases() -> impl Iterator<Item = &'static Case> {
+    let groups: [&[Case]; 7] = [
+        scale::CASES,
+        camera::CASES,
+        geometry::CASES,
+        materials::CASES,
+        cache::CASES,
+        theorems::CASES,
+        artefacts::CASES,
+    ];
+    groups.into_iter().flatten()
+}
 
 pub(crate) fn settings(effort: Effort) -> ExperimentSettings {
     ExperimentSettings { effort, size: [96, 64], samples: 2, repetitions: 1, ..ExperimentSettings::default() }

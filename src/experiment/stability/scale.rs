@@ -7,9 +7,8 @@ use super::pictures::{
 use super::rooms::{Room, ball, cuboid, dvec, is_named, random, tracer, triangle};
 use crate::camera::Camera;
 use crate::experiment::run::ExperimentError;
-use crate::math::Ray;
-use crate::math::key::Key;
 use crate::math::sampling::{cosine_hemisphere, frame_around, uniform_triangle};
+use crate::math::{Ray, key::Key};
 use crate::scene::{Light, Material, MaterialId, SceneBuilder};
 use crate::trace::{SurfacePoint, Tracer};
 use glam::{DVec3, Vec3};

@@ -3,11 +3,9 @@
 //! Source: the paper, section 4. We differ: wall time of all threads instead of one processor's; 16
 //! shadow rays per light; the look-up modes `fast` and `exact` are added.
 
-mod plan;
 mod report;
 mod run;
 mod views;
 
-pub(super) use plan::{cells, settings};
 pub(super) use report::report;
-pub(super) use run::run_cell;
+pub(super) use run::{cells, run_cell, settings};

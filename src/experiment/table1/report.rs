@@ -1,6 +1,6 @@
 //! The paper's figures and ours in one table.
 
-use super::plan::CELLS;
+use super::run::CELLS;
 use crate::experiment::run::report::{Block, Picture, Section, fields, row};
 use crate::experiment::run::{Identity, Report, RunRecord, matching, median_of};
 use serde_json::{Map, Value, json};

@@ -1,7 +1,6 @@
 //! The cost of features that a scene does not need: the same frames with every feature forced on.
 
-use super::plan::ThroughputSettings;
-use super::plan::moved;
+use super::plan::{ThroughputSettings, moved};
 use crate::experiment::statistics::median;
 use crate::reference::{ReferenceCache, ReferenceFrame};
 use crate::render::{FrameRequest, Mode, RenderSettings, Renderer};
@@ -9,8 +8,7 @@ use crate::scene::{Scene, SceneFeatures};
 use crate::trace::parallel::{NEVER, Stop};
 use crate::trace::{TraceSettings, Tracer};
 use serde::Serialize;
-use std::sync::Arc;
-use std::time::Instant;
+use std::{sync::Arc, time::Instant};
 
 /// Number of pairs of frames that are timed. More than for other figures, because the goal is a
 /// difference of 1 %.

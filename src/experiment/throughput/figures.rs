@@ -7,9 +7,17 @@ use super::rays::{RayDump, diffuse_rays, first_hits, rays_of, shadow_bundles};
 use super::stage_speed::{Floors, StageSpeed, stage_speed};
 use super::warp_speed::{WarpSpeed, warp_speed};
 use crate::camera::View;
-use crate::trace::Tracer;
-use crate::trace::parallel::Stop;
+use crate::experiment::run::{CellOutcome, ExperimentContext, RunRecord};
+use crate::trace::{Tracer, parallel::Stop};
 use serde::Serialize;
+
+pub(crate) fn run_cell(context: &ExperimentContext<'_>, _: &RunRecord) -> CellOutcome {
+    let camera = context.camera_on_walk(0.0)?;
+    let settings =
+        ThroughputSettings { camera, size: context.settings.size, trace: context.settings.trace() };
+    let measured = measure_throughput(context.tracer, &settings, context.stop, |_| ());
+    Ok(measured.map(|(figures, _)| vec![RunRecord::default().with_fields(&figures)]))
+}
 
 /// The speed of every stage. Rates count all threads together.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]

@@ -10,17 +10,16 @@ mod plan;
 mod ray_speed;
 mod rays;
 mod report;
-mod run;
 mod stage_speed;
 mod timing;
 mod warp_speed;
 
 pub use feature_speed::FeatureSpeed;
+pub(super) use figures::run_cell;
 pub use figures::{Throughput, measure_throughput};
 pub use plan::ThroughputSettings;
 pub(super) use plan::{cells, settings};
 pub use rays::{RayDump, gather_rays};
 pub(super) use report::report;
-pub(super) use run::run_cell;
 pub use stage_speed::StageSpeed;
 pub use warp_speed::WarpSpeed;

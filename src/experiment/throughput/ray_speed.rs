@@ -3,15 +3,13 @@
 use super::timing::{ROUNDS, median_secs};
 use crate::camera::View;
 use crate::experiment::statistics::median;
-use crate::math::Ray;
-use crate::math::key::Key;
+use crate::math::{Ray, key::Key};
 use crate::trace::parallel::{NEVER, trace_pixels};
 use crate::trace::{
     Bvh, RayBundle, RayCounts, SurfacePoint, TILE_SIDE, TileHits, TraceSettings, Tracer, primary_tile,
 };
 use rayon::prelude::*;
-use std::hint::black_box;
-use std::sync::Arc;
+use std::{hint::black_box, sync::Arc};
 
 /// Number of rays a thread takes at a time.
 const CHUNK: usize = 4096;

@@ -2,11 +2,9 @@
 
 use super::plan::ThroughputSettings;
 use crate::camera::View;
-use crate::math::Ray;
-use crate::math::key::Key;
 use crate::math::sampling::{cosine_hemisphere, frame_around};
-use crate::trace::parallel::tile_order;
-use crate::trace::{RayBundle, SurfacePoint, TraceSettings, Tracer};
+use crate::math::{Ray, key::Key};
+use crate::trace::{RayBundle, SurfacePoint, TraceSettings, Tracer, parallel::tile_order};
 use rayon::prelude::*;
 
 /// Maximum number of shadow rays. More would take memory without a change in the rates.

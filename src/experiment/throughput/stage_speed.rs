@@ -1,19 +1,15 @@
 //! The stages of a frame in mode `exact`, each against its lower bound.
 
-use super::plan::ThroughputSettings;
-use super::plan::moved;
+use super::plan::{ThroughputSettings, moved};
 use super::timing::{ROUNDS, median_secs};
 use crate::camera::{Camera, View};
 use crate::experiment::statistics::median;
 use crate::lookup::{LookupSet, open_percent};
 use crate::reference::{ReferenceCache, ReferenceFrame};
 use crate::render::{FrameRequest, FrameStats, Mode, RenderSettings, Renderer};
-use crate::trace::Tracer;
-use crate::trace::parallel::NEVER;
+use crate::trace::{Tracer, parallel::NEVER};
 use serde::Serialize;
-use std::hint::black_box;
-use std::sync::Arc;
-use std::time::Instant;
+use std::{hint::black_box, sync::Arc, time::Instant};
 
 /// Number of references that the look-up is timed with: as many as `exact` averages.
 const REFERENCES: usize = 2;

@@ -4,11 +4,9 @@ use super::plan::{ThroughputSettings, moved};
 use super::timing::{median_secs, median_secs_after};
 use crate::camera::View;
 use crate::reference::ReferenceFrame;
-use crate::trace::parallel::NEVER;
-use crate::trace::{TraceSettings, Tracer};
+use crate::trace::{TraceSettings, Tracer, parallel::NEVER};
 use crate::warp::WarpBuffer;
-use rayon::ThreadPoolBuilder;
-use rayon::prelude::*;
+use rayon::{ThreadPoolBuilder, prelude::*};
 use serde::Serialize;
 use std::hint::black_box;
 
