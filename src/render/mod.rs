@@ -6,6 +6,7 @@
 //! references.
 
 mod accumulate;
+#[cfg(feature = "pictures")]
 pub mod aov;
 pub mod audit;
 pub mod bands;
