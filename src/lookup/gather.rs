@@ -92,8 +92,11 @@ impl ReferenceProjection<'_> {
         let height = view_height + along(&normal, self.eye_offset);
         let inverse = f32x8::splat(simd, 1.0) / q[2];
         let (x, y) = (q[0] * inverse, q[1] * inverse);
+        // Compare the pixel's area on the surface with that of a sample.
         let density = height / view_height * inverse * inverse * inverse * self.density;
         let zero = f32x8::splat(simd, 0.0);
+        // Keep open pixels in front of the eye, on the facing side, inside the picture, not too
+        // coarse.
         let valid = mask32x8::from_bitmask(simd, open >> at & 0xff)
             & q[2].simd_gt(disparity * NEAREST_DEPTH)
             & height.simd_lt(zero)
@@ -103,6 +106,7 @@ impl ReferenceProjection<'_> {
             & y.simd_lt(f32x8::splat(simd, r.size[1]))
             & density.simd_ge(f32x8::splat(simd, 1.0 / MAX_MAGNIFICATION));
         let inverse_height = f32x8::splat(simd, 1.0) / height;
+        // Express the surface's plane as disparity by picture coordinates.
         let s = &r.frame.view.scene_from_pixel;
         // No closures over vectors here and below: they are not compiled for the dispatched level.
         let plane = [
@@ -140,8 +144,10 @@ impl ReferenceProjection<'_> {
     fn collect<S: Simd>(&self, simd: S, f: &Footprint<S>, triangle: &[u32]) -> Gathered<S> {
         let r = self.reference;
         let (zero, one, half) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0), f32x8::splat(simd, 0.5));
+        // Find the four samples around each point, and their bilinear weights.
         let [x0, wx] = corners(simd, f.valid.select(f.x, one), r.size[0]);
         let [y0, wy] = corners(simd, f.valid.select(f.y, one), r.size[1]);
+        // Evaluate the plane's disparity at the four samples.
         let [px, py, p] = f.plane;
         let p00 = px * (x0 + half) + py * (y0 + half) + p;
         let expected = [p00, p00 + px, p00 + py, p00 + px + py];
@@ -150,6 +156,7 @@ impl ReferenceProjection<'_> {
         let taps = Taps::load(r, x0.to_array(), y0.to_array(), triangle);
         let mut g = Gathered::nothing(simd, f.valid);
         for k in 0..4 {
+            // Accept samples whose disparity and normal agree with the plane.
             let off = (f32x8::load_array_ref(simd, &taps.disparity[k]) - expected[k]).abs();
             let alike = mask32x8::from_bitmask(simd, taps.alike[k]);
             let agrees = f.valid & alike & off.simd_le(f.tolerance * expected[k]);
@@ -212,6 +219,7 @@ impl<S: Simd> Gathered<S> {
     #[inline(always)]
     fn add_to(&self, simd: S, (slot, wide): (u8, f32), at: usize, density: f32x8<S>, found: &mut TileLight) {
         let (zero, one) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
+        // Weight by coverage and density, squared.
         let total = self.total;
         let enough = total.simd_ge(f32x8::splat(simd, MIN_WEIGHT));
         let fine = density.min(one);
@@ -221,15 +229,18 @@ impl<S: Simd> Gathered<S> {
         }
         let weight = scale * total;
         store(load(simd, &found.weight, at) + weight, &mut found.weight, at);
+        // Keep the largest coverage and the smallest loss of any reference.
         let coverage = load(simd, &found.coverage, at);
         store(enough.select(total.max(coverage), coverage), &mut found.coverage, at);
         let spread = (self.most - self.least) / self.most.max(f32x8::splat(simd, f32::MIN_POSITIVE));
         let smoothed = load(simd, &found.smoothed, at);
         let loss = smoothed.min(spread * (one - fine));
         store(enough.select(loss, smoothed), &mut found.smoothed, at);
+        // Remember the reference with the largest weight.
         let best = load(simd, &found.best_weight, at);
         let better = weight.simd_gt(best);
         store(better.select(weight, best), &mut found.best_weight, at);
+        // Detect the edge of a shadow between the samples.
         let is_wide = spread.simd_gt(f32x8::splat(simd, wide));
         let jump = (self.has_gap() | is_wide).select(spread, zero);
         store(load(simd, &found.jump, at).max(enough.select(jump, zero)), &mut found.jump, at);

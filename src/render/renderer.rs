@@ -191,8 +191,8 @@ impl Renderer {
     }
 
     /// Traces what is open, the pixels with the largest error first, so that a stopped frame is as
-    /// good as it can be (`docs/EXPERIMENTS.md`, "Frames cut at the budget"). Mode `paper` follows
-    /// the paper: Type 2, then Type 3.
+    /// good as it can be (`docs/history/LAB_DIARY.md`, "Frames cut at the budget"). Mode `paper`
+    /// follows the paper: Type 2, then Type 3.
     fn trace_open(&mut self, request: &FrameRequest<'_>, source: &Source<'_>) {
         if !self.knows_hits {
             self.trace_secondary(request, source, 1);
