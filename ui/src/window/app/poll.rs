@@ -8,7 +8,7 @@ use crate::window::gpu::viewport;
 use crate::window::rendering::{Message, TaskError, locked, take_result};
 use crate::window::state::{Answer, AppState};
 use std::ops::RangeInclusive;
-use std::path::PathBuf;
+use std::path::Path;
 
 /// Range of a metered exposure in stops. A picture beyond it is meant to be dark or bright.
 const METERED_EV: RangeInclusive<f32> = -4.0..=6.0;
@@ -86,7 +86,7 @@ fn apply(app: &mut Parts, event: AppEvent) {
     }
 }
 
-fn saved(state: &mut AppState, path: &PathBuf) {
+fn saved(state: &mut AppState, path: &Path) {
     state.info(format!("saved {}", path.display()));
 }
 

@@ -13,48 +13,40 @@ use egui::ViewportCommand;
 
 /// Applies a command of a panel or a key.
 pub(super) fn apply(app: &mut Parts, command: Command) {
+    let (state, services) = (&mut app.state, &mut app.services);
+    let fly = &mut state.navigation.fly;
     match command {
         Command::Open(source) => open_new(app, source),
         Command::OpenPath(path) => open_path(app, path),
-        Command::Browse => browse(&mut app.services),
+        Command::Browse => browse(services),
         Command::CancelLoading => cancel_loading(app),
         Command::Reload => reload(app),
-        Command::Navigate(command) => handle_navigation(&mut app.state, &mut app.services, command),
+        Command::Navigate(command) => handle_navigation(state, services, command),
         Command::Edit(command) => handle_edit(app, command),
-        Command::Inspect(command) => handle_inspect(&mut app.state, &app.services, command),
+        Command::Inspect(command) => handle_inspect(state, services, command),
         Command::Picture(command) => handle_picture(app, command),
         Command::Files(command) => handle_files(app, command),
         Command::Answer(answer) => handle_answer(app, answer),
-        Command::SetAppearance(appearance) => set_appearance(&mut app.state, &mut app.services, appearance),
+        Command::SetAppearance(appearance) => set_appearance(state, services, appearance),
         Command::AddReference => {
-            app.services.render.send(RenderCommand::AddReference(*app.state.navigation.fly.camera()));
+            services.render.send(RenderCommand::AddReference(*fly.camera()));
         }
         Command::Remove(id) => {
-            app.services.render.send(RenderCommand::Remove(id));
+            services.render.send(RenderCommand::Remove(id));
         }
         Command::Clear => {
-            app.state.dialogs.asks_to_clear = false;
-            app.services.render.send(RenderCommand::Clear);
+            state.dialogs.asks_to_clear = false;
+            services.render.send(RenderCommand::Clear);
         }
-        Command::Quit => app.services.ctx.send_viewport_cmd(ViewportCommand::Close),
-        Command::FullScreen => set_full_screen(&app.services, !is_full_screen(&app.services)),
-        Command::Escape => escape(&mut app.state, &app.services),
+        Command::Quit => services.ctx.send_viewport_cmd(ViewportCommand::Close),
+        Command::FullScreen => set_full_screen(services, !is_full_screen(services)),
+        Command::Escape => escape(state, services),
         Command::CopyPose => {
-            let flags = pose_flags(app.state.navigation.fly.camera());
-            app.state.info(format!("copied {flags}"));
-            app.services.ctx.copy_text(flags);
+            let flags = pose_flags(fly.camera());
+            state.info(format!("copied {flags}"));
+            services.ctx.copy_text(flags);
         }
-        Command::CopyText(text) => app.services.ctx.copy_text(text),
-        command => set(&mut app.state, command),
-    }
-    // The window shows the change, even if no event follows.
-    app.services.ctx.request_repaint();
-}
-
-/// Applies a command that only changes the state.
-fn set(state: &mut AppState, command: Command) {
-    let fly = &mut state.navigation.fly;
-    match command {
+        Command::CopyText(text) => services.ctx.copy_text(text),
         Command::SetPathText(text) => state.files.path_text = text,
         Command::SetQuality(quality) => state.quality = quality,
         Command::SetOptions(options) => {
@@ -72,8 +64,9 @@ fn set(state: &mut AppState, command: Command) {
         Command::ShowSettings(is_shown) => state.dialogs.shows_settings = is_shown,
         Command::Compare(shows, split) => (state.comparison.shows, state.comparison.split) = (shows, split),
         Command::Dismiss(id) => state.notices.retain(|n| n.id != id),
-        command => unreachable!("{command:?} has a handler"),
     }
+    // The window shows the change, even if no event follows.
+    app.services.ctx.request_repaint();
 }
 
 fn handle_files(app: &mut Parts, command: FileCommand) {

@@ -1,7 +1,7 @@
 //! Waiting for requests and commands, and applying them.
 
 use super::super::{Message, RenderCommand, locked};
-use super::owner::{Worker, asks_for_pixels};
+use super::state::{Worker, asks_for_pixels};
 use crate::picture::memory;
 use afterimage::Walkthrough;
 use std::sync::PoisonError;

@@ -1,9 +1,9 @@
 //! The work of the render thread.
 
 mod inbox;
-mod owner;
 mod references;
 mod render_loop;
 mod snapshot;
+mod state;
 
-pub(super) use owner::Worker;
+pub(super) use state::Worker;

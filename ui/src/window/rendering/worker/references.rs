@@ -1,7 +1,7 @@
 //! Tracing references: when one is requested, and what is done with its outcome.
 
 use super::super::{Job, Message, Outcome};
-use super::owner::{RequestedPose, Running, Worker};
+use super::state::{RequestedPose, Running, Worker};
 use afterimage::reference::cache::CachedReference;
 use afterimage::{Camera, Walkthrough};
 use std::sync::Arc;

@@ -1,7 +1,7 @@
 //! Frames: rendered, resumed, refined and shown.
 
 use super::super::{Message, PublishedFrame, panic_text};
-use super::owner::Worker;
+use super::state::Worker;
 use afterimage::Walkthrough;
 use afterimage::trace::parallel::Stop;
 use std::panic::{AssertUnwindSafe, catch_unwind};

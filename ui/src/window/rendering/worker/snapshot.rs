@@ -1,7 +1,7 @@
 //! Pictures and references that are sent to the window.
 
 use super::super::{Message, Picture, ReferenceRadiance};
-use super::owner::Worker;
+use super::state::Worker;
 use afterimage::Walkthrough;
 use afterimage::reference::{ReferenceFrame, ReferenceId};
 use std::sync::Arc;
