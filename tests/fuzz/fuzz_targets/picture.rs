@@ -1,7 +1,7 @@
-//! One of the entry points, fed by libFuzzer.
+//! Fuzz target: libFuzzer feeds one of the entry points.
 #![no_main]
 
-#[allow(dead_code, reason = "one target uses one of them")]
+#[allow(dead_code, reason = "each target uses one entry point")]
 #[path = "../../entry_points.rs"]
 mod entry_points;
 
