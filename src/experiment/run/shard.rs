@@ -70,8 +70,7 @@ const SCHEDULERS: [[&str; 4]; 3] = [
     ["AWS_BATCH_JOB_ARRAY_INDEX", "AWS_BATCH_JOB_ARRAY_SIZE", "", ""],
 ];
 
-/// The position of this process in an array job.
-#[derive(Debug)]
+/// The position of this process in an array job, and the names of its variables.
 struct Scheduled {
     index: u32,
     count: Option<u32>,

@@ -5,7 +5,7 @@ use super::pictures::{
     SIZE, TRACE, bad_values, differing, full, paper, paper_over_full_secs, percent, picture, reference,
     seen_in_white, view,
 };
-use super::rooms::{Room, ball, cuboid, dvec, random, tracer};
+use super::rooms::{Room, ball, cuboid, dvec, random, temporary_folder, tracer};
 use crate::camera::{Camera, NEAREST_DEPTH};
 use crate::experiment::run::ExperimentError;
 use crate::math::{Ray, key::Key};
@@ -180,8 +180,7 @@ fn wide_picture(_: &Trial) -> Outcome {
     let size = [16_384, 16];
     let srgb: Vec<[u8; 3]> =
         (0..size[0] * size[1]).map(|i| [i as u8, (i >> 8) as u8, (i >> 16) as u8]).collect();
-    let folder = tempfile::tempdir()
-        .map_err(|e| ExperimentError::Unsuitable(format!("cannot make a temporary folder: {e}")))?;
+    let folder = temporary_folder()?;
     let file = folder.path().join("wide.png");
     save_png(&file, size, &srgb, &[])?;
     let back = Picture::load(&file).map_err(|e| ExperimentError::Unsuitable(e.to_string()))?;

@@ -96,10 +96,15 @@ pub(super) fn is_named(tracer: &Tracer, triangle: u32, name: &str) -> bool {
     triangle != NO_TRIANGLE && tracer.scene().material_of(triangle).name == name
 }
 
+/// Makes a folder that is deleted with the returned value.
+pub(super) fn temporary_folder() -> Result<tempfile::TempDir, ExperimentError> {
+    tempfile::tempdir()
+        .map_err(|e| ExperimentError::Unsuitable(format!("cannot make a temporary folder: {e}")))
+}
+
 /// Imports a model from text; the first file is the model.
 pub(super) fn imported(files: &[(&str, &str)]) -> Result<Scene, ExperimentError> {
-    let folder = tempfile::tempdir()
-        .map_err(|e| ExperimentError::Unsuitable(format!("cannot make a temporary folder: {e}")))?;
+    let folder = temporary_folder()?;
     for (name, text) in files {
         let path = folder.path().join(name);
         std::fs::write(&path, text).map_err(|e| ExperimentError::at(&path, e))?;
