@@ -35,17 +35,18 @@ pub(super) fn open_path(app: &mut Parts, path: PathBuf) {
 
 /// Opens a session. A kept session that is broken is renamed, so that it is not offered again.
 pub(super) fn open_session(app: &mut Parts, path: PathBuf) {
-    let text = settings::read_text(&path, MAX_SESSION_BYTES).map_err(|error| error.to_string());
+    let text = settings::read_text(&path, MAX_SESSION_BYTES).map_err(anyhow::Error::from);
     match text.and_then(|text| SessionFile::parse(&text, &path)) {
         Ok(file) => {
             let source = file.source(&path);
             app.session.arrival.session = Some((file, path));
             open(app, source);
         }
-        Err(message) => {
+        Err(error) => {
             let is_renamed =
                 is_recovery(&path) && std::fs::rename(&path, path.with_extension("toml.bad")).is_ok();
-            app.state.error(message + if is_renamed { "; it was renamed to end in .bad" } else { "" });
+            let end = if is_renamed { "; it was renamed to end in .bad" } else { "" };
+            app.state.error(format!("{error}{end}"));
         }
     }
 }

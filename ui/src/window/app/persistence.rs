@@ -30,7 +30,7 @@ pub(super) fn save_session(app: &mut Parts) {
     };
     let (file, destination) = (app.session.file.clone(), app.services.destination(&app.state));
     app.services.spawn("save", move || {
-        let text = content.text().map_err(TaskError::Failed)?;
+        let text = content.text().map_err(|error| TaskError::Failed(format!("{error:#}")))?;
         write_session(&text, file, &destination).map(AppEvent::SavedSession)
     });
 }

@@ -10,6 +10,7 @@ use afterimage::reference::ReferenceFrame;
 use afterimage::render::aov::Aov;
 use afterimage::render::bands::Background;
 use afterimage::{Camera, Mode, RenderSettings, Tracer};
+use anyhow::{Context, ensure};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -29,8 +30,8 @@ pub(super) fn handle_picture(app: &mut Parts, command: PictureCommand) {
         }
         PictureCommand::Cancel => return cancel(&mut app.state, &mut app.services),
     };
-    if let Err(message) = saved {
-        app.state.error(message);
+    if let Err(error) = saved {
+        app.state.error(error.to_string());
     }
 }
 
@@ -42,20 +43,19 @@ fn cancel(state: &mut AppState, services: &mut Services) {
 }
 
 /// Returns the picture of a view with the settings of the dialog.
-fn job(state: &AppState, camera: Camera, background: Background) -> Result<PictureJob, String> {
+fn job(state: &AppState, camera: Camera, background: Background) -> anyhow::Result<PictureJob> {
     let settings = &state.picture.settings;
     let size = match settings.size {
         PictureSize::Viewport => state.viewport_size.map(|side| side.clamp(1, LONGEST_SIDE)),
         PictureSize::Pixels(size) => size,
     };
-    if size.iter().any(|side| !(1..=LONGEST_SIDE).contains(side)) {
-        return Err(format!("a picture is from 1 to {LONGEST_SIDE} pixels wide and high"));
-    }
+    let is_valid = size.iter().all(|side| (1..=LONGEST_SIDE).contains(side));
+    ensure!(is_valid, "a picture is from 1 to {LONGEST_SIDE} pixels wide and high");
     let (quality, mut render) = (&state.quality, state.quality.walk.render);
     render.trace.samples = settings.samples.unwrap_or(render.trace.samples);
     render.mode = if background == Background::LeftOut { Mode::Full } else { settings.mode };
     Ok(PictureJob {
-        scene_name: state.scene.as_ref().map(|s| s.source.label()).ok_or("there is no scene yet")?,
+        scene_name: state.scene.as_ref().map(|s| s.source.label()).context("there is no scene yet")?,
         camera,
         size,
         settings: render,
@@ -67,7 +67,7 @@ fn job(state: &AppState, camera: Camera, background: Background) -> Result<Pictu
 }
 
 /// Saves the current view. Modes that reuse references first ask the render thread for them.
-fn save(app: &mut Parts, background: Option<Background>) -> Result<(), String> {
+fn save(app: &mut Parts, background: Option<Background>) -> anyhow::Result<()> {
     let background = background.unwrap_or(app.state.picture.settings.background);
     let job = job(&app.state, *app.state.navigation.fly.camera(), background)?;
     if job.settings.mode == Mode::Full {
@@ -81,8 +81,8 @@ fn save(app: &mut Parts, background: Option<Background>) -> Result<(), String> {
 pub(super) fn save_from_references(app: &mut Parts, picture: Picture) {
     let job = job(&app.state, picture.camera, Background::Shown);
     let saved = job.and_then(|job| export_picture(app, job, picture.references));
-    if let Err(message) = saved {
-        app.state.error(message);
+    if let Err(error) = saved {
+        app.state.error(error.to_string());
     }
 }
 
@@ -90,8 +90,8 @@ fn export_picture(
     app: &mut Parts,
     job: PictureJob,
     references: Vec<Arc<ReferenceFrame>>,
-) -> Result<(), String> {
-    job.check(&references).map_err(|error| error.to_string())?;
+) -> anyhow::Result<()> {
+    job.check(&references)?;
     let shows = match app.state.picture.settings.format {
         PictureFormat::Png => Shows::Display,
         PictureFormat::Exr => Shows::Linear(Aov::ALL.to_vec()),
@@ -101,11 +101,10 @@ fn export_picture(
 }
 
 /// Saves the camera path. Every picture of the sequence is traced in full.
-fn sequence(app: &mut Parts) -> Result<(), String> {
+fn sequence(app: &mut Parts) -> anyhow::Result<()> {
     let walk = app.state.navigation.playback.path.clone();
-    if walk.keyframes.len() < 2 {
-        return Err("a sequence needs a camera path of two keys or more; K adds one at your pose".to_owned());
-    }
+    let is_path = walk.keyframes.len() > 1;
+    ensure!(is_path, "a sequence needs a camera path of two keys or more; K adds one at your pose");
     let settings = &app.state.picture.settings;
     let job = job(&app.state, *app.state.navigation.fly.camera(), settings.background)?;
     let full = RenderSettings { mode: Mode::Full, ..job.settings };
@@ -119,10 +118,8 @@ fn sequence(app: &mut Parts) -> Result<(), String> {
 fn start(
     app: &mut Parts,
     work: impl FnOnce(&Tracer, &TaskHandle) -> Result<Exported, TaskError> + Send + 'static,
-) -> Result<(), String> {
-    if app.services.export.is_some() {
-        return Err("a picture is being saved; wait for it, or cancel it".to_owned());
-    }
+) -> anyhow::Result<()> {
+    ensure!(app.services.export.is_none(), "a picture is being saved; wait for it, or cancel it");
     if let Some(tracer) = app.session.tracer().cloned() {
         let export =
             spawn_export(app.services.threads, app.services.wake.clone(), move |task| work(&tracer, task));

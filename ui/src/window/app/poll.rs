@@ -77,11 +77,11 @@ fn apply(app: &mut Parts, event: AppEvent) {
             }
             leave(app);
         }
-        AppEvent::SavedEdit(_, Err(text)) => {
+        AppEvent::SavedEdit(_, Err(error)) => {
             if app.state.dialogs.leaving.is_some() {
                 handle_answer(app, Answer::Stay);
             }
-            app.state.error(text);
+            app.state.error(error.to_string());
         }
     }
 }

@@ -111,7 +111,7 @@ pub(super) fn save_beside(app: &mut Parts) {
     };
     let (path, before, edit) = (path.clone(), edits.saved().clone(), edits.now().clone());
     app.services.spawn("save", move || {
-        let saved = import::save_edit(&path, &before, &edit).map_err(|error| error.to_string());
+        let saved = import::save_edit(&path, &before, &edit).map_err(Into::into);
         Ok(AppEvent::SavedEdit(Box::new(edit), saved))
     });
 }

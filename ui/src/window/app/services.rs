@@ -22,7 +22,7 @@ pub(super) enum AppEvent {
     /// The view of a picture was read.
     PictureView(PictureView),
     /// Materials and daylight were saved beside the scene, or could not be.
-    SavedEdit(Box<SceneEdit>, Result<PathBuf, String>),
+    SavedEdit(Box<SceneEdit>, anyhow::Result<PathBuf>),
 }
 
 /// The scene is being rebuilt with other materials or daylight.

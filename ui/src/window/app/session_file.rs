@@ -2,11 +2,13 @@
 //! not know are kept when the session is saved again.
 
 use crate::cli::flags;
+use crate::settings;
 use crate::window::input::Playback;
 use crate::window::rendering::SceneSource;
 use crate::window::state::{AppState, SavedView};
 use afterimage::camera::CameraPath;
 use afterimage::{Camera, Mode};
+use anyhow::{Context, anyhow, bail, ensure};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use toml::Table;
@@ -78,35 +80,34 @@ impl SessionFile {
     ///
     /// # Errors
     /// A message for the user, where a value cannot be written as TOML.
-    pub(super) fn text(&self) -> Result<String, String> {
-        toml::to_string(self).map_err(|error| format!("the session cannot be written: {error}"))
+    pub(super) fn text(&self) -> anyhow::Result<String> {
+        toml::to_string(self).context("the session cannot be written")
     }
 
     /// Reads the text of the file `path`.
     ///
     /// # Errors
     /// A message for the user, with file and line.
-    pub(super) fn parse(text: &str, path: &Path) -> Result<Self, String> {
+    pub(super) fn parse(text: &str, path: &Path) -> anyhow::Result<Self> {
         let name = path.display();
-        let table: Table = text.parse().map_err(|error| crate::settings::broken(path, text, &error))?;
+        let broken = |error| anyhow!(settings::broken(path, text, &error));
+        let table: Table = text.parse().map_err(broken)?;
         match table.get("version").and_then(toml::Value::as_integer) {
             Some(VERSION) => {}
             Some(newer) if newer > VERSION => {
-                return Err(format!(
+                bail!(
                     "{name} was saved by a newer program (version {newer} of the format, this one reads {VERSION}); \
                      use that program, or save the session again"
-                ));
+                );
             }
             _ => {
-                return Err(format!("{name} is not a session of this program: it has no known version"));
+                bail!("{name} is not a session of this program: it has no known version");
             }
         }
-        let session: Self =
-            toml::from_str(text).map_err(|error| crate::settings::broken(path, text, &error))?;
+        let session: Self = toml::from_str(text).map_err(broken)?;
         let cameras = session.views.iter().map(|v| &v.camera).chain([&session.camera]);
-        if !cameras.into_iter().all(Camera::is_valid) || session.scene.is_empty() {
-            return Err(format!("{name}: a pose in it is impossible, or it names no scene"));
-        }
+        let is_valid = cameras.into_iter().all(Camera::is_valid) && !session.scene.is_empty();
+        ensure!(is_valid, "{name}: a pose in it is impossible, or it names no scene");
         Ok(session)
     }
 
@@ -164,14 +165,14 @@ mod tests {
         }
     }
 
-    fn parse(text: &str) -> Result<SessionFile, String> {
+    fn parse(text: &str) -> anyhow::Result<SessionFile> {
         SessionFile::parse(text, Path::new("a.afterimage-session.toml"))
     }
 
     #[test]
     fn a_session_comes_back_bit_for_bit_and_keeps_what_it_does_not_know() {
         let text = session().text().unwrap();
-        assert_eq!(parse(&text), Ok(session()));
+        assert_eq!(parse(&text).unwrap(), session());
         let newer = format!("guests = 3\n{text}\n[weather]\nrain = true\n");
         let read = parse(&newer).unwrap();
         assert_eq!(read.camera, session().camera);
@@ -182,7 +183,7 @@ mod tests {
     #[test]
     fn other_versions_and_broken_files_are_reported() {
         let text = session().text().unwrap();
-        let error = |text: &str| parse(text).unwrap_err();
+        let error = |text: &str| parse(text).unwrap_err().to_string();
         assert!(error(&text.replace("version = 1", "version = 2")).contains("newer program"));
         assert!(error("hello = 1").contains("not a session"));
         assert!(error("version = 1\nscene =\n").contains("line 2"));
