@@ -118,17 +118,24 @@ impl Bvh {
         hits: &mut TileHits,
     ) {
         let (shear, present) = TileShear::new(tile);
-        for axis in (0..3).filter(|axis| present & (1 << axis) != 0) {
-            let negate_others = |hits: &mut TileHits| {
-                for (t, &largest) in hits.t.iter_mut().zip(&shear.largest) {
-                    *t = if usize::from(largest) == axis { *t } else { -*t };
+        for axis in 0..3 {
+            if present & (1 << axis) != 0 {
+                // Take rays of other axes out: no hit is nearer than a negative distance. Two plain loops:
+                // a shared closure is not vectorised.
+                for ray in 0..TILE_RAYS {
+                    if shear.largest[ray] as usize != axis {
+                        hits.t[ray] = -hits.t[ray];
+                    }
                 }
-            };
-            // Take rays of other axes out: no hit is nearer than a negative distance.
-            negate_others(hits);
-            // Traverse for the rays of this axis.
-            Walk { simd, bvh: self, tile, shear: &shear, axis, hits }.run::<ASKS>(accept);
-            negate_others(hits);
+                // Traverse for the rays of this axis.
+                let mut walk = Walk { simd, bvh: self, tile, shear: &shear, axis, hits };
+                walk.run::<ASKS>(accept);
+                for ray in 0..TILE_RAYS {
+                    if shear.largest[ray] as usize != axis {
+                        hits.t[ray] = -hits.t[ray];
+                    }
+                }
+            }
         }
     }
 }
