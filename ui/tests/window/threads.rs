@@ -62,7 +62,8 @@ impl Bench {
         }
     }
 
-    /// Takes frames until one of this generation is complete; none may be older than the one before.
+    /// Takes frames until one of this generation is complete; none may be older than the one
+    /// before.
     fn wait_for(&mut self, generation: u64) {
         let newest = |shown: &Option<PublishedFrame>| shown.as_ref().map_or(0, |f| f.generation);
         loop {

@@ -129,7 +129,8 @@ fn truth(source: &View, target: &View, pixel: usize) -> (bool, Option<Vec2>) {
     (is_board, at.filter(is_seen))
 }
 
-/// True where all pixels within two of this one are of its kind: silhouettes are known to about a pixel.
+/// True where all pixels within two of this one are of its kind: silhouettes are known to about a
+/// pixel.
 fn is_plain(kinds: &[(bool, bool)], pixel: usize) -> bool {
     let [width, height] = SIZE.map(|s| s as i64);
     let (x, y) = (pixel as i64 % width, pixel as i64 / width);

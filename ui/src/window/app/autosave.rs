@@ -28,8 +28,8 @@ impl Default for Autosave {
 }
 
 impl Autosave {
-    /// Returns the text of a session that is to be kept now, and the time until the next one where the
-    /// camera has moved meanwhile.
+    /// Returns the text of a session that is to be kept now, and the time until the next one where
+    /// the camera has moved meanwhile.
     pub(super) fn due(&mut self, state: &AppState, unknown: &Table) -> (Option<String>, Option<Duration>) {
         let camera = *state.navigation.fly.camera();
         let rest = INTERVAL.saturating_sub(self.at.elapsed());

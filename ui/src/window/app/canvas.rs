@@ -18,8 +18,8 @@ pub(super) struct Canvas {
 }
 
 impl Canvas {
-    /// Allocates the rest of the window and draws the figures over it. The frame is drawn later, when the
-    /// pose of this update is known.
+    /// Allocates the rest of the window and draws the figures over it. The frame is drawn later,
+    /// when the pose of this update is known.
     pub(super) fn allocate(ui: &mut egui::Ui, state: &mut AppState) -> (egui::Response, Self) {
         let rect = ui.available_rect_before_wrap();
         let response = ui.allocate_rect(rect, egui::Sense::click_and_drag());
@@ -39,7 +39,8 @@ impl Canvas {
         (response, canvas)
     }
 
-    /// Draws the newest frame as it is seen from the current pose. `first_generation` is that of the scene.
+    /// Draws the newest frame as it is seen from the current pose. `first_generation` is that of
+    /// the scene.
     pub(super) fn draw(self, state: &AppState, has_graphics: bool, first_generation: u64) {
         let shape = if has_graphics && state.frame.is_some() && self.rect.is_positive() {
             let points_to_pixels = self.painter.ctx().pixels_per_point();
@@ -52,8 +53,8 @@ impl Canvas {
     }
 }
 
-/// Returns how the newest frame is reprojected to the camera; `None` where it has the same pose, and for
-/// frames of an older scene.
+/// Returns how the newest frame is reprojected to the camera; `None` where it has the same pose,
+/// and for frames of an older scene.
 fn reprojection(state: &AppState, first_generation: u64) -> Option<Reprojection> {
     let (frame, camera) = (state.frame.as_ref()?, state.navigation.fly.camera());
     if frame.camera == *camera || frame.generation < first_generation {

@@ -1,5 +1,5 @@
-//! The comparison with the full tracer: its picture is traced once the view is at rest, dropped when the
-//! view changes, and its distance to the shown picture is measured.
+//! The comparison with the full tracer: its picture is traced once the view is at rest, dropped
+//! when the view changes, and its distance to the shown picture is measured.
 
 use super::{Measurement, Parts, Services, Session};
 use crate::window::gpu::presentation::Overlay;

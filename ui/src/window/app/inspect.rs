@@ -1,4 +1,5 @@
-//! Commands about the selected pixel, distance, material and reference; the plan and the thumbnails.
+//! Commands about the selected pixel, distance, material and reference; the plan and the
+//! thumbnails.
 
 use super::{Parts, Services};
 use crate::window::rendering::{Plan, ReferenceRadiance, RenderCommand, spawn_task, take_result};
@@ -6,8 +7,8 @@ use crate::window::state::{AppState, InspectCommand, ReferenceView, Work};
 use afterimage::raster::color;
 use std::sync::Arc;
 
-/// The plan is cut again where the eye is higher or lower than the cut by more than this, in metres:
-/// less than the height of a floor, more than a few steps.
+/// The plan is cut again where the eye is higher or lower than the cut by more than this, in
+/// metres: less than the height of a floor, more than a few steps.
 const SAME_FLOOR_M: f64 = 0.7;
 
 /// Applies a command.

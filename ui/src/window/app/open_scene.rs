@@ -1,4 +1,5 @@
-//! Opening models, sessions and pictures. Unsaved changes are asked about before they would be lost.
+//! Opening models, sessions and pictures. Unsaved changes are asked about before they would be
+//! lost.
 
 use super::{
     AppEvent, Arrival, Parts, Services, SessionFile, begin_edits, is_recovery, is_session, remember_model,
@@ -121,8 +122,8 @@ pub(super) fn cancel_loading(app: &mut Parts) {
     (app.session.arrival, app.session.discards_edits) = (Arrival::default(), false);
 }
 
-/// Shows the progress of loading, and then the scene, or asks first what is to be done with changes that
-/// were made meanwhile.
+/// Shows the progress of loading, and then the scene, or asks first what is to be done with changes
+/// that were made meanwhile.
 pub(super) fn poll_loading(app: &mut Parts) {
     app.state.loading = app.services.loading.as_ref().map(|l| (l.source.clone(), l.progress()));
     let Some(result) = app.services.loading.as_ref().and_then(Loading::result) else { return };
@@ -146,8 +147,8 @@ pub(super) fn poll_loading(app: &mut Parts) {
     }
 }
 
-/// Reloads the scene when its files have changed. The camera stays, and the old scene stays where the new
-/// one cannot be loaded.
+/// Reloads the scene when its files have changed. The camera stays, and the old scene stays where
+/// the new one cannot be loaded.
 pub(super) fn poll_watch(app: &mut Parts) {
     if let Some(Ok(path)) = take_result(&mut app.services.watch) {
         app.services.watch = Some(watch(path.clone(), app.services.wake.clone()));
@@ -195,8 +196,8 @@ fn show_scene(app: &mut Parts, source: SceneSource, tracer: Arc<Tracer>) {
     }
 }
 
-/// Sets bounces and exposure as they suit the scene; a reset of the quality restores these bounces. Models
-/// from files are made for renderers with indirect light, and their exposure is metered.
+/// Sets bounces and exposure as they suit the scene; a reset of the quality restores these bounces.
+/// Models from files are made for renderers with indirect light, and their exposure is metered.
 fn reset_quality(app: &mut Parts, source: &SceneSource, arrival: &Arrival) {
     let launch = &app.services.launch;
     let is_model = matches!(source, SceneSource::File { .. });

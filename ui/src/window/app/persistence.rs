@@ -49,14 +49,15 @@ fn write_session(text: &str, file: Option<PathBuf>, destination: &Destination) -
     }
 }
 
-/// Restores the session that has waited for its scene. Another scene than before has no session file: that
-/// of the old scene is not overwritten.
+/// Restores the session that has waited for its scene. Another scene than before has no session
+/// file: that of the old scene is not overwritten.
 pub(super) fn restore_session(app: &mut Parts, awaited: Option<(SessionFile, PathBuf)>, is_reload: bool) {
     if let Some((content, file)) = awaited {
         app.session.unknown_keys = content.restore(&mut app.state);
         app.session.is_metering = false;
         if is_recovery(&file) {
-            // The session is kept under another name from now on. If this fails it is offered again.
+            // The session is kept under another name from now on. If this fails it is offered
+            // again.
             let _ = std::fs::remove_file(&file);
             app.session.file = None;
         } else {

@@ -90,7 +90,8 @@ fn saved(state: &mut AppState, path: &Path) {
     state.info(format!("saved {}", path.display()));
 }
 
-/// Shows the newest frame. The first complete one of a model that was just opened sets the exposure.
+/// Shows the newest frame. The first complete one of a model that was just opened sets the
+/// exposure.
 fn poll_frame(app: &mut Parts) {
     if !app.services.render.take_frame(&mut app.state.frame) {
         return;

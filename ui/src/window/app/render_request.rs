@@ -32,8 +32,8 @@ pub(super) fn send_request(app: &mut Parts) {
     }
 }
 
-/// True where nothing has changed since a frame at the render scale was complete: then a frame with every
-/// pixel of the viewport is requested. Only in modes that refine at rest.
+/// True where nothing has changed since a frame at the render scale was complete: then a frame with
+/// every pixel of the viewport is requested. Only in modes that refine at rest.
 fn is_sharp(app: &Parts) -> bool {
     let (q, camera) = (&app.state.quality, app.state.navigation.fly.camera());
     let may_be = q.walk.render.mode.refines() && q.render_scale < 1.0;

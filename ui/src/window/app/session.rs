@@ -10,7 +10,8 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use toml::Table;
 
-/// The renderer counts as moving for this time after the last motion: a drag pauses between two events.
+/// The renderer counts as moving for this time after the last motion: a drag pauses between two
+/// events.
 pub(super) const MOTION_TIME: Duration = Duration::from_millis(250);
 
 /// The open scene, its edits, and what has been sent to the renderer.

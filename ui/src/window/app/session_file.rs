@@ -1,5 +1,5 @@
-//! The file format of sessions: scene, pose, views, camera path and settings. Keys that this version does
-//! not know are kept when the session is saved again.
+//! The file format of sessions: scene, pose, views, camera path and settings. Keys that this
+//! version does not know are kept when the session is saved again.
 
 use crate::cli::flags;
 use crate::settings;
@@ -55,8 +55,8 @@ pub(super) fn is_session(path: &Path) -> bool {
 }
 
 impl SessionFile {
-    /// The session of the state that is shown; `None` without a scene. `other` has the unknown keys of the
-    /// session that was loaded.
+    /// The session of the state that is shown; `None` without a scene. `other` has the unknown keys
+    /// of the session that was loaded.
     pub(super) fn of(state: &AppState, other: &Table) -> Option<Self> {
         let (scene, quality) = (state.scene.as_ref()?, &state.quality);
         let view = |v: &SavedView| View { name: v.name.clone(), key: v.key, camera: v.camera };
@@ -131,8 +131,8 @@ impl SessionFile {
         self.other.clone()
     }
 
-    /// The scene of the session in `path`. A model that was moved together with its session is found beside
-    /// it.
+    /// The scene of the session in `path`. A model that was moved together with its session is
+    /// found beside it.
     pub(super) fn source(&self, path: &Path) -> SceneSource {
         let source = SceneSource::named(&self.scene, Default::default());
         let SceneSource::File { path: model, options } = source else { return source };

@@ -1,4 +1,5 @@
-//! Applies commands: dispatches those of a part of the window to its handler, and handles the others.
+//! Applies commands: dispatches those of a part of the window to its handler, and handles the
+//! others.
 
 use super::{
     AppEvent, Parts, Services, cancel_loading, forget_recent, handle_answer, handle_edit, handle_inspect,

@@ -10,8 +10,8 @@ const INTERVAL: Duration = Duration::from_secs(1);
 /// Times at which the files of a model were written.
 type Stamps = Vec<(PathBuf, Option<SystemTime>)>;
 
-/// Starts a task that ends with the model's path when one of its files has changed and then has stayed
-/// the same for an interval: programs do not write a file in one step.
+/// Starts a task that ends with the model's path when one of its files has changed and then has
+/// stayed the same for an interval: programs do not write a file in one step.
 pub(super) fn watch(model: PathBuf, wake: Wake) -> Task<PathBuf> {
     let mut known = stamps(&model);
     spawn_task("watch", wake, move |task| {

@@ -176,8 +176,8 @@ impl eframe::App for App {
         self.request_updates();
     }
 
-    /// Returns the background of the panels. Clearing the window costs nothing, and a filled panel much on
-    /// a software rasteriser: egui's shader divides 24 times per pixel.
+    /// Returns the background of the panels. Clearing the window costs nothing, and a filled panel
+    /// much on a software rasteriser: egui's shader divides 24 times per pixel.
     fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
         let is_srgb = self.parts.services.graphics.as_ref().is_some_and(|g| g.target_format.is_srgb());
         match visuals.panel_fill {

@@ -11,8 +11,8 @@ pub(crate) struct Destination {
 }
 
 impl Destination {
-    /// Saves in `chosen`, or in the default folders where nothing is chosen. Files are named after the
-    /// scene.
+    /// Saves in `chosen`, or in the default folders where nothing is chosen. Files are named after
+    /// the scene.
     pub(crate) fn new(chosen: Option<PathBuf>, scene_name: &str) -> Self {
         let folders = chosen.map_or_else(default_folders, |folder| vec![folder]);
         Self { folders, stem: stem(scene_name) }

@@ -13,7 +13,8 @@ use egui::{Context, Event};
 /// One press changes the exposure by half a stop.
 const EXPOSURE_STEP_EV: f32 = 0.5;
 
-/// Returns the commands of keys that were pressed and of files that were dropped since the last update.
+/// Returns the commands of keys that were pressed and of files that were dropped since the last
+/// update.
 pub(crate) fn key_commands(
     state: &AppState,
     input: &mut Input,

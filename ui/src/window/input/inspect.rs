@@ -1,5 +1,5 @@
-//! The surface and the pixel at a point of the viewport. Points are given right and up from its centre, in
-//! -1..1.
+//! The surface and the pixel at a point of the viewport. Points are given right and up from its
+//! centre, in -1..1.
 
 use super::Obstacles;
 use crate::window::gpu::projection::Projection;
@@ -26,7 +26,8 @@ pub(super) fn snap_at(state: &AppState, obstacles: &Obstacles, at: [f64; 2], vie
     Some(projection.snapped(probe.position_m, &corners_m(obstacles, &probe)))
 }
 
-/// Returns the surface at a point of the viewport, and its pixel where the newest frame shows this pose.
+/// Returns the surface at a point of the viewport, and its pixel where the newest frame shows this
+/// pose.
 pub(super) fn inspect(state: &AppState, obstacles: &Obstacles, at: [f64; 2]) -> Option<Inspection> {
     let probe = probe_at(state, obstacles, at)?;
     let camera = state.navigation.fly.camera();

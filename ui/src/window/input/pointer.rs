@@ -141,8 +141,8 @@ fn unit(viewport: &Response, at: Pos2) -> [f64; 2] {
     [f64::from(from_centre.x / half.x.max(1.0)), f64::from(-from_centre.y / half.y.max(1.0))]
 }
 
-/// Returns how far the pointer was dragged to turn the camera since the last update, in points. Motion from
-/// before egui has decided that it is not a click counts too.
+/// Returns how far the pointer was dragged to turn the camera since the last update, in points.
+/// Motion from before egui has decided that it is not a click counts too.
 fn look_drag(viewport: &Response) -> Vec2 {
     if ![PointerButton::Primary, PointerButton::Secondary].into_iter().any(|b| viewport.dragged_by(b)) {
         return Vec2::ZERO;
@@ -178,8 +178,8 @@ fn speed_factor(modifiers: egui::Modifiers) -> f64 {
     if modifiers.alt { up / SPEED_FACTOR } else { up }
 }
 
-/// Returns the notches of the wheel from the events themselves: egui's scroll delta is smoothed over
-/// several updates.
+/// Returns the notches of the wheel from the events themselves: egui's scroll delta is smoothed
+/// over several updates.
 fn notches(events: &[Event]) -> f64 {
     let notches = events.iter().map(|event| match event {
         Event::MouseWheel { unit: MouseWheelUnit::Point, delta, .. } => delta.y / POINTS_PER_NOTCH,

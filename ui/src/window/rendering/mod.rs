@@ -1,5 +1,5 @@
-//! Everything that runs beside the window's thread: rendering, references, background tasks, and the data
-//! that they exchange with the window.
+//! Everything that runs beside the window's thread: rendering, references, background tasks, and
+//! the data that they exchange with the window.
 
 pub mod depth_ranges;
 pub mod exchange;

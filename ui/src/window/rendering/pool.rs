@@ -3,16 +3,16 @@
 use rayon::ThreadPool;
 use std::io;
 
-/// Niceness of all threads that trace. The window and the threads of a software rasteriser run first:
-/// on two cores without a graphics card, the window was updated every 300 ms while the gallery was
-/// rendered, and every 75 ms with this value. References have the same priority as frames, because
-/// they make the following frames cheaper.
+/// Niceness of all threads that trace. The window and the threads of a software rasteriser run
+/// first: on two cores without a graphics card, the window was updated every 300 ms while the
+/// gallery was rendered, and every 75 ms with this value. References have the same priority as
+/// frames, because they make the following frames cheaper.
 const NICENESS: i32 = 10;
 
 /// Lowers the priority of the calling thread.
 pub(crate) fn lower_priority() {
-    // On other systems, this would lower the priority of the whole process. If the system refuses, all
-    // threads have equal shares, which is correct but slower to react.
+    // On other systems, this would lower the priority of the whole process. If the system refuses,
+    // all threads have equal shares, which is correct but slower to react.
     #[cfg(target_os = "linux")]
     let _ = rustix::process::nice(NICENESS);
     #[cfg(not(target_os = "linux"))]

@@ -1,8 +1,8 @@
 //! The thread that renders the newest pose and abandons work that is no longer wanted.
 //!
-//! Every change of the request raises a number, the generation. A frame carries the generation at which
-//! it was begun. One thread renders all frames in that order, so an older pose is never shown after a
-//! newer one.
+//! Every change of the request raises a number, the generation. A frame carries the generation at
+//! which it was begun. One thread renders all frames in that order, so an older pose is never shown
+//! after a newer one.
 
 use super::{
     Message, PublishedFrame, RenderCommand, RenderRequest, Shared, Wake, Worker, background_pool, locked,
@@ -24,8 +24,8 @@ pub struct RenderThread {
 }
 
 impl RenderThread {
-    /// Starts both threads, each with a pool of its own. The pool for references is one thread smaller, so
-    /// that frames are rendered meanwhile.
+    /// Starts both threads, each with a pool of its own. The pool for references is one thread
+    /// smaller, so that frames are rendered meanwhile.
     ///
     /// # Errors
     /// Where the system refuses to start the threads.
@@ -92,8 +92,8 @@ impl RenderThread {
         self.messages.try_iter()
     }
 
-    /// Stops both threads and waits for them. This takes a few milliseconds: frames and references stop
-    /// where they are.
+    /// Stops both threads and waits for them. This takes a few milliseconds: frames and references
+    /// stop where they are.
     pub fn stop(&mut self) {
         self.shared.quit.store(true, Ordering::Release);
         // Taking the lock ensures that the thread is not between its check of `quit` and its wait.

@@ -15,8 +15,9 @@ pub struct RenderRequest {
     pub size: [u32; 2],
     /// Settings of the walkthrough.
     pub settings: WalkthroughSettings,
-    /// After this time the frame is shown as it is, the worst pixels done first, and then completed.
-    /// With `None` it is shown when it is complete, and abandoned when a newer request arrives.
+    /// After this time the frame is shown as it is, the worst pixels done first, and then
+    /// completed. With `None` it is shown when it is complete, and abandoned when a newer request
+    /// arrives.
     pub budget: Option<Duration>,
     /// Nothing is rendered while this is set.
     pub is_paused: bool,
@@ -39,7 +40,8 @@ pub enum RenderCommand {
     ShowReference(ReferenceId),
     /// Removes all references.
     Clear,
-    /// Asks for [`Message::Picture`] of the next complete frame, or of the current one while paused.
+    /// Asks for [`Message::Picture`] of the next complete frame, or of the current one while
+    /// paused.
     Picture,
 }
 
@@ -60,8 +62,8 @@ pub struct Picture {
     pub is_complete: bool,
     /// Progress of refinement.
     pub refined: RefineState,
-    /// References from which the view can be rendered again: those the frame used, or all in modes that
-    /// look light up.
+    /// References from which the view can be rendered again: those the frame used, or all in modes
+    /// that look light up.
     pub references: Vec<Arc<ReferenceFrame>>,
 }
 
@@ -74,8 +76,8 @@ pub struct ReferenceRadiance {
     pub camera: Camera,
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// Diffuse radiance per pixel, `None` where the pixel holds no light. `None` as a whole where the
-    /// reference is no longer in the cache.
+    /// Diffuse radiance per pixel, `None` where the pixel holds no light. `None` as a whole where
+    /// the reference is no longer in the cache.
     pub radiance: Option<Vec<Option<Vec3>>>,
 }
 

@@ -63,8 +63,8 @@ impl SceneSource {
     }
 }
 
-/// A scene that is being loaded. Dropping it cancels loading without waiting: a phase that cannot be
-/// interrupted would hold up the window.
+/// A scene that is being loaded. Dropping it cancels loading without waiting: a phase that cannot
+/// be interrupted would hold up the window.
 pub(crate) struct Loading {
     pub(crate) source: SceneSource,
     task: Task<Arc<Tracer>>,

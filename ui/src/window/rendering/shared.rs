@@ -32,8 +32,8 @@ pub(super) struct Shared {
 }
 
 impl Shared {
-    /// Changes what the next frame shows, and returns its generation. The generation is raised under the
-    /// lock, so that the render thread never sees a change without its generation.
+    /// Changes what the next frame shows, and returns its generation. The generation is raised
+    /// under the lock, so that the render thread never sees a change without its generation.
     pub(super) fn change(&self, write: impl FnOnce(&mut Inbox)) -> u64 {
         let mut inbox = locked(&self.inbox);
         write(&mut inbox);

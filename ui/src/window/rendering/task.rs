@@ -73,8 +73,8 @@ impl TaskHandle {
         if self.is_cancelled() { Err(TaskError::Cancelled) } else { Ok(()) }
     }
 
-    /// Reports which part of a phase is done, 0..1. May be called from many threads, after every tile:
-    /// a caller that would have to wait leaves the report to another one.
+    /// Reports which part of a phase is done, 0..1. May be called from many threads, after every
+    /// tile: a caller that would have to wait leaves the report to another one.
     pub fn report(&self, phase: &str, fraction: f32) {
         let Ok(mut shown) = self.shared.progress.try_lock() else { return };
         let step = |fraction: f32| (fraction * STEPS) as u32;
@@ -127,8 +127,8 @@ pub fn take_result<T>(slot: &mut Option<Task<T>>) -> Option<Result<T, TaskError>
     Some(result)
 }
 
-/// Runs `work` on a thread of its own and wakes the window when it has ended. A panic, or a thread that
-/// cannot be started, is a failure of the task.
+/// Runs `work` on a thread of its own and wakes the window when it has ended. A panic, or a thread
+/// that cannot be started, is a failure of the task.
 pub fn spawn_task<T: Send + 'static>(
     name: &str,
     wake: Wake,

@@ -43,8 +43,8 @@ impl std::fmt::Debug for Thumbnails {
 }
 
 impl Thumbnails {
-    /// Changes to another scene, or to the same scene with other materials or light; all pictures are
-    /// dropped.
+    /// Changes to another scene, or to the same scene with other materials or light; all pictures
+    /// are dropped.
     pub fn set_tracer(&mut self, tracer: Arc<Tracer>) {
         *self = Self { tracer: Some(tracer), ..Self::default() };
     }
@@ -54,8 +54,8 @@ impl Thumbnails {
         self.textures.get(&pose(camera))?.as_ref()
     }
 
-    /// Takes over a picture that was traced. One that failed stays grey: the render thread reports what
-    /// is wrong with the scene.
+    /// Takes over a picture that was traced. One that failed stays grey: the render thread reports
+    /// what is wrong with the scene.
     pub fn poll(&mut self, ctx: &Context) {
         if let Some(Ok(image)) = take_result(&mut self.task) {
             let texture = ctx.load_texture("thumbnail", image, TextureOptions::LINEAR);
@@ -63,7 +63,8 @@ impl Thumbnails {
         }
     }
 
-    /// Starts to trace the first of these poses that has no picture yet, unless one is being traced.
+    /// Starts to trace the first of these poses that has no picture yet, unless one is being
+    /// traced.
     pub fn request<'a>(&mut self, mut poses: impl Iterator<Item = &'a Camera>, wake: &Wake) {
         let (Some(tracer), None) = (&self.tracer, &self.task) else { return };
         let Some(camera) = poses.find(|camera| !self.textures.contains_key(&pose(camera))) else { return };
@@ -77,7 +78,8 @@ impl Thumbnails {
     }
 }
 
-/// Traces a picture. Each has its own exposure, so that it is legible whatever that of the viewport is.
+/// Traces a picture. Each has its own exposure, so that it is legible whatever that of the viewport
+/// is.
 fn trace(tracer: &Tracer, camera: &Camera, task: &TaskHandle) -> Result<ColorImage, TaskError> {
     let pool = background_pool("thumbnails", 1).map_err(TaskError::failed)?;
     let settings = RenderSettings { mode: Mode::Full, trace: TRACE };

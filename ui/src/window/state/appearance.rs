@@ -30,7 +30,8 @@ impl Appearance {
         }
     }
 
-    /// Returns the settings that differ from `before`, by name; `None` stands for the default value.
+    /// Returns the settings that differ from `before`, by name; `None` stands for the default
+    /// value.
     pub fn changes(&self, before: &Self) -> Vec<(&'static str, Option<toml_edit::Value>)> {
         let default = Self::default();
         let mut changes = Vec::new();

@@ -1,5 +1,5 @@
-//! What the window knows and shows. Panels read [`AppState`] and return [`Command`]s; only the handlers
-//! in `app` change it.
+//! What the window knows and shows. Panels read [`AppState`] and return [`Command`]s; only the
+//! handlers in `app` change it.
 
 mod app_state;
 mod appearance;

@@ -1,4 +1,4 @@
-//! Where the user is, and how he moves.
+//! Position and motion of the user.
 
 use crate::window::input::{FlyCamera, Playback, Recording};
 

@@ -43,7 +43,8 @@ impl Worker {
                 && request.as_ref().is_some_and(asks_for_pixels);
             let has_mail =
                 inbox.request.is_some() || !inbox.commands.is_empty() || !inbox.outcomes.is_empty();
-            // The settings of a new request are applied before an older frame is resumed or refined.
+            // The settings of a new request are applied before an older frame is resumed or
+            // refined.
             let can_continue =
                 inbox.request.is_none() && (self.can_resume(generation) || self.can_refine(generation));
             if is_due || has_mail || can_continue {
@@ -82,8 +83,8 @@ impl Worker {
                 self.cancel_reference();
                 self.shared.abandon.store(false, Ordering::Release);
                 let settings = self.request.map(|r| r.settings).unwrap_or_default();
-                // A new walkthrough: with another tracer in the old one, pixels that the first frame has not
-                // traced yet would show the old scene.
+                // A new walkthrough: with another tracer in the old one, pixels that the first
+                // frame has not traced yet would show the old scene.
                 self.walk = Some(Walkthrough::new(tracer, settings).progressive());
                 self.added.clear();
                 self.refused.clear();

@@ -30,13 +30,14 @@ impl Worker {
         (self.wake)();
     }
 
-    /// Starts to trace the reference that the user has added or that the policy wants, unless one is
-    /// being traced.
+    /// Starts to trace the reference that the user has added or that the policy wants, unless one
+    /// is being traced.
     pub(super) fn request_reference(&mut self) {
         if self.running.is_some() || !self.can_render() {
             return;
         }
-        // While a frame is being resumed, its light is kept, so a reference need not trace it again.
+        // While a frame is being resumed, its light is kept, so a reference need not trace it
+        // again.
         let is_resuming = self.can_resume(self.shared.generation.load(Ordering::Acquire));
         let (Some(walk), Some(request)) = (&mut self.walk, self.request) else { return };
         let by_policy = || {
@@ -62,9 +63,9 @@ impl Worker {
     }
 }
 
-/// Returns the pose at which the policy wants a reference. A pose that has one already is left out: where
-/// Type 3 stays high in spite of it, the policy would choose that pose again and again. A disabled
-/// reference does not count and is replaced.
+/// Returns the pose at which the policy wants a reference. A pose that has one already is left out:
+/// where Type 3 stays high in spite of it, the policy would choose that pose again and again. A
+/// disabled reference does not count and is replaced.
 fn wanted(walk: &Walkthrough, size: [u32; 2]) -> Option<Camera> {
     let camera = walk.wanted_reference()?;
     let is_same = |e: &CachedReference| e.is_enabled && e.frame.camera == camera && e.frame.view.size == size;

@@ -8,8 +8,9 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-/// A frame that is resumed or refined is shown at this interval: often enough to see it converge, and
-/// rarely enough that drawing takes little time compared to tracing. Any change ends the work at once.
+/// A frame that is resumed or refined is shown at this interval: often enough to see it converge,
+/// and rarely enough that drawing takes little time compared to tracing. Any change ends the work
+/// at once.
 const SLICE_TIME: Duration = Duration::from_millis(200);
 
 /// Result of a slice of work on a frame.
@@ -75,8 +76,8 @@ impl Worker {
         })
     }
 
-    /// Works on the walkthrough and publishes its frame. Returns `None` after a panic; the walkthrough then
-    /// starts again, because its buffers may be half written.
+    /// Works on the walkthrough and publishes its frame. Returns `None` after a panic; the
+    /// walkthrough then starts again, because its buffers may be half written.
     fn show(
         &mut self,
         generation: u64,

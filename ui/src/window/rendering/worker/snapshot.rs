@@ -28,7 +28,8 @@ impl Worker {
         }));
     }
 
-    /// Sends the light that a reference holds: the part that does not depend on the direction of view.
+    /// Sends the light that a reference holds: the part that does not depend on the direction of
+    /// view.
     pub(super) fn send_reference(&self, id: ReferenceId) {
         let Some(walk) = &self.walk else { return };
         let entry = walk.cache().entries().iter().find(|e| e.id == id);

@@ -28,8 +28,8 @@ pub(in crate::window::rendering) struct Worker {
     pub(super) request: Option<RenderRequest>,
     /// The reference that is being traced.
     pub(super) running: Option<Running>,
-    /// Poses at which tracing a reference has panicked: the placement policy would choose them again and
-    /// again.
+    /// Poses at which tracing a reference has panicked: the placement policy would choose them
+    /// again and again.
     pub(super) refused: Vec<RequestedPose>,
     /// Pose of a reference that the user has added while another one was being traced.
     pub(super) added_by_user: Option<Camera>,
@@ -79,8 +79,8 @@ impl Worker {
         is_shown && self.walk.as_ref().is_some_and(Walkthrough::can_resume)
     }
 
-    /// True where the last frame is still wanted and has not converged. A reference that is being traced
-    /// goes first: it makes the next frames cheaper.
+    /// True where the last frame is still wanted and has not converged. A reference that is being
+    /// traced goes first: it makes the next frames cheaper.
     pub(super) fn can_refine(&self, generation: u64) -> bool {
         let is_shown = self.rendered == Some(generation) && self.converged != Some(generation);
         let is_compared = self.request.is_some_and(|r| r.is_compared);
