@@ -6,12 +6,15 @@
 //!
 //! ```text
 //! Camera -> a primary ray per pixel        -> the surface point that the pixel shows
-//!        -> look-up in the references      -> its diffuse light, averaged over the references that saw it
-//!        -> unseen points                  -> lit by the Tracer; the frame can become a reference itself
-//!        -> mirror and glass               -> secondary rays; the points that they hit are looked up too
-//!        -> uncertain points               -> where the references disagree: checked with rays of this frame
+//!        -> look-up in the references      -> its diffuse light, a mean over the references
+//!        -> unseen points                  -> lit by the Tracer; the frame can become a reference
+//!        -> mirror and glass               -> secondary rays; the points they hit are looked up
+//!        -> uncertain points               -> where the look-up is a guess: checked by tracing
 //!        -> Frame                          -> PlacementPolicy: where the next reference should be
 //! ```
+//!
+//! A look-up is a guess where light is extrapolated past an edge, where neighbouring samples jump,
+//! as at the edge of a shadow, or where interpolation smooths too much.
 //!
 //! [`Mode::Fast`] takes the light of the single best reference and checks nothing. [`Mode::Full`]
 //! is the ordinary ray tracer, the truth that the others are measured against. [`Mode::Paper`] is
@@ -19,11 +22,12 @@
 //! references into the new view:
 //!
 //! ```text
-//! Camera -> ReferenceCache::select         -> the references that know most of this view
-//!        -> WarpBuffer::warp               -> the nearest sample per pixel
-//!        -> classify                       -> Type 1: diffuse, copied without a ray
-//!                                             Type 2: mirror or glass, secondary rays from the known point
-//!                                             Type 3: no sample, traced by the Tracer
+//! Camera -> warp::ReferenceSelector::select -> the references that know most of this view
+//!        -> WarpBuffer::warp                -> the nearest sample per pixel
+//!        -> classify                        -> Type 1: diffuse, copied without a ray
+//!                                              Type 2: mirror or glass, secondary rays
+//!                                                      from the known point
+//!                                              Type 3: no sample, traced by the Tracer
 //! ```
 //!
 //! # The bare engine
@@ -43,7 +47,8 @@
 //! let floor = builder.add_material(Material::diffuse("floor", Vec3::splat(0.7)));
 //! let lamp = builder.add_material(Material::emissive("lamp", Vec3::splat(10.0)));
 //! let square = |y: f64, half: f64| {
-//!     [[-half, half], [half, half], [half, -half], [-half, -half]].map(|[x, z]| DVec3::new(x, y, z))
+//!     let corners = [[-half, half], [half, half], [half, -half], [-half, -half]];
+//!     corners.map(|[x, z]| DVec3::new(x, y, z))
 //! };
 //! builder.add_quad(square(0.0, 2.0), Vec2::ONE, floor);
 //! builder.add_quad(square(3.0, 0.5), Vec2::ONE, lamp);
@@ -75,7 +80,8 @@
 //!
 //! let tracer = Tracer::new(Arc::new(builtin::build("cornell")?));
 //! let (camera, size, trace) = (*tracer.scene().start(), [48, 48], TraceSettings::default());
-//! let reference = ReferenceFrame::trace(&tracer, &camera, size, &trace, NEVER).expect("it is never stopped");
+//! let reference = ReferenceFrame::trace(&tracer, &camera, size, &trace, NEVER);
+//! let reference = reference.expect("it is never stopped");
 //!
 //! let settings = RenderSettings { mode: Mode::Paper, trace };
 //! let references = [&reference];
@@ -103,7 +109,7 @@
 //! # Features
 //! All three are on by default.
 //!
-//! - `import`: the module `import` (OBJ, glTF, textures, settings files) and walks from JSON
+//! - `import`: the module `import` (OBJ, glTF, textures, sidecars) and walks from JSON
 //! - `pictures`: PNG and OpenEXR files, pictures of a frame's data (`render::aov`), the metrics
 //!   PSNR, SSIM and FLIP, and the embedded scene `gallery`, whose textures are PNG. The other
 //!   embedded scenes are always there.

@@ -55,7 +55,7 @@ pub(crate) fn gltf(bytes: &[u8]) {
     check_load(name, &[(name, bytes)]);
 }
 
-/// The settings file of a valid model.
+/// The sidecar of a valid model.
 pub(crate) fn sidecar(bytes: &[u8]) {
     check_load("scene.obj", &[("scene.obj", TRIANGLE.as_bytes()), ("scene.afterimage.toml", bytes)]);
 }

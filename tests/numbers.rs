@@ -1,6 +1,6 @@
 //! Packed colours and fast rounding, against their specifications.
 
-use afterimage::math::whole::{floor, round};
+use afterimage::math::rounding::{floor, round};
 use afterimage::raster::rgb9e5::{Rgb9e5Scale, pack, unpack};
 use afterimage::reference::light::{UNLIT, pack_light};
 use glam::Vec3;

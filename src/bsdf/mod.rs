@@ -8,7 +8,7 @@
 //! `scattered` the unit direction in which the path continues, both in scene space. Values are per
 //! steradian and do not include the cosine; densities are per steradian.
 //!
-//! `docs/how_to_add_bsdf.md` in the repository lists the steps for a new lobe.
+//! `docs/how_to_add/bsdf.md` in the repository lists the steps for a new lobe.
 
 mod dielectric;
 mod diffuse;

@@ -3,7 +3,7 @@
 //!
 //! [`run`] is the framework: cells, a journal of finished cells, shards, merging, and reports as
 //! data. [`registry`] lists the experiments; each has a folder of its own. [`measure`] compares
-//! frames with converged pictures. How to add an experiment: `docs/how_to_add_experiment.md`.
+//! frames with converged pictures. How to add an experiment: `docs/how_to_add/experiment.md`.
 
 mod error_time;
 pub mod measure;

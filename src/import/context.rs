@@ -3,7 +3,7 @@
 use super::files::{Jail, unreadable};
 use super::progress::{Phase, Steps};
 use super::units::{Unit, Up};
-use super::{options::ImportOptions, report::Tally, search::Finder, sidecar::Sidecar};
+use super::{options::ImportOptions, search::Finder, sidecar::Sidecar, tally::Tally};
 use crate::scene::{Scene, SceneBuilder, SceneError};
 use std::path::{Path, PathBuf};
 
@@ -24,7 +24,7 @@ pub(super) struct Import<'a> {
     pub(super) sidecar: Sidecar,
     pub(super) finder: Finder,
     pub(super) builder: SceneBuilder,
-    /// Names of materials that the model defines but may not use. The settings file may override
+    /// Names of materials that the model defines but may not use. The sidecar may override
     /// them too.
     pub(super) defined_materials: Vec<String>,
 }
@@ -47,12 +47,12 @@ impl<'a> Import<'a> {
         Ok(Self { path, file, name, options, steps, sidecar, finder, builder, defined_materials: Vec::new() })
     }
 
-    /// Returns the unit that the user or the settings file gives.
+    /// Returns the unit that the user or the sidecar gives.
     pub(super) fn unit(&self) -> Option<Unit> {
         self.options.unit.or(self.sidecar.unit)
     }
 
-    /// Returns the up axis that the user or the settings file gives.
+    /// Returns the up axis that the user or the sidecar gives.
     pub(super) fn up(&self) -> Option<Up> {
         self.options.up.or(self.sidecar.up)
     }
@@ -85,7 +85,7 @@ impl<'a> Import<'a> {
         })
     }
 
-    /// Applies the settings file, and makes the scene.
+    /// Applies the sidecar, and makes the scene.
     pub(super) fn finish(self) -> Result<Scene, SceneError> {
         let Self { path, steps, sidecar, mut builder, defined_materials, .. } = self;
         sidecar.override_materials(&defined_materials, &mut builder);

@@ -2,7 +2,7 @@
 //!
 //! [`load()`] finds the reader of a file by its extension, in the table [`FORMATS`]. Readers share
 //! one context: limits, progress, the search for the files that a model names, pictures, the
-//! settings file next to the model, and the report.
+//! sidecar (a settings file next to the model), and the tally of troubles.
 //!
 //! A damaged part of a file does not stop an import. It is left out or replaced, counted, and
 //! reported with its line. Only a file that leaves nothing to show is an error, which names file,
@@ -19,10 +19,10 @@ mod options;
 mod picture;
 mod polygon;
 mod progress;
-mod report;
 mod search;
 mod sidecar;
 mod surfaces;
+mod tally;
 mod text;
 mod trouble;
 mod units;

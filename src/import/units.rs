@@ -136,7 +136,8 @@ pub(super) struct Guess {
 
 /// Units across beyond which metres are doubtful: the largest buildings are about a kilometre long.
 const DOUBTFUL_LARGE: f64 = 2_000.0;
-/// Units across beyond which metres would make a country and millimetres a house.
+/// Size in units above which a model is taken as millimetres: in metres it would be as large as a
+/// country, in millimetres as a house.
 const SURELY_MILLIMETRES: f64 = 50_000.0;
 /// Units across below which metres make a model too small to walk in.
 const DOUBTFUL_SMALL: f64 = 0.5;

@@ -9,7 +9,7 @@ use crate::trace::{Hit, PixelTrace, RayCounts, SurfacePoint, TraceSettings, Trac
 use glam::Vec3;
 use std::ops::AddAssign;
 
-/// What resolving pixels produces besides their radiance.
+/// Rays traced and points to cache, summed over pixels.
 #[derive(Debug, Default)]
 pub(crate) struct Tally {
     /// Rays traced.
@@ -25,7 +25,7 @@ impl AddAssign for Tally {
     }
 }
 
-/// Resolves pixels of one view.
+/// Finishes the pixels that the look-up left open: specular, unseen and uncertain ones.
 #[derive(Clone, Copy)]
 pub(crate) struct PixelResolver<'a> {
     pub(crate) tracer: &'a Tracer,

@@ -300,9 +300,12 @@ fn largest_gap<S: Simd>([a, b, c, d]: [f32x8<S>; 4]) -> f32x8<S> {
     (second - first).max(third - second).max(last - third)
 }
 
-/// The four samples around each of eight points.
+/// The four samples of a reference around each of eight points, read from memory into lanes: first
+/// by sample, in the order left and right of the upper row, then of the lower, then by point.
 struct Taps {
+    /// 1 / depth of the samples along the reference's viewing axis.
     disparity: [[f32; 8]; 4],
+    /// Packed light of the samples.
     light: [[u32; 8]; 4],
     /// One bit per lane whose sample is lit and has nearly the normal of the point.
     alike: [u64; 4],

@@ -1,10 +1,19 @@
 //! The default way to reuse references: a primary ray finds the surface of every pixel, and the
 //! light there is looked up in the references that saw it.
 //!
-//! [`LookupSet`] holds the references of a frame, [`ViewLookup`] looks up tiles of pixels, and
-//! [`LookupSet::light_at`] single points. [`BandLookup`] fills the rows of a frame with what is
-//! known, and [`PixelResolver`] completes the pixels that this leaves open. `policy.rs` holds every
-//! threshold.
+//! In the order of the calls for a frame:
+//!
+//! | File | Contents |
+//! |---|---|
+//! | `band` | [`BandLookup`] fills eight rows of a frame and lists the pixels that it leaves open |
+//! | `tile` | the surfaces of 8 x 8 pixels, and the light found for them |
+//! | `view` | [`ViewLookup`] chooses the best references for a tile |
+//! | `gather` | gathers the light of one reference for a row of a tile |
+//! | `exact` | [`PixelResolver`] completes the open pixels |
+//! | `point` | [`LookupSet`], the references of a frame, and the light at a single point |
+//! | `point_cache` | light that earlier frames traced at single points |
+//! | `sparse` | sparse references, which light only what older references do not know well |
+//! | `policy` | every threshold |
 
 mod band;
 mod exact;

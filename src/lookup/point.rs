@@ -12,7 +12,7 @@ use super::policy::{
     MIN_COVERAGE, MIN_WEIGHT, PLANE_TOLERANCE,
 };
 use crate::camera::NEAREST_DEPTH;
-use crate::math::whole::floor;
+use crate::math::rounding::floor;
 use crate::raster::rgb9e5::Rgb9e5Scale;
 use crate::reference::directory::{Directory, MAX_SLOTS, PackedNormal, SlotMask};
 use crate::reference::{CachedReference, ReferenceCache, ReferenceFrame, ReferenceSnapshot, light::UNLIT};

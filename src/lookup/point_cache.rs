@@ -11,7 +11,7 @@
 use super::policy::{
     BLOCK, BLOCK_BUCKETS, BORDER, BUCKETS, CELL_EDGE, LEVELS, LEVELS_READ, PLANE_SHARE, WAYS,
 };
-use crate::math::{key::Key, whole::floor};
+use crate::math::{key::Key, rounding::floor};
 use crate::reference::directory::PackedNormal;
 use crate::trace::SceneEpoch;
 use glam::Vec3;
@@ -75,11 +75,12 @@ impl Entry {
         Self { position: Vec3::ZERO, light: Vec3::ZERO, normal: PackedNormal::ZERO, samples: 0 };
 }
 
-/// The tags of a bucket. They are stored apart from the entries, four buckets to a cache line,
-/// because most look-ups read no more.
+/// The tags of a bucket. A tag holds upper hash bits of the cell of each point in the bucket, to
+/// tell apart cells that share the bucket. Tags are stored apart from the entries, four buckets to
+/// a cache line, because most look-ups read no more.
 type Tags = [u32; WAYS];
 
-/// The tag of an empty way.
+/// The tag of an empty way, which is a slot of a bucket.
 const NO_TAG: u32 = 0;
 
 /// Light found in the cache.

@@ -78,11 +78,12 @@ pub(super) const MAX_SMOOTHED: f32 = 0.08;
 
 // How many references are read.
 
-/// References averaged for a point seen in a mirror or through glass. More would cost more than
-/// the noise that they remove is worth.
+/// References averaged, at most, for a point seen in a mirror or through glass. More would cost
+/// more time than the noise that they remove is worth.
 pub(super) const MAX_AVERAGED_REFERENCES: usize = 3;
 
-/// The same limit while all references found so far are coarser than the picture.
+/// References averaged, at most, for such a point while all references found so far are coarser
+/// than the picture.
 pub(super) const MAX_FOUND: usize = 8;
 
 /// References chosen for one group of pixels of a tile, at most.
@@ -126,19 +127,21 @@ pub(crate) const MAX_POINTS_PER_PIXEL: usize = 4;
 
 // The cache of traced points.
 
-/// Buckets of the table: 64 MB, allocated when the first point is inserted. A picture of 1280x720
-/// of which a third shows a mirror fills a sixth of it.
+/// Buckets of the point cache. A bucket is the place of a cell in the hash table and holds [`WAYS`]
+/// points, also of other cells with the same hash. Together they take 64 MB, allocated when the
+/// first point is inserted. A picture of 1280x720 of which a third shows a mirror fills a sixth of
+/// it.
 pub(super) const BUCKETS: usize = 1 << 19;
 
 /// Points in a bucket. A new point replaces the oldest.
 pub(super) const WAYS: usize = 4;
 
-/// Cells along each side of a block, a power of two. The cells of a block are adjacent in memory,
-/// because neighbouring cells are read one after the other, and a cache miss takes about a fifth
-/// of a microsecond.
+/// Cells along each side of a block, a power of two. A block is a cube of cells whose buckets are
+/// adjacent in memory, because neighbouring cells are read one after the other, and a cache miss
+/// takes about a fifth of a microsecond.
 pub(super) const BLOCK: usize = 4;
 
-/// Buckets of a block.
+/// Buckets of a block, one for each of its cells.
 pub(super) const BLOCK_BUCKETS: usize = BLOCK * BLOCK * BLOCK;
 
 /// Cell sizes that are read, from the size of the footprint down, so that points traced from

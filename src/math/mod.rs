@@ -2,8 +2,8 @@
 
 pub mod key;
 pub mod ray;
+pub mod rounding;
 pub mod sampling;
 pub mod simd;
-pub mod whole;
 
 pub use ray::Ray;

@@ -13,8 +13,9 @@ pub enum PixelType {
     Reused = 1,
     /// Type 2: mirror or glass; secondary rays were traced from the first hit.
     Secondary = 2,
-    /// Type 3: its light was looked up, but the result was uncertain, so that it was traced as
-    /// well.
+    /// Type 3: its looked-up light was a guess, so that it was due to be checked by tracing. It may
+    /// show the guess still: a cached point confirmed it, or the frame was stopped before the
+    /// check.
     Uncertain = 3,
 }
 

@@ -5,7 +5,7 @@
 //! references there are.
 
 use super::ReferenceFrame;
-use crate::math::whole::round;
+use crate::math::rounding::round;
 use crate::scene::Scene;
 use glam::{UVec3, Vec3};
 use rayon::prelude::*;

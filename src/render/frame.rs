@@ -44,7 +44,7 @@ pub struct StageSecs {
     pub visibility_and_lookup: f64,
     /// Type 2.
     pub secondary: f64,
-    /// Type 3, or every pixel of the full tracer.
+    /// Type 3: unseen pixels and checks of guesses; every pixel in mode `full`.
     pub trace: f64,
     /// Auditing a few pixels, if enabled.
     pub audit: f64,

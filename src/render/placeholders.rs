@@ -28,8 +28,8 @@ pub(super) struct Unfinished<'a> {
     pub(super) secondary: &'a WorkList<Vec3>,
     /// Radiance of the pixels of `secondary` without what their mirror or glass shows.
     pub(super) own: &'a [Vec3],
-    /// True where the hits of all pixels are known, shaded or not.
-    pub(super) knows_hits: bool,
+    /// True in modes that look up, which find the hits of all pixels first.
+    pub(super) looks_up: bool,
 }
 
 impl Placeholders {
@@ -38,15 +38,15 @@ impl Placeholders {
 
     /// Gives the pixels that a stop left undone something to show.
     pub(super) fn fill(&mut self, unfinished: &Unfinished<'_>, frame: &mut Frame) {
-        let Unfinished { unseen, knows_hits, .. } = *unfinished;
-        if knows_hits {
+        let Unfinished { unseen, looks_up, .. } = *unfinished;
+        if looks_up {
             self.fill_specular(unfinished, frame);
         } else {
             for pixel in unseen.missing() {
                 (frame.disparity[pixel], frame.triangle[pixel]) = (0.0, NO_TRIANGLE);
             }
         }
-        if knows_hits && unseen.done().next().is_some() {
+        if looks_up && unseen.done().next().is_some() {
             self.fill_light(unfinished, frame);
         } else {
             self.fill_colour(unfinished, frame);
@@ -58,7 +58,7 @@ impl Placeholders {
         is_known.clear();
         is_known.resize(frame.radiance.len(), true);
         unfinished.unseen.missing().for_each(|pixel| is_known[pixel] = false);
-        if !unfinished.knows_hits {
+        if !unfinished.looks_up {
             unfinished.secondary.missing().for_each(|pixel| is_known[pixel] = false);
         }
         fill_unknown(&mut frame.radiance, is_known, frame.view.size[0] as usize, levels);

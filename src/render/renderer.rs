@@ -1,9 +1,19 @@
-//! Renders a frame, from the request to the finished picture.
+//! Renders a frame, from the request to the finished picture. In a mode that looks up:
+//!
+//! 1. `FrameRequest::source` (`request.rs`) finds the references; `look_up` starts a task per band.
+//! 2. `BandLookup::fill` (`lookup/band.rs`) traces tiles (`lookup/tile.rs`), looks their light up
+//!    (`lookup/view.rs`, `lookup/gather.rs`), and decides each pixel's type in `write_pixel`.
+//! 3. Open pixels go to the lists (`worklist.rs`), which `PixelResolver`
+//!    (`lookup/exact.rs`) completes.
+//! 4. `conclude` fills gaps and counts; `keep_frame` (`walkthrough.rs`) may store a sparse
+//!    reference.
+//!
+//! Mode `paper` warps in step 2 (`warp`, `paper_pixels.rs`).
 
 use super::placeholders::{Placeholders, Unfinished};
 use super::request::{FrameRequest, Source};
 use super::worklist::{Dispersal, WorkList};
-use super::{frame::Frame, reprojection::Reprojection, settings::RenderSettings};
+use super::{frame::Frame, paper_pixels::WarpedPixels, settings::RenderSettings};
 use crate::camera::View;
 use crate::lookup::{
     BandLookup, CheckedPixel, LookupQuality, LookupSet, MAX_POINTS_PER_PIXEL, OpenPixels, PointCache, Tally,
@@ -26,13 +36,14 @@ const ROUNDS: [usize; 3] = [16, 4, 1];
 #[derive(Debug, Default)]
 pub struct Renderer {
     frame: Frame,
-    /// Type 3, and every pixel where nothing is reused.
+    /// Pixels whose light no reference holds; every pixel where nothing is reused.
     unseen: WorkList<PixelTrace>,
     /// Type 2: what the mirror or glass of a pixel shows.
     secondary: WorkList<Vec3>,
     /// Pixels whose looked-up light is a guess.
     uncertain: WorkList<CheckedPixel>,
-    /// Radiance of the pixels of `secondary` without what their mirror or glass shows.
+    /// Emission and looked-up diffuse radiance of the pixels of `secondary`, to which the light
+    /// that their mirror or glass shows is added.
     own: Vec<Vec3>,
     /// The open pixels of each band of rows, before they are collected in the lists.
     open: Vec<OpenPixels>,
@@ -47,8 +58,8 @@ pub struct Renderer {
     dispersal: Dispersal,
     placeholders: Placeholders,
     is_progressive: bool,
-    /// True where the hits of all pixels are known, shaded or not.
-    knows_hits: bool,
+    /// True in modes that look up, which find the hits of all pixels first.
+    looks_up: bool,
 }
 
 impl Renderer {
@@ -120,7 +131,7 @@ impl Renderer {
     /// Modes `fast` and `exact`: finds the hits of all pixels and looks up their light.
     fn look_up(&mut self, tracer: &Tracer, lookup: &LookupSet<'_>, quality: LookupQuality) {
         let start = Instant::now();
-        self.knows_hits = true;
+        self.looks_up = true;
         self.frame.stats.references_used = lookup.len();
         let view = self.frame.view;
         let band_lookup = BandLookup::new(tracer, &view, lookup, quality);
@@ -141,7 +152,7 @@ impl Renderer {
     /// in mode `full`, every pixel is unseen.
     fn reproject(&mut self, tracer: &Tracer, references: &[&ReferenceFrame]) {
         let start = Instant::now();
-        self.knows_hits = false;
+        self.looks_up = false;
         self.frame.stats.references_used = references.len();
         self.frame.stats.warped_pixels = references.iter().map(|r| r.view.pixel_count()).sum();
         if references.is_empty() {
@@ -149,7 +160,7 @@ impl Renderer {
             self.frame.supplier.fill(NO_SUPPLIER);
         } else {
             self.warped.warp(references, &self.frame.view);
-            Reprojection { tracer, references, warped: &self.warped }.copy_to(&mut self.frame);
+            WarpedPixels { tracer, references, warped: &self.warped }.copy_to(&mut self.frame);
         }
         self.list_open_pixels();
         self.begin_lists();
@@ -182,7 +193,7 @@ impl Renderer {
         if self.is_progressive {
             unseen.disperse(dispersal, width);
         }
-        if self.is_progressive && self.knows_hits {
+        if self.is_progressive && self.looks_up {
             secondary.disperse(dispersal, width);
             uncertain.disperse(dispersal, width);
         }
@@ -194,13 +205,13 @@ impl Renderer {
     /// good as it can be (`docs/history/LAB_DIARY.md`, "Frames cut at the budget"). Mode `paper`
     /// follows the paper: Type 2, then Type 3.
     fn trace_open(&mut self, request: &FrameRequest<'_>, source: &Source<'_>) {
-        if !self.knows_hits {
+        if !self.looks_up {
             self.trace_secondary(request, source, 1);
         }
         let rounds: &[usize] = if self.is_progressive { &ROUNDS } else { &[1] };
         for &part in rounds {
             self.trace_unseen(request, source, part);
-            if self.knows_hits {
+            if self.looks_up {
                 self.trace_secondary(request, source, part);
             }
         }
@@ -219,7 +230,7 @@ impl Renderer {
         });
         for (pixel, traced) in self.unseen.done() {
             self.frame.radiance[pixel] = traced.radiance;
-            if !self.knows_hits {
+            if !self.looks_up {
                 self.frame.disparity[pixel] = traced.hit.map_or(0.0, |hit| 1.0 / hit.t);
                 self.frame.triangle[pixel] = traced.hit.map_or(NO_TRIANGLE, |hit| hit.triangle);
             }
@@ -235,10 +246,10 @@ impl Renderer {
         let FrameRequest { tracer, settings, stop, .. } = *request;
         let frame = &self.frame;
         let resolver = source.resolver(request, &frame.view, &self.points);
-        let reprojection = Reprojection { tracer, references: source.warped(), warped: &self.warped };
+        let warped = WarpedPixels { tracer, references: source.warped(), warped: &self.warped };
         let traced = self.secondary.run(part, stop, |pixel, tally: &mut Tally| match &resolver {
             Some(resolver) => resolver.resolve_specular(pixel, frame.triangle[pixel as usize], tally),
-            None => reprojection.specular(&frame.view, pixel, &settings.trace, &mut tally.rays),
+            None => warped.specular(&frame.view, pixel, &settings.trace, &mut tally.rays),
         });
         let results = self.secondary.pixels().iter().zip(self.secondary.results());
         for ((&pixel, specular), own) in results.zip(&self.own) {
@@ -278,9 +289,9 @@ impl Renderer {
     }
 
     fn conclude(&mut self, tracer: &Tracer, start: Instant) -> &Frame {
-        let Self { unseen, secondary, own, knows_hits, .. } = self;
+        let Self { unseen, secondary, own, looks_up, .. } = self;
         if !self.frame.stats.is_complete {
-            let unfinished = Unfinished { tracer, unseen, secondary, own, knows_hits: *knows_hits };
+            let unfinished = Unfinished { tracer, unseen, secondary, own, looks_up: *looks_up };
             self.placeholders.fill(&unfinished, &mut self.frame);
         }
         self.frame.stats.types = TypeCounts::of(&self.frame.types);

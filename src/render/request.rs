@@ -89,7 +89,7 @@ impl<'a> FrameRequest<'a> {
     }
 }
 
-/// Where a frame's known light comes from.
+/// What a frame reuses: references to look up light in, or frames to warp.
 pub(super) enum Source<'a> {
     /// References to look light up in.
     LookUp(LookupSet<'a>, LookupQuality),

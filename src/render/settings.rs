@@ -69,7 +69,7 @@ pub struct RenderSettings {
 }
 
 impl RenderSettings {
-    /// The settings that pixels are shaded with which no reference knows.
+    /// The trace settings for shading the pixels that no reference knows.
     pub(super) fn unseen_trace(&self) -> TraceSettings {
         self.mode.lookup_quality().map_or(self.trace, |quality| quality.unseen_trace(&self.trace))
     }

@@ -68,10 +68,11 @@ pub struct Walkthrough {
     used: Vec<ReferenceId>,
     references_made: u32,
     has_kept: bool,
-    /// What the last frame was rendered from: its settings, the references that mode `paper`
-    /// warped, and the version of the cache.
+    /// Settings of the last frame.
     rendered: RenderSettings,
+    /// References that mode `paper` warped into the last frame.
     selected: Vec<CachedReference>,
+    /// Version of the cache when the last frame was rendered.
     rendered_from: u64,
     /// `None` while audits are disabled.
     auditor: Option<Auditor>,

@@ -7,7 +7,7 @@ mod assemble;
 mod bounds;
 mod builder;
 pub mod builtin;
-mod condition_numbers;
+mod compute_conditioning;
 mod conditioning;
 mod connectivity;
 mod data;

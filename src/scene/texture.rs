@@ -1,7 +1,7 @@
 //! Textures with 8 bits per channel, decoded when they are sampled, with bilinear filtering and
 //! repetition.
 
-use crate::math::whole::floor;
+use crate::math::rounding::floor;
 use crate::raster::color::linear_from_srgb;
 use glam::{Vec2, Vec3};
 use std::sync::LazyLock;

@@ -2,7 +2,7 @@
 //!
 //! | module | contents |
 //! |---|---|
-//! | [`bvh`] | the bounding volume hierarchy: one ray, a tile of primary rays, a bundle of shadow rays |
+//! | [`bvh`] | the bounding volume hierarchy: one ray, a tile of primary rays, shadow rays |
 //! | `tracer`, `surface` | a scene with its hierarchy, and the surface points that its rays hit |
 //! | `lights` | sampling of light sources and what passes on the way to them |
 //! | `path` | the radiance of a pixel: diffuse light, bounces, mirrors and glass |

@@ -1,7 +1,7 @@
 //! Charts of error against run time.
 
-use super::setups::{LEAD, METRICS, Metric, Setup};
-use super::{compare::pareto, plan::DEFAULT_REFERENCES, words::time};
+use super::aggregate::{LEAD, METRICS, Metric, Setup};
+use super::{compare::pareto, headline::time, plan::DEFAULT_REFERENCES};
 use crate::experiment::run::report::{Axis, Block, Drawn, Point, Series};
 
 /// Colours of the modes, equal in every chart.

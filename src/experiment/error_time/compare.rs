@@ -1,6 +1,6 @@
 //! Compares setups by error and time.
 
-use super::setups::{Metric, Setup};
+use super::aggregate::{Metric, Setup};
 
 /// Seconds and error; lower is better for both.
 pub(super) type SecsAndError = [f64; 2];

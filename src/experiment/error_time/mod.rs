@@ -5,14 +5,14 @@
 //! along the walk with the cache and its placement policy. Only the first allows any number of
 //! references; only the second is what a user sees.
 
+mod aggregate;
 mod charts;
 mod compare;
+mod headline;
 mod pictures;
 mod plan;
 mod report;
 mod run;
-mod setups;
-mod words;
 
 pub(super) use plan::{cells, settings};
 pub(super) use report::report;

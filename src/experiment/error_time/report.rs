@@ -1,9 +1,9 @@
 //! Sections, tables and pictures of error against run time.
 
+use super::aggregate::{METRICS, Metric, Setup};
 use super::charts::{COLORS, against_time, influences, with_references};
+use super::headline::{factors, headline, summary, times};
 use super::plan::{DEFAULT_REFERENCES, REUSING};
-use super::setups::{METRICS, Metric, Setup};
-use super::words::{factors, headline, summary, times};
 use crate::experiment::run::report::{Block, Picture, Section, fields, row};
 use crate::experiment::run::{Identity, Report, RunRecord, matching, median_of};
 use serde_json::{Value, json};

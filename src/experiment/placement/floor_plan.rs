@@ -1,7 +1,7 @@
 //! The building from above: walls cut at eye height, the walk, and the references coloured by how
 //! much they supplied.
 
-use super::watch::{Watch, Watched};
+use super::reference_usage::{ReferenceUsage, UsedReference};
 use crate::camera::Camera;
 use crate::raster::metrics::error_picture;
 use crate::trace::Tracer;
@@ -33,9 +33,9 @@ pub(super) fn file_name(mode: &str, walk: &str, rule: &str) -> String {
 }
 
 /// Draws the plan and returns its size and pixels.
-pub(super) fn draw(tracer: &Tracer, cameras: &[Camera], watch: &Watch) -> ([u32; 2], Vec<[u8; 3]>) {
-    let mut sheet = Sheet::around(cameras.iter().chain(watch.references.iter().map(|r| &r.camera)));
-    let mut wedges: Vec<&Watched> = watch.references.iter().collect();
+pub(super) fn draw(tracer: &Tracer, cameras: &[Camera], usage: &ReferenceUsage) -> ([u32; 2], Vec<[u8; 3]>) {
+    let mut sheet = Sheet::around(cameras.iter().chain(usage.references.iter().map(|r| &r.camera)));
+    let mut wedges: Vec<&UsedReference> = usage.references.iter().collect();
     wedges.sort_by(|a, b| a.supplied.total_cmp(&b.supplied));
     for reference in wedges {
         sheet.wedge(

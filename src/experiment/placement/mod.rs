@@ -5,10 +5,10 @@
 //! that traces more may well know more.
 
 mod floor_plan;
+mod reference_usage;
 mod report;
 mod run;
 mod walks;
-mod watch;
 
 pub(super) use report::report;
 pub(super) use run::{cells, run_cell, settings};

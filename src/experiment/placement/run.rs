@@ -1,7 +1,7 @@
 //! The walks, modes and policies that are compared, and the run of one of them.
 
 use super::{floor_plan, walks};
-use super::{walks::WALKS, watch::Watch};
+use super::{reference_usage::ReferenceUsage, walks::WALKS};
 use crate::camera::Camera;
 use crate::experiment::measure::{MeasureSettings, Measurement};
 use crate::experiment::run::{
@@ -31,8 +31,8 @@ impl Policy {
     }
 }
 
-/// All policies.
-pub(super) const POLICIES: [Policy; 5] = [
+/// The rules and thresholds that are compared.
+pub(super) const POLICIES: &[Policy] = &[
     Policy { rule: "threshold", dense: &[5.0, 2.0, 10.0, 20.0, 40.0], sparse: &[1.0, 0.25, 4.0, 16.0] },
     Policy { rule: "predictive", dense: &[5.0, 30.0, 50.0], sparse: &[1.0, 0.25, 0.0625] },
     Policy { rule: "greedy", dense: &[5.0, 30.0, 50.0], sparse: &[1.0, 0.25, 0.0625] },
@@ -77,17 +77,17 @@ pub(crate) fn run_cell(context: &ExperimentContext<'_>, cell: &RunRecord) -> Cel
         cell.text("rule").and_then(|rule| PlacementPolicy::named(rule, percent)).ok_or_else(unknown)?;
     let cameras = walks::cameras(context, cell.text("walk").unwrap_or_default()).ok_or_else(unknown)?;
     let settings = tour_settings(context, mode, policy, cameras.len() as u32);
-    let mut watch = Watch::default();
+    let mut usage = ReferenceUsage::default();
     let tour = fly(context.tracer, &cameras, &settings, context.stop, |event| {
         if let TourEvent::Frame(record, walk) = event {
-            watch.see(record.frame, walk);
+            usage.see(record.frame, walk);
         }
     })?;
     if !tour.is_complete {
         return Ok(None);
     }
-    save_plan(context, cell, mode, &cameras, &watch)?;
-    let mut records = vec![summary(&tour, &watch)];
+    save_plan(context, cell, mode, &cameras, &usage)?;
+    let mut records = vec![summary(&tour, &usage)];
     records.extend(tour.frames.iter().map(|frame| {
         RunRecord::default()
             .with("kind", "frame")
@@ -96,7 +96,7 @@ pub(crate) fn run_cell(context: &ExperimentContext<'_>, cell: &RunRecord) -> Cel
             .with("unseen_percent", frame.types.unseen_percent)
             .with("frame_secs", frame.frame_secs)
     }));
-    records.extend(watch.records(cameras.len() as u32));
+    records.extend(usage.records(cameras.len() as u32));
     Ok(Some(records))
 }
 
@@ -121,7 +121,7 @@ fn tour_settings(
 }
 
 /// The record of the whole cell.
-fn summary(tour: &TourRecord, watch: &Watch) -> RunRecord {
+fn summary(tour: &TourRecord, usage: &ReferenceUsage) -> RunRecord {
     let frames = &tour.frames;
     let of = |value: fn(&FrameRecord) -> f64| frames.iter().map(value);
     let mean =
@@ -146,9 +146,9 @@ fn summary(tour: &TourRecord, watch: &Watch) -> RunRecord {
         .with("frame_p99_secs", percentile(of(|f| f.frame_secs), 99.0))
         .with("psnr_db", measured(|m| m.psnr_db))
         .with("flip_mean", measured(|m| m.flip_mean))
-        .with("cache_mb", watch.max_bytes() as f64 / (1 << 20) as f64)
-        .with("prediction_use_percent", watch.prediction_use_percent())
-        .with("predictions", watch.predictions())
+        .with("cache_mb", usage.max_bytes() as f64 / (1 << 20) as f64)
+        .with("prediction_use_percent", usage.prediction_use_percent())
+        .with("predictions", usage.predictions())
 }
 
 /// Saves one floor plan for each walk, mode and rule: that of the first percentage.
@@ -157,13 +157,13 @@ fn save_plan(
     cell: &RunRecord,
     mode: Mode,
     cameras: &[Camera],
-    watch: &Watch,
+    usage: &ReferenceUsage,
 ) -> Result<(), ExperimentError> {
     let [walk, rule] = ["walk", "rule"].map(|name| cell.text(name).unwrap_or_default());
     let policy = POLICIES.iter().find(|p| p.rule == rule);
     if policy.is_none_or(|p| cell.number("percent") != Some(p.percents(mode)[0])) {
         return Ok(());
     }
-    let (size, picture) = floor_plan::draw(context.tracer, cameras, watch);
+    let (size, picture) = floor_plan::draw(context.tracer, cameras, usage);
     context.save_picture(&floor_plan::file_name(mode.name(), walk, rule), size, &picture)
 }

@@ -1,6 +1,6 @@
 //! The framework of long runs: cells, a journal of finished cells, shards, merging, and a report.
 //!
-//! It names no experiment; `registry` lists them. `docs/how_to_add_experiment.md` shows how to add
+//! It names no experiment; `registry` lists them. `docs/how_to_add/experiment.md` shows how to add
 //! one.
 
 mod caveats;

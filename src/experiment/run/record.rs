@@ -46,17 +46,17 @@ impl RunRecord {
         }
     }
 
-    /// Returns the number of a name.
+    /// Returns the value of a field if it is a number.
     pub fn number(&self, name: &str) -> Option<f64> {
         self.0.get(name)?.as_f64()
     }
 
-    /// Returns the text of a name.
+    /// Returns the value of a field if it is text.
     pub fn text(&self, name: &str) -> Option<&str> {
         self.0.get(name)?.as_str()
     }
 
-    /// Returns true if the flag of a name is set.
+    /// Returns true if a field is `true`.
     pub fn is(&self, name: &str) -> bool {
         self.0.get(name).and_then(Value::as_bool) == Some(true)
     }

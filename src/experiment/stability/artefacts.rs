@@ -1,5 +1,5 @@
-//! G: the known artefacts of forward warping, measured against their formulas, and the same scenes
-//! in the look-up modes.
+//! Cases G of the catalogue: the known artefacts of forward warping, measured against their
+//! formulas, and the same scenes in the look-up modes.
 
 use super::case::{Case, Measured, Outcome, Trial, case, worst};
 use super::pictures::{

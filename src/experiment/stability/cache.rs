@@ -1,4 +1,5 @@
-//! E: references, warping, the cache.
+//! Cases E of the catalogue: references, their warping, and the cache: damage, memory, other
+//! epochs.
 
 use super::camera::too_near;
 use super::case::{Case, Measured, Outcome, Trial, case, total};

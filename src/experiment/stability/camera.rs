@@ -1,4 +1,5 @@
-//! B: the camera.
+//! Cases B of the catalogue: cameras at, in or very near surfaces, with extreme lenses, sizes and
+//! movements.
 
 use super::case::{Case, Outcome, Trial, case, total, worst};
 use super::pictures::{

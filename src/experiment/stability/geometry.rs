@@ -1,4 +1,5 @@
-//! C: geometry.
+//! Cases C of the catalogue: geometry that is coincident, degenerate, nested, needle-shaped or
+//! missing.
 
 use super::case::{Case, Measured, Outcome, Trial, case, worst};
 use super::pictures::{

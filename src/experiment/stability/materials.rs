@@ -1,4 +1,4 @@
-//! D: materials and light.
+//! Cases D of the catalogue: materials, lights and textures with extreme or invalid values.
 
 use super::case::{Case, Measured, Outcome, Trial, case, total};
 use super::pictures::{

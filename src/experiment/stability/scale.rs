@@ -1,4 +1,4 @@
-//! A: scale and position.
+//! Cases A of the catalogue: scenes that are very large, very small or far from the origin.
 
 use super::case::{Case, Measured, Outcome, Trial, case, total, worst};
 use super::pictures::{

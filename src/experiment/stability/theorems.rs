@@ -1,4 +1,5 @@
-//! F: theorems of rays, checked against implementations too simple to be wrong.
+//! Cases F of the catalogue: theorems of rays, checked against implementations too simple to be
+//! wrong.
 
 use super::case::{Case, Measured, Outcome, Trial, case};
 use super::pictures::{SIZE, bad_values, differing, fastest_ratio, picture, reference};

@@ -13,7 +13,7 @@ struct Printed {
     sum_secs: f64,
 }
 
-/// One and two references.
+/// The paper's Table 1: the columns for one and for two references.
 const PAPER: [Printed; 2] = [
     Printed { percent: [56.55, 9.96, 33.49], secs: [3.01, 36.26, 171.61], sum_secs: 211.41 },
     Printed { percent: [66.74, 10.52, 22.74], secs: [4.32, 38.30, 125.23], sum_secs: 168.53 },

@@ -1,6 +1,6 @@
 //! The cost of features that a scene does not need: the same frames with every feature forced on.
 
-use super::plan::{ThroughputSettings, moved};
+use super::settings::{ThroughputSettings, moved};
 use crate::experiment::statistics::median;
 use crate::reference::{ReferenceCache, ReferenceFrame};
 use crate::render::{FrameRequest, Mode, RenderSettings, Renderer};

@@ -5,21 +5,21 @@
 //! five rounds after one round that is not counted.
 
 mod feature_speed;
-mod figures;
-mod plan;
+mod measure;
 mod ray_speed;
 mod rays;
 mod report;
+mod settings;
 mod stage_speed;
 mod timing;
 mod warp_speed;
 
 pub use feature_speed::FeatureSpeed;
-pub(super) use figures::run_cell;
-pub use figures::{Throughput, measure_throughput};
-pub use plan::ThroughputSettings;
-pub(super) use plan::{cells, settings};
+pub(super) use measure::run_cell;
+pub use measure::{Throughput, measure_throughput};
 pub use rays::{RayDump, gather_rays};
 pub(super) use report::report;
+pub use settings::ThroughputSettings;
+pub(super) use settings::{cells, settings};
 pub use stage_speed::StageSpeed;
 pub use warp_speed::WarpSpeed;

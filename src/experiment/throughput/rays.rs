@@ -1,6 +1,6 @@
 //! The rays that are timed, gathered beforehand.
 
-use super::plan::ThroughputSettings;
+use super::settings::ThroughputSettings;
 use crate::camera::View;
 use crate::math::sampling::{cosine_hemisphere, frame_around};
 use crate::math::{Ray, key::Key};

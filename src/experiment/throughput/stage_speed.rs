@@ -1,6 +1,6 @@
 //! The stages of a frame in mode `exact`, each against its lower bound.
 
-use super::plan::{ThroughputSettings, moved};
+use super::settings::{ThroughputSettings, moved};
 use super::timing::{ROUNDS, median_secs};
 use crate::camera::{Camera, View};
 use crate::experiment::statistics::median;
@@ -28,13 +28,16 @@ pub struct StageSpeed {
     pub resolve_ns_per_pixel: f64,
     /// Time of look-ups and writing the pixels.
     pub lookup_ns_per_pixel: f64,
-    /// Bytes read from two references, once, over the memory bandwidth.
+    /// Lower bound: the time that the memory bandwidth takes to read each sample of two references
+    /// once.
     pub lookup_floor_ns_per_pixel: f64,
     /// Number of pixels whose light was uncertain.
     pub checked_pixels: usize,
-    /// Time of checking a pixel that no earlier frame has traced.
+    /// Mean time of a pixel of Type 3, unseen or checked, in a first frame, which traces every
+    /// check.
     pub check_new_us_per_pixel: f64,
-    /// Time of checking a pixel whose light an earlier frame has traced.
+    /// Mean time of a pixel of Type 3, unseen or checked, in later frames, which find the light of
+    /// checks in the point cache.
     pub check_known_us_per_pixel: f64,
     /// Number of pixels with mirrors or glass.
     pub secondary_pixels: usize,
@@ -44,9 +47,9 @@ pub struct StageSpeed {
     pub secondary_known_us_per_pixel: f64,
     /// Rays of a pixel with mirrors or glass over the rate of primary rays.
     pub secondary_floor_us_per_pixel: f64,
-    /// Time of predicting the open pixels at a pose.
+    /// Time of estimating the share of pixels that a look-up leaves open at a pose.
     pub foresight_ms: f64,
-    /// Time of the rays of that prediction alone: a sixteenth of the tiles.
+    /// Lower bound: the time of the rays of that estimate alone, in a sixteenth of the tiles.
     pub foresight_floor_ms: f64,
     /// Time of inserting a fully lit reference into the directory.
     pub directory_ms: f64,

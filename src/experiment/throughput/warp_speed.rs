@@ -1,6 +1,6 @@
 //! The speed of the warp against the bound of memory bandwidth.
 
-use super::plan::{ThroughputSettings, moved};
+use super::settings::{ThroughputSettings, moved};
 use super::timing::{median_secs, median_secs_after};
 use crate::camera::View;
 use crate::reference::ReferenceFrame;

@@ -125,7 +125,8 @@ pub struct Summary {
     pub type3_percent_max: Option<f64>,
     pub warp_ns_per_reference_pixel: Option<f64>,
     pub rays_per_sec: Option<f64>,
-    /// Median share of surface points whose pixel type changed since the previous frame.
+    /// Median share of surface points, in percent, whose light was reused in one of two successive
+    /// frames and traced in the other.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub flips_percent_median: Option<f64>,
     /// Median PSNR between the same diffuse points in two successive frames.

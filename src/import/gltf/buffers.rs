@@ -4,7 +4,7 @@
 use super::document::{Document, Found, List};
 use super::{schema, uri};
 use crate::import::progress::{Phase, Steps};
-use crate::import::{files, options::Limits, report::Tally, search::Finder, trouble::Trouble};
+use crate::import::{files, options::Limits, search::Finder, tally::Tally, trouble::Trouble};
 use crate::scene::SceneError;
 use std::borrow::Cow;
 

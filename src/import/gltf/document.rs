@@ -1,7 +1,7 @@
 //! The JSON and the binary part of a glTF file; items of the JSON by list and index.
 
 use super::schema::Root;
-use crate::import::report::{Tally, quote};
+use crate::import::tally::{Tally, quote};
 use crate::import::{files::unreadable, trouble::Trouble};
 use crate::scene::SceneError;
 use serde::Deserialize;

@@ -3,7 +3,7 @@
 use super::document::{Document, Found, List};
 use super::schema::{self, TextureInfo};
 use crate::import::surfaces::{GLASS_ETA, METAL};
-use crate::import::{options::Limits, report::Tally, trouble::Trouble};
+use crate::import::{options::Limits, tally::Tally, trouble::Trouble};
 use glam::{DVec3, Vec2, Vec3};
 
 /// Use of a texture: the index of its image, and the transform of texture coordinates.

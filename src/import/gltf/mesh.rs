@@ -2,9 +2,9 @@
 
 use super::document::{Document, Fault, Found, List};
 use super::schema::{self, Primitive};
-use super::{accessor::Accessor, buffers::Buffers, nodes::Placement, palette::Palette};
+use super::{accessor::Accessor, buffers::Buffers, engine_materials::EngineMaterials, nodes::Placement};
 use crate::import::progress::{Phase, Steps};
-use crate::import::{files::no_memory, report::Tally, trouble::Trouble};
+use crate::import::{files::no_memory, tally::Tally, trouble::Trouble};
 use crate::scene::{MaterialId, SceneBuilder, SceneError};
 use glam::{DMat3, DMat4, DVec3, Vec2, Vec3};
 
@@ -15,7 +15,7 @@ const STEP_VERTICES: usize = 1 << 16;
 pub(super) struct Mesher<'a, 't> {
     pub(super) document: &'a Document<'t>,
     pub(super) buffers: &'a Buffers<'t>,
-    pub(super) palette: Palette,
+    pub(super) materials: EngineMaterials,
     pub(super) builder: &'a mut SceneBuilder,
     pub(super) tally: &'a mut Tally,
     pub(super) steps: &'a Steps<'a>,
@@ -121,7 +121,7 @@ impl<'a> Mesher<'a, '_> {
             self.note(Trouble::VERTEX_COLOR, at, name());
         }
         let (material, uv_set) =
-            self.palette.material(primitive.material, self.document, self.builder, self.tally);
+            self.materials.material(primitive.material, self.document, self.builder, self.tally);
         Ok(self.vertices(primitive, &positions, triangles, material, uv_set))
     }
 

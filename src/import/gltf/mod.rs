@@ -7,10 +7,10 @@
 mod accessor;
 mod buffers;
 mod document;
+mod engine_materials;
 mod material;
 mod mesh;
 mod nodes;
-mod palette;
 mod pictures;
 mod read;
 mod schema;

@@ -5,7 +5,7 @@ use super::document::{Document, Found, List};
 use super::schema::{self, Node};
 use crate::camera::Camera;
 use crate::import::progress::{Phase, Steps};
-use crate::import::{options::Limits, report::Tally, trouble::Trouble};
+use crate::import::{options::Limits, tally::Tally, trouble::Trouble};
 use crate::scene::{NamedView, SceneBuilder, SceneError, Sun, is_valid_position};
 use glam::{DMat4, DQuat, DVec3, Vec3};
 

@@ -5,7 +5,7 @@ use super::{buffers::Buffers, schema, uri};
 use crate::import::decoding::{self, decode_all};
 use crate::import::picture::{Picture, PictureError};
 use crate::import::{
-    files, options::Limits, progress::Steps, report::Tally, search::Finder, trouble::Trouble,
+    files, options::Limits, progress::Steps, search::Finder, tally::Tally, trouble::Trouble,
 };
 use crate::scene::SceneError;
 use std::path::{Path, PathBuf};

@@ -1,9 +1,7 @@
 //! The glTF reader: its steps in order.
 
-use super::{
-    buffers::Buffers, document::Document, mesh::Mesher, nodes, palette::Palette, pictures::Pictures,
-};
-use crate::import::report::{Tally, list};
+use super::{buffers::Buffers, document::Document, mesh::Mesher, nodes, pictures::Pictures};
+use crate::import::tally::{Tally, list};
 use crate::import::units::{Unit, Up};
 use crate::import::{context::Import, files};
 use crate::scene::SceneError;
@@ -36,17 +34,17 @@ pub(in crate::import) fn read(import: &mut Import) -> Result<(), SceneError> {
     let mut mesher = Mesher {
         document: &document,
         buffers: &buffers,
-        palette: Palette::default(),
+        materials: Default::default(),
         builder,
         tally: &mut tally,
         steps,
         limit: limits.gltf_vertices,
     };
     mesher.add_all(&placements)?;
-    let palette = mesher.palette;
-    let images = palette.images();
+    let materials = mesher.materials;
+    let images = materials.images();
     let pictures = Pictures::read(&images, &document, &buffers, finder, (limits, steps), &mut tally)?;
-    palette.finish(&pictures, builder, &document, &mut tally);
+    materials.finish(&pictures, builder, &document, &mut tally);
     import.report(tally)
 }
 

@@ -3,7 +3,7 @@
 
 use super::mtl::MtlMaterial;
 use crate::import::surfaces::{GLASS_ETA, NEUTRAL, is_polished_metal, thin};
-use crate::import::{report::Tally, trouble::Trouble};
+use crate::import::{tally::Tally, trouble::Trouble};
 use crate::scene::{Material, MaterialKind};
 use glam::Vec3;
 

@@ -4,7 +4,7 @@
 //! that it does not know.
 
 use crate::import::text::{self, Lines};
-use crate::import::{options::Limits, report::Tally, trouble::Trouble};
+use crate::import::{options::Limits, tally::Tally, trouble::Trouble};
 use glam::{Vec2, Vec3};
 
 /// Texture of a material, as written.

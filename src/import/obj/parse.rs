@@ -7,7 +7,7 @@
 
 use super::piece::{Corner, Counts, Face, NONE, Piece, Reader, count};
 use crate::import::progress::{Phase, Steps};
-use crate::import::{options::Limits, report::Tally, text};
+use crate::import::{options::Limits, tally::Tally, text};
 use crate::scene::SceneError;
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;

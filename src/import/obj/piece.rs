@@ -2,7 +2,7 @@
 
 use crate::import::progress::{Phase, Steps};
 use crate::import::text::{self, Lines};
-use crate::import::{options::Limits, report::Tally, trouble::Trouble};
+use crate::import::{options::Limits, tally::Tally, trouble::Trouble};
 use crate::scene::SceneError;
 use glam::{DVec3, Vec2, Vec3};
 use std::path::Path;

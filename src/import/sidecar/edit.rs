@@ -1,4 +1,4 @@
-//! Saving edited materials and daylight in the settings file next to a model. Everything else in
+//! Saving edited materials and daylight in the sidecar of a model. Everything else in
 //! the file stays: other keys, their order and comments.
 
 use super::read::MAX_BYTES;

@@ -1,5 +1,5 @@
-//! The settings file next to a model, `<model>.afterimage.toml`: reading it, and saving edits in
-//! it.
+//! The sidecar, a settings file next to a model, `<model>.afterimage.toml`: reading it, and saving
+//! edits in it.
 
 mod edit;
 mod read;

@@ -1,7 +1,7 @@
-//! Reading the settings file next to a model: what the model cannot express, or expresses wrongly.
+//! Reading the sidecar of a model: what the model cannot express, or expresses wrongly.
 //! Lengths are metres, coordinates are world space.
 //!
-//! A broken settings file is a warning: the model is shown without it.
+//! A broken sidecar is a warning: the model is shown without it.
 
 use super::table::{Notes, Section, suggestion};
 use crate::camera::{Camera, CameraKey, CameraPath};
@@ -13,7 +13,7 @@ use std::collections::{HashMap, HashSet};
 use std::path::Path;
 use toml::de::DeTable;
 
-/// Maximum size of a settings file in bytes; files written by hand are far smaller.
+/// Maximum size of a sidecar in bytes; files written by hand are far smaller.
 pub(super) const MAX_BYTES: u64 = 16 << 20;
 
 /// A `[[material]]`: the parts of a material that the file replaces.
@@ -49,7 +49,7 @@ impl std::str::FromStr for Kind {
     }
 }
 
-/// Contents of a settings file; empty where there is none.
+/// Contents of a sidecar; empty where there is none.
 #[derive(Default)]
 pub(in crate::import) struct Sidecar {
     /// Name of the file, whether it exists or not: messages say where a setting belongs.
@@ -66,7 +66,7 @@ pub(in crate::import) struct Sidecar {
 }
 
 impl Sidecar {
-    /// Reads the settings file next to a model, where there is one.
+    /// Reads the sidecar of a model, where there is one.
     pub(in crate::import) fn of_model(model: &Path, builder: &mut SceneBuilder) -> Self {
         let path = model.with_extension("afterimage.toml");
         let file_name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();

@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// Messages about a settings file.
+/// Messages about a sidecar.
 pub(super) struct Notes<'a> {
     text: &'a str,
     /// Line, counted from 1, and message.
@@ -39,7 +39,7 @@ impl<'a> Notes<'a> {
     }
 }
 
-/// A table of a settings file.
+/// A table of a sidecar.
 #[derive(Clone, Copy)]
 pub(super) struct Section<'t> {
     table: &'t DeTable<'t>,

@@ -3,7 +3,7 @@
 //! # Adding a rule
 //! Write one file with a `pub const NAME: PlacementRule`, declare the file here and add the
 //! constant to [`RULES`]. The command line and the window read that table.
-//! `docs/how_to_add_placement_rule.md` shows each step with an example.
+//! `docs/how_to_add/placement_rule.md` shows each step with an example.
 
 mod extrapolate;
 mod greedy;

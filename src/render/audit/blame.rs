@@ -24,10 +24,11 @@ const MIN_ACCUSATIONS: u32 = 2;
 /// Pixels of an examined block that are traced again.
 const RETRACED: usize = 32;
 
-/// A block is at fault where its light is off by more than this share on average...
+/// A block is at fault if its light is off by more than this share on average, and by
+/// [`MIN_SIGMAS`] standard errors.
 const MIN_OFF: f64 = 0.1;
 
-/// ...and by more than this many standard errors of the average, which noise alone never causes.
+/// Number of standard errors by which the average must be off. Noise alone never causes that.
 const MIN_SIGMAS: f64 = 6.0;
 
 /// Blocks remembered at most: those of one reference of 1280x720.

@@ -11,7 +11,8 @@
 //! |---|---|
 //! | `tree`, `node`, `hit` | the data |
 //! | `build`, `cluster`, `fold` | building, in this order |
-//! | `slab`, `packet`, `rays8` | a ray against eight boxes; a ray against four triangles; eight rays against a triangle |
+//! | `slab`, `packet` | a ray against eight boxes; a ray against four triangles |
+//! | `rays8` | eight rays against a triangle |
 //! | `traverse` | one ray |
 //! | `tile` | 64 primary rays |
 //! | `ray_bundle`, `cone`, `bundle` | up to 16 shadow rays: the data, their bounds, the traversal |

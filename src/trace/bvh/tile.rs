@@ -120,8 +120,8 @@ impl Bvh {
         let (shear, present) = TileShear::new(tile);
         for axis in 0..3 {
             if present & (1 << axis) != 0 {
-                // Take rays of other axes out: no hit is nearer than a negative distance. Two plain loops:
-                // a shared closure is not vectorised.
+                // Take rays of other axes out: no hit is nearer than a negative distance.
+                // Two plain loops: a shared closure is not vectorised.
                 for ray in 0..TILE_RAYS {
                     if shear.largest[ray] as usize != axis {
                         hits.t[ray] = -hits.t[ray];

@@ -99,8 +99,8 @@ impl Grid {
     }
 }
 
-/// Returns the area-weighted mean of the face normals around each position. It needs no derivatives and
-/// no special case at poles.
+/// Returns the area-weighted mean of the face normals around each position. It needs no derivatives
+/// and no special case at poles.
 pub(super) fn smooth_normals(positions: &[DVec3], triangles: &[[u32; 3]]) -> Vec<Vec3> {
     let mut sums = vec![DVec3::ZERO; positions.len()];
     for t in triangles {

@@ -1,9 +1,9 @@
-//! Times every stage on one view.
+//! Measures the speed of every stage on one view.
 
 use super::feature_speed::{FeatureSpeed, feature_speed};
-use super::plan::ThroughputSettings;
 use super::ray_speed::{any_rate, build_secs, bundle_rate, closest_rate, shade_us, tile_rate};
 use super::rays::{RayDump, diffuse_rays, first_hits, rays_of, shadow_bundles};
+use super::settings::ThroughputSettings;
 use super::stage_speed::{Floors, StageSpeed, stage_speed};
 use super::warp_speed::{WarpSpeed, warp_speed};
 use crate::camera::View;

@@ -1,4 +1,4 @@
-//! The materials in use: from metalness and roughness to the materials of this engine.
+//! The materials of this engine, made from the metalness and roughness of those in use.
 //!
 //! - Transmission is glass: `ior` refracts, the base colour attenuates; the rest is diffuse.
 //! - Metal above 0.9 with a roughness below 0.1 is a mirror of the base colour.
@@ -13,14 +13,14 @@ use super::material::{Alpha, GltfMaterial, MaterialReader, Use, uv_set};
 use super::{pictures::Pictures, schema};
 use crate::import::picture::{self, Picture};
 use crate::import::surfaces::{is_polished_metal, thin, undefined};
-use crate::import::{report::Tally, trouble::Trouble};
+use crate::import::{tally::Tally, trouble::Trouble};
 use crate::scene::{Material, MaterialId, MaterialKind, SceneBuilder, TextureId, TextureRef};
 use glam::Vec3;
 use std::collections::HashMap;
 
 /// The materials in use.
 #[derive(Default)]
-pub(super) struct Palette {
+pub(super) struct EngineMaterials {
     /// Material and set of texture coordinates by index in the file; `None` for primitives without
     /// a material.
     known: HashMap<Option<usize>, (MaterialId, u32)>,
@@ -28,7 +28,7 @@ pub(super) struct Palette {
     materials: Vec<(usize, MaterialId, GltfMaterial)>,
 }
 
-impl Palette {
+impl EngineMaterials {
     /// Returns the material of a primitive, and the set of texture coordinates that it uses.
     pub(super) fn material(
         &mut self,
@@ -152,7 +152,8 @@ impl Painter<'_> {
         TextureRef { texture, scale: used.scale, offset: used.offset }
     }
 
-    /// Applies alpha: holes, or even attenuation.
+    /// Applies the alpha of a material: `MASK`, and `BLEND` with a texture of varying alpha, cut
+    /// holes; other `BLEND` attenuates evenly.
     fn cut(
         &mut self,
         read: &GltfMaterial,

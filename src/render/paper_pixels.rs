@@ -1,4 +1,4 @@
-//! Mode `paper`: what the warped samples know of each pixel.
+//! The pixels of mode `paper`: type and copied light from the warped samples, and secondary rays.
 
 use super::frame::Frame;
 use crate::camera::View;
@@ -10,15 +10,15 @@ use crate::warp::{WarpBuffer, classify};
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// References warped into a view.
+/// A view's pixels with the samples that were warped to them.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Reprojection<'a> {
+pub(super) struct WarpedPixels<'a> {
     pub(super) tracer: &'a Tracer,
     pub(super) references: &'a [&'a ReferenceFrame],
     pub(super) warped: &'a WarpBuffer,
 }
 
-impl Reprojection<'_> {
+impl WarpedPixels<'_> {
     /// Gives every pixel its type, and copies what the sample nearest to the eye knows of it.
     pub(super) fn copy_to(&self, frame: &mut Frame) {
         let Self { tracer, references, warped } = *self;

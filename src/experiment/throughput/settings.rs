@@ -1,4 +1,4 @@
-//! One view, one cell.
+//! Settings of experiment `throughput`; it has a single cell.
 
 use crate::camera::Camera;
 use crate::experiment::run::{Cell, Effort, ExperimentContext, ExperimentSettings, RunRecord};

@@ -1,12 +1,13 @@
 //! The findings in sentences: how much time each mode saves against full tracing, and when it saves
 //! none.
 
+use super::aggregate::{LEAD, METRICS, Metric, Setup, ViewResult};
 use super::compare::{Bound, Factor, equal_error, full_at, full_error_at, full_medians, middle, pareto};
 use super::plan::{DEFAULT_REFERENCES, REUSING};
-use super::setups::{LEAD, METRICS, Metric, Setup, ViewResult};
 use serde_json::{Value, json};
 
-/// Returns the setups of the headline: still with the default number of references, and flown.
+/// Returns the setups that the headline names: those with the default number of references on still
+/// views, and all flown walks, at one sample count.
 fn usual(setups: &[Setup], samples: usize) -> Vec<&Setup> {
     let is_usual = |s: &&Setup| s.samples == samples && s.references.is_none_or(|n| n == DEFAULT_REFERENCES);
     REUSING.iter().flat_map(|mode| setups.iter().filter(|s| s.mode == mode.name()).filter(is_usual)).collect()
@@ -169,7 +170,8 @@ fn beyond_reuse(still: &[&Setup]) -> Option<String> {
     })
 }
 
-/// The sentences in numbers.
+/// Returns the factors behind the headline as JSON: for each setup and metric, the speed-up over
+/// full tracing at equal error.
 pub(super) fn summary(setups: &[Setup], samples: usize) -> Value {
     let factor = |[middle, least, most]: [Factor; 3]| {
         json!({

@@ -1,4 +1,4 @@
-//! Records of one setup brought together: medians and their spread over repetitions and over the
+//! Aggregates the records of each setup: medians and their spread over repetitions and over the
 //! walk.
 
 use crate::experiment::run::{RunRecord, counted};

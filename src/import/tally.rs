@@ -1,4 +1,4 @@
-//! The report of an import: troubles counted by kind, and turned into warnings.
+//! The troubles of an import, counted by kind and turned into warnings; quotations for messages.
 
 use super::trouble::Trouble;
 use crate::scene::Warning;

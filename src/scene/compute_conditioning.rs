@@ -1,4 +1,4 @@
-//! Computes the condition numbers of a scene.
+//! Computes the numbers in [`Conditioning`] from a scene.
 
 use super::{Conditioning, Light, Material, MaterialKind, Repairs, Scene};
 use glam::Vec3;

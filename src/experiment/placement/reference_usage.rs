@@ -10,7 +10,7 @@ const SOON_FRAMES: u32 = 30;
 
 /// A reference of the walk.
 #[derive(Clone, Debug)]
-pub(super) struct Watched {
+pub(super) struct UsedReference {
     id: ReferenceId,
     pub(super) camera: Camera,
     /// Share of its pixels that are lit.
@@ -26,12 +26,12 @@ pub(super) struct Watched {
 
 /// All references of a walk.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Watch {
-    pub(super) references: Vec<Watched>,
+pub(super) struct ReferenceUsage {
+    pub(super) references: Vec<UsedReference>,
     max_bytes: usize,
 }
 
-impl Watch {
+impl ReferenceUsage {
     /// Records a frame, and the references that were added after it.
     pub(super) fn see(&mut self, frame: u32, walk: &Walkthrough) {
         let shares = walk.frame().supplier_shares(walk.used().len());
@@ -49,7 +49,7 @@ impl Watch {
                 continue;
             }
             let pixels = entry.frame.view.pixel_count().max(1);
-            self.references.push(Watched {
+            self.references.push(UsedReference {
                 id: entry.id,
                 camera: entry.frame.camera,
                 lit: entry.frame.lit() as f64 / pixels as f64,
@@ -74,7 +74,7 @@ impl Watch {
     /// Mean share of the lit pixels of a reference traced ahead that one of the next
     /// [`SOON_FRAMES`] frames used, in percent. `None` without such references.
     pub(super) fn prediction_use_percent(&self) -> Option<f64> {
-        let used = |r: &Watched| 100.0 * (r.best_soon / r.lit.max(f64::MIN_POSITIVE)).min(1.0);
+        let used = |r: &UsedReference| 100.0 * (r.best_soon / r.lit.max(f64::MIN_POSITIVE)).min(1.0);
         let uses = self.references.iter().filter(|r| r.is_prediction).map(used);
         let sum = uses.fold(0.0, |a, b| a + b);
         (self.predictions() > 0).then(|| sum / self.predictions() as f64)
