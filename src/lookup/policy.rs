@@ -127,10 +127,10 @@ pub(crate) const MAX_POINTS_PER_PIXEL: usize = 4;
 
 // The cache of traced points.
 
-/// Buckets of the point cache. A bucket is the place of a cell in the hash table and holds [`WAYS`]
-/// points, also of other cells with the same hash. Together they take 64 MB, allocated when the
-/// first point is inserted. A picture of 1280x720 of which a third shows a mirror fills a sixth of
-/// it.
+/// Buckets of the point cache. A bucket is the place of a cell in the hash table. It holds [`WAYS`]
+/// points, of that cell and of others that share the bucket. All buckets take 64 MB, allocated when
+/// the first point is inserted. A picture of 1280x720 of which a third shows a mirror fills a sixth
+/// of them.
 pub(super) const BUCKETS: usize = 1 << 19;
 
 /// Points in a bucket. A new point replaces the oldest.

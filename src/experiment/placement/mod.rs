@@ -1,8 +1,8 @@
 //! Where references should stand: every placement rule on the same walks.
 //!
-//! A cell is a walk in a mode under a policy. Rules are compared by the pixels that no reference
-//! knows, for which the viewer waits, at no more tracing in frames and references together: a rule
-//! that traces more may well know more.
+//! A cell is a walk in a mode with one rule and one threshold. Rules are compared by the pixels
+//! that no reference knows, for which the viewer waits, at no more tracing in frames and references
+//! together: a rule that traces more may well know more.
 
 mod floor_plan;
 mod reference_usage;

@@ -24,7 +24,7 @@ pub(super) struct UsedReference {
     best_soon: f64,
 }
 
-/// All references of a walk.
+/// What all references of a walk supplied.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ReferenceUsage {
     pub(super) references: Vec<UsedReference>,

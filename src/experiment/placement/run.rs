@@ -1,4 +1,4 @@
-//! The walks, modes and policies that are compared, and the run of one of them.
+//! The walks, modes, rules and thresholds that are compared, and the run of one of them.
 
 use super::{floor_plan, walks};
 use super::{reference_usage::ReferenceUsage, walks::WALKS};

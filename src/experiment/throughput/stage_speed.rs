@@ -45,7 +45,8 @@ pub struct StageSpeed {
     pub secondary_new_us_per_pixel: f64,
     /// Time of a pixel with mirrors or glass whose light an earlier frame has traced.
     pub secondary_known_us_per_pixel: f64,
-    /// Rays of a pixel with mirrors or glass over the rate of primary rays.
+    /// Lower bound: the time of the secondary rays of such a pixel at the rate of single primary
+    /// rays.
     pub secondary_floor_us_per_pixel: f64,
     /// Time of estimating the share of pixels that a look-up leaves open at a pose.
     pub foresight_ms: f64,
@@ -53,7 +54,7 @@ pub struct StageSpeed {
     pub foresight_floor_ms: f64,
     /// Time of inserting a fully lit reference into the directory.
     pub directory_ms: f64,
-    /// Bytes that the insertion reads over the memory bandwidth.
+    /// Lower bound: the time that the memory bandwidth takes to read what the insertion reads.
     pub directory_floor_ms: f64,
 }
 
