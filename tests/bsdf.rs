@@ -19,7 +19,7 @@ fn points() -> impl Iterator<Item = [f32; 2]> {
 /// Surfaces with equal and with different normals, each as a sheet and as both sides of a solid.
 fn facings() -> Vec<Facing> {
     let normal = Vec3::new(0.36, 0.48, 0.8);
-    let tilted = (normal + Vec3::new(0.3, -0.2, 0.1)).normalize();
+    let tilted = (normal + Vec3::new(0.3, -0.2, 0.1)).normalize_or_zero();
     let of = |shading_normal| {
         [None, Some(true), Some(false)].map(|enters_solid| Facing {
             geometric_normal: normal,

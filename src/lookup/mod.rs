@@ -6,11 +6,11 @@
 //! | File | Contents |
 //! |---|---|
 //! | `point` | [`LookupSet`] holds the references of a frame and finds light at single points |
-//! | `band` | [`BandLookup`] fills eight rows of a frame and lists the pixels that it leaves open |
+//! | `band` | `BandLookup` fills eight rows of a frame and lists the pixels that it leaves open |
 //! | `tile` | the surfaces of 8 x 8 pixels, and the light found for them |
 //! | `view` | [`ViewLookup`] chooses the best references for a tile |
 //! | `gather` | gathers the light of one reference for a row of a tile |
-//! | `exact` | [`PixelResolver`] completes the open pixels |
+//! | `exact` | `PixelResolver` completes the open pixels |
 //! | `point_cache` | light that earlier frames traced at single points |
 //! | `sparse` | sparse references, which light only what older references do not know well |
 //! | `policy` | every threshold |

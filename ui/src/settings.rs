@@ -35,7 +35,7 @@ impl Theme {
 /// The settings of all layers together; `None` leaves the program's default. A setting with the
 /// name of a flag is the default of that flag.
 ///
-/// To add a setting, add a field here and its row to [`RULES`].
+/// To add a setting, add a field here and its row to `RULES`.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Settings {

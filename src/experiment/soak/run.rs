@@ -43,10 +43,10 @@ pub(crate) fn run_cell(context: &ExperimentContext<'_>, _: &RunRecord) -> CellOu
         let shown = walk.render(&camera, size(context, frame), context.stop);
         bad += shown.radiance.iter().filter(|r| !(r.is_finite() && r.min_element() >= 0.0)).count();
         secs.push(shown.stats.secs.frame);
-        if let Some(wanted) = walk.wanted_reference() {
-            if let Some(reference) = walk.reference_job(wanted, size(context, frame)).trace(context.stop) {
-                walk.insert(reference);
-            }
+        if let Some(wanted) = walk.wanted_reference()
+            && let Some(reference) = walk.reference_job(wanted, size(context, frame)).trace(context.stop)
+        {
+            walk.insert(reference);
         }
     }
     let record = RunRecord::default()

@@ -40,7 +40,7 @@ impl Span {
         // A linear axis of non-negative values does not extend below zero.
         let low =
             if self.scale == Scale::Linear && low >= 0.0 { (low - margin).max(0.0) } else { low - margin };
-        Self { low: self.from_axis(low), high: self.from_axis(high + margin), scale: self.scale }
+        Self { low: self.value_at(low), high: self.value_at(high + margin), scale: self.scale }
     }
 
     pub(super) fn length(self) -> f64 {
@@ -57,7 +57,7 @@ impl Span {
         if self.scale == Scale::Logarithmic { value.ln() } else { value }
     }
 
-    fn from_axis(self, along: f64) -> f64 {
+    fn value_at(self, along: f64) -> f64 {
         if self.scale == Scale::Logarithmic { along.exp() } else { along }
     }
 

@@ -27,7 +27,6 @@ fn chart() -> Chart {
         x: Axis::logarithmic("seconds"),
         y: Axis::linear("dB"),
         series: vec![series(Drawn::MarksAndLine, "#ff0000"), series(Drawn::Dashes, HOSTILE)],
-        ..Chart::default()
     }
 }
 
