@@ -1,5 +1,6 @@
-//! Tells a release build the commit of its source, for the manifests of experiments. Other builds change from minute to
-//! minute; a commit would say nothing of them, and finding it would build them anew.
+//! Passes the commit of its source to a release build, for the manifests of experiments. Other
+//! builds contain no commit: their source changes more often than it is committed, and each commit
+//! would cause another build.
 
 use std::process::Command;
 

@@ -26,7 +26,7 @@ pub enum Theme {
 }
 
 impl Theme {
-    /// The name used in settings files and in the window.
+    /// Name of the theme in `settings.toml`, in sidecars and in the window.
     pub fn name(self) -> &'static str {
         ["system", "dark", "light"][self as usize]
     }
@@ -103,11 +103,10 @@ pub(crate) fn picture_size(text: &str) -> Result<[u32; 2], &'static str> {
 /// Range of [`Settings::ui_scale`].
 pub const UI_SCALES: std::ops::RangeInclusive<f32> = 0.5..=3.0;
 
-/// Maximum length in bytes of a settings file, the user's or a scene's. The importer has the same
-/// limit.
+/// Maximum length in bytes of the settings file and of a sidecar. The importer has the same limit.
 pub(crate) const MAX_BYTES: u64 = 16 << 20;
 
-/// Environment variable with the path of the user's settings file.
+/// Environment variable with the path of the settings file.
 pub const CONFIG_VARIABLE: &str = "AFTERIMAGE_CONFIG";
 
 /// Environment variables that are not settings: they serve tests and builds.
@@ -117,7 +116,7 @@ const OTHER_VARIABLES: [&str; 3] = [CONFIG_VARIABLE, "AFTERIMAGE_REQUIRE_GRAPHIC
 #[derive(Debug, Default)]
 pub struct Layers {
     values: Table,
-    /// Path of the user's settings file.
+    /// Path of the settings file.
     pub user_file: Option<PathBuf>,
     /// One sentence for each setting or file that is ignored.
     pub warnings: Vec<String>,
@@ -199,12 +198,12 @@ fn checked(name: &str, value: Value) -> Result<Value, String> {
         .ok_or_else(|| format!("its value must be {values}"))
 }
 
-/// Path of a scene's own settings.
+/// Path of the sidecar of a scene.
 fn scene_file(scene: &str) -> PathBuf {
     Path::new(scene).with_extension("afterimage.toml")
 }
 
-/// The table of a settings file; empty if there is no such file.
+/// The table of the settings file or of a sidecar; empty if there is no such file.
 fn read_table(path: &Path) -> anyhow::Result<Table> {
     if is_absent(path) {
         return Ok(Table::new());

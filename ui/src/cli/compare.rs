@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 pub(crate) struct CompareArgs {
     /// Picture to measure: PNG or EXR.
     a: PathBuf,
-    /// Reference picture: PNG or EXR.
+    /// Ground-truth picture: PNG or EXR.
     b: PathBuf,
     /// Exit with code 1 if the PSNR is below this, dB.
     #[arg(long, value_name = "X")]

@@ -61,7 +61,7 @@ enum Command {
     Experiment(experiment::ExperimentArgs),
     /// List a scene's contents, the features it uses, and the warnings about its files.
     Inspect(inspect::InspectArgs),
-    /// Compare a picture with a reference picture of the same size.
+    /// Compare a picture with a ground-truth picture of the same size.
     Compare(compare::CompareArgs),
     /// Print what a bug report needs: version, machine, graphics, paths.
     Doctor,

@@ -4,7 +4,7 @@ use super::{failure::Failure, flags::Flags, interrupt, output, paths, pose, scen
 use crate::picture::restore::{PictureView, beside, is_picture, read_view};
 use crate::settings::{Layers, suggestion};
 use crate::window::state::{Appearance, WINDOW_SAMPLES};
-use crate::window::{self, SceneSource, WindowRequest};
+use crate::window::{self, LaunchOptions, SceneSource};
 use clap::Parser;
 use std::path::Path;
 
@@ -52,7 +52,7 @@ fn open_window(scene: Option<&str>, flags: &Flags, layers: &Layers) -> Result<()
     let scene = view.as_ref().map(|v| v.scene.as_str()).or(scene);
     let flags =
         &Flags { exposure: flags.exposure.or(view.as_ref().and_then(|v| v.exposure_ev)), ..flags.clone() };
-    let mut request = WindowRequest {
+    let mut request = LaunchOptions {
         scene: scene.map(|name| SceneSource::named(name, options)),
         camera: pose::given(flags).or(view.as_ref().map(|v| v.camera)),
         view: flags.view.clone(),
@@ -65,7 +65,7 @@ fn open_window(scene: Option<&str>, flags: &Flags, layers: &Layers) -> Result<()
         settings_file: layers.user_file.clone(),
         state_folder: paths::state_folder(),
         warnings: layers.warnings.clone(),
-        ..WindowRequest::default()
+        ..LaunchOptions::default()
     };
     let trace = &mut request.settings.render.trace;
     trace.samples = flags.samples.unwrap_or(trace.samples);

@@ -3,13 +3,14 @@
 use super::flags::{Flags, number_in};
 use super::scene::{Loaded, load};
 use super::{failure::Failure, interrupt, output, paths, progress::Progress, walk::read_path};
-use crate::picture::{Made, memory, notes, sequence::film_command};
-use afterimage::experiment::{MeasureSettings, TourEvent, TourRecord, TourSettings, run_tour};
+use crate::picture::{PictureOrigin, memory, metadata, sequence::film_command};
+use afterimage::experiment::{FrameRecord, MeasureSettings, TourEvent, TourRecord, TourSettings, run_tour};
 use afterimage::raster::save::{save_png, write_atomically};
 use afterimage::render::aov::{display_rows, types_rows};
 use afterimage::{
-    Frame, WalkthroughSettings, camera::CameraPath, experiment::run::csv, raster::stream::COMPLETE,
-    reference::PlacementPolicy, reference::placement::RULES, render::bands::Background, warp::MAX_REFERENCES,
+    Frame, WalkthroughSettings, camera::CameraPath, experiment::run::csv, experiment::statistics::median,
+    raster::stream::COMPLETE, reference::PlacementPolicy, reference::placement::RULES,
+    render::bands::Background, warp::MAX_REFERENCES,
 };
 use clap::{Args, builder::PossibleValuesParser};
 use serde_json::{Value, json};
@@ -153,8 +154,7 @@ fn fly(
             }
         }
     });
-    let record = record.map_err(|e| Failure::Failed(e.to_string()))?;
-    Ok((record, picture_error))
+    Ok((record.map_err(|e| Failure::Failed(e.to_string()))?, picture_error))
 }
 
 fn write_pictures(
@@ -166,16 +166,16 @@ fn write_pictures(
 ) -> Result<(), Failure> {
     let folder = args.out.join("images");
     let picture = display_rows(&frame.radiance, flags.exposure_ev(), flags.tone_map);
-    let notes = file_notes(flags, loaded, frame);
-    save_png(&folder.join(format!("frame_{number:04}.png")), frame.view.size, &picture, &notes)?;
+    let metadata = file_metadata(flags, loaded, frame);
+    save_png(&folder.join(format!("frame_{number:04}.png")), frame.view.size, &picture, &metadata)?;
     let types = types_rows(&frame.types);
-    save_png(&folder.join(format!("types_{number:04}.png")), frame.view.size, &types, &notes)?;
+    save_png(&folder.join(format!("types_{number:04}.png")), frame.view.size, &types, &metadata)?;
     Ok(())
 }
 
 /// Metadata of the picture of a frame.
-fn file_notes(flags: &Flags, loaded: &Loaded, frame: &Frame) -> Vec<(&'static str, String)> {
-    let mut notes = notes(&Made {
+fn file_metadata(flags: &Flags, loaded: &Loaded, frame: &Frame) -> Vec<(&'static str, String)> {
+    let mut metadata = metadata(&PictureOrigin {
         scene_name: &loaded.name,
         scene: loaded.scene(),
         camera: &frame.camera,
@@ -186,8 +186,8 @@ fn file_notes(flags: &Flags, loaded: &Loaded, frame: &Frame) -> Vec<(&'static st
         exposure_ev: flags.exposure_ev(),
         tone_map: flags.tone_map,
     });
-    notes.push((COMPLETE, if frame.stats.is_complete { "yes" } else { "no" }.to_owned()));
-    notes
+    metadata.push((COMPLETE, if frame.stats.is_complete { "yes" } else { "no" }.to_owned()));
+    metadata
 }
 
 fn object(args: &TourArgs, flags: &Flags, loaded: &Loaded, record: &TourRecord) -> Value {
@@ -217,14 +217,17 @@ fn table(args: &TourArgs, record: &TourRecord) -> String {
     let ms = |secs: Option<f64>| secs.map_or("-".to_owned(), |s| format!("{:.1} ms", s * 1e3));
     let share = |p: Option<f64>| p.map_or("-".to_owned(), |p| format!("{p:.2} %"));
     let of = |a: String, b: String| format!("{a} median, {b}");
+    let type3 = of(share(summary.type3_percent_median), format!("{} most", share(summary.type3_percent_max)));
+    let stage = |secs: fn(&FrameRecord) -> f64| ms(median(record.frames.iter().map(secs)));
     let mut rows = vec![
         ("records", args.out.display().to_string()),
         ("frames", record.frames.len().to_string()),
         ("frame", of(ms(summary.frame_secs_median), format!("{} p99", ms(summary.frame_secs_p99)))),
-        (
-            "Type 3",
-            of(share(summary.type3_percent_median), format!("{} most", share(summary.type3_percent_max))),
-        ),
+        ("select", stage(|f| f.select_secs)),
+        ("visibility and look-up", stage(|f| f.warp_secs)),
+        ("specular", stage(|f| f.secondary_secs)),
+        ("trace", stage(|f| f.trace_secs)),
+        ("Type 3", type3),
         ("references", format!("{} in {:.2} s", record.references_added, record.reference_secs_total)),
     ];
     if summary.cut_percent > 0.0 {

@@ -1,7 +1,7 @@
 //! Renders a picture and writes its files.
 
 use super::memory::{TooLarge, check, check_banded};
-use super::notes::{Made, notes};
+use super::metadata::{PictureOrigin, metadata};
 use afterimage::raster::save::{Channel, ChannelValues, SaveError, Target};
 use afterimage::raster::stream::{Contents, PictureFile, Rows};
 use afterimage::raster::{color::ToneMap, pixel_types::TypeCounts};
@@ -123,8 +123,8 @@ impl PictureJob {
         stop: Stop<'_>,
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<(Vec<PictureFile>, FrameStats), SaveError> {
-        let notes = self.notes(tracer);
-        let mut files = outputs.iter().map(|o| self.begin(o, &notes)).collect::<Result<Vec<_>, _>>()?;
+        let metadata = self.metadata(tracer);
+        let mut files = outputs.iter().map(|o| self.begin(o, &metadata)).collect::<Result<Vec<_>, _>>()?;
         let stats = if self.is_banded(references) {
             self.in_bands(tracer, outputs, &mut files, stop, progress)?
         } else {
@@ -198,8 +198,8 @@ impl PictureJob {
         RefineState { pass: of, of, is_complete: of > 0 }
     }
 
-    fn notes(&self, tracer: &Tracer) -> Vec<(&'static str, String)> {
-        notes(&Made {
+    fn metadata(&self, tracer: &Tracer) -> Vec<(&'static str, String)> {
+        metadata(&PictureOrigin {
             scene_name: &self.scene_name,
             scene: tracer.scene(),
             camera: &self.camera,
@@ -212,13 +212,13 @@ impl PictureJob {
         })
     }
 
-    fn begin(&self, output: &Output, notes: &[(&'static str, String)]) -> Result<PictureFile, SaveError> {
+    fn begin(&self, output: &Output, metadata: &[(&'static str, String)]) -> Result<PictureFile, SaveError> {
         let contents = match &output.shows {
             Shows::Display if self.background == Background::LeftOut => Contents::PngAlpha,
             Shows::Display | Shows::Types => Contents::Png,
             Shows::Linear(layers) => Contents::Exr(self.channel_names(layers)),
         };
-        PictureFile::begin(output.target.clone(), contents, self.size, notes)
+        PictureFile::begin(output.target.clone(), contents, self.size, metadata)
     }
 
     /// Names of a file's channels; true for channels of indices.

@@ -3,11 +3,11 @@
 
 mod job;
 pub(crate) mod memory;
-mod notes;
+mod metadata;
 pub mod pose_text;
 pub mod restore;
 pub mod sequence;
 
 pub use job::{MadePicture, Output, PictureJob, Shows};
 pub use memory::{LONGEST_SIDE, TooLarge};
-pub(crate) use notes::{Made, notes};
+pub(crate) use metadata::{PictureOrigin, metadata};

@@ -7,13 +7,13 @@ mod app;
 mod export;
 pub mod gpu;
 pub mod input;
+mod launch;
 pub mod panels;
 pub mod rendering;
-mod request;
 mod run;
 pub mod state;
 
 pub use app::App;
+pub use launch::LaunchOptions;
 pub use rendering::scene_loading::SceneSource;
-pub use request::WindowRequest;
 pub use run::{has_display, run};

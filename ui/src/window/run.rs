@@ -1,8 +1,8 @@
 //! Opening the window, and the messages where that fails.
 
 use crate::window::app::App;
+use crate::window::launch::LaunchOptions;
 use crate::window::rendering::task::panic_text;
-use crate::window::request::WindowRequest;
 use anyhow::anyhow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -21,7 +21,7 @@ pub fn has_display() -> bool {
 /// # Errors
 /// Where there is no display, no graphics adapter, or a system library is missing; the message says
 /// what to install.
-pub fn run(request: WindowRequest) -> anyhow::Result<()> {
+pub fn run(request: LaunchOptions) -> anyhow::Result<()> {
     if !has_display() {
         return Err(anyhow!(
             "there is no display (neither WAYLAND_DISPLAY nor DISPLAY is set); use `afterimage tour` or `afterimage \

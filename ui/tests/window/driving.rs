@@ -2,8 +2,8 @@
 
 use super::*;
 use afterimage::raster::color::ToneMap;
-use afterimage_ui::window::gpu::presentation::{Coloring, Heatmap};
 use afterimage_ui::window::input::keymap::BINDINGS;
+use afterimage_ui::window::state::{Coloring, Heatmap};
 use afterimage_ui::window::state::{Severity, Work};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, vec2};
@@ -256,7 +256,7 @@ fn a_dropped_model_replaces_the_scene_and_its_warnings_are_listed() {
 
 #[test]
 fn options_of_the_start_are_kept() {
-    let asked = WindowRequest {
+    let asked = LaunchOptions {
         view: Some("mirror".to_owned()),
         fov_y_deg: Some(8.5),
         exposure_ev: Some(9.25),
@@ -275,7 +275,7 @@ fn options_of_the_start_are_kept() {
 
 #[test]
 fn an_unknown_view_is_reported_with_the_known_ones() {
-    let harness = open(WindowRequest { view: Some("kitchen".to_owned()), ..request() }, false);
+    let harness = open(LaunchOptions { view: Some("kitchen".to_owned()), ..request() }, false);
     let notice = &harness.state().state().notices[0];
     assert_eq!(notice.severity, Severity::Error);
     assert!(notice.text.contains("'kitchen'") && notice.text.contains("mirror"), "{}", notice.text);
@@ -283,7 +283,7 @@ fn an_unknown_view_is_reported_with_the_known_ones() {
 
 #[test]
 fn without_a_scene_nothing_is_filling() {
-    let broken = WindowRequest { scene: Some(SceneSource::file("/no/such/model.obj")), ..request() };
+    let broken = LaunchOptions { scene: Some(SceneSource::file("/no/such/model.obj")), ..request() };
     let mut harness = begin(broken, false);
     step_until(&mut harness, "a message", |app| !app.state().notices.is_empty());
     harness.run_steps(2);

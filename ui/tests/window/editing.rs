@@ -105,7 +105,7 @@ fn changes_are_saved_beside_a_model_and_survive_a_reload_before() {
     std::fs::write(&model, "usemtl wall\nv -1 0 0\nv 1 0 0\nv 1 2 0\nv -1 2 0\nf 1 2 3 4\n").expect("a file");
     let side = folder.path().join("wall.afterimage.toml");
     std::fs::write(&side, "# mine\nunit = \"m\"\n").expect("a file");
-    let mut harness = open(WindowRequest { scene: Some(SceneSource::file(&model)), ..request() }, false);
+    let mut harness = open(LaunchOptions { scene: Some(SceneSource::file(&model)), ..request() }, false);
     click(&mut harness, 0.0, 0.0);
     harness.get_by_label("Mirror").click_accesskit();
     settle(&mut harness);

@@ -159,7 +159,7 @@ fn the_report_is_filtered() {
     let model = folder.path().join("m.obj");
     let text = "mtllib gone.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 0 0\nf 1 2 3\nf 1 2 9\n";
     std::fs::write(&model, text).expect("a file");
-    let mut harness = open(WindowRequest { scene: Some(SceneSource::file(&model)), ..request() }, false);
+    let mut harness = open(LaunchOptions { scene: Some(SceneSource::file(&model)), ..request() }, false);
     let count = harness.state().state().scene.as_ref().expect("a scene").warnings.len();
     assert!(count >= 2);
     harness.get_by_label(&format!("{count} import warnings")).click_accesskit();

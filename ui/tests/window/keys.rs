@@ -286,7 +286,7 @@ fn every_key_does_what_the_map_says() {
     let folder = tempfile::tempdir().expect("a folder");
     let picture =
         PictureSettings { size: PictureSize::Pixels([40, 30]), antialias: 2, ..PictureSettings::default() };
-    let asked = WindowRequest { pictures: Some(folder.path().to_owned()), picture, ..request() };
+    let asked = LaunchOptions { pictures: Some(folder.path().to_owned()), picture, ..request() };
     let mut window = open(asked, false);
     for binding in BINDINGS {
         for (index, chord) in binding.chords.iter().enumerate() {

@@ -2,7 +2,8 @@
 //!
 //! ```sh
 //! cargo build --release
-//! AFTERIMAGE_PROGRAM=$PWD/target/release/afterimage cargo test -p afterimage-ui measured -- --ignored --nocapture --test-threads=1
+//! export AFTERIMAGE_PROGRAM=$PWD/target/release/afterimage
+//! cargo test -p afterimage-ui measured -- --ignored --nocapture --test-threads=1
 //! ```
 
 use super::desk::Desk;

@@ -24,7 +24,7 @@ mod unsaved_changes;
 
 use afterimage::render::Mode;
 use afterimage::{Camera, Scene};
-use afterimage_ui::window::{App, SceneSource, WindowRequest};
+use afterimage_ui::window::{App, LaunchOptions, SceneSource};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use std::io::Write;
@@ -39,11 +39,11 @@ fn small_room() -> Arc<Scene> {
     Arc::new(room::room("room").expect("the room is sound"))
 }
 
-fn request() -> WindowRequest {
-    let mut request = WindowRequest {
+fn request() -> LaunchOptions {
+    let mut request = LaunchOptions {
         scene: Some(SceneSource::Ready(small_room())),
         threads: Some(2),
-        ..WindowRequest::default()
+        ..LaunchOptions::default()
     };
     request.settings.render.trace.samples = 1;
     // In this mode most pixels of a frame at rest are of Type 1.
@@ -58,7 +58,7 @@ fn app() -> Harness<'static, App> {
 
 /// The same, with pictures saved in a folder.
 fn app_saving_to(pictures: PathBuf) -> Harness<'static, App> {
-    open(WindowRequest { pictures: Some(pictures), ..request() }, false)
+    open(LaunchOptions { pictures: Some(pictures), ..request() }, false)
 }
 
 /// The same with a graphics adapter; `None`, with a message, where there is none.
@@ -79,14 +79,14 @@ fn has_adapter() -> bool {
     !pollster::block_on(instance.enumerate_adapters(Backends::all())).is_empty()
 }
 
-fn open(request: WindowRequest, with_graphics: bool) -> Harness<'static, App> {
+fn open(request: LaunchOptions, with_graphics: bool) -> Harness<'static, App> {
     let mut harness = begin(request, with_graphics);
     settle(&mut harness);
     harness
 }
 
 /// The app as it is opened, before its scene is loaded.
-fn begin(request: WindowRequest, with_graphics: bool) -> Harness<'static, App> {
+fn begin(request: LaunchOptions, with_graphics: bool) -> Harness<'static, App> {
     let builder =
         Harness::builder().with_size([900.0, 600.0]).with_step_dt(1.0 / 60.0).with_render_cursor(false);
     let builder = if with_graphics { builder.wgpu() } else { builder };

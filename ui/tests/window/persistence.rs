@@ -22,8 +22,8 @@ impl Home {
         self.folder.path().join(name)
     }
 
-    fn request(&self) -> WindowRequest {
-        WindowRequest {
+    fn request(&self) -> LaunchOptions {
+        LaunchOptions {
             scene: Some(SceneSource::file(self.path("triangle.obj"))),
             pictures: Some(self.folder.path().to_owned()),
             state_folder: Some(self.path("state")),
@@ -86,7 +86,7 @@ fn a_session_is_opened_by_name() {
     harness.key_press_modifiers(Modifiers::COMMAND, Key::S);
     said(&mut harness, "afterimage-session.toml");
     let path = home.path("afterimage-triangle-0001.afterimage-session.toml");
-    let named = || WindowRequest { scene: Some(SceneSource::file(&path)), ..request() };
+    let named = || LaunchOptions { scene: Some(SceneSource::file(&path)), ..request() };
     let harness = open(named(), false);
     assert_eq!(harness.state().state().scene.as_ref().map(|s| s.triangles), Some(1));
     std::fs::write(&path, "version = 1\nscene\n").expect("a file");
@@ -209,7 +209,7 @@ fn settings_of_the_window_are_kept_and_reset_one_by_one() {
 #[test]
 fn invalid_settings_are_reported() {
     let request =
-        WindowRequest { warnings: vec!["settings.toml: 'sampels' is left aside".to_owned()], ..request() };
+        LaunchOptions { warnings: vec!["settings.toml: 'sampels' is left aside".to_owned()], ..request() };
     let mut harness = open(request, false);
     assert_eq!(said(&mut harness, "sampels"), Severity::Error);
 }

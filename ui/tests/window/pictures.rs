@@ -9,7 +9,7 @@ use egui::{Key, Modifiers};
 
 /// The room's app with settings of the picture that F12 saves.
 fn saving(folder: &std::path::Path, settings: PictureSettings) -> Harness<'static, App> {
-    open(WindowRequest { pictures: Some(folder.to_owned()), picture: settings, ..request() }, false)
+    open(LaunchOptions { pictures: Some(folder.to_owned()), picture: settings, ..request() }, false)
 }
 
 fn notice(harness: &mut Harness<'static, App>) -> (Severity, String) {

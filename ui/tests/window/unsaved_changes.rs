@@ -16,7 +16,7 @@ impl Changed {
         let model = folder.path().join("wall.obj");
         std::fs::write(&model, "usemtl wall\nv -1 0 0\nv 1 0 0\nv 1 2 0\nv -1 2 0\nf 1 2 3 4\n")
             .expect("a file");
-        let mut window = open(WindowRequest { scene: Some(SceneSource::file(&model)), ..request() }, false);
+        let mut window = open(LaunchOptions { scene: Some(SceneSource::file(&model)), ..request() }, false);
         make_mirror(&mut window, 0.0);
         Self { folder, window }
     }

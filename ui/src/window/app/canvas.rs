@@ -1,11 +1,11 @@
 //! The viewport: its place in the window, what is drawn over it, and the newest frame.
 
 use super::overlay;
-use crate::window::gpu::presentation::Presentation;
 use crate::window::gpu::timewarp::Reprojection;
 use crate::window::gpu::viewport;
-use crate::window::panels;
+use crate::window::panels::{self, statistics};
 use crate::window::state::AppState;
+use crate::window::state::Presentation;
 
 /// Colour of the viewport before the first frame.
 const EMPTY: egui::Color32 = egui::Color32::from_gray(24);
@@ -31,10 +31,10 @@ impl Canvas {
         panels::overlay::show(ui, rect, state);
         let inner = rect.shrink(10.0);
         if state.options.shows_statistics && inner.is_positive() {
-            ui.scope_builder(egui::UiBuilder::new().max_rect(inner), |ui| panels::hud::show(ui, state));
+            ui.scope_builder(egui::UiBuilder::new().max_rect(inner), |ui| statistics::show(ui, state));
         }
         if !state.navigation.has_moved && state.loading.is_none() && inner.is_positive() {
-            panels::hud::hint(ui, rect);
+            statistics::hint(ui, rect);
         }
         (response, canvas)
     }

@@ -1,16 +1,16 @@
 //! The comparison with the full tracer: its picture is traced once the view is at rest, dropped
 //! when the view changes, and its distance to the shown picture is measured.
 
-use super::{Measurement, Parts, Services, Session};
-use crate::window::gpu::presentation::Overlay;
+use super::{CurrentScene, Measurement, Parts, Services};
 use crate::window::gpu::viewport;
 use crate::window::rendering::{FullTrace, Subject, TaskError, lower_priority, spawn_task, take_result};
+use crate::window::state::Overlay;
 use crate::window::state::{AppState, Compare, Comparison, Pair, difference};
 
 /// Takes the comparison one step further.
 pub(super) fn update_comparison(app: &mut Parts) {
     take_measurement(&mut app.state, &mut app.services);
-    let subject = subject(&app.state, &app.session);
+    let subject = subject(&app.state, &app.current);
     if app.services.full_trace.as_ref().is_some_and(|trace| Some(&trace.subject) != subject.as_ref()) {
         app.services.full_trace = None;
         (app.state.comparison.full, app.state.comparison.error) = (None, None);
@@ -37,8 +37,8 @@ pub(super) fn update_comparison(app: &mut Parts) {
 }
 
 /// Everything that decides the full tracer's picture of the current view.
-fn subject(state: &AppState, session: &Session) -> Option<Subject> {
-    let (tracer, frame) = (session.tracer()?.clone(), state.frame.as_ref()?);
+fn subject(state: &AppState, current: &CurrentScene) -> Option<Subject> {
+    let (tracer, frame) = (current.tracer()?.clone(), state.frame.as_ref()?);
     let camera = *state.navigation.fly.camera();
     Some(Subject { tracer, camera, size: frame.size, render: state.quality.walk.render })
 }

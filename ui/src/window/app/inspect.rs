@@ -40,7 +40,7 @@ pub(super) fn update_plan(app: &mut Parts) {
     if let Some(Ok(plan)) = take_result(&mut app.services.plan) {
         app.state.plan.cut = Some(Arc::new(plan));
     }
-    let (Some(tracer), None) = (app.session.tracer(), &app.services.plan) else { return };
+    let (Some(tracer), None) = (app.current.tracer(), &app.services.plan) else { return };
     let eye_m = app.state.navigation.fly.camera().eye.y;
     let is_on_floor = |plan: &Arc<Plan>| (plan.height_m - eye_m).abs() <= SAME_FLOOR_M;
     if app.state.plan.cut.as_ref().is_some_and(is_on_floor) || app.state.work == Work::Moving {

@@ -3,6 +3,7 @@
 mod autosave;
 mod canvas;
 mod comparison;
+mod current_scene;
 mod inspect;
 mod navigation;
 mod open_scene;
@@ -13,7 +14,6 @@ mod poll;
 mod render_request;
 mod scene_edits;
 mod services;
-mod session;
 mod session_file;
 mod update;
 mod watch;
@@ -22,6 +22,7 @@ mod window_app;
 use autosave::{Autosave, is_recovery, left_behind, recovery_file};
 use canvas::Canvas;
 use comparison::{overlay, update_comparison};
+use current_scene::{Arrival, CurrentScene, MOTION_TIME};
 use inspect::{handle_inspect, show_reference, update_plan, update_thumbnails};
 use navigation::handle_navigation;
 use open_scene::{
@@ -35,9 +36,8 @@ use persistence::{
 use pictures::{handle_picture, poll_export, save_from_references};
 use poll::poll;
 use render_request::{current_work, send_request};
-use scene_edits::{begin_edits, handle_edit, poll_edit, save_beside};
+use scene_edits::{begin_edits, handle_edit, poll_edit, save_sidecar};
 use services::{AppEvent, Measurement, PendingEdit, Services};
-use session::{Arrival, MOTION_TIME, Session};
 use session_file::{EXTENSION, SessionFile, is_session};
 use update::{apply, show_appearance};
 use watch::{modified, watch};

@@ -3,7 +3,7 @@
 
 use super::{
     AppEvent, Arrival, Parts, Services, SessionFile, begin_edits, is_recovery, is_session, remember_model,
-    restore_session, save_beside, watch,
+    restore_session, save_sidecar, watch,
 };
 use crate::picture::restore::{PictureView, beside, is_picture, read_view};
 use crate::settings;
@@ -21,7 +21,7 @@ const MAX_SESSION_BYTES: u64 = 64 << 20;
 
 /// Opens a file of any kind.
 pub(super) fn open_path(app: &mut Parts, path: PathBuf) {
-    app.session.arrival = Arrival::default();
+    app.current.arrival = Arrival::default();
     if is_picture(&path) {
         app.services.spawn("picture", move || {
             let view = read_view(&path).map_err(TaskError::failed)?;
@@ -40,7 +40,7 @@ pub(super) fn open_session(app: &mut Parts, path: PathBuf) {
     match text.and_then(|text| SessionFile::parse(&text, &path)) {
         Ok(file) => {
             let source = file.source(&path);
-            app.session.arrival.session = Some((file, path));
+            app.current.arrival.session = Some((file, path));
             open(app, source);
         }
         Err(error) => {
@@ -54,7 +54,7 @@ pub(super) fn open_session(app: &mut Parts, path: PathBuf) {
 
 /// Goes to the view of a picture. Its scene is loaded unless it is shown.
 pub(super) fn go_to_picture(app: &mut Parts, view: PictureView) {
-    if app.session.tracer().is_some_and(|tracer| tracer.scene().hash == view.scene_hash) {
+    if app.current.tracer().is_some_and(|tracer| tracer.scene().hash == view.scene_hash) {
         app.state.navigation.fly.ease_to(view.camera);
         app.state.quality.exposure_ev = view.exposure_ev.unwrap_or(app.state.quality.exposure_ev);
         return app.state.info("the picture was taken here");
@@ -72,7 +72,7 @@ pub(super) fn go_to_picture(app: &mut Parts, view: PictureView) {
         // A reload keeps the pose.
         app.state.navigation.fly.jump_to(view.camera);
     }
-    app.session.arrival = Arrival {
+    app.current.arrival = Arrival {
         camera: Some(view.camera),
         exposure_ev: view.exposure_ev,
         scene_hash: Some(view.scene_hash),
@@ -100,7 +100,7 @@ pub(super) fn open(app: &mut Parts, source: SceneSource) {
 
 /// Opens a scene by itself: an earlier destination no longer applies.
 pub(super) fn open_new(app: &mut Parts, source: SceneSource) {
-    app.session.arrival = Arrival::default();
+    app.current.arrival = Arrival::default();
     open(app, source);
 }
 
@@ -119,7 +119,7 @@ fn load(services: &mut Services, source: SceneSource) {
 /// Stops loading.
 pub(super) fn cancel_loading(app: &mut Parts) {
     app.services.loading = None;
-    (app.session.arrival, app.session.discards_edits) = (Arrival::default(), false);
+    (app.current.arrival, app.current.discards_edits) = (Arrival::default(), false);
 }
 
 /// Shows the progress of loading, and then the scene, or asks first what is to be done with changes
@@ -131,7 +131,7 @@ pub(super) fn poll_loading(app: &mut Parts) {
     let source = loading.source.clone();
     match result {
         Ok(tracer) => {
-            let discards = std::mem::take(&mut app.session.discards_edits);
+            let discards = std::mem::take(&mut app.current.discards_edits);
             if is_shown(&app.state, &source) || discards || !has_unsaved_changes(&app.state) {
                 show_scene(app, source, tracer);
             } else {
@@ -159,7 +159,7 @@ pub(super) fn poll_watch(app: &mut Parts) {
 
 fn show_scene(app: &mut Parts, source: SceneSource, tracer: Arc<Tracer>) {
     let is_reload = is_shown(&app.state, &source);
-    let arrival = std::mem::take(&mut app.session.arrival);
+    let arrival = std::mem::take(&mut app.current.arrival);
     let scene = SceneInfo::new(source.clone(), &tracer);
     if arrival.scene_hash.as_ref().is_some_and(|expected| *expected != tracer.scene().hash) {
         app.state.info("the scene has changed since the picture was taken; this is the same pose in it");
@@ -181,13 +181,13 @@ fn show_scene(app: &mut Parts, source: SceneSource, tracer: Arc<Tracer>) {
     app.services.plan = None;
     app.state.plan =
         PlanState { cut: None, view: if is_reload { app.state.plan.view } else { Default::default() } };
-    app.session.obstacles = Some(Obstacles::new(tracer.clone()));
+    app.current.obstacles = Some(Obstacles::new(tracer.clone()));
     begin_edits(app, tracer.scene(), is_reload);
-    app.session.first_generation = app.services.render.send(RenderCommand::SetTracer(tracer));
+    app.current.first_generation = app.services.render.send(RenderCommand::SetTracer(tracer));
     if !is_reload {
         reset_quality(app, &source, &arrival);
     }
-    app.session.sent = None;
+    app.current.sent = None;
     restore_session(app, arrival.session, is_reload);
     app.services.watch = None;
     if let SceneSource::File { path, .. } = source {
@@ -206,7 +206,7 @@ fn reset_quality(app: &mut Parts, source: &SceneSource, arrival: &Arrival) {
         quality.walk.render.trace.bounces = bounces;
     }
     app.state.quality.exposure_ev = arrival.exposure_ev.unwrap_or(app.state.default_quality.exposure_ev);
-    app.session.is_metering = is_model && launch.exposure_ev.is_none() && arrival.exposure_ev.is_none();
+    app.current.is_metering = is_model && launch.exposure_ev.is_none() && arrival.exposure_ev.is_none();
 }
 
 /// Returns the index of the saved view to start at, and the pose.
@@ -227,9 +227,9 @@ fn start_pose(state: &mut AppState, scene: &SceneInfo, arrival: &Arrival) -> (us
 /// Keeps the window open where closing it would lose changes, and asks.
 pub(super) fn hold_close(app: &mut Parts) {
     let is_closing = app.services.ctx.input(|i| i.viewport().close_requested());
-    if is_closing && !app.session.may_close && has_unsaved_changes(&app.state) {
+    if is_closing && !app.current.may_close && has_unsaved_changes(&app.state) {
         app.services.ctx.send_viewport_cmd(ViewportCommand::CancelClose);
-        app.session.arrival = Arrival::default();
+        app.current.arrival = Arrival::default();
         app.state.dialogs.leaving = Some(Leaving::Close);
     }
 }
@@ -238,15 +238,15 @@ pub(super) fn hold_close(app: &mut Parts) {
 pub(super) fn handle_answer(app: &mut Parts, answer: Answer) {
     match answer {
         // The action follows once they are saved.
-        Answer::Save => save_beside(app),
+        Answer::Save => save_sidecar(app),
         Answer::Discard => {
             let is_opening = matches!(app.state.dialogs.leaving, Some(Leaving::Open(_)));
             leave(app);
-            app.session.discards_edits = is_opening;
+            app.current.discards_edits = is_opening;
         }
         Answer::Stay => {
             app.state.dialogs.leaving = None;
-            app.session.arrival = Arrival::default();
+            app.current.arrival = Arrival::default();
         }
     }
 }
@@ -255,7 +255,7 @@ pub(super) fn handle_answer(app: &mut Parts, answer: Answer) {
 pub(super) fn leave(app: &mut Parts) {
     match app.state.dialogs.leaving.take() {
         Some(Leaving::Close) => {
-            app.session.may_close = true;
+            app.current.may_close = true;
             app.services.ctx.send_viewport_cmd(ViewportCommand::Close);
         }
         Some(Leaving::Open(source)) => load(&mut app.services, source),

@@ -1,11 +1,11 @@
-//! The three parts of the app that handlers change.
+//! `Parts`: state that panels read, the open scene, and background services.
 
-use super::{services::Services, session::Session};
+use super::{current_scene::CurrentScene, services::Services};
 use crate::window::state::AppState;
 
-/// What is shown, the open scene, and the threads behind them.
+/// State that panels read, the open scene, and background services. Handlers change all three.
 pub(super) struct Parts {
     pub(super) state: AppState,
-    pub(super) session: Session,
+    pub(super) current: CurrentScene,
     pub(super) services: Services,
 }

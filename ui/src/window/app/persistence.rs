@@ -25,10 +25,10 @@ pub(super) fn read_state_folder(state: &mut AppState, folder: &Path) {
 
 /// Saves the session in its file, or in a new one where it has none.
 pub(super) fn save_session(app: &mut Parts) {
-    let Some(content) = SessionFile::of(&app.state, &app.session.unknown_keys) else {
+    let Some(content) = SessionFile::of(&app.state, &app.current.unknown_keys) else {
         return app.state.error("there is no scene to save a session of");
     };
-    let (file, destination) = (app.session.file.clone(), app.services.destination(&app.state));
+    let (file, destination) = (app.current.file.clone(), app.services.destination(&app.state));
     app.services.spawn("save", move || {
         let text = content.text().map_err(|error| TaskError::Failed(format!("{error:#}")))?;
         write_session(&text, file, &destination).map(AppEvent::SavedSession)
@@ -53,18 +53,18 @@ fn write_session(text: &str, file: Option<PathBuf>, destination: &Destination) -
 /// file: that of the old scene is not overwritten.
 pub(super) fn restore_session(app: &mut Parts, awaited: Option<(SessionFile, PathBuf)>, is_reload: bool) {
     if let Some((content, file)) = awaited {
-        app.session.unknown_keys = content.restore(&mut app.state);
-        app.session.is_metering = false;
+        app.current.unknown_keys = content.restore(&mut app.state);
+        app.current.is_metering = false;
         if is_recovery(&file) {
             // The session is kept under another name from now on. If this fails it is offered
             // again.
             let _ = std::fs::remove_file(&file);
-            app.session.file = None;
+            app.current.file = None;
         } else {
-            app.session.file = Some(file);
+            app.current.file = Some(file);
         }
     } else if !is_reload {
-        (app.session.file, app.session.unknown_keys) = (None, Table::new());
+        (app.current.file, app.current.unknown_keys) = (None, Table::new());
     }
 }
 
@@ -92,7 +92,7 @@ fn write_recent(app: &mut Parts) {
 /// Keeps the session in case of a crash. Returns the time until it may be kept again.
 pub(super) fn autosave(app: &mut Parts) -> Option<Duration> {
     let folder = app.services.launch.state_folder.as_ref()?;
-    let (text, rest) = app.session.autosave.due(&app.state, &app.session.unknown_keys);
+    let (text, rest) = app.current.autosave.due(&app.state, &app.current.unknown_keys);
     if let Some(text) = text {
         let file = recovery_file(folder).file_name()?.to_string_lossy().into_owned();
         keep(&mut app.services, &file, text, "the session is not kept in case of a crash");

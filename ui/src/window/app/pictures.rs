@@ -120,7 +120,7 @@ fn start(
     work: impl FnOnce(&Tracer, &TaskHandle) -> Result<Exported, TaskError> + Send + 'static,
 ) -> anyhow::Result<()> {
     ensure!(app.services.export.is_none(), "a picture is being saved; wait for it, or cancel it");
-    if let Some(tracer) = app.session.tracer().cloned() {
+    if let Some(tracer) = app.current.tracer().cloned() {
         let export =
             spawn_export(app.services.threads, app.services.wake.clone(), move |task| work(&tracer, task));
         app.services.export = Some(export);

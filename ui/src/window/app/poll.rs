@@ -66,7 +66,7 @@ fn apply(app: &mut Parts, event: AppEvent) {
         AppEvent::Saved(path) => saved(&mut app.state, &path),
         AppEvent::SavedSession(path) => {
             saved(&mut app.state, &path);
-            app.session.file = Some(path);
+            app.current.file = Some(path);
         }
         AppEvent::Kept => {}
         AppEvent::PictureView(view) => go_to_picture(app, view),
@@ -97,10 +97,10 @@ fn poll_frame(app: &mut Parts) {
         return;
     }
     let Some(frame) = &app.state.frame else { return };
-    let is_metered = app.session.is_metering && frame.generation >= app.session.first_generation;
+    let is_metered = app.current.is_metering && frame.generation >= app.current.first_generation;
     if let Some(ev) = frame.metered_ev.filter(|_| is_metered) {
         app.state.quality.exposure_ev = ev.clamp(*METERED_EV.start(), *METERED_EV.end());
-        app.session.is_metering = false;
+        app.current.is_metering = false;
     }
     if let Some(graphics) = &app.services.graphics {
         viewport::upload(graphics, frame);

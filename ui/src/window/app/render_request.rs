@@ -22,13 +22,13 @@ pub(super) fn send_request(app: &mut Parts) {
         is_paused: app.state.options.is_paused,
         is_compared: app.state.comparison.is_wanted(),
     };
-    if app.session.sent != Some(request) {
-        if app.session.sent.is_some_and(|s| s.camera != request.camera) {
-            app.session.moved = Instant::now();
+    if app.current.sent != Some(request) {
+        if app.current.sent.is_some_and(|s| s.camera != request.camera) {
+            app.current.moved = Instant::now();
             app.state.navigation.has_moved = true;
         }
         app.services.render.request(request);
-        app.session.sent = Some(request);
+        app.current.sent = Some(request);
     }
 }
 
@@ -41,9 +41,9 @@ fn is_sharp(app: &Parts) -> bool {
     // Pictures that are compared keep their size.
     let has_rested = || {
         let is_compared = app.state.comparison.is_wanted();
-        app.session.moved.elapsed() >= MOTION_TIME && has_newest(app) && !is_compared
+        app.current.moved.elapsed() >= MOTION_TIME && has_newest(app) && !is_compared
     };
-    let sent = app.session.sent.as_ref().filter(|s| may_be && is_same(s));
+    let sent = app.current.sent.as_ref().filter(|s| may_be && is_same(s));
     sent.is_some_and(|s| s.budget.is_none() || has_rested())
 }
 
@@ -59,7 +59,7 @@ pub(super) fn current_work(app: &Parts) -> Work {
         () if app.services.loading.is_some() => Work::Loading,
         () if app.state.scene.is_none() => Work::NoScene,
         () if app.state.options.is_paused => Work::Paused,
-        () if app.session.moved.elapsed() < MOTION_TIME && app.state.navigation.has_moved => Work::Moving,
+        () if app.current.moved.elapsed() < MOTION_TIME && app.state.navigation.has_moved => Work::Moving,
         () if app.services.edit.is_some() => Work::Editing,
         () if !has_newest(app) => Work::Filling,
         () if app.services.render.is_adding_reference() => Work::AddingReference,

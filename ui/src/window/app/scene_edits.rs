@@ -20,7 +20,7 @@ pub(super) fn handle_edit(app: &mut Parts, command: EditCommand) {
         EditCommand::SetSun(sun) => app.state.sun = sun,
         EditCommand::Undo => step(&mut app.state, true),
         EditCommand::Redo => step(&mut app.state, false),
-        EditCommand::SaveBeside => save_beside(app),
+        EditCommand::SaveSidecar => save_sidecar(app),
     }
     rebuild(app);
 }
@@ -44,11 +44,11 @@ fn step(state: &mut AppState, is_undo: bool) {
 
 /// Starts to rebuild the scene with the current edit, unless it is shown or being rebuilt.
 fn rebuild(app: &mut Parts) {
-    let (Some(edits), Some(tracer), None) = (&app.state.edits, app.session.tracer(), &app.services.edit)
+    let (Some(edits), Some(tracer), None) = (&app.state.edits, app.current.tracer(), &app.services.edit)
     else {
         return;
     };
-    if app.session.rendered_edit.as_ref() == Some(edits.now()) {
+    if app.current.rendered_edit.as_ref() == Some(edits.now()) {
         return;
     }
     let (edit, base, wanted) = (edits.now().clone(), tracer.clone(), edits.now().clone());
@@ -60,7 +60,7 @@ fn rebuild(app: &mut Parts) {
 /// Shows the scene that was rebuilt, if it is ready.
 pub(super) fn poll_edit(app: &mut Parts) {
     let Some(result) = app.services.edit.as_ref().and_then(|pending| pending.task.result()) else { return };
-    app.session.rendered_edit = app.services.edit.take().map(|pending| pending.edit);
+    app.current.rendered_edit = app.services.edit.take().map(|pending| pending.edit);
     match result {
         Ok(tracer) => show_rebuilt(app, tracer),
         Err(TaskError::Failed(text)) => app.state.error(format!("the change failed: {text}")),
@@ -73,19 +73,19 @@ fn show_rebuilt(app: &mut Parts, tracer: Arc<Tracer>) {
     if let Some(scene) = &mut app.state.scene {
         scene.relight(tracer.scene());
     }
-    app.session.obstacles = Some(Obstacles::new(tracer.clone()));
+    app.current.obstacles = Some(Obstacles::new(tracer.clone()));
     app.state.thumbnails.set_tracer(tracer.clone());
     app.services.render.send(RenderCommand::SetTracer(tracer));
     // The references of the old scene are gone.
     app.state.selection.reference_view = None;
     // The next request has the render scale again, so that the edit is seen soon.
-    app.session.sent = None;
+    app.current.sent = None;
 }
 
 /// Begins the edits of a scene that was loaded. Unsaved edits of the same scene are kept.
 pub(super) fn begin_edits(app: &mut Parts, scene: &Scene, is_reload: bool) {
     let saved = scene.to_edit();
-    app.session.rendered_edit = Some(saved.clone());
+    app.current.rendered_edit = Some(saved.clone());
     app.services.edit = None;
     let edits = match app.state.edits.as_ref().filter(|e| is_reload && e.is_unsaved()) {
         Some(edits) => edits.carried_to(saved),
@@ -99,12 +99,12 @@ pub(super) fn begin_edits(app: &mut Parts, scene: &Scene, is_reload: bool) {
     rebuild(app);
 }
 
-/// Saves materials and daylight in the file beside the scene.
-pub(super) fn save_beside(app: &mut Parts) {
+/// Saves materials and daylight in the sidecar of the model.
+pub(super) fn save_sidecar(app: &mut Parts) {
     let (Some(edits), Some(scene)) = (&app.state.edits, &app.state.scene) else { return };
     let SceneSource::File { path, .. } = &scene.source else {
         let text = format!(
-            "{} is part of the program and has no folder to save beside; open a model file to keep changes",
+            "{} is part of the program and has no sidecar; open a model file to keep changes",
             scene.source.label()
         );
         return app.state.error(text);

@@ -2,8 +2,8 @@
 
 use crate::picture::restore::PictureView;
 use crate::window::export::{Destination, Exported};
+use crate::window::launch::LaunchOptions;
 use crate::window::rendering::{FullTrace, Loading, Plan, RenderThread, Task, TaskError, Wake, spawn_task};
-use crate::window::request::WindowRequest;
 use crate::window::state::{AppState, Pair, PictureError};
 use afterimage::Tracer;
 use afterimage::scene::SceneEdit;
@@ -13,15 +13,15 @@ use std::sync::{Arc, Mutex};
 
 /// Result of a small task whose progress is not shown.
 pub(super) enum AppEvent {
-    /// A file was saved.
+    /// A file was saved at this path, which is shown to the user.
     Saved(PathBuf),
-    /// The session was saved.
+    /// The session was saved in this file.
     SavedSession(PathBuf),
-    /// Something was saved that is not reported.
+    /// A state or settings file was written; no message is shown.
     Kept,
     /// The view of a picture was read.
     PictureView(PictureView),
-    /// Materials and daylight were saved beside the scene, or could not be.
+    /// Materials and daylight were saved in the sidecar, or could not be saved.
     SavedEdit(Box<SceneEdit>, anyhow::Result<PathBuf>),
 }
 
@@ -36,14 +36,14 @@ pub(super) struct Measurement {
     pub(super) pair: Pair,
     pub(super) size: [u32; 2],
     pub(super) error: PictureError,
-    /// Error map as sRGB.
+    /// Error map of the picture as sRGB, row-major from the top.
     pub(super) map: Vec<[u8; 3]>,
 }
 
 /// Threads, tasks and the graphics adapter.
 pub(super) struct Services {
     /// What the window was started with.
-    pub(super) launch: WindowRequest,
+    pub(super) launch: LaunchOptions,
     pub(super) ctx: egui::Context,
     pub(super) wake: Wake,
     pub(super) render: RenderThread,

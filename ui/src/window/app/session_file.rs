@@ -132,7 +132,7 @@ impl SessionFile {
     }
 
     /// The scene of the session in `path`. A model that was moved together with its session is
-    /// found beside it.
+    /// found next to it.
     pub(super) fn source(&self, path: &Path) -> SceneSource {
         let source = SceneSource::named(&self.scene, Default::default());
         let SceneSource::File { path: model, options } = source else { return source };

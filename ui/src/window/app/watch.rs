@@ -34,14 +34,15 @@ pub(super) fn modified(path: &Path) -> Option<SystemTime> {
     std::fs::metadata(path).and_then(|m| m.modified()).ok()
 }
 
-/// Stamps of the model itself, its side file, and the material libraries and buffers of its folder.
+/// Returns the stamps of the model itself, its sidecar, and the material libraries and buffers in
+/// its folder.
 fn stamps(model: &Path) -> Stamps {
     let folder = model.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let entries = std::fs::read_dir(folder).into_iter().flatten().filter_map(|e| e.ok().map(|e| e.path()));
-    let side = model.with_extension("afterimage.toml");
+    let sidecar = model.with_extension("afterimage.toml");
     let is_part = |p: &PathBuf| {
         let is_library = p.extension().is_some_and(|e| e.eq_ignore_ascii_case("mtl") || e == "bin");
-        p.file_name() == model.file_name() || is_library || p.file_name() == side.file_name()
+        p.file_name() == model.file_name() || is_library || p.file_name() == sidecar.file_name()
     };
     let mut files: Stamps = entries.filter(is_part).map(|p| (p.clone(), modified(&p))).collect();
     files.sort();

@@ -1,15 +1,15 @@
 //! The app of the window.
 
 use super::{
-    Arrival, Canvas, MOTION_TIME, Parts, Services, Session, apply, autosave, current_work, end_autosave,
+    Arrival, Canvas, CurrentScene, MOTION_TIME, Parts, Services, apply, autosave, current_work, end_autosave,
     hold_close, is_session, open, open_session, poll, read_state_folder, send_request, show_appearance,
     update_comparison,
 };
 use crate::window::gpu::adapter;
 use crate::window::input::{Input, key_commands, steer};
+use crate::window::launch::LaunchOptions;
 use crate::window::panels;
 use crate::window::rendering::{RenderThread, SceneSource, Wake};
-use crate::window::request::WindowRequest;
 use crate::window::state::{AppState, Command, Quality, Severity, Work};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
@@ -25,7 +25,7 @@ impl App {
     ///
     /// # Errors
     /// Where the system refuses to start the threads.
-    pub fn new(cc: &eframe::CreationContext<'_>, mut launch: WindowRequest) -> anyhow::Result<Self> {
+    pub fn new(cc: &eframe::CreationContext<'_>, mut launch: LaunchOptions) -> anyhow::Result<Self> {
         panels::widgets::install_style(&cc.egui_ctx);
         let ctx = cc.egui_ctx.clone();
         // Not request_repaint(), which paints two frames per call.
@@ -75,7 +75,7 @@ impl App {
             tasks: Vec::new(),
         };
         show_appearance(&mut state, &services, services.launch.appearance);
-        let mut parts = Parts { state, session: Session::new(arrival), services };
+        let mut parts = Parts { state, current: CurrentScene::new(arrival), services };
         match parts.services.launch.scene.clone().unwrap_or_else(SceneSource::default_builtin) {
             SceneSource::File { path, .. } if is_session(&path) => open_session(&mut parts, path),
             scene => open(&mut parts, scene),
@@ -122,7 +122,7 @@ impl App {
         }
         panels::notices::show(ctx, viewport, state, commands);
         if state.dialogs.shows_settings {
-            panels::files::settings(ctx, state, commands);
+            panels::settings::show(ctx, state, commands);
         }
         if state.picture.is_open {
             panels::picture::show(ctx, state, commands);
@@ -158,10 +158,10 @@ impl eframe::App for App {
         self.parts.state.note_window_secs(ui.ctx().input(|i| i.unstable_dt));
         self.parts.state.work = current_work(&self.parts);
         let mut commands =
-            key_commands(&self.parts.state, &mut self.input, self.parts.session.obstacles.as_ref(), ui.ctx());
+            key_commands(&self.parts.state, &mut self.input, self.parts.current.obstacles.as_ref(), ui.ctx());
         let (response, canvas) = self.show_panels(ui, &mut commands);
         panels::comparison::split_line(ui, response.rect, &self.parts.state, &mut commands);
-        steer(&mut self.parts.state, &mut self.input, self.parts.session.obstacles.as_ref(), &response);
+        steer(&mut self.parts.state, &mut self.input, self.parts.current.obstacles.as_ref(), &response);
         self.show_dialogs(ui, response.rect, &mut commands);
         for command in commands {
             apply(&mut self.parts, command);
@@ -170,7 +170,7 @@ impl eframe::App for App {
         canvas.draw(
             &self.parts.state,
             self.parts.services.graphics.is_some(),
-            self.parts.session.first_generation,
+            self.parts.current.first_generation,
         );
         send_request(&mut self.parts);
         self.request_updates();

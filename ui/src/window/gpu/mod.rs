@@ -3,7 +3,6 @@
 
 pub mod adapter;
 pub mod full_screen_pass;
-pub mod presentation;
 pub mod projection;
 pub mod timewarp;
 pub mod tone_map;

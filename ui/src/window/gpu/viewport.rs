@@ -1,8 +1,8 @@
 //! The viewport: textures of the newest frame, and the pipelines that show them.
 
-use crate::window::gpu::presentation::{FILLED_COLOR, Heatmap, Overlay, Presentation};
 use crate::window::gpu::timewarp::{Reprojection, Timewarp, WarpMap};
 use crate::window::gpu::tone_map::{ToneMapPass, ToneMapped, ToneMapping};
+use crate::window::state::{FILLED_COLOR, Heatmap, Overlay, Presentation};
 use crate::window::{gpu::full_screen_pass as pass, rendering::exchange::PublishedFrame};
 use afterimage::raster::pixel_types::TYPE_SRGB;
 use egui_wgpu::{CallbackResources, CallbackTrait, RenderState, ScreenDescriptor, wgpu};

@@ -1,4 +1,4 @@
-//! Views of a surface or of the whole scene.
+//! Camera poses that show a clicked surface or the whole model.
 
 use super::EYE_HEIGHT_M;
 use afterimage::Camera;

@@ -1,13 +1,13 @@
 //! Keys, the clipboard and dropped files as commands.
 
 use super::{Input, MoveMode, Obstacles, probe_at};
-use crate::window::gpu::presentation::{Coloring, Heatmap};
 use crate::window::input::aim;
 use crate::window::input::keymap::{Action, Attention, Pressed};
 use crate::window::state::{
     AppState, Command, Compare, EditCommand, FileCommand, InspectCommand, NavigationCommand, Options,
     PictureCommand,
 };
+use crate::window::state::{Coloring, Heatmap};
 use egui::{Context, Event};
 
 /// One press changes the exposure by half a stop.

@@ -44,17 +44,17 @@ const LONGEST_STEP_SECS: f64 = 0.25;
 /// Direction of motion, each axis in -1..1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion {
-    /// Motion to the right.
+    /// Motion to the right; negative values move to the left.
     pub right: f64,
-    /// Motion up, along the world's axis.
+    /// Motion along the world's up axis; negative values move down.
     pub up: f64,
-    /// Motion in the viewing direction.
+    /// Motion in the viewing direction; negative values move back.
     pub forward: f64,
-    /// Factor of the speed.
+    /// Factor by which the set speed is multiplied: 1 without a modifier key.
     pub factor: f64,
 }
 
-/// How the camera moves.
+/// Whether the camera flies or walks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MoveMode {
     /// In all directions, through everything.
@@ -110,7 +110,7 @@ impl Default for FlyCamera {
 }
 
 impl FlyCamera {
-    /// Returns how it moves.
+    /// Returns whether the camera flies or walks.
     pub fn move_mode(&self) -> MoveMode {
         self.move_mode
     }
@@ -125,7 +125,7 @@ impl FlyCamera {
         self.view_change = view_change;
     }
 
-    /// Returns its pose.
+    /// Returns the current pose of the camera.
     pub fn camera(&self) -> &Camera {
         &self.camera
     }
@@ -234,7 +234,7 @@ impl FlyCamera {
         self.camera.world_from_camera() * DVec3::new(x * tan * aspect, y * tan, -1.0)
     }
 
-    /// Looks at the horizon.
+    /// Turns the camera to a horizontal viewing direction.
     pub fn level(&mut self) {
         self.ease_to(Camera { pitch: 0.0, ..self.camera });
     }

@@ -24,7 +24,7 @@ pub struct Playback {
     pub is_own: bool,
     /// Time since the start of the path, in seconds.
     pub at_secs: f64,
-    /// The path is being played.
+    /// True while the path is being played.
     pub is_playing: bool,
     /// The path starts again at its end.
     pub loops: bool,
@@ -49,7 +49,7 @@ impl Playback {
         self.at_secs = self.secs();
     }
 
-    /// Removes a key.
+    /// Removes the key of this index; the path is then the user's own.
     pub fn remove_key(&mut self, index: usize) {
         if index < self.path.keyframes.len() {
             self.path.keyframes.remove(index);

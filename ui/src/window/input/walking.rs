@@ -133,7 +133,7 @@ fn is_wall(normal: DVec3) -> bool {
     normal.x.hypot(normal.z) > WALL_SINE
 }
 
-/// State of a walker.
+/// State of a walker: the speed of a fall.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Walker {
     fall_m_per_s: f64,

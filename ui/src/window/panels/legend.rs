@@ -2,8 +2,8 @@
 
 use super::super::state::{AppState, Command};
 use super::widgets::{TYPE_NAMES, key_hint, swatch};
-use crate::window::gpu::presentation::{Coloring, Heatmap};
 use crate::window::input::keymap::Action;
+use crate::window::state::{Coloring, Heatmap};
 use afterimage::{Mode, raster::pixel_types::TypePercentages};
 use egui::{RichText, Ui};
 

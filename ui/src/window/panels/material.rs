@@ -148,11 +148,11 @@ fn history(ui: &mut Ui, state: &AppState, edits: &Edits, commands: &mut Vec<Comm
         button(ui, "Redo", edits.can_redo(), key_hint(Action::Redo), EditCommand::Redo);
         let is_file = state.scene.as_ref().is_some_and(|s| matches!(s.source, SceneSource::File { .. }));
         let help = if is_file {
-            "Save materials, sun and sky in the .afterimage.toml next to the model; the model itself is not changed"
+            "Save materials, sun and sky in the sidecar (.afterimage.toml) of the model; the model itself is not changed"
         } else {
             "This scene is built in; open a model file to save changes"
         };
         let can_save = edits.is_unsaved() && is_file;
-        button(ui, "Save changes", can_save, help.to_owned(), EditCommand::SaveBeside);
+        button(ui, "Save changes", can_save, help.to_owned(), EditCommand::SaveSidecar);
     });
 }

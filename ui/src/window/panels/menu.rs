@@ -46,6 +46,24 @@ fn item(ui: &mut Ui, text: &str, action: Option<Action>) -> bool {
     .clicked()
 }
 
+fn recent_menu(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
+    ui.add_enabled_ui(!state.files.recent.is_empty(), |ui| {
+        ui.menu_button("Recent", |ui| {
+            for path in &state.files.recent {
+                let name =
+                    path.file_name().map_or(path.display().to_string(), |n| n.to_string_lossy().into());
+                if ui.button(name).on_hover_text(path.display().to_string()).clicked() {
+                    commands.push(Command::OpenPath(path.clone()));
+                }
+            }
+            ui.separator();
+            if ui.button("Clear recent files").clicked() {
+                commands.push(Command::Files(FileCommand::ForgetRecent));
+            }
+        });
+    });
+}
+
 fn scene_menu(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     if item(ui, "Open...", Some(Action::Open)) {
         commands.push(Command::Browse);
@@ -57,7 +75,7 @@ fn scene_menu(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
             }
         }
     });
-    super::files::recent_menu(ui, state, commands);
+    recent_menu(ui, state, commands);
     if item(ui, "Save session", Some(Action::SaveSession)) {
         commands.push(Command::Files(FileCommand::SaveSession));
     }
@@ -90,7 +108,7 @@ fn edit_menu(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     };
     entry("Undo change", Some(Action::Undo), can(Edits::can_undo), Command::Edit(EditCommand::Undo));
     entry("Redo change", Some(Action::Redo), can(Edits::can_redo), Command::Edit(EditCommand::Redo));
-    let save = Command::Edit(EditCommand::SaveBeside);
+    let save = Command::Edit(EditCommand::SaveSidecar);
     entry("Save changes of the scene", None, can(Edits::is_unsaved), save);
     let text = if state.selection.measure.is_on { "Stop measuring distances" } else { "Measure distances" };
     entry(text, Some(Action::Measure), true, Command::Inspect(InspectCommand::ToggleMeasure));

@@ -2,9 +2,7 @@
 
 pub mod comparison;
 pub mod daylight;
-pub mod files;
 pub mod help;
-pub mod hud;
 pub mod inspector;
 pub mod legend;
 pub mod material;
@@ -18,7 +16,9 @@ pub mod plots;
 pub mod quality;
 pub mod questions;
 pub mod references;
-pub mod report;
+pub mod scene;
+pub mod settings;
 pub mod side;
+pub mod statistics;
 pub mod views;
 pub mod widgets;

@@ -51,7 +51,7 @@ fn banner(ui: &mut Ui, viewport_width: f32, notice: &Notice, commands: &mut Vec<
 }
 
 fn loading(ui: &mut Ui, source: &SceneSource, progress: &Progress, commands: &mut Vec<Command>) {
-    super::hud::ground().show(ui, |ui| {
+    super::statistics::ground().show(ui, |ui| {
         ui.set_width(340.0);
         ui.label(RichText::new(format!("Loading {}", source.label())).color(Color32::WHITE));
         ui.horizontal(|ui| {

@@ -138,7 +138,7 @@ pub fn progress(ctx: &egui::Context, viewport: Rect, exporting: &Progress, comma
     let at = viewport.center_top() + egui::vec2(0.0, 12.0);
     let area = egui::Area::new(egui::Id::unique("exporting")).fixed_pos(at).pivot(Align2::CENTER_TOP);
     area.order(egui::Order::Foreground).show(ctx, |ui| {
-        super::hud::ground().show(ui, |ui| {
+        super::statistics::ground().show(ui, |ui| {
             ui.set_width(340.0);
             ui.label(RichText::new(format!("Saving: {}", exporting.phase)).color(Color32::WHITE));
             ui.horizontal(|ui| {

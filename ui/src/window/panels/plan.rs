@@ -3,7 +3,7 @@
 
 use super::super::state::{AppState, Command, InspectCommand};
 use crate::window::rendering::exchange::ReferenceInfo;
-use crate::window::rendering::plan::{Plan, PlanView};
+use crate::window::rendering::floor_plan::{Plan, PlanView};
 use afterimage::Camera;
 use egui::{Color32, Mesh, Pos2, Rect, Response, Sense, Shape, Stroke, Ui};
 use glam::DVec2;

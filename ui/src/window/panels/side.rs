@@ -1,7 +1,7 @@
 //! The side panel with its sections.
 
 use super::{
-    comparison, daylight, inspector, legend, material, path, plan, plots, quality, references, report, views,
+    comparison, daylight, inspector, legend, material, path, plan, plots, quality, references, scene, views,
 };
 use crate::window::state::{AppState, Command};
 use egui::{RichText, Ui};
@@ -14,7 +14,7 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     let ui = &mut ui.new_child(egui::UiBuilder::new().max_rect(room));
     egui::ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
         ui.spacing_mut().item_spacing.y = 5.0;
-        section(ui, "Scene", true, |ui| report::show(ui, state, commands));
+        section(ui, "Scene", true, |ui| scene::show(ui, state, commands));
         section(ui, "Views", true, |ui| views::show(ui, state, commands));
         section(ui, "Camera path", false, |ui| path::show(ui, state, commands));
         section(ui, "Pixel and distance", true, |ui| inspector::show(ui, state, commands));

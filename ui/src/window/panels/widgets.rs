@@ -1,7 +1,7 @@
 //! Small widgets and colours that several panels share.
 
 use crate::window::input::keymap::{Action, keys_of};
-use crate::window::{gpu::presentation::FILLED_COLOR, state::AppState};
+use crate::window::{state::AppState, state::FILLED_COLOR};
 use afterimage::raster::pixel_types::TYPE_SRGB;
 use egui::{Color32, Ui};
 

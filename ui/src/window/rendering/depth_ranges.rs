@@ -15,7 +15,7 @@ pub struct DepthRanges {
 /// Number of levels, including the pixels themselves: the largest square has 64 pixels a side.
 pub const LEVELS: u32 = 7;
 
-/// An empty range.
+/// An empty range of disparities: any value extends it.
 const EMPTY: [f32; 2] = [f32::NEG_INFINITY, f32::INFINITY];
 
 impl DepthRanges {

@@ -18,9 +18,9 @@ pub const SUPPLIED_BY_NONE: u8 = u8::MAX;
 /// A reference, as the window lists it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReferenceInfo {
-    /// Identifies the reference.
+    /// Identity of the reference in the cache.
     pub id: ReferenceId,
-    /// Pose of the reference.
+    /// Pose at which the reference was traced.
     pub camera: Camera,
     /// Width and height in pixels.
     pub size: [u32; 2],
@@ -39,7 +39,7 @@ pub struct ReferenceInfo {
 pub struct PublishedFrame {
     /// Generation of the request it was begun with; a later frame never has a smaller one.
     pub generation: u64,
-    /// Pose of the camera.
+    /// Pose at which the frame was rendered.
     pub camera: Camera,
     /// Width and height in pixels.
     pub size: [u32; 2],
@@ -71,7 +71,7 @@ pub struct PublishedFrame {
 }
 
 impl PublishedFrame {
-    /// A frame without pixels.
+    /// A frame without pixels, as a buffer to be filled.
     pub fn empty() -> Self {
         Self {
             generation: 0,

@@ -1,15 +1,15 @@
-//! Everything that runs beside the window's thread: rendering, references, background tasks, and
+//! Everything that runs outside the window's thread: rendering, references, background tasks, and
 //! the data that they exchange with the window.
 
 pub mod depth_ranges;
 pub mod exchange;
+pub mod floor_plan;
 pub(crate) mod full_trace;
 pub(crate) mod lock;
-pub mod plan;
+pub mod messages;
 pub(crate) mod pool;
 mod references;
 pub mod render_thread;
-pub mod request;
 pub mod scene_loading;
 mod shared;
 pub mod task;
@@ -17,13 +17,13 @@ pub mod thumbnails;
 mod worker;
 
 pub use exchange::{Exchange, PublishedFrame, ReferenceInfo, SUPPLIED_BY_NONE, supplier_byte};
+pub use floor_plan::{Plan, PlanView};
 pub(crate) use full_trace::{FullTrace, Subject};
 pub(crate) use lock::locked;
-pub use plan::{Plan, PlanView};
+pub use messages::{Message, Picture, ReferenceRadiance, RenderCommand, RenderRequest};
 pub(crate) use pool::{background_pool, lower_priority};
 use references::{Job, Outcome};
 pub use render_thread::RenderThread;
-pub use request::{Message, Picture, ReferenceRadiance, RenderCommand, RenderRequest};
 pub(crate) use scene_loading::Loading;
 pub use scene_loading::SceneSource;
 use shared::Shared;

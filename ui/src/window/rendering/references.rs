@@ -18,7 +18,7 @@ pub(super) struct Job {
     pub(super) cancel: Arc<AtomicBool>,
 }
 
-/// Result of a job.
+/// Result of tracing a reference.
 #[derive(Debug)]
 pub(super) enum Outcome {
     Traced(Box<ReferenceFrame>),

@@ -8,19 +8,19 @@ use afterimage::scene::{Scene, SceneError, builtin};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Origin of a scene.
+/// Where a scene is loaded from.
 #[derive(Clone, Debug)]
 pub enum SceneSource {
     /// An embedded scene, by its name without `builtin:`.
     Builtin(String),
-    /// A model file.
+    /// A model file that is imported.
     File {
-        /// Path of the file.
+        /// Path of the model file.
         path: PathBuf,
         /// How the file is imported.
         options: ImportOptions,
     },
-    /// A scene in memory.
+    /// A scene that is in memory already.
     Ready(Arc<Scene>),
 }
 

@@ -4,7 +4,7 @@ use super::{Exchange, Outcome, RenderCommand, RenderRequest, locked};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Condvar, Mutex};
 
-/// What waits for the render thread.
+/// Request, commands and traced references that wait for the render thread.
 #[derive(Debug, Default)]
 pub(super) struct Inbox {
     pub(super) request: Option<RenderRequest>,
@@ -20,7 +20,7 @@ pub(super) struct Shared {
     pub(super) inbox: Mutex<Inbox>,
     /// Signals that the inbox or `quit` has changed.
     pub(super) bell: Condvar,
-    /// Number of changes of the next frame.
+    /// Generation: raised by each change of what the next frame shows.
     pub(super) generation: AtomicU64,
     /// The frame that is being rendered is of no use, because its scene is gone.
     pub(super) abandon: AtomicBool,

@@ -28,10 +28,10 @@ impl TaskError {
     }
 }
 
-/// Progress of a task.
+/// Progress of a background task, as the window shows it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Progress {
-    /// Current phase, in words.
+    /// Name of the current phase, such as the part of an import.
     pub phase: String,
     /// Part of the phase that is done, 0..1; `None` where it is unknown.
     pub fraction: Option<f32>,

@@ -74,7 +74,7 @@ impl Thumbnails {
         self.pending = pose(camera);
         self.textures.insert(self.pending, None);
         let (tracer, camera) = (tracer.clone(), *camera);
-        self.task = Some(spawn_task("thumbnail", wake.clone(), move |task| trace(&tracer, &camera, task)));
+        self.task = Some(spawn_task("thumbnails", wake.clone(), move |task| trace(&tracer, &camera, task)));
     }
 }
 

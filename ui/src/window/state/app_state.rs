@@ -1,13 +1,10 @@
 //! Everything that panels read.
 
 use super::{
-    Appearance, Comparison, Edits, Leaving, Navigation, Notice, Options, PictureState, Quality, Sample,
-    SceneInfo, Selection, Severity, SunControls, Work,
+    Appearance, Comparison, Edits, Leaving, Navigation, Notice, Options, Overlay, PictureState, Presentation,
+    Quality, Sample, SceneInfo, Selection, Severity, SunControls, Work, history, notices,
 };
-use crate::window::gpu::presentation::{Overlay, Presentation};
 use crate::window::rendering::{Plan, PlanView, Progress, PublishedFrame, SceneSource, Thumbnails};
-use crate::window::state::history::{self};
-use crate::window::state::notices::{self};
 use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -19,7 +16,7 @@ pub struct AppState {
     pub quality: Quality,
     /// Rendering settings at the start; a reset restores them.
     pub default_quality: Quality,
-    /// Switches of the window.
+    /// Heatmap, panels, pause and other switches of the window.
     pub options: Options,
     /// The camera and its path.
     pub navigation: Navigation,
@@ -27,7 +24,7 @@ pub struct AppState {
     pub scene: Option<SceneInfo>,
     /// The scene that is being loaded, and the progress of loading.
     pub loading: Option<(SceneSource, Progress)>,
-    /// The newest finished frame.
+    /// The newest finished frame; `None` before the first.
     pub frame: Option<PublishedFrame>,
     /// What the renderer is doing.
     pub work: Work,
@@ -35,7 +32,7 @@ pub struct AppState {
     pub history: VecDeque<Sample>,
     /// Messages over the viewport, oldest first.
     pub notices: Vec<Notice>,
-    /// Open questions and dialogs.
+    /// Questions and dialogs that are open.
     pub dialogs: Dialogs,
     /// Width and height of the viewport in pixels.
     pub viewport_size: [u32; 2],
@@ -63,7 +60,7 @@ pub struct AppState {
     pub files: FileState,
 }
 
-/// Open questions and dialogs.
+/// Questions and dialogs that are open.
 #[derive(Clone, Debug, Default)]
 pub struct Dialogs {
     /// Asks whether to clear all references.

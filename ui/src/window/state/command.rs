@@ -76,7 +76,7 @@ pub enum EditCommand {
     SetSun(SunControls),
     Undo,
     Redo,
-    SaveBeside,
+    SaveSidecar,
 }
 
 /// A command about the selected pixel, distance, material or reference.

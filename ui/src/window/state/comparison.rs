@@ -35,7 +35,7 @@ pub type Pair = (u64, u32, f32);
 /// The comparison with the full tracer.
 #[derive(Debug)]
 pub struct Comparison {
-    /// View that was selected.
+    /// View of the comparison while no key is held.
     pub shows: Compare,
     /// The key is held that shows the full tracer's picture.
     pub is_held: bool,

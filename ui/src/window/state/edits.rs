@@ -11,9 +11,9 @@ const ONE_GESTURE: Duration = Duration::from_millis(800);
 /// A change: what is changed, and its value.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Change {
-    /// Properties of a material.
+    /// A material has other properties.
     Material(MaterialId, Material),
-    /// Sun and sky.
+    /// Sun and sky have other values.
     Daylight(Daylight),
     /// The saved views. They are not part of the scene's files.
     Views(Vec<SavedView>),

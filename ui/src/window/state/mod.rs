@@ -1,5 +1,5 @@
-//! What the window knows and shows. Panels read [`AppState`] and return [`Command`]s; only the
-//! handlers in `app` change it.
+//! State of the window. Panels read [`AppState`] and return [`Command`]s; commands change it
+//! through `app`, and motion of the camera changes it through `input`.
 
 mod app_state;
 mod appearance;
@@ -11,6 +11,7 @@ mod navigation;
 mod notices;
 mod options;
 mod picture;
+mod presentation;
 mod quality;
 mod scene;
 mod selection;
@@ -28,6 +29,7 @@ pub use navigation::Navigation;
 pub use notices::{Notice, Severity};
 pub use options::Options;
 pub use picture::{PictureCommand, PictureFormat, PictureSettings, PictureSize, PictureState};
+pub use presentation::{Coloring, FILLED_COLOR, Heatmap, Overlay, Presentation};
 pub use quality::{Quality, WINDOW_SAMPLES};
 pub use scene::{SavedView, SceneInfo};
 pub use selection::{Inspection, Measure, PixelFacts, ReferenceView, Selection, Snap, SnapKind};

@@ -5,11 +5,11 @@ use crate::window::input::{FlyCamera, Playback, Recording};
 /// The camera, the saved view it was last at, and the camera path.
 #[derive(Clone, Debug, Default)]
 pub struct Navigation {
-    /// The camera.
+    /// Pose and motion of the camera.
     pub fly: FlyCamera,
     /// Index of the saved view that was visited last.
     pub view_index: usize,
-    /// The camera path.
+    /// The camera path and the time at which it is played.
     pub playback: Playback,
     /// The walk that is being recorded, if any.
     pub recording: Option<Recording>,

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-/// Severity of a message.
+/// Whether a message reports a result or a failure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Severity {
     /// Something was done. The message disappears by itself.
@@ -16,9 +16,9 @@ pub enum Severity {
 pub struct Notice {
     /// Identifies the message among those that are shown.
     pub id: u64,
-    /// Severity of the message.
+    /// Whether the message reports a result or a failure.
     pub severity: Severity,
-    /// Text of the message.
+    /// Text of the message in plain words.
     pub text: String,
     /// Time at which the message appeared.
     pub since: Instant,

@@ -1,9 +1,9 @@
 //! Switches of the window.
 
-use crate::window::gpu::presentation::{Coloring, Heatmap};
+use super::{Coloring, Heatmap};
 use crate::window::input::ViewChange;
 
-/// Switches of the window.
+/// Heatmap, panels, pause and other switches of the window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
     /// Whether pixel types are shown over the picture.
@@ -18,7 +18,7 @@ pub struct Options {
     pub shows_statistics: bool,
     /// The list of keys is shown.
     pub shows_help: bool,
-    /// The renderer is paused.
+    /// The renderer is paused: no frame and no reference is traced.
     pub is_paused: bool,
     /// Whether a change of view is eased.
     pub view_change: ViewChange,

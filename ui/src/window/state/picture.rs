@@ -5,7 +5,7 @@ use afterimage::Mode;
 use afterimage::render::bands::Background;
 use std::path::PathBuf;
 
-/// Size of a picture.
+/// Size of a saved picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PictureSize {
     /// Size of the viewport in pixels.
@@ -23,10 +23,10 @@ pub enum PictureFormat {
     Exr,
 }
 
-/// Settings of saved pictures.
+/// Settings with which pictures are saved.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PictureSettings {
-    /// Size of the picture.
+    /// Size of the saved picture.
     pub size: PictureSize,
     /// Shadow rays per light and pixel; `None` for the window's.
     pub samples: Option<u32>,
@@ -35,7 +35,7 @@ pub struct PictureSettings {
     pub mode: Mode,
     /// Number of rays through different points of each pixel, in mode `full`.
     pub antialias: u32,
-    /// File format.
+    /// File format of the saved picture.
     pub format: PictureFormat,
     /// Whether the background is visible.
     pub background: Background,
@@ -65,7 +65,7 @@ pub struct PictureState {
     pub settings: PictureSettings,
     /// Text of the folder field.
     pub folder_text: String,
-    /// The dialog is open.
+    /// True while the dialog of picture settings is open.
     pub is_open: bool,
     /// Progress of the picture that is being saved.
     pub exporting: Option<Progress>,

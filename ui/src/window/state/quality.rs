@@ -16,7 +16,7 @@ pub struct Quality {
     pub render_scale: f32,
     /// Time in milliseconds after which a frame is shown, complete or not.
     pub budget_ms: f32,
-    /// Exposure in stops.
+    /// Exposure in stops: radiance is multiplied by two to this power.
     pub exposure_ev: f32,
     /// Tone mapping from radiance to display.
     pub tone_map: ToneMap,

@@ -4,12 +4,12 @@ use crate::window::rendering::SceneSource;
 use afterimage::scene::{Scene, SceneFeatures, Warning};
 use afterimage::{Camera, Tracer};
 
-/// A saved view.
+/// A saved view of the scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SavedView {
-    /// Name of the view.
+    /// Name of the view, as the list shows it.
     pub name: String,
-    /// Pose of the view.
+    /// Pose and field of view of the camera.
     pub camera: Camera,
     /// Number of the key that goes to the view, 1 to 9.
     pub key: Option<u8>,
@@ -18,23 +18,23 @@ pub struct SavedView {
 /// The scene, as panels show it.
 #[derive(Clone, Debug)]
 pub struct SceneInfo {
-    /// Name of the scene.
+    /// Name of the scene, as the window shows it.
     pub name: String,
-    /// Origin of the scene.
+    /// Where the scene was loaded from.
     pub source: SceneSource,
     /// Saved views, the start view first.
     pub views: Vec<SavedView>,
-    /// Warnings of the import.
+    /// Warnings of the import, listed in the Scene panel.
     pub warnings: Vec<Warning>,
-    /// Number of triangles.
+    /// Number of triangles of the scene.
     pub triangles: usize,
-    /// Number of vertices.
+    /// Number of vertices of the scene.
     pub vertices: usize,
-    /// Number of lights.
+    /// Number of lights of the scene.
     pub lights: usize,
     /// Numerical conditioning of the scene, in sentences.
     pub conditioning: Vec<String>,
-    /// Number of textures.
+    /// Number of textures of the scene.
     pub textures: usize,
     /// Extent along x, y and z in metres.
     pub extent_m: [f64; 3],

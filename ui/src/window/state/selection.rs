@@ -21,7 +21,7 @@ pub struct Inspection {
     pub triangle: u32,
     /// Corners of the triangle in world metres.
     pub corners_m: [DVec3; 3],
-    /// Material of the triangle.
+    /// Material of the triangle in the scene's list.
     pub material: MaterialId,
     /// What the shown frame knows about the pixel; `None` where the frame has another pose.
     pub pixel: Option<PixelFacts>,
@@ -47,14 +47,14 @@ pub enum SnapKind {
     Vertex,
     /// An edge of a triangle.
     Edge,
-    /// Anywhere on a triangle.
+    /// Any other point of a triangle.
     Surface,
 }
 
 /// A point that can be measured from or to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Snap {
-    /// Position in world metres.
+    /// Position of the point in world metres.
     pub position_m: DVec3,
     /// Kind of place it lies on.
     pub kind: SnapKind,
@@ -94,7 +94,7 @@ pub struct Selection {
     pub inspection: Option<Inspection>,
     /// The material whose properties are shown.
     pub material: Option<MaterialId>,
-    /// The measurement.
+    /// The distances that are being measured.
     pub measure: Measure,
     /// The reference that was selected in the plan or the list.
     pub reference: Option<ReferenceId>,
@@ -107,9 +107,9 @@ pub struct Selection {
 /// The light that a reference holds, as a picture.
 #[derive(Clone)]
 pub struct ReferenceView {
-    /// Identifies the reference.
+    /// Identity of the reference in the cache.
     pub id: ReferenceId,
-    /// Pose of the reference.
+    /// Pose at which the reference was traced.
     pub camera: Camera,
     /// Share of its pixels that hold light, 0..1.
     pub lit: f32,

@@ -10,11 +10,11 @@ pub struct PlaceAndTime {
     pub latitude_deg: f64,
     /// Longitude in degrees, positive in the east.
     pub longitude_deg: f64,
-    /// Year.
+    /// Year of the Gregorian calendar.
     pub year: i32,
-    /// Month, from 1.
+    /// Month of the year, 1 to 12.
     pub month: u32,
-    /// Day of the month, from 1.
+    /// Day of the month, 1 to 31.
     pub day: u32,
     /// Local time in hours since midnight.
     pub hours: f64,
@@ -56,7 +56,7 @@ pub struct SunControls {
     pub is_by_place: bool,
     /// Azimuth from north over east, and height over the horizon.
     pub direction: SunPosition,
-    /// Place and time.
+    /// Place and time from which the position of the sun follows.
     pub place: PlaceAndTime,
     /// Angle of north from -Z towards +X, in degrees.
     pub north_deg: f64,

@@ -7,9 +7,9 @@ use std::sync::Arc;
 /// An action that waits for an answer.
 #[derive(Clone, Debug)]
 pub enum Leaving {
-    /// The window is closed.
+    /// The user closes the window.
     Close,
-    /// Another scene is loaded.
+    /// The user opens another scene, which is not loaded yet.
     Open(SceneSource),
     /// A scene that was loaded is shown: something was changed while it was loading.
     Show(SceneSource, Arc<Tracer>),
@@ -18,10 +18,10 @@ pub enum Leaving {
 /// What is done with the unsaved changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Answer {
-    /// They are saved beside the scene first. If that fails, the action is cancelled.
+    /// The changes are saved in the sidecar first. If that fails, the action is cancelled.
     Save,
-    /// They are lost.
+    /// The changes are lost.
     Discard,
-    /// The action is cancelled.
+    /// The action is cancelled, and the changes are kept.
     Stay,
 }

@@ -1,5 +1,6 @@
 //! A key with its modifiers, and its textual form.
 
+use anyhow::{Context, ensure};
 use egui::Key;
 
 /// A key with the modifiers that must be held. Alt is not used.
@@ -31,7 +32,7 @@ pub(crate) const fn ctrl_shift(key: Key) -> Chord {
 
 impl Chord {
     /// Parses a chord such as `K`, `Shift+K` or `Ctrl+F12`.
-    pub(crate) fn parse(text: &str) -> Result<Self, String> {
+    pub(crate) fn parse(text: &str) -> anyhow::Result<Self> {
         let (mut chord, mut rest) = (plain(Key::A), text.trim());
         loop {
             if let Some(after) = rest.strip_prefix("Shift+") {
@@ -49,14 +50,12 @@ impl Chord {
             name => name,
         };
         chord.shift |= rest == "?";
-        chord.key = Key::from_name(name).ok_or_else(|| format!("there is no key '{text}'"))?;
-        match chord.key {
-            Key::Tab => Err("Tab is reserved for moving the focus".to_owned()),
-            _ => Ok(chord),
-        }
+        chord.key = Key::from_name(name).with_context(|| format!("there is no key '{text}'"))?;
+        ensure!(chord.key != Key::Tab, "Tab is reserved for moving the focus");
+        Ok(chord)
     }
 
-    /// The chord as text.
+    /// The chord as text, such as `Shift+K`; [`Self::parse`] reads it.
     pub fn name(&self) -> String {
         let prefix = match (self.ctrl, self.shift) {
             (true, true) => "Ctrl+Shift+",
@@ -87,7 +86,7 @@ mod tests {
     #[test]
     fn every_chord_parses_from_its_name() {
         for chord in BINDINGS.iter().flat_map(|b| b.chords) {
-            assert_eq!(Chord::parse(&chord.name()).as_ref(), Ok(chord));
+            assert_eq!(Chord::parse(&chord.name()).ok(), Some(*chord));
         }
     }
 }

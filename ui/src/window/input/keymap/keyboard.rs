@@ -7,16 +7,16 @@ use egui::{Event, Key, Modifiers};
 /// An action whose key was pressed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pressed {
-    /// The action.
+    /// Action to which the pressed key is bound.
     pub action: Action,
     /// Index of the chord among those of the action; for saved views, it selects the view.
     pub chord: usize,
 }
 
-/// Target of keyboard input.
+/// Part of the window that receives keyboard input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Attention {
-    /// Only the view.
+    /// No control has the focus: all keys belong to the viewport.
     View,
     /// A control such as a button or a slider has the focus.
     Control,

@@ -3,6 +3,7 @@
 use super::chord::Chord;
 use super::table::{Action, BINDINGS, Binding};
 use crate::settings::suggestion;
+use anyhow::{Context, bail};
 use clap::ValueEnum;
 use std::sync::OnceLock;
 use toml::{Table, Value};
@@ -77,19 +78,17 @@ fn conflicts(table: &[Binding]) -> Vec<String> {
     problems
 }
 
-fn chords(value: &Value) -> Result<Vec<Chord>, String> {
-    let expected = "the value must be a key like \"Ctrl+K\" or a list of keys";
+fn chords(value: &Value) -> anyhow::Result<Vec<Chord>> {
+    const EXPECTED: &str = "the value must be a key like \"Ctrl+K\" or a list of keys";
     match value {
         Value::String(text) => Ok(vec![Chord::parse(text)?]),
-        Value::Array(list) => {
-            list.iter().map(|v| v.as_str().ok_or(expected.to_owned()).and_then(Chord::parse)).collect()
-        }
-        _ => Err(expected.to_owned()),
+        Value::Array(list) => list.iter().map(|v| Chord::parse(v.as_str().context(EXPECTED)?)).collect(),
+        _ => bail!(EXPECTED),
     }
 }
 
 impl Action {
-    /// Name of the action in settings files, such as `add-reference`.
+    /// Name of the action in the settings file, such as `add-reference`.
     pub fn name(self) -> String {
         self.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
     }
@@ -99,8 +98,8 @@ impl Action {
 mod tests {
     use super::*;
 
-    fn table(text: &str) -> Result<Vec<Binding>, String> {
-        rebound(&text.parse().unwrap()).map_err(|error| error.to_string())
+    fn table(text: &str) -> Result<Vec<Binding>, KeysError> {
+        rebound(&text.parse().unwrap())
     }
 
     #[test]
@@ -116,8 +115,8 @@ mod tests {
 
     #[test]
     fn conflicts_and_mistakes_are_reported_in_one_message() {
-        let error =
-            table("add-reference = 'K'\nadd-refrence = 'B'\nlevel = 'Hyper+J'\nfocus = 7").unwrap_err();
+        let text_of_error = |text| table(text).unwrap_err().to_string();
+        let error = text_of_error("add-reference = 'K'\nadd-refrence = 'B'\nlevel = 'Hyper+J'\nfocus = 7");
         for words in [
             "K is bound to both add-reference and add-path-key",
             "did you mean 'add-reference'?",
@@ -127,7 +126,7 @@ mod tests {
         ] {
             assert!(error.contains(words), "'{words}' is not in: {error}");
         }
-        assert!(table("pause = 'Tab'").unwrap_err().contains("focus"));
-        assert!(table("forward = 'Ctrl+W'\nback = 'W'").unwrap_err().contains("both"));
+        assert!(text_of_error("pause = 'Tab'").contains("focus"));
+        assert!(text_of_error("forward = 'Ctrl+W'\nback = 'W'").contains("both"));
     }
 }

@@ -60,13 +60,13 @@ pub enum Action {
 /// The keys of an action.
 #[derive(Clone, Copy, Debug)]
 pub struct Binding {
-    /// Action of the keys.
+    /// Action that the keys trigger.
     pub action: Action,
-    /// Alternative keys.
+    /// Alternative keys, each of which triggers the action.
     pub chords: &'static [Chord],
     /// True if the action lasts while a key is held, independently of Shift and Alt.
     pub held: bool,
-    /// Description for the user.
+    /// Description of the action in the help overlay and in `--help`.
     pub help: &'static str,
 }
 
@@ -94,7 +94,7 @@ const fn numbers(ctrl: bool) -> [Chord; 9] {
 const NUMBERS: [Chord; 9] = numbers(false);
 const CTRL_NUMBERS: [Chord; 9] = numbers(true);
 
-/// The default keys.
+/// The default keys of all actions, in the order of the help.
 pub const BINDINGS: &[Binding] = &[
     hold(Action::Forward, &[plain(Key::W), plain(Key::ArrowUp)], "fly forward"),
     hold(Action::Back, &[plain(Key::S), plain(Key::ArrowDown)], "fly back"),

@@ -1,9 +1,9 @@
 //! The work of the render thread.
 
-mod inbox;
+mod frames;
 mod references;
-mod render_loop;
-mod snapshot;
+mod replies;
+mod run_loop;
 mod state;
 
 pub(super) use state::Worker;

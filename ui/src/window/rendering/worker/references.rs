@@ -75,7 +75,7 @@ fn wanted(walk: &Walkthrough, size: [u32; 2]) -> Option<Camera> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::window::rendering::request::RenderRequest;
+    use crate::window::rendering::messages::RenderRequest;
     use afterimage::reference::PlacementPolicy;
     use afterimage::reference::placement::THRESHOLD;
     use afterimage::scene::{Material, SceneBuilder};

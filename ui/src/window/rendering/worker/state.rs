@@ -1,4 +1,4 @@
-//! Everything that the render thread owns.
+//! `Worker`: state of the render thread (walkthrough, request, running reference).
 
 use super::super::{Job, Message, RenderRequest, Shared, Wake};
 use afterimage::reference::ReferenceId;
@@ -17,7 +17,7 @@ pub(super) struct Running {
     pub(super) pose: RequestedPose,
 }
 
-/// Everything that the render thread owns.
+/// State of the render thread: the walkthrough, the newest request, and the running reference.
 pub(in crate::window::rendering) struct Worker {
     pub(super) shared: Arc<Shared>,
     pub(super) pool: rayon::ThreadPool,

@@ -1,4 +1,4 @@
-//! Pictures and references that are sent to the window.
+//! Replies of the render thread: pictures and references that the window has requested.
 
 use super::super::{Message, Picture, ReferenceRadiance};
 use super::state::Worker;
@@ -7,7 +7,7 @@ use afterimage::reference::{ReferenceFrame, ReferenceId};
 use std::sync::Arc;
 
 impl Worker {
-    /// Sends the picture that was asked for, once the frame is complete.
+    /// Sends the picture that was requested, once the frame is complete.
     pub(super) fn send_picture(&mut self) {
         let Some(walk) = self.walk.as_ref().filter(|_| self.wants_picture) else { return };
         let frame = walk.frame();

@@ -1,4 +1,4 @@
-//! What the window is started with.
+//! Options with which the window is opened.
 
 use crate::window::rendering::scene_loading::SceneSource;
 use crate::window::state::{Appearance, PictureSettings, WINDOW_SAMPLES};
@@ -11,7 +11,7 @@ use std::path::PathBuf;
 
 /// Options with which the window is opened.
 #[derive(Clone, Debug)]
-pub struct WindowRequest {
+pub struct LaunchOptions {
     /// Scene to open; `None` for the embedded gallery.
     pub scene: Option<SceneSource>,
     /// Settings of the walkthrough at the start.
@@ -46,7 +46,7 @@ pub struct WindowRequest {
     pub warnings: Vec<String>,
 }
 
-impl Default for WindowRequest {
+impl Default for LaunchOptions {
     fn default() -> Self {
         let trace = TraceSettings { samples: WINDOW_SAMPLES, ..TraceSettings::default() };
         let settings = WalkthroughSettings {

@@ -9,11 +9,11 @@ use std::time::Duration;
 /// Everything that decides the next frame. A newer request replaces an older one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RenderRequest {
-    /// Pose of the camera.
+    /// Pose at which the next frame is rendered.
     pub camera: Camera,
     /// Width and height in pixels. Nothing is rendered while one of them is zero.
     pub size: [u32; 2],
-    /// Settings of the walkthrough.
+    /// Mode, samples, placement and cache of the walkthrough.
     pub settings: WalkthroughSettings,
     /// After this time the frame is shown as it is, the worst pixels done first, and then
     /// completed. With `None` it is shown when it is complete, and abandoned when a newer request
@@ -32,13 +32,13 @@ pub enum RenderCommand {
     SetTracer(Arc<Tracer>),
     /// Traces a reference at a pose, whatever the placement policy decides.
     AddReference(Camera),
-    /// Removes a reference.
+    /// Removes a reference from the cache.
     Remove(ReferenceId),
     /// Enables or disables a reference.
     Enable(ReferenceId, bool),
     /// Asks for [`Message::Reference`] of a reference.
     ShowReference(ReferenceId),
-    /// Removes all references.
+    /// Removes all references from the cache, and cancels the one that is being traced.
     Clear,
     /// Asks for [`Message::Picture`] of the next complete frame, or of the current one while
     /// paused.
@@ -52,15 +52,15 @@ pub struct Picture {
     pub size: [u32; 2],
     /// Linear radiance of the pixels, row-major from the top.
     pub radiance: Vec<Vec3>,
-    /// Scene that is shown.
+    /// Scene that the picture shows.
     pub scene: Arc<Scene>,
-    /// Pose of the camera.
+    /// Pose at which the picture was rendered.
     pub camera: Camera,
-    /// Settings it was rendered with.
+    /// Settings with which the picture was rendered.
     pub settings: RenderSettings,
     /// False where the frame was taken before it was complete, while paused.
     pub is_complete: bool,
-    /// Progress of refinement.
+    /// Progress of refinement when the picture was taken.
     pub refined: RefineState,
     /// References from which the view can be rendered again: those the frame used, or all in modes
     /// that look light up.
@@ -70,9 +70,9 @@ pub struct Picture {
 /// The light that a reference holds.
 #[derive(Clone, Debug)]
 pub struct ReferenceRadiance {
-    /// Identifies the reference.
+    /// Identity of the reference in the cache.
     pub id: ReferenceId,
-    /// Pose of the reference.
+    /// Pose at which the reference was traced.
     pub camera: Camera,
     /// Width and height in pixels.
     pub size: [u32; 2],
@@ -84,9 +84,9 @@ pub struct ReferenceRadiance {
 /// A message of the render thread; frames arrive separately.
 #[derive(Clone, Debug)]
 pub enum Message {
-    /// Answer to [`RenderCommand::Picture`].
+    /// The picture that [`RenderCommand::Picture`] has requested.
     Picture(Picture),
-    /// Answer to [`RenderCommand::ShowReference`].
+    /// The reference that [`RenderCommand::ShowReference`] has requested.
     Reference(ReferenceRadiance),
     /// Something failed. The threads continue.
     Failed(String),

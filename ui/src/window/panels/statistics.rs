@@ -23,7 +23,7 @@ pub fn show(ui: &mut Ui, state: &AppState) {
         ui.style_mut().interaction.selectable_labels = false;
         ui.spacing_mut().item_spacing = egui::vec2(10.0, 3.0);
         state_line(ui, state);
-        egui::Grid::new("hud").num_columns(2).min_col_width(76.0).show(ui, |ui| {
+        egui::Grid::new("statistics").num_columns(2).min_col_width(76.0).show(ui, |ui| {
             frame_rows(ui, state);
             for (name, value) in comparison::figures(state) {
                 line(ui, name, value);

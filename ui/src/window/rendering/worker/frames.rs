@@ -1,4 +1,4 @@
-//! Frames: rendered, resumed, refined and shown.
+//! Rendering, resuming, refining and publishing frames.
 
 use super::super::{Message, PublishedFrame, panic_text};
 use super::state::Worker;

@@ -5,24 +5,24 @@ use afterimage::render::bands::Background;
 use afterimage::{Camera, Mode, RefineState, RenderSettings, Scene};
 use glam::DVec3;
 
-/// What a picture was rendered from.
+/// Scene, camera and settings from which a picture was rendered.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Made<'a> {
+pub(crate) struct PictureOrigin<'a> {
     /// Name of the scene as given by the user.
     pub(crate) scene_name: &'a str,
-    /// The scene.
+    /// Scene that the picture shows.
     pub(crate) scene: &'a Scene,
-    /// Camera of the picture.
+    /// Pose and field of view of the camera.
     pub(crate) camera: &'a Camera,
     /// Width and height in pixels.
     pub(crate) size: [u32; 2],
     /// Mode, samples, bounces and seed.
     pub(crate) settings: &'a RenderSettings,
-    /// State of progressive refinement.
+    /// State of progressive refinement when the picture was saved.
     pub(crate) refined: RefineState,
     /// Whether the sky is shown.
     pub(crate) background: Background,
-    /// Exposure in stops.
+    /// Exposure of the picture in stops.
     pub(crate) exposure_ev: f32,
     /// Tone map from radiance to display.
     pub(crate) tone_map: ToneMap,
@@ -30,30 +30,30 @@ pub(crate) struct Made<'a> {
 
 /// Names and values of the metadata. Whether the picture is complete is added when its file is
 /// closed.
-pub(crate) fn notes(made: &Made<'_>) -> Vec<(&'static str, String)> {
-    let c = made.camera;
+pub(crate) fn metadata(origin: &PictureOrigin<'_>) -> Vec<(&'static str, String)> {
+    let c = origin.camera;
     let (eye, at) = (c.eye, c.eye + c.forward());
     let list = |v: DVec3| format!("{},{},{}", v.x, v.y, v.z);
     vec![
         ("Software", format!("afterimage {}", env!("CARGO_PKG_VERSION"))),
-        ("Scene", format!("{} {}", made.scene_name, made.scene.hash)),
+        ("Scene", format!("{} {}", origin.scene_name, origin.scene.hash)),
         ("Pose", format!("--eye {} --look-at {} --fov-y {}", list(eye), list(at), c.fov_y.to_degrees())),
-        ("Settings", settings(made)),
-        ("Refined", format!("{} of {} passes", made.refined.pass, made.refined.of)),
-        ("Tone map", format!("{} at {} EV", made.tone_map.name(), made.exposure_ev)),
+        ("Settings", settings(origin)),
+        ("Refined", format!("{} of {} passes", origin.refined.pass, origin.refined.of)),
+        ("Tone map", format!("{} at {} EV", origin.tone_map.name(), origin.exposure_ev)),
     ]
 }
 
 /// The settings as flags of `afterimage render`. A converged picture is the one that the full
 /// tracer renders with anti-aliasing.
-fn settings(made: &Made<'_>) -> String {
-    let (trace, refined) = (&made.settings.trace, made.refined);
+fn settings(origin: &PictureOrigin<'_>) -> String {
+    let (trace, refined) = (&origin.settings.trace, origin.refined);
     let has_converged = refined.is_complete && refined.of > 0;
-    let mode = if has_converged { Mode::Full } else { made.settings.mode };
+    let mode = if has_converged { Mode::Full } else { origin.settings.mode };
     let antialias = if has_converged { format!(" --antialias {}", refined.of) } else { String::new() };
     let (samples, bounces, seed) = (trace.samples, trace.bounces, trace.seed);
-    let background = if made.background == Background::LeftOut { " --no-background" } else { "" };
-    let [width, height] = made.size;
+    let background = if origin.background == Background::LeftOut { " --no-background" } else { "" };
+    let [width, height] = origin.size;
     format!(
         "--size {width}x{height} --mode {} --samples {samples} --bounces {bounces} --seed {seed}{antialias}{background}",
         mode.name()

@@ -1,4 +1,4 @@
-//! Waiting for requests and commands, and applying them.
+//! Loop of the render thread: waits for requests and commands, applies them, and renders.
 
 use super::super::{Message, RenderCommand, locked};
 use super::state::{Worker, asks_for_pixels};

@@ -1,4 +1,5 @@
-//! The open scene: everything about it that panels do not read.
+//! `CurrentScene`: state of the open scene that panels do not read. A session that is saved in a
+//! file is a [`SessionFile`].
 
 use super::{Autosave, SessionFile};
 use crate::window::input::Obstacles;
@@ -15,7 +16,7 @@ use toml::Table;
 pub(super) const MOTION_TIME: Duration = Duration::from_millis(250);
 
 /// The open scene, its edits, and what has been sent to the renderer.
-pub(super) struct Session {
+pub(super) struct CurrentScene {
     /// The scene with its ray tracer; `None` before the first scene.
     pub(super) obstacles: Option<Obstacles>,
     /// Materials and daylight of the scene that is being rendered.
@@ -30,9 +31,9 @@ pub(super) struct Session {
     pub(super) discards_edits: bool,
     /// The window may close, even with unsaved changes.
     pub(super) may_close: bool,
-    /// File of the session, where it has one.
+    /// File in which the session was saved or from which it was restored, if any.
     pub(super) file: Option<PathBuf>,
-    /// Keys of the file that this version does not know.
+    /// Keys of `file` that this version does not know.
     pub(super) unknown_keys: Table,
     pub(super) autosave: Autosave,
     /// The request that was sent last.
@@ -50,16 +51,17 @@ pub(super) struct Arrival {
     pub(super) view: Option<String>,
     /// Vertical field of view in degrees.
     pub(super) fov_y_deg: Option<f64>,
-    /// Exposure in stops.
+    /// Exposure in stops; takes precedence over metering.
     pub(super) exposure_ev: Option<f32>,
-    /// Expected hash of the scene: that of the picture that leads to it.
+    /// Hash of the scene that an opened picture stores. If the loaded scene has another hash, a
+    /// message says that the scene has changed.
     pub(super) scene_hash: Option<String>,
-    /// A session to be restored, and its file.
+    /// A saved session to be restored, and its file.
     pub(super) session: Option<(SessionFile, PathBuf)>,
 }
 
-impl Session {
-    /// A session without a scene.
+impl CurrentScene {
+    /// State before the first scene is loaded.
     pub(super) fn new(arrival: Arrival) -> Self {
         Self {
             obstacles: None,

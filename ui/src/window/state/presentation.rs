@@ -1,4 +1,4 @@
-//! Options of how a finished frame is shown.
+//! How a finished frame is shown: heatmap, outline, exposure, tone mapping and overlay.
 
 use afterimage::raster::color::ToneMap;
 use egui::Color32;
@@ -10,12 +10,12 @@ pub const FILLED_COLOR: Color32 = Color32::from_rgb(0xCC, 0x79, 0xA7);
 /// How pixel types are shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Heatmap {
-    /// Only the picture.
+    /// Only the picture is shown.
     #[default]
     Off,
-    /// The picture and the types, blended equally.
+    /// The picture and the types are shown, blended equally.
     Blend,
-    /// Only the types.
+    /// Only the types are shown.
     Only,
 }
 
@@ -32,14 +32,14 @@ pub enum Coloring {
 /// Overlay that compares the picture with the full tracer's.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Overlay {
-    /// No overlay.
+    /// The picture is shown without an overlay.
     #[default]
     None,
-    /// The full tracer's picture.
+    /// The full tracer's picture is shown in place of the frame.
     Full,
-    /// The full tracer's picture right of this fraction of the width.
+    /// The full tracer's picture is shown right of this fraction of the width, 0..1.
     RightOf(f32),
-    /// The error map.
+    /// The map of differences from the full tracer's picture is shown.
     Errors,
 }
 
@@ -52,10 +52,10 @@ pub struct Presentation {
     pub coloring: Coloring,
     /// True to outline areas of Type 3.
     pub has_outline: bool,
-    /// Exposure in stops.
+    /// Exposure in stops: radiance is multiplied by two to this power.
     pub exposure_ev: f32,
     /// Tone map from radiance to display.
     pub tone_map: ToneMap,
-    /// Overlay for comparison.
+    /// Overlay that compares the picture with the full tracer's.
     pub overlay: Overlay,
 }

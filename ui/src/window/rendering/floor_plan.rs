@@ -1,4 +1,4 @@
-//! The plan: a horizontal cut through the building.
+//! Floor plan: a horizontal cut through the building.
 
 use afterimage::Scene;
 use glam::{DVec2, DVec3};

@@ -1,31 +1,12 @@
-//! The menu of recent files, and the settings of the window's appearance.
+//! The dialog "Settings": appearance of the window.
 
-use super::super::state::{AppState, Appearance, Command, FileCommand};
+use super::super::state::{AppState, Appearance, Command};
 use super::widgets::choice;
 use crate::settings::{Theme, UI_SCALES};
 use egui::{Slider, Ui};
 
-/// Shows the submenu of recent files.
-pub fn recent_menu(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
-    ui.add_enabled_ui(!state.files.recent.is_empty(), |ui| {
-        ui.menu_button("Recent", |ui| {
-            for path in &state.files.recent {
-                let name =
-                    path.file_name().map_or(path.display().to_string(), |n| n.to_string_lossy().into());
-                if ui.button(name).on_hover_text(path.display().to_string()).clicked() {
-                    commands.push(Command::OpenPath(path.clone()));
-                }
-            }
-            ui.separator();
-            if ui.button("Clear recent files").clicked() {
-                commands.push(Command::Files(FileCommand::ForgetRecent));
-            }
-        });
-    });
-}
-
-/// Shows the settings of the appearance. Changes are saved in the user's settings file.
-pub fn settings(ctx: &egui::Context, state: &AppState, commands: &mut Vec<Command>) {
+/// Shows the dialog. Changes are saved in the settings file.
+pub fn show(ctx: &egui::Context, state: &AppState, commands: &mut Vec<Command>) {
     let (mut is_open, mut appearance) = (true, state.appearance);
     egui::Window::new("Settings").open(&mut is_open).resizable(false).default_pos([60.0, 80.0]).show(
         ctx,
