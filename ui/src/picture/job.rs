@@ -14,12 +14,12 @@ use afterimage::{Camera, FrameRequest, RenderSettings, Renderer, Tracer};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::{path::PathBuf, sync::Arc, time::Instant};
 
-/// A picture to render.
+/// A picture to render, from a pose and with settings.
 #[derive(Clone, Debug)]
 pub struct PictureJob {
     /// Name of the scene as given by the user.
     pub scene_name: String,
-    /// Camera of the picture.
+    /// Pose and field of view of the camera.
     pub camera: Camera,
     /// Width and height in pixels.
     pub size: [u32; 2],
@@ -30,7 +30,7 @@ pub struct PictureJob {
     pub antialias: Option<u32>,
     /// Whether the sky is shown.
     pub background: Background,
-    /// Exposure in stops.
+    /// Exposure in stops: radiance is multiplied by two to this power.
     pub exposure_ev: f32,
     /// Tone map from radiance to display.
     pub tone_map: ToneMap,
@@ -39,7 +39,7 @@ pub struct PictureJob {
 /// Contents of a picture file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Shows {
-    /// The display-referred picture (PNG).
+    /// The tone-mapped picture as it is displayed (PNG).
     Display,
     /// The type of every pixel (PNG).
     Types,
@@ -47,12 +47,12 @@ pub enum Shows {
     Linear(Vec<Aov>),
 }
 
-/// A file to write.
+/// A picture file to write.
 #[derive(Clone, Debug)]
 pub struct Output {
-    /// Path of the file.
+    /// Path of the file, or the folder and stem from which its name is made.
     pub target: Target,
-    /// Contents of the file.
+    /// Which picture or layers the file contains.
     pub shows: Shows,
 }
 

@@ -12,7 +12,7 @@ pub struct PictureView {
     pub scene: String,
     /// Hash of the scene, as text.
     pub scene_hash: String,
-    /// Camera of the picture.
+    /// Pose and field of view of the camera.
     pub camera: Camera,
     /// Exposure in stops; `None` if the file does not state it.
     pub exposure_ev: Option<f32>,

@@ -16,7 +16,7 @@ const MAX_FOLDERS: u32 = 10_000;
 /// Name of the file that describes a sequence in its folder.
 const DESCRIPTION: &str = "sequence.json";
 
-/// A sequence to render.
+/// A camera path to render as numbered pictures.
 #[derive(Clone, Debug)]
 pub struct Sequence {
     /// Settings of every picture; its camera is replaced.
@@ -25,10 +25,10 @@ pub struct Sequence {
     pub walk: CameraPath,
 }
 
-/// A rendered sequence.
+/// Result of rendering a sequence.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MadeSequence {
-    /// Folder of the pictures.
+    /// Folder that contains the pictures.
     pub folder: PathBuf,
     /// Number of pictures rendered now, without those found in the folder.
     pub made: u32,

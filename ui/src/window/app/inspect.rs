@@ -11,7 +11,7 @@ use std::sync::Arc;
 /// metres: less than the height of a floor, more than a few steps.
 const SAME_FLOOR_M: f64 = 0.7;
 
-/// Applies a command.
+/// Applies a command about pixels, distances and references.
 pub(super) fn handle_inspect(state: &mut AppState, services: &Services, command: InspectCommand) {
     let selection = &mut state.selection;
     match command {

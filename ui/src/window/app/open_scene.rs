@@ -116,7 +116,7 @@ fn load(services: &mut Services, source: SceneSource) {
     services.loading = Some(Loading::start(source, services.wake.clone()));
 }
 
-/// Stops loading.
+/// Stops loading a scene; the scene that is shown stays.
 pub(super) fn cancel_loading(app: &mut Parts) {
     app.services.loading = None;
     (app.current.arrival, app.current.discards_edits) = (Arrival::default(), false);

@@ -14,7 +14,7 @@ use anyhow::{Context, ensure};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Applies a command.
+/// Applies a command about saved pictures.
 pub(super) fn handle_picture(app: &mut Parts, command: PictureCommand) {
     let picture = &mut app.state.picture;
     let saved = match command {

@@ -9,7 +9,7 @@ use afterimage::scene::Scene;
 use afterimage::{Tracer, import};
 use std::sync::Arc;
 
-/// Applies a command.
+/// Applies a command about edits of the scene: a change, undo, redo or saving.
 pub(super) fn handle_edit(app: &mut Parts, command: EditCommand) {
     match command {
         EditCommand::Change(change) => {

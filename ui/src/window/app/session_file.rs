@@ -23,7 +23,7 @@ const VERSION: i64 = 1;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct SessionFile {
     version: i64,
-    /// `builtin:NAME` or a path.
+    /// Scene of the session: `builtin:NAME` or a path.
     scene: String,
     mode: Mode,
     samples: u32,
@@ -36,7 +36,7 @@ pub(super) struct SessionFile {
     /// Camera path, where the user has set its keys.
     #[serde(default)]
     path: Option<CameraPath>,
-    /// Keys of other versions.
+    /// Keys that other versions of the program have written.
     #[serde(flatten)]
     other: Table,
 }

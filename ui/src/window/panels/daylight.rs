@@ -16,7 +16,7 @@ const PLACES: [(&str, f64, f64, f64); 8] = [
     ("Tokyo", 35.68, 139.69, 9.0),
 ];
 
-/// Shows the controls.
+/// Shows the controls of the sun and the sky.
 pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     let Some(edits) = &state.edits else {
         ui.weak("No scene yet.");

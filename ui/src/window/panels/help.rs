@@ -4,7 +4,7 @@ use super::super::state::{AppState, Command, Options};
 use crate::window::input::keymap::{MOUSE, bindings};
 use egui::{RichText, Ui};
 
-/// Shows the overlay.
+/// Shows the overlay that lists all keys.
 pub fn show(ctx: &egui::Context, state: &AppState, commands: &mut Vec<Command>) {
     let room = ctx.content_rect().size() - egui::vec2(60.0, 118.0);
     let modal = egui::Modal::new(egui::Id::unique("help")).show(ctx, |ui| {

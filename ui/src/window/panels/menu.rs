@@ -9,7 +9,7 @@ use crate::window::{input::fly_camera::MoveMode, rendering::scene_loading::Scene
 use afterimage::scene::builtin;
 use egui::{Button, Ui};
 
-/// Shows the menus.
+/// Shows the menu bar with its menus.
 pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     egui::MenuBar::new().ui(ui, |ui| {
         ui.menu_button("Scene", |ui| scene_menu(ui, state, commands));

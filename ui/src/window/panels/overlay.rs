@@ -9,7 +9,7 @@ use glam::DVec3;
 const LINE: Color32 = Color32::from_rgb(0xFF, 0xD2, 0x3F);
 const UNDER: Color32 = Color32::from_black_alpha(190);
 
-/// Draws the overlay.
+/// Draws triangle, measurements and the shown reference over the viewport.
 pub fn show(ui: &Ui, viewport: Rect, state: &AppState) {
     if let Some(view) = &state.selection.reference_view {
         return reference_view(ui, viewport, view);

@@ -13,7 +13,7 @@ const MB: usize = 1 << 20;
 /// must not change them.
 const KEEP: SliderClamping = SliderClamping::Edits;
 
-/// Shows the settings.
+/// Shows the settings of quality, speed and display.
 pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     let (mut q, d) = (state.quality, &state.default_quality);
     ui.spacing_mut().slider_width = 88.0;

@@ -5,7 +5,7 @@ use super::widgets::thumbnail;
 use crate::window::input::keymap::{Action, keys_of};
 use egui::{Key, RichText, Ui};
 
-/// Shows the list.
+/// Shows the list of saved views.
 pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     let Some(scene) = &state.scene else {
         ui.weak("No scene yet.");
