@@ -116,15 +116,14 @@ pub(super) fn declared(text: &str) -> Option<Unit> {
         let word =
             after.trim_start_matches(|c: char| !(c == ':' || c == '=')).trim_start_matches([':', '=', ' ']);
         let word: String = word.chars().take_while(|c| c.is_ascii_alphabetic()).collect();
-        let short = match word.trim_end_matches('s') {
-            "millimeter" | "millimetre" => "mm",
-            "centimeter" | "centimetre" => "cm",
-            "meter" | "metre" => "m",
-            "inch" | "inche" => "in",
-            "foot" | "feet" => "ft",
-            short => short,
-        };
-        Unit::ALL.iter().find(|(_, name, _)| *name == short).map(|(unit, ..)| *unit)
+        match word.as_str() {
+            "mm" | "millimeters" | "millimetres" | "millimeter" | "millimetre" => Some(Unit::Millimetre),
+            "cm" | "centimeters" | "centimetres" | "centimeter" | "centimetre" => Some(Unit::Centimetre),
+            "m" | "meters" | "metres" | "meter" | "metre" => Some(Unit::Metre),
+            "in" | "inches" | "inch" => Some(Unit::Inch),
+            "ft" | "feet" | "foot" => Some(Unit::Foot),
+            _ => None,
+        }
     })
 }
 

@@ -33,7 +33,7 @@ pub enum SaveError {
 /// Name of a file to be written.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Target {
-    /// A given path. An existing file is replaced.
+    /// A given path. An existing file is replaced; a device or a pipe is written to.
     File(PathBuf),
     /// The first of `stem-0001.extension`, `stem-0002.extension`, ... that does not exist yet.
     Next {
@@ -78,6 +78,12 @@ impl Target {
     /// # Errors
     /// [`SaveError::Write`] with the path and the system's reason.
     pub fn write(&self, bytes: &[u8]) -> Result<PathBuf, SaveError> {
+        if let Self::File(path) = self
+            && self.is_device()
+        {
+            write_to_device(path, bytes).map_err(|cause| self.failed(cause))?;
+            return Ok(path.clone());
+        }
         let mut file = self.begin()?;
         file.write_all(bytes).map_err(|cause| self.failed(cause))?;
         self.finish(file)
@@ -91,7 +97,8 @@ impl Target {
         temporary_in(&self.temporary_folder()).map_err(|cause| self.failed(cause))
     }
 
-    /// Flushes the temporary file to the disk and gives it its name. Returns its path.
+    /// Flushes the temporary file to the disk and gives it its name. Returns its path. For a device
+    /// or a pipe, the finished file is copied to it: encoders may seek, which these cannot.
     pub(super) fn finish(&self, file: NamedTempFile) -> Result<PathBuf, SaveError> {
         let failed = |cause| self.failed(cause);
         file.as_file().sync_all().map_err(failed)?;
@@ -116,7 +123,8 @@ impl Target {
         std::fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir())
     }
 
-    /// Folder of the temporary file: the folder of the target, so that it can be renamed.
+    /// Folder of the temporary file: the folder of the target, so that it can be renamed. A device
+    /// or a pipe uses the system's folder of temporary files.
     fn temporary_folder(&self) -> PathBuf {
         match self {
             Self::File(_) if self.is_device() => std::env::temp_dir(),
@@ -133,6 +141,12 @@ impl Target {
 /// Follows symbolic links, so that the file behind a link is replaced and the link stays.
 fn behind_link(path: &Path) -> PathBuf {
     path.canonicalize().unwrap_or_else(|_| path.to_owned())
+}
+
+fn write_to_device(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    let mut to = std::fs::OpenOptions::new().write(true).open(path)?;
+    to.write_all(bytes)?;
+    to.flush()
 }
 
 fn copy_to_device(file: &NamedTempFile, path: &Path) -> std::io::Result<()> {

@@ -281,6 +281,9 @@ fn doubtful_units_are_reported_and_used_only_when_clear() {
     let declared = load_obj("# Units: centimeters\nv 0 0 0\nv 900 0 0\nv 0 900 0\nf 1 2 3\n");
     assert_eq!(declared.bounds_m[1].x, 9.0);
     assert!(warning(&declared, "header").2.contains("cm"));
+    for no_unit in ["ms", "cms", "mms", "ins"] {
+        assert_clean(&load_obj(format!("# Units: {no_unit}\nv 0 0 0\nv 50 0 0\nv 0 50 0\nf 1 2 3\n")));
+    }
 }
 
 #[test]

@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 pub(crate) fn run_cell(context: &ExperimentContext<'_>, cell: &RunRecord) -> CellOutcome {
     let trace = |samples: f64| TraceSettings { samples: samples as u32, ..context.settings.trace() };
-    let unknown = || ExperimentError::UnknownCell(cell.label());
+    let unknown = || ExperimentError::UnknownCell { experiment: "error-time", cell: cell.label() };
     match (cell.text("kind"), cell.number("samples"), cell.number("references")) {
         (Some("pictures"), _, _) => pictures::run(context),
         (Some("still"), Some(samples), Some(count)) => still(context, count as usize, trace(samples)),

@@ -70,7 +70,7 @@ pub(crate) fn cells(context: &ExperimentContext<'_>) -> Vec<Cell> {
 const MEASURED_FRAMES: u32 = 3;
 
 pub(crate) fn run_cell(context: &ExperimentContext<'_>, cell: &RunRecord) -> CellOutcome {
-    let unknown = || ExperimentError::UnknownCell(cell.label());
+    let unknown = || ExperimentError::UnknownCell { experiment: "placement", cell: cell.label() };
     let mode = MODES.into_iter().find(|m| cell.text("mode") == Some(m.name())).ok_or_else(unknown)?;
     let percent = cell.number("percent").ok_or_else(unknown)?;
     let policy =

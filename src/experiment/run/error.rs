@@ -36,8 +36,13 @@ pub enum ExperimentError {
     #[error("the walk has no key frames; it needs at least one")]
     EmptyWalk,
     /// The experiment has no cell with these settings.
-    #[error("the experiment has no cell '{0}'")]
-    UnknownCell(String),
+    #[error("{experiment} has no cell '{cell}'")]
+    UnknownCell {
+        /// Name of the experiment.
+        experiment: &'static str,
+        /// Settings of the cell.
+        cell: String,
+    },
     /// The experiment cannot run with this scene, these settings or on this machine.
     #[error("{0}")]
     Unsuitable(String),

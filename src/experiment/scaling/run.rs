@@ -53,7 +53,7 @@ const HALL: [u32; 2] = [100_000, 4];
 
 /// Measures one value of an axis in every mode. The modes share references and scene.
 pub(crate) fn run_cell(context: &ExperimentContext<'_>, cell: &RunRecord) -> CellOutcome {
-    let unknown = || ExperimentError::UnknownCell(cell.label());
+    let unknown = || ExperimentError::UnknownCell { experiment: "scaling", cell: cell.label() };
     let axis = cell.text("axis").ok_or_else(unknown)?;
     let value = cell.number("value").ok_or_else(unknown)? as u32;
     let trace = context.settings.trace();

@@ -30,7 +30,7 @@ pub(crate) fn cells(_: &ExperimentContext<'_>) -> Vec<Cell> {
 
 pub(crate) fn run_cell(context: &ExperimentContext<'_>, cell: &RunRecord) -> CellOutcome {
     let name = cell.text("case").unwrap_or_default();
-    let unknown = || ExperimentError::UnknownCell(cell.label());
+    let unknown = || ExperimentError::UnknownCell { experiment: "stability", cell: cell.label() };
     let case = cases().find(|case| case.name == name).ok_or_else(unknown)?;
     let found = case.run(match context.settings.effort {
         Effort::Quick => &Trial::QUICK,

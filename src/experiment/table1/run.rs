@@ -40,7 +40,10 @@ pub(super) fn mode_and_references(cell: &RunRecord) -> Result<(Mode, usize), Exp
     let find = |&(mode, count): &(Mode, usize)| {
         cell.text("mode") == Some(mode.name()) && cell.number("references") == Some(count as f64)
     };
-    CELLS.into_iter().find(find).ok_or_else(|| ExperimentError::UnknownCell(cell.label()))
+    CELLS
+        .into_iter()
+        .find(find)
+        .ok_or_else(|| ExperimentError::UnknownCell { experiment: "table1", cell: cell.label() })
 }
 
 pub(crate) fn run_cell(context: &ExperimentContext<'_>, cell: &RunRecord) -> CellOutcome {

@@ -40,7 +40,6 @@ pub struct Throughput {
     pub stages: StageSpeed,
     /// The cost of features that the scene does not need.
     #[serde(flatten)]
-    #[serde(rename = "needs")]
     pub features: FeatureSpeed,
     /// Microseconds of wall time for the diffuse light of one first hit, shadow rays included, on
     /// all threads.

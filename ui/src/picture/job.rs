@@ -10,7 +10,7 @@ use afterimage::render::aov::{Aov, display_rows, display_rows_alpha, types_rows}
 use afterimage::render::bands::{Background, Band, BandedPicture};
 use afterimage::render::{FrameStats, RefineState};
 use afterimage::trace::parallel::Stop;
-use afterimage::{Camera, FrameRequest, RenderSettings, Renderer, Tracer};
+use afterimage::{Camera, FrameRequest, Mode, RenderSettings, Renderer, Tracer};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::{path::PathBuf, sync::Arc, time::Instant};
 
@@ -183,13 +183,19 @@ impl PictureJob {
         references: &[Arc<ReferenceFrame>],
         stop: Stop<'_>,
     ) -> afterimage::Frame {
-        let mut cache = ReferenceCache::new(tracer.scene(), usize::MAX);
-        for reference in references {
-            cache.insert(Arc::clone(reference));
-        }
         let mut renderer = Renderer::default();
-        let request = FrameRequest::new(tracer, &self.camera, self.size, &self.settings);
-        renderer.render(&request.reusing(&cache).with_stop(stop));
+        let request = FrameRequest::new(tracer, &self.camera, self.size, &self.settings).with_stop(stop);
+        if self.settings.mode == Mode::Paper {
+            // A cache would evict some of many references; mode `paper` warps all that are given.
+            let frames: Vec<&ReferenceFrame> = references.iter().map(|r| &**r).collect();
+            renderer.render(&request.warping(&frames));
+        } else {
+            let mut cache = ReferenceCache::new(tracer.scene(), usize::MAX);
+            for reference in references {
+                cache.insert(Arc::clone(reference));
+            }
+            renderer.render(&request.reusing(&cache));
+        }
         renderer.into_frame()
     }
 
