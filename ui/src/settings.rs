@@ -9,6 +9,8 @@ use afterimage::{Mode, raster::color::ToneMap, raster::save::write_atomically};
 use anyhow::{Context, anyhow};
 use clap::ValueEnum;
 use serde::Deserialize;
+use serde::de::value::Error as NameError;
+use serde::de::{DeserializeOwned, Deserializer, Error, IntoDeserializer};
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
@@ -46,6 +48,7 @@ pub struct Settings {
     /// Diffuse bounces.
     pub bounces: Option<u32>,
     /// Seed of all random numbers.
+    #[serde(deserialize_with = "seed")]
     pub seed: Option<u64>,
     /// Number of threads that trace rays.
     pub threads: Option<usize>,
@@ -90,6 +93,20 @@ const RULES: [Rule; 13] = [
 /// The check of settings whose type says all.
 fn any(_: &Settings) -> Option<bool> {
     Some(true)
+}
+
+/// The value that is serialized under a name.
+pub(crate) fn named<T: DeserializeOwned>(name: &str) -> Result<T, NameError> {
+    T::deserialize(IntoDeserializer::<NameError>::into_deserializer(name))
+}
+
+/// Reads a seed. TOML has no whole numbers above `i64::MAX`, so that a larger seed is text.
+fn seed<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<u64>, D::Error> {
+    match Value::deserialize(deserializer)? {
+        Value::Integer(number) => number.try_into().map(Some).map_err(D::Error::custom),
+        Value::String(text) => text.parse().map(Some).map_err(D::Error::custom),
+        _ => Err(D::Error::custom("a seed is a whole number")),
+    }
 }
 
 /// Parses a picture size like `1280x720`.
@@ -188,10 +205,15 @@ fn checked(name: &str, value: Value) -> Result<Value, String> {
         let settings: Result<Settings, _> = Table::from_iter([(name.to_owned(), value.clone())]).try_into();
         settings.is_ok_and(|settings| is_valid(&settings) == Some(true))
     };
-    // Environment variables are text; a file may have quotes around a number.
+    // Environment variables are text; a file may have quotes around a number. Numbers are first
+    // read as flags read them: TOML refuses `016`, `.5` and `1.`.
+    let text = value.as_str().unwrap_or_default();
+    let whole = text.parse().ok().map(Value::Integer);
+    let number = text.parse().ok().map(Value::Float);
+    let switch = text.parse().ok().map(Value::Boolean);
     let spelled = value.as_str().and_then(|text| format!("value = {text}").parse::<Table>().ok());
     let spelled = spelled.and_then(|mut table| table.remove("value"));
-    [Some(value), spelled]
+    [Some(value), whole, number, switch, spelled]
         .into_iter()
         .flatten()
         .find(fits)

@@ -1,14 +1,13 @@
 //! The flags that every command has, and the parsers of their values.
 
 use crate::picture::pose_text::parse_point;
-use crate::settings::picture_size;
+use crate::settings::{named, picture_size};
 use afterimage::import::{Unit, Up};
 use afterimage::{Mode, RenderSettings, raster::color::ToneMap, trace::TraceSettings};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, RangedU64ValueParser, TypedValueParser};
 use glam::DVec3;
-use serde::de::value::Error as NameError;
-use serde::de::{DeserializeOwned, IntoDeserializer};
+use serde::de::DeserializeOwned;
 use std::{fmt::Display, ops::RangeInclusive, path::PathBuf, str::FromStr};
 
 /// The flags of every command; each command uses those that apply to it.
@@ -112,11 +111,6 @@ impl Flags {
     pub(crate) fn pixels(&self) -> u64 {
         self.size().map(u64::from).iter().product()
     }
-}
-
-/// The value that is serialized under a name.
-pub(crate) fn named<T: DeserializeOwned>(name: &str) -> Result<T, NameError> {
-    T::deserialize(IntoDeserializer::<NameError>::into_deserializer(name))
 }
 
 /// A parser of values that are serialized as one of `names`.

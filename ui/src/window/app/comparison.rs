@@ -64,9 +64,11 @@ fn pair(state: &AppState, services: &Services) -> Option<Pair> {
 fn measure(state: &AppState, services: &mut Services) {
     let (Some(pair), None) = (pair(state, services), &services.measurement) else { return };
     let (Some(frame), Some(full)) = (&state.frame, &state.comparison.full) else { return };
-    if state.comparison.error.is_some_and(|(of, _)| of == pair) {
+    // No measurement is running: a pair that was begun and has no result has failed.
+    if state.comparison.error.is_some_and(|(of, _)| of == pair) || services.measured_pair == Some(pair) {
         return;
     }
+    services.measured_pair = Some(pair);
     let (size, quality) = (frame.size, state.quality);
     let [picture, full] = [frame, full].map(|f| f.radiance.clone());
     services.measurement = Some(spawn_task("measure", services.wake.clone(), move |_| {
@@ -79,6 +81,7 @@ fn measure(state: &AppState, services: &mut Services) {
 fn take_measurement(state: &mut AppState, services: &mut Services) {
     match take_result(&mut services.measurement) {
         Some(Ok(Measurement { pair, size, error, map })) => {
+            services.measured_pair = None;
             // The view may have changed meanwhile.
             if state.comparison.full.as_ref().is_some_and(|f| f.size == size) {
                 state.comparison.error = Some((pair, error));

@@ -2,7 +2,7 @@
 //! thumbnails.
 
 use super::{Parts, Services};
-use crate::window::rendering::{Plan, ReferenceRadiance, RenderCommand, spawn_task, take_result};
+use crate::window::rendering::{Plan, ReferenceRadiance, RenderCommand, TaskError, spawn_task, take_result};
 use crate::window::state::{AppState, InspectCommand, ReferenceView, Work};
 use afterimage::raster::color;
 use std::sync::Arc;
@@ -37,15 +37,19 @@ pub(super) fn handle_inspect(state: &mut AppState, services: &Services, command:
 
 /// Shows a plan that was cut, and cuts one where the camera is on another floor.
 pub(super) fn update_plan(app: &mut Parts) {
-    if let Some(Ok(plan)) = take_result(&mut app.services.plan) {
-        app.state.plan.cut = Some(Arc::new(plan));
+    match take_result(&mut app.services.plan) {
+        Some(Ok(plan)) => app.state.plan.cut = Some(Arc::new(plan)),
+        Some(Err(TaskError::Failed(text))) => app.state.error(format!("the plan cannot be cut: {text}")),
+        Some(Err(TaskError::Cancelled)) | None => {}
     }
     let (Some(tracer), None) = (app.current.tracer(), &app.services.plan) else { return };
     let eye_m = app.state.navigation.fly.camera().eye.y;
-    let is_on_floor = |plan: &Arc<Plan>| (plan.height_m - eye_m).abs() <= SAME_FLOOR_M;
-    if app.state.plan.cut.as_ref().is_some_and(is_on_floor) || app.state.work == Work::Moving {
+    // A cut that failed is not tried again on the same floor.
+    let is_on_floor = |asked_m: f64| (asked_m - eye_m).abs() <= SAME_FLOOR_M;
+    if app.state.plan.asked_m.is_some_and(is_on_floor) || app.state.work == Work::Moving {
         return;
     }
+    app.state.plan.asked_m = Some(eye_m);
     let scene = tracer.scene().clone();
     app.services.plan =
         Some(spawn_task("plan", app.services.wake.clone(), move |_| Ok(Plan::cut(&scene, eye_m))));

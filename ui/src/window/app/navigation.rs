@@ -132,7 +132,7 @@ fn toggle_recording(state: &mut AppState, services: &mut Services) {
     };
     let mut destination = services.destination(state);
     destination.stem += "-walk";
-    services.spawn("save", move || save_walk(&walk, &destination));
+    services.spawn("saving the camera path", move || save_walk(&walk, &destination));
 }
 
 /// Writes a walk in the format of `tour --path`.

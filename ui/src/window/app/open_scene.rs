@@ -23,7 +23,7 @@ const MAX_SESSION_BYTES: u64 = 64 << 20;
 pub(super) fn open_path(app: &mut Parts, path: PathBuf) {
     app.current.arrival = Arrival::default();
     if is_picture(&path) {
-        app.services.spawn("picture", move || {
+        app.services.spawn(&format!("{}: reading the view", path.display()), move || {
             let view = read_view(&path).map_err(TaskError::failed)?;
             Ok(AppEvent::PictureView(beside(view, &path)))
         });
@@ -179,8 +179,10 @@ fn show_scene(app: &mut Parts, source: SceneSource, tracer: Arc<Tracer>) {
     app.state.history.clear();
     app.state.thumbnails.set_tracer(tracer.clone());
     app.services.plan = None;
-    app.state.plan =
-        PlanState { cut: None, view: if is_reload { app.state.plan.view } else { Default::default() } };
+    app.state.plan = PlanState {
+        view: if is_reload { app.state.plan.view } else { Default::default() },
+        ..Default::default()
+    };
     app.current.obstacles = Some(Obstacles::new(tracer.clone()));
     begin_edits(app, tracer.scene(), is_reload);
     app.current.first_generation = app.services.render.send(RenderCommand::SetTracer(tracer));

@@ -29,7 +29,7 @@ pub(super) fn save_session(app: &mut Parts) {
         return app.state.error("there is no scene to save a session of");
     };
     let (file, destination) = (app.current.file.clone(), app.services.destination(&app.state));
-    app.services.spawn("save", move || {
+    app.services.spawn("saving the session", move || {
         let text = content.text().map_err(|error| TaskError::Failed(format!("{error:#}")))?;
         write_session(&text, file, &destination).map(AppEvent::SavedSession)
     });
@@ -104,7 +104,7 @@ pub(super) fn autosave(app: &mut Parts) -> Option<Duration> {
 fn keep(services: &mut Services, name: &str, text: String, failure: &'static str) {
     let Some(folder) = services.launch.state_folder.clone() else { return };
     let path = folder.join(name);
-    services.spawn("keep", move || {
+    services.spawn("keeping the session", move || {
         let made = std::fs::create_dir_all(&folder)
             .map_err(|error| format!("cannot make the folder {}: {error}", folder.display()));
         let written = made.and_then(|()| write_atomically(&path, text.as_bytes()).map_err(|e| e.to_string()));

@@ -42,8 +42,12 @@ fn poll_messages(app: &mut Parts) {
 }
 
 fn poll_tasks(app: &mut Parts) {
-    if let Some(Ok(Some(path))) = take_result(&mut app.services.file_dialog) {
-        open_path(app, path);
+    match take_result(&mut app.services.file_dialog) {
+        Some(Ok(Some(path))) => open_path(app, path),
+        Some(Err(TaskError::Failed(text))) => {
+            app.state.error(format!("the file dialog cannot be started: {text}"));
+        }
+        Some(Ok(None) | Err(TaskError::Cancelled)) | None => {}
     }
     let mut results = Vec::new();
     app.services.tasks.retain(|task| {

@@ -110,7 +110,7 @@ pub(super) fn save_sidecar(app: &mut Parts) {
         return app.state.error(text);
     };
     let (path, before, edit) = (path.clone(), edits.saved().clone(), edits.now().clone());
-    app.services.spawn("save", move || {
+    app.services.spawn("saving the sidecar", move || {
         let saved = import::save_edit(&path, &before, &edit).map_err(Into::into);
         Ok(AppEvent::SavedEdit(Box::new(edit), saved))
     });

@@ -3,7 +3,9 @@
 use crate::picture::restore::PictureView;
 use crate::window::export::{Destination, Exported};
 use crate::window::launch::LaunchOptions;
-use crate::window::rendering::{FullTrace, Loading, Plan, RenderThread, Task, TaskError, Wake, spawn_task};
+use crate::window::rendering::{
+    FullTrace, Loading, Plan, RenderThread, Task, TaskError, Wake, spawn_activity,
+};
 use crate::window::state::{AppState, Pair, PictureError};
 use afterimage::Tracer;
 use afterimage::scene::SceneEdit;
@@ -57,6 +59,8 @@ pub(super) struct Services {
     pub(super) export: Option<Task<Exported>>,
     pub(super) full_trace: Option<FullTrace>,
     pub(super) measurement: Option<Task<Measurement>>,
+    /// The pair that is being measured, or that could not be measured.
+    pub(super) measured_pair: Option<Pair>,
     pub(super) plan: Option<Task<Plan>>,
     pub(super) file_dialog: Option<Task<Option<PathBuf>>>,
     /// Ends when the files of the scene have changed.
@@ -65,13 +69,14 @@ pub(super) struct Services {
 }
 
 impl Services {
-    /// Runs a small task; its event is applied with the next update of the window.
+    /// Runs a small task; its event is applied with the next update of the window. `activity`
+    /// begins the message about a panic.
     pub(super) fn spawn(
         &mut self,
-        name: &str,
+        activity: &str,
         work: impl FnOnce() -> Result<AppEvent, TaskError> + Send + 'static,
     ) {
-        self.tasks.push(spawn_task(name, self.wake.clone(), |_| work()));
+        self.tasks.push(spawn_activity("task", activity, self.wake.clone(), |_| work()));
     }
 
     /// Returns where new pictures, walks and sessions are saved.

@@ -1,7 +1,6 @@
 //! The file format of sessions: scene, pose, views, camera path and settings. Keys that this
 //! version does not know are kept when the session is saved again.
 
-use crate::cli::flags;
 use crate::settings;
 use crate::window::input::Playback;
 use crate::window::rendering::SceneSource;
@@ -118,7 +117,7 @@ impl SessionFile {
         quality.walk.render.trace.samples = self.samples.max(1);
         quality.walk.render.trace.bounces = self.bounces;
         quality.exposure_ev = self.exposure_ev;
-        quality.tone_map = flags::named(&self.tone_map).unwrap_or(quality.tone_map);
+        quality.tone_map = settings::named(&self.tone_map).unwrap_or(quality.tone_map);
         state.navigation.fly.jump_to(self.camera);
         if let Some(scene) = &mut state.scene {
             let view = |v: &View| SavedView { name: v.name.clone(), key: v.key, camera: v.camera };

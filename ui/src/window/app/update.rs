@@ -93,7 +93,7 @@ fn set_appearance(state: &mut AppState, services: &mut Services, appearance: App
     let changes = appearance.changes(&state.appearance);
     show_appearance(state, services, appearance);
     let Some(path) = services.launch.settings_file.clone() else { return };
-    services.spawn("settings", move || {
+    services.spawn("saving the settings", move || {
         let write = |(name, value)| settings::write(&path, name, value);
         changes.into_iter().try_for_each(write).map_err(TaskError::failed)?;
         Ok(AppEvent::Kept)

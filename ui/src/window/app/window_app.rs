@@ -69,6 +69,7 @@ impl App {
             export: None,
             full_trace: None,
             measurement: None,
+            measured_pair: None,
             plan: None,
             file_dialog: None,
             watch: None,

@@ -3,7 +3,7 @@
 use super::Destination;
 use crate::picture::sequence::Sequence;
 use crate::picture::{Output, PictureJob, Shows};
-use crate::window::rendering::{Task, TaskError, TaskHandle, Wake, background_pool, spawn_task};
+use crate::window::rendering::{Task, TaskError, TaskHandle, Wake, background_pool, spawn_activity};
 use afterimage::Tracer;
 use afterimage::raster::save::Target;
 use afterimage::reference::ReferenceFrame;
@@ -24,7 +24,7 @@ pub(crate) fn spawn_export(
     wake: Wake,
     work: impl FnOnce(&TaskHandle) -> Result<Exported, TaskError> + Send + 'static,
 ) -> Task<Exported> {
-    spawn_task("export", wake, move |task| {
+    spawn_activity("export", "saving", wake, move |task| {
         background_pool("export", threads).map_err(TaskError::failed)?.install(|| work(task))
     })
 }

@@ -25,8 +25,8 @@ fn watch(graphics: &RenderState, trouble: &Arc<Mutex<Vec<String>>>, wake: &Wake)
         ring();
     }));
     let (errors, ring) = (trouble.clone(), wake.clone());
-    graphics.device.set_device_lost_callback(move |_, text| {
-        let text = if text.is_empty() { "the driver gives no reason".to_owned() } else { text };
+    graphics.device.set_device_lost_callback(move |reason, text| {
+        let text = if text.is_empty() { format!("the driver says only: {reason:?}") } else { text };
         locked(&errors).push(format!(
             "the connection to the graphics card was lost ({text}); save the session with Ctrl+S, then start the program again"
         ));

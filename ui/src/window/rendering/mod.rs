@@ -28,6 +28,6 @@ pub(crate) use scene_loading::Loading;
 pub use scene_loading::SceneSource;
 use shared::Shared;
 pub(crate) use task::panic_text;
-pub use task::{Progress, Task, TaskError, TaskHandle, Wake, spawn_task, take_result};
+pub use task::{Progress, Task, TaskError, TaskHandle, Wake, spawn_activity, spawn_task, take_result};
 pub use thumbnails::Thumbnails;
 use worker::Worker;

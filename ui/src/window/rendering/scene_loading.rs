@@ -1,6 +1,6 @@
 //! Loading a scene off the window's thread: the one place that knows where scenes come from.
 
-use super::{Progress, Task, TaskError, TaskHandle, Wake, spawn_task};
+use super::{Progress, Task, TaskError, TaskHandle, Wake, spawn_activity};
 use afterimage::Tracer;
 use afterimage::import;
 use afterimage::import::{ImportOptions, Phase};
@@ -74,7 +74,8 @@ impl Loading {
     /// Starts loading on a thread of its own.
     pub(crate) fn start(source: SceneSource, wake: Wake) -> Self {
         let wanted = source.clone();
-        let task = spawn_task("load", wake, move |task| load(&wanted, task));
+        let activity = format!("{}: loading", source.label());
+        let task = spawn_activity("load", &activity, wake, move |task| load(&wanted, task));
         Self { source, task }
     }
 

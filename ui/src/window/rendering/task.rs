@@ -134,12 +134,34 @@ pub fn spawn_task<T: Send + 'static>(
     wake: Wake,
     work: impl FnOnce(&TaskHandle) -> Result<T, TaskError> + Send + 'static,
 ) -> Task<T> {
+    spawn(name, None, wake, work)
+}
+
+/// As [`spawn_task`]; the message about a panic or a thread that cannot be started begins with
+/// `activity`, such as `saving`. Other failures say themselves what failed.
+pub fn spawn_activity<T: Send + 'static>(
+    name: &str,
+    activity: &str,
+    wake: Wake,
+    work: impl FnOnce(&TaskHandle) -> Result<T, TaskError> + Send + 'static,
+) -> Task<T> {
+    spawn(name, Some(activity.to_owned()), wake, work)
+}
+
+fn spawn<T: Send + 'static>(
+    name: &str,
+    activity: Option<String>,
+    wake: Wake,
+    work: impl FnOnce(&TaskHandle) -> Result<T, TaskError> + Send + 'static,
+) -> Task<T> {
+    let not_started_text = format!("{} cannot be started", activity.as_deref().unwrap_or("a thread"));
+    let panicked_text = activity.map(|activity| format!("{activity} failed: ")).unwrap_or_default();
     let shared = Arc::<Shared>::default();
     let (sender, result) = bounded(1);
     let (handle, not_started) = (TaskHandle { shared: shared.clone(), wake }, sender.clone());
     let run = move || {
         let done = catch_unwind(AssertUnwindSafe(|| work(&handle)));
-        let done = done.unwrap_or_else(|panic| Err(TaskError::Failed(panic_text(&*panic))));
+        let done = done.unwrap_or_else(|panic| Err(TaskError::Failed(panicked_text + &panic_text(&*panic))));
         // A task that was dropped receives nothing.
         let _ = sender.send(done);
         handle.wake();
@@ -147,7 +169,7 @@ pub fn spawn_task<T: Send + 'static>(
     let thread = std::thread::Builder::new().name(format!("afterimage-{name}")).spawn(run);
     if let Err(error) = &thread {
         // The receiver lives: it is returned below.
-        let _ = not_started.send(Err(TaskError::Failed(format!("a thread cannot be started: {error}"))));
+        let _ = not_started.send(Err(TaskError::Failed(format!("{not_started_text}: {error}"))));
     }
     Task { shared, result, thread: thread.ok() }
 }

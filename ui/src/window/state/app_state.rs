@@ -32,6 +32,8 @@ pub struct AppState {
     pub history: VecDeque<Sample>,
     /// Messages over the viewport, oldest first.
     pub notices: Vec<Notice>,
+    /// Identifies the next message. It only grows, so that no message is taken for an earlier one.
+    pub next_notice: u64,
     /// Questions and dialogs that are open.
     pub dialogs: Dialogs,
     /// Width and height of the viewport in pixels.
@@ -89,6 +91,8 @@ pub struct FileState {
 pub struct PlanState {
     /// Horizontal cut through the building at eye height.
     pub cut: Option<Arc<Plan>>,
+    /// Eye height in metres of the last cut that was begun, also if it failed.
+    pub asked_m: Option<f64>,
     /// The part of the cut that is shown.
     pub view: PlanView,
 }
@@ -119,12 +123,17 @@ impl AppState {
 
     /// Shows a message that something was done.
     pub fn info(&mut self, text: impl Into<String>) {
-        notices::push(&mut self.notices, Severity::Info, text.into());
+        self.notify(Severity::Info, text.into());
     }
 
     /// Shows a message that something failed.
     pub fn error(&mut self, text: impl Into<String>) {
-        notices::push(&mut self.notices, Severity::Error, text.into());
+        self.notify(Severity::Error, text.into());
+    }
+
+    fn notify(&mut self, severity: Severity, text: String) {
+        notices::push(&mut self.notices, self.next_notice, severity, text);
+        self.next_notice += 1;
     }
 
     /// Adds the newest frame to the plots.

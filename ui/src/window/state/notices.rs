@@ -14,7 +14,7 @@ pub enum Severity {
 /// A message over the viewport.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Notice {
-    /// Identifies the message among those that are shown.
+    /// Identifies the message among all that were shown.
     pub id: u64,
     /// Whether the message reports a result or a failure.
     pub severity: Severity,
@@ -31,8 +31,7 @@ const INFO_TIME: Duration = Duration::from_secs(8);
 const MAX_NOTICES: usize = 4;
 
 /// Adds a message. A message with the same text is replaced.
-pub(super) fn push(notices: &mut Vec<Notice>, severity: Severity, text: String) {
-    let id = notices.last().map_or(0, |n| n.id + 1);
+pub(super) fn push(notices: &mut Vec<Notice>, id: u64, severity: Severity, text: String) {
     notices.retain(|n| n.text != text);
     notices.push(Notice { id, severity, text, since: Instant::now() });
     let surplus = notices.len().saturating_sub(MAX_NOTICES);

@@ -32,7 +32,6 @@ impl Worker {
             walk.drop_refinement();
         }
         let (shared, start) = (self.shared.clone(), Instant::now());
-        shared.frames_rendered.fetch_add(1, Ordering::AcqRel);
         self.rendered = Some(generation);
         let stop = || match request.budget {
             Some(budget) => shared.is_abandoned() || start.elapsed() >= budget,
@@ -40,6 +39,7 @@ impl Worker {
         };
         self.show(generation, |walk| {
             walk.render(&request.camera, request.size, &stop);
+            shared.frames_rendered.fetch_add(1, Ordering::AcqRel);
             let is_shown = request.budget.is_some() || !shared.is_stale(generation);
             Slice { is_shown, is_refinement: false, has_converged: false }
         });
