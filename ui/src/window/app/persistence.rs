@@ -104,7 +104,7 @@ pub(super) fn autosave(app: &mut Parts) -> Option<Duration> {
 fn keep(services: &mut Services, name: &str, text: String, failure: &'static str) {
     let Some(folder) = services.launch.state_folder.clone() else { return };
     let path = folder.join(name);
-    services.spawn("keeping the session", move || {
+    services.spawn(&format!("keeping {}", path.display()), move || {
         let made = std::fs::create_dir_all(&folder)
             .map_err(|error| format!("cannot make the folder {}: {error}", folder.display()));
         let written = made.and_then(|()| write_atomically(&path, text.as_bytes()).map_err(|e| e.to_string()));
