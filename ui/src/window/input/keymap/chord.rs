@@ -55,7 +55,7 @@ impl Chord {
         Ok(chord)
     }
 
-    /// The chord as text, such as `Shift+K`; [`Self::parse`] reads it.
+    /// The chord as text, such as `Shift+K`; `Self::parse` reads it.
     pub fn name(&self) -> String {
         let prefix = match (self.ctrl, self.shift) {
             (true, true) => "Ctrl+Shift+",
