@@ -1,5 +1,5 @@
-//! Tests of the engine: theorems and slow reference implementations first, one small golden map of pixel
-//! types second. One binary, so that it is linked once and all modules share the cores.
+//! Tests of the engine: theorems and slow reference implementations first, a small golden map of
+//! pixel types second. One binary, linked once, whose modules share the cores.
 
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stderr, reason = "tests")]
 

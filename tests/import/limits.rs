@@ -155,7 +155,8 @@ fn a_cancel_is_noticed_quickly() {
     assert!(calls.load(Ordering::Relaxed) < 4 + 2 * rayon::current_num_threads(), "{calls:?}");
 }
 
-/// Run by hand: `cargo test -p afterimage --test afterimage -- --ignored a_cancel_answers --nocapture`. Needs 1 GB of
+/// Run by hand: `cargo test -p afterimage --test afterimage -- --ignored a_cancel_answers
+/// --nocapture`. Needs 1 GB of
 /// disk and 4 GB of memory.
 #[test]
 #[ignore = "reads a gigabyte"]
