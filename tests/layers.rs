@@ -41,7 +41,7 @@ fn imports_of(sources: &str) -> BTreeSet<Import> {
     Graph::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join(sources)).imports()
 }
 
-/// Imports from a layer above or beside.
+/// Imports from a layer above, or from another layer of the same level.
 fn upward(imports: &BTreeSet<Import>) -> BTreeSet<Import> {
     let inner = imports.iter().filter(|import| import.from != "lib.rs");
     let wrong = inner.filter(|i| !i.layers.iter().all(|used| may_use(layer(&i.from), used)));

@@ -156,8 +156,7 @@ fn a_cancel_is_noticed_quickly() {
 }
 
 /// Run by hand: `cargo test -p afterimage --test afterimage -- --ignored a_cancel_answers
-/// --nocapture`. Needs 1 GB of
-/// disk and 4 GB of memory.
+/// --nocapture`. Needs 1 GB of disk and 4 GB of memory.
 #[test]
 #[ignore = "reads a gigabyte"]
 fn a_cancel_answers_within_200_ms_on_a_gigabyte() {

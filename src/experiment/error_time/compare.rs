@@ -12,7 +12,8 @@ pub(super) struct Factor {
     pub(super) bound: Bound,
 }
 
-/// How well a factor is known.
+/// Whether a speed-up at equal error is a value or only a bound, because full tracing was not
+/// measured at that error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Bound {
     /// Interpolated between two sample counts of full tracing.

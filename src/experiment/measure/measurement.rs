@@ -9,7 +9,7 @@ use crate::trace::{TraceSettings, Tracer, parallel::Stop};
 use serde::Serialize;
 use std::path::PathBuf;
 
-/// How frames are measured.
+/// Which frames of a walk are compared with a converged picture, and how that picture is traced.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MeasureSettings {
     /// Every n-th frame is measured, beginning with the first.

@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value};
 
-/// What an experiment found.
+/// Findings of an experiment as data; every form of the report is made from it.
 #[derive(Clone, Debug, Default)]
 pub struct Report {
     /// Findings in sentences, the first lines of every form of the report.
@@ -119,7 +119,7 @@ pub struct Point {
 pub struct Series {
     /// Name in the legend; a series without a name is not in the legend.
     pub name: String,
-    /// How the points are drawn.
+    /// Marks, line or both, with which the points are drawn.
     pub drawn: Drawn,
     /// Colour as `#rrggbb`; if empty, the palette provides one.
     pub color: String,

@@ -3,13 +3,13 @@
 use crate::trace::TraceSettings;
 use serde::{Deserialize, Serialize};
 
-/// How long a run may take.
+/// Size of a run: picture size, number of steps and so its duration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Effort {
     /// Small pictures and few steps: seconds to a few minutes on two cores.
     Quick,
-    /// The effort behind the figures of `docs/RESULTS.md`: some minutes on two cores.
+    /// Full-size pictures and all steps: some minutes on two cores.
     #[default]
     Usual,
 }
