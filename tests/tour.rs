@@ -3,9 +3,9 @@
 use crate::rooms::{dvec, room_camera, room_tracer};
 use afterimage::camera::{CameraKey, CameraPath};
 use afterimage::experiment::run::csv;
-use afterimage::experiment::statistics::{median, percentile};
+use afterimage::experiment::statistics::{geometric_mean, median, percentile};
 use afterimage::experiment::throughput::{ThroughputSettings, measure_throughput};
-use afterimage::experiment::{MeasureSettings, TourEvent, TourRecord, TourSettings, run_tour};
+use afterimage::experiment::{MeasureSettings, Measurement, TourEvent, TourRecord, TourSettings, run_tour};
 use afterimage::reference::PlacementPolicy;
 use afterimage::reference::placement::{NONE, THRESHOLD};
 use afterimage::trace::TraceSettings;
@@ -31,6 +31,7 @@ fn settings(measure: Option<&Path>) -> TourSettings {
         every: 4,
         truth_samples: 64,
         truth_folder: Some(folder.to_owned()),
+        exposure_ev: 0.0,
     });
     TourSettings { walkthrough, size: [64, 48], frames: 9, budget: None, measure }
 }
@@ -127,6 +128,46 @@ fn a_measured_walk_has_errors_and_stores_converged_pictures() {
 }
 
 #[test]
+fn the_equal_error_speedup_counts_measured_frames_with_references() {
+    let folder = tempfile::tempdir().unwrap();
+    let record = walk(&settings(Some(folder.path())), &AtomicBool::new(false));
+    let measured: Vec<_> = record.frames.iter().filter(|f| f.measurement.is_some()).collect();
+    // Frame 0 is fully traced: it would add a ratio of one.
+    assert_eq!(measured.iter().map(|f| f.references_used > 0).collect::<Vec<_>>(), [false, true, true]);
+    let ratio = |m: &Measurement| m.full_mse / m.mse;
+    let ratios = measured[1..].iter().filter_map(|f| f.measurement.as_ref()).map(ratio);
+    let sum = record.summary.measured.unwrap();
+    let expected = geometric_mean(ratios).unwrap() * sum.speedup_with_references;
+    assert!((sum.equal_error_speedup.unwrap() / expected - 1.0).abs() < 1e-12);
+    assert_eq!((sum.measured_frames, sum.measured_frames_with_references), (3, 2));
+    let mut alone = settings(Some(folder.path()));
+    alone.walkthrough.placement = PlacementPolicy::new(&NONE, 0.0);
+    let sum = walk(&alone, &AtomicBool::new(false)).summary.measured.unwrap();
+    assert_eq!((sum.equal_error_speedup, sum.measured_frames_with_references), (None, 0));
+}
+
+#[test]
+fn all_pictures_of_a_measured_walk_are_compared_at_one_exposure() {
+    let folder = tempfile::tempdir().unwrap();
+    let measured = |exposure_ev: f32| {
+        let mut settings = settings(Some(folder.path()));
+        settings.measure = settings.measure.map(|m| MeasureSettings { exposure_ev, ..m });
+        walk(&settings, &AtomicBool::new(false))
+    };
+    let [at_zero, darker] = [0.0, -6.0].map(measured);
+    let of = |record: &TourRecord| record.frames.iter().find_map(|f| f.measurement).unwrap();
+    assert_eq!([of(&at_zero).exposure_ev, of(&darker).exposure_ev], [0.0, -6.0]);
+    assert_eq!(darker.summary.measured.as_ref().unwrap().exposure_ev, -6.0);
+    for m in [of(&at_zero), of(&darker)] {
+        assert!((m.psnr_db + 10.0 * m.mse.log10()).abs() < 1e-9, "{m:?}");
+        assert!((m.full_psnr_db + 10.0 * m.full_mse.log10()).abs() < 1e-9, "{m:?}");
+    }
+    // Six stops darker, the noise is a sixty-fourth in linear light, and less in display values.
+    assert!(of(&darker).mse < of(&at_zero).mse && of(&darker).full_mse < of(&at_zero).full_mse);
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 3, "truth is stored as radiance");
+}
+
+#[test]
 fn a_table_has_a_column_per_number() {
     let folder = tempfile::tempdir().unwrap();
     let record = walk(&settings(Some(folder.path())), &AtomicBool::new(false));
@@ -166,4 +207,6 @@ fn medians_and_ranks() {
     assert_eq!(percentile((1..=200).map(f64::from), 99.0), Some(198.0));
     assert_eq!(percentile([5.0], 99.0), Some(5.0));
     assert_eq!(percentile([], 50.0), None);
+    assert!((geometric_mean([0.5, 8.0, 2.0]).unwrap() - 2.0).abs() < 1e-12);
+    assert_eq!(geometric_mean([]), None);
 }

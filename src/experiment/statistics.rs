@@ -20,6 +20,12 @@ pub fn percentile(values: impl IntoIterator<Item = f64>, percent: f64) -> Option
     sorted.get(rank.clamp(1, sorted.len().max(1)) - 1).copied()
 }
 
+/// Returns the geometric mean of positive values. `None` without values.
+pub fn geometric_mean(values: impl IntoIterator<Item = f64>) -> Option<f64> {
+    let (sum, count) = values.into_iter().fold((0.0, 0u32), |(sum, count), v| (sum + v.ln(), count + 1));
+    (count > 0).then(|| (sum / f64::from(count)).exp())
+}
+
 /// Returns the 25th and the 75th percentile. `None` without values.
 pub fn quartiles(values: impl Iterator<Item = f64> + Clone) -> Option<[f64; 2]> {
     Some([percentile(values.clone(), 25.0)?, percentile(values, 75.0)?])

@@ -74,11 +74,12 @@ impl Picture {
         })
     }
 
-    /// Returns the values as sRGB in 0..1. A linear picture is clipped at 1.
-    pub fn display(&self) -> Vec<Vec3> {
+    /// Returns the values as sRGB in 0..1. A linear picture is exposed by a number of stops and
+    /// clipped at 1; a display-referred one has its exposure already.
+    pub fn display(&self, exposure_ev: f32) -> Vec<Vec3> {
         match self.kind {
             PictureKind::Display => self.values.clone(),
-            PictureKind::SceneLinear => display_of(&self.values),
+            PictureKind::SceneLinear => exposed(&self.values, exposure_ev),
         }
     }
 

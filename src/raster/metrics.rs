@@ -41,8 +41,8 @@ pub struct Flip {
     pub p95: f64,
 }
 
-/// Returns the mean squared difference over all channels.
-fn mean_squared(a: &[Vec3], b: &[Vec3]) -> f64 {
+/// Returns the mean squared difference over pixels and channels.
+pub fn mse(a: &[Vec3], b: &[Vec3]) -> f64 {
     // Sum fixed chunks, then their sums in order: the same bits at any thread count.
     let chunk = |(a, b): (&[Vec3], &[Vec3])| -> f64 {
         a.iter().zip(b).map(|(a, b)| f64::from((*a - *b).length_squared())).sum()
@@ -55,7 +55,12 @@ fn mean_squared(a: &[Vec3], b: &[Vec3]) -> f64 {
 /// squared difference over pixels and channels, with a peak of 1. [`PSNR_OF_EQUALS_DB`] for equal
 /// pictures.
 pub fn psnr_db(a: &[Vec3], b: &[Vec3]) -> f64 {
-    let mse = mean_squared(a, b);
+    psnr_of_mse(mse(a, b))
+}
+
+/// Returns the peak signal-to-noise ratio in decibels that belongs to a mean squared difference of
+/// display values.
+pub fn psnr_of_mse(mse: f64) -> f64 {
     if mse > 0.0 { -10.0 * mse.log10() } else { PSNR_OF_EQUALS_DB }
 }
 

@@ -2,15 +2,16 @@
 //! picture.
 
 use super::truth::{TruthRequest, truth};
-use crate::raster::metrics::{CompareError, flip, psnr_db};
-use crate::raster::{load::display_of, pixel_types::PixelType, save::SaveError};
+use crate::raster::metrics::{CompareError, flip, mse, psnr_of_mse};
+use crate::raster::{load::exposed, pixel_types::PixelType, save::SaveError};
 use crate::render::{Frame, FrameRequest, Mode, RenderSettings, Renderer};
 use crate::trace::{TraceSettings, Tracer, parallel::Stop};
 use serde::Serialize;
 use std::path::PathBuf;
 
-/// Which frames of a walk are compared with a converged picture, and how that picture is traced.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// Which frames of a walk are compared with a converged picture, at which exposure, and how that
+/// picture is traced.
+#[derive(Clone, Debug, PartialEq)]
 pub struct MeasureSettings {
     /// Every n-th frame is measured, beginning with the first.
     pub every: u32,
@@ -18,13 +19,26 @@ pub struct MeasureSettings {
     pub truth_samples: u32,
     /// Folder that keeps converged pictures between runs; `None` keeps none.
     pub truth_folder: Option<PathBuf>,
+    /// Exposure in stops of all pictures that are compared.
+    pub exposure_ev: f32,
 }
 
 /// The errors of one frame.
+///
+/// PSNR, mean squared error and FLIP compare display values: radiance times two to the power of the
+/// exposure, clipped to 0..1 and encoded as sRGB, without a tone map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Measurement {
     /// Time of tracing the same view in full with the same samples, in seconds.
     pub full_frame_secs: f64,
+    /// Exposure in stops of the pictures that are compared.
+    pub exposure_ev: f32,
+    /// Mean squared difference of the frame's display values from those of the converged picture,
+    /// over pixels and channels.
+    pub mse: f64,
+    /// Mean squared difference of the fully traced view's display values from those of the
+    /// converged picture.
+    pub full_mse: f64,
     /// PSNR of the frame against the converged picture in dB.
     pub psnr_db: f64,
     /// PSNR of the fully traced view against the converged picture in dB.
@@ -90,11 +104,17 @@ impl Measurer {
         let folder = self.settings.truth_folder.as_deref();
         let Some((truth, error)) = truth(&request, folder, stop) else { return Ok(None) };
         self.keep_error = self.keep_error.take().or(error);
-        let [truth, shown, full_shown] = [&truth, &frame.radiance, &full.radiance].map(|r| display_of(r));
+        let exposure_ev = self.settings.exposure_ev;
+        let pictures = [&truth, &frame.radiance, &full.radiance];
+        let [truth, shown, full_shown] = pictures.map(|radiance| exposed(radiance, exposure_ev));
+        let [mse, full_mse] = [&shown, &full_shown].map(|shown| mse(shown, &truth));
         Ok(Some(Measurement {
             full_frame_secs: full.stats.secs.frame,
-            psnr_db: psnr_db(&shown, &truth),
-            full_psnr_db: psnr_db(&full_shown, &truth),
+            exposure_ev,
+            mse,
+            full_mse,
+            psnr_db: psnr_of_mse(mse),
+            full_psnr_db: psnr_of_mse(full_mse),
             flip_mean: flip(&shown, &truth, size)?.mean,
             full_flip_mean: flip(&full_shown, &truth, size)?.mean,
             see_through_percent: see_through_percent(frame, full),

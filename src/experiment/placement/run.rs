@@ -116,6 +116,7 @@ fn tour_settings(
         every: frames.div_ceil(MEASURED_FRAMES),
         truth_samples: context.settings.truth_samples,
         truth_folder: context.truth_folder.map(Into::into),
+        exposure_ev: context.settings.exposure_ev.unwrap_or(0.0),
     };
     TourSettings { walkthrough, size: context.settings.size, frames, budget: None, measure: Some(measure) }
 }

@@ -5,7 +5,7 @@
 
 use crate::camera::Camera;
 use crate::experiment::measure::Measurement;
-use crate::experiment::statistics::{median, percentile};
+use crate::experiment::statistics::{geometric_mean, median, percentile};
 use crate::raster::pixel_types::TypePercentages;
 use crate::render::{AuditEstimate, TemporalStability};
 use crate::trace::RayCounts;
@@ -148,6 +148,18 @@ pub struct MeasuredSummary {
     pub speedup: f64,
     /// Time of tracing every frame in full over the time of the whole walk, references included.
     pub speedup_with_references: f64,
+    /// How many times as long full tracing takes for the error of the walk, references counted:
+    /// [`Self::mse_ratio`] times [`Self::speedup_with_references`], because the mean squared error
+    /// of full tracing is inversely proportional to its time. Absent if no measured frame had
+    /// references.
+    pub equal_error_speedup: Option<f64>,
+    /// Geometric mean, over the measured frames that had references, of the mean squared error of
+    /// full tracing over that of the frame.
+    pub mse_ratio: Option<f64>,
+    /// Number of measured frames that had references.
+    pub measured_frames_with_references: usize,
+    /// Exposure in stops of all pictures that were compared.
+    pub exposure_ev: f32,
     pub psnr_db_median: f64,
     pub psnr_db_min: f64,
     pub full_psnr_db_median: f64,
@@ -211,6 +223,14 @@ impl Summary {
     }
 }
 
+/// Returns the mean squared error of full tracing over that of the frame.
+fn mse_ratio(measurement: &Measurement) -> f64 {
+    /// Errors of less than -120 dB count as this: it is below the resolution of the display values,
+    /// and equal pictures have no ratio of errors.
+    const MIN_MSE: f64 = 1e-12;
+    measurement.full_mse.max(MIN_MSE) / measurement.mse.max(MIN_MSE)
+}
+
 impl MeasuredSummary {
     fn of(frames: &[FrameRecord], reference_secs: f64, samples: u32, truth_samples: u32) -> Option<Self> {
         let measured: Vec<&Measurement> = frames.iter().filter_map(|f| f.measurement.as_ref()).collect();
@@ -223,11 +243,19 @@ impl MeasuredSummary {
         // the truth's.
         let ratio = f64::from(samples + truth_samples) / f64::from(samples.max(1));
         let truth_noise_psnr_db = full_psnr_db_median + 10.0 * ratio.log10();
+        let speedup_with_references = full_frame_secs_median * frames.len() as f64 / walk_secs;
+        let reusing = frames.iter().filter(|f| f.references_used > 0).filter_map(|f| f.measurement.as_ref());
+        let ratios: Vec<f64> = reusing.map(mse_ratio).collect();
+        let mse_ratio = geometric_mean(ratios.iter().copied());
         Some(Self {
             measured_frames: measured.len(),
             full_frame_secs_median,
             speedup: full_frame_secs_median / frame_secs_median,
-            speedup_with_references: full_frame_secs_median * frames.len() as f64 / walk_secs,
+            speedup_with_references,
+            equal_error_speedup: mse_ratio.map(|ratio| ratio * speedup_with_references),
+            mse_ratio,
+            measured_frames_with_references: ratios.len(),
+            exposure_ev: measured.first()?.exposure_ev,
             psnr_db_median: median(of(|m| m.psnr_db))?,
             psnr_db_min: of(|m| m.psnr_db).min_by(f64::total_cmp)?,
             full_psnr_db_median,

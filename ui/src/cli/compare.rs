@@ -25,7 +25,9 @@ pub(crate) fn run(args: &CompareArgs, flags: &Flags) -> Result<(), Failure> {
         return Err(failed(CompareError::Sizes { a: a.size, b: b.size }));
     }
     let size = a.size;
-    let (shown_a, shown_b) = (a.display(), b.display());
+    // A display-referred picture has its exposure already.
+    let exposure_ev = flags.exposure_ev();
+    let (shown_a, shown_b) = (a.display(exposure_ev), b.display(exposure_ev));
     // relMSE and the largest difference are measured in linear light unless both pictures are
     // display-referred.
     let both_display = a.kind == PictureKind::Display && b.kind == PictureKind::Display;
@@ -36,7 +38,7 @@ pub(crate) fn run(args: &CompareArgs, flags: &Flags) -> Result<(), Failure> {
         (rel_mse(&value_a, &value_b), ssim(&shown_a, &shown_b, size), max_abs(&value_a, &value_b));
     let object = json!({
         "psnr_db": psnr, "rel_mse": rel_mse, "ssim": ssim,
-        "flip_mean": flip.mean, "flip_p95": flip.p95, "max_abs": max_abs,
+        "flip_mean": flip.mean, "flip_p95": flip.p95, "max_abs": max_abs, "exposure_ev": exposure_ev,
     });
     output::result(flags.json, &object, || {
         output::table(&[

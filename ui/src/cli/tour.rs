@@ -4,6 +4,7 @@ use super::flags::{Flags, number_in};
 use super::scene::{Loaded, load};
 use super::{failure::Failure, interrupt, output, paths, progress::Progress, walk::read_path};
 use crate::picture::{PictureOrigin, memory, metadata, sequence::film_command};
+use afterimage::experiment::tour::MeasuredSummary;
 use afterimage::experiment::{FrameRecord, MeasureSettings, TourEvent, TourRecord, TourSettings, run_tour};
 use afterimage::raster::save::{save_png, write_atomically};
 use afterimage::render::aov::{display_rows, types_rows};
@@ -113,6 +114,7 @@ fn settings(args: &TourArgs, flags: &Flags, walk: &CameraPath) -> TourSettings {
         every: args.measure_every.unwrap_or(frames.div_ceil(6)),
         truth_samples: args.truth_samples,
         truth_folder: args.truth_cache.clone().or_else(|| paths::cache_folder().map(|c| c.join("truth"))),
+        exposure_ev: flags.exposure_ev(),
     });
     let walkthrough = WalkthroughSettings {
         render: flags.render(),
@@ -205,11 +207,23 @@ fn object(args: &TourArgs, flags: &Flags, loaded: &Loaded, record: &TourRecord) 
         "placement": args.placement,
         "threshold_percent": args.threshold,
         "cache_mb": args.cache_mb,
+        "exposure_ev": flags.exposure_ev(),
         "light_cuts": loaded.light_cuts(),
         "secs": { "load": loaded.load_secs, "build": loaded.tracer.build_secs() },
     });
     output::extend(&mut object, record);
     object
+}
+
+/// The equal-error speed-up in words, with the number of frames that it leaves out.
+fn equal_error(m: &MeasuredSummary) -> String {
+    let (of, all) = (m.measured_frames_with_references, m.measured_frames);
+    let left_out = format!("{} of {all} measured frames are left out: they had no references", all - of);
+    match m.equal_error_speedup {
+        None => format!("unknown; {left_out}"),
+        Some(times) if of == all => format!("{times:.2}x, references counted"),
+        Some(times) => format!("{times:.2}x, references counted; {left_out}"),
+    }
 }
 
 fn table(args: &TourArgs, record: &TourRecord) -> String {
@@ -241,6 +255,8 @@ fn table(args: &TourArgs, record: &TourRecord) -> String {
         rows.extend([
             ("full frame", ms(Some(m.full_frame_secs_median))),
             ("speed-up", format!("{:.2}x, with references {:.2}x", m.speedup, m.speedup_with_references)),
+            ("at equal error", equal_error(m)),
+            ("exposure", format!("{:+.1} EV for all pictures compared", m.exposure_ev)),
             ("PSNR", format!("{:.2} dB median, full {:.2} dB", m.psnr_db_median, m.full_psnr_db_median)),
             ("FLIP", format!("{:.4} median, full {:.4}", m.flip_mean_median, m.full_flip_mean_median)),
             ("see-through", format!("{:.3} % of the reused pixels", m.see_through_percent_median)),

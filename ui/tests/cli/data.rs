@@ -140,6 +140,8 @@ fn tour_records_its_walk() {
             "full_frame_secs_median",
             "speedup",
             "speedup_with_references",
+            "equal_error_speedup",
+            "exposure_ev",
             "psnr_db_median",
             "psnr_db_min",
             "full_psnr_db_median",
