@@ -39,7 +39,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     // PSNR, SSIM and FLIP compare what a screen shows (sRGB, clipped at 1), relMSE compares linear
     // light.
-    let (shown, shown_truth) = (picture.display(), truth.display());
+    let (shown, shown_truth) = (picture.display(0.0), truth.display(0.0));
     println!("PSNR   {:.2} dB (999 for equal pictures)", psnr_db(&shown, &shown_truth));
     println!("SSIM   {:.4} (1 for equal pictures)", ssim(&shown, &shown_truth, truth.size));
     println!("FLIP   {:.4} (0 for equal pictures)", flip(&shown, &shown_truth, truth.size)?.mean);
