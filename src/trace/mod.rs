@@ -6,12 +6,14 @@
 //! | `tracer`, `surface` | a scene with its hierarchy, and the surface points that its rays hit |
 //! | `lights` | sampling of light sources and what passes on the way to them |
 //! | `path` | the radiance of a pixel: diffuse light, bounces, mirrors and glass |
+//! | `settings`, `bounce_limit` | how many rays a pixel takes |
 //! | `primary_tile`, `probe` | the primary rays of a tile, and rays that measure the model |
 //! | `indoor_start` | the start view of a model of rooms that has none of its own |
 //! | [`parallel`] | tracing many pixels on all threads |
 //!
 //! [`Tracer::pixel`] traces one pixel in full.
 
+mod bounce_limit;
 pub mod bvh;
 mod indoor_start;
 mod lights;
@@ -23,6 +25,7 @@ mod settings;
 mod surface;
 mod tracer;
 
+pub use bounce_limit::{BounceLimit, NotABounceLimit};
 pub use bvh::{BUNDLE_RAYS, Bvh, Hit, NO_TRIANGLE, RayBundle, RayTile, TILE_RAYS, TILE_SIDE, TileHits};
 pub use lights::{LightCuts, LightGrid};
 pub use path::{MAX_BOUNCES, PathVertex, PixelTrace, truncation_bound};

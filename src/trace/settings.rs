@@ -1,5 +1,6 @@
 //! The settings that decide the noise of a picture, and the rays that they cost.
 
+use super::bounce_limit::BounceLimit;
 use std::ops::AddAssign;
 
 /// How many rays a pixel takes, and the seed of its random numbers.
@@ -7,7 +8,8 @@ use std::ops::AddAssign;
 pub struct TraceSettings {
     /// Shadow rays per light and pixel.
     pub samples: u32,
-    /// Diffuse bounces; 0 is direct light only.
+    /// Largest number of diffuse bounces of a path: 0 is direct light only, [`Self::ALL_BOUNCES`] as
+    /// many as matter.
     pub bounces: u32,
     /// Seed of all random numbers.
     pub seed: u64,
@@ -18,6 +20,14 @@ pub struct TraceSettings {
 const BOUNCE_NOISE: f32 = 8.0;
 
 impl TraceSettings {
+    /// Value of [`Self::bounces`] for as many bounces as matter.
+    pub const ALL_BOUNCES: u32 = BounceLimit::ALL.0;
+
+    /// The limit of bounces, as people write and read it.
+    pub fn bounce_limit(&self) -> BounceLimit {
+        BounceLimit(self.bounces)
+    }
+
     /// Shadow rays per light for a surface that covers only a share (0..1) of the pixel; at least
     /// one.
     pub fn samples_for(&self, share: f32) -> u32 {

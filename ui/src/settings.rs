@@ -5,6 +5,7 @@
 //! settings are reported with a suggestion and ignored; they never stop the program.
 
 use afterimage::raster::load::{LoadError, read_bounded};
+use afterimage::trace::BounceLimit;
 use afterimage::{Mode, raster::color::ToneMap, raster::save::write_atomically};
 use anyhow::{Context, anyhow};
 use clap::ValueEnum;
@@ -45,8 +46,8 @@ pub struct Settings {
     pub mode: Option<Mode>,
     /// Shadow rays per light and pixel.
     pub samples: Option<u32>,
-    /// Diffuse bounces.
-    pub bounces: Option<u32>,
+    /// Maximum number of diffuse bounces.
+    pub bounces: Option<BounceLimit>,
     /// Seed of all random numbers.
     #[serde(deserialize_with = "seed")]
     pub seed: Option<u64>,
@@ -77,7 +78,7 @@ type Rule = (&'static str, &'static str, fn(&Settings) -> Option<bool>);
 const RULES: [Rule; 13] = [
     ("mode", "'full', 'paper', 'fast' or 'exact'", any),
     ("samples", "a whole number from 1 to 1048576", |s| Some((1..=1 << 20).contains(&s.samples?))),
-    ("bounces", "a whole number from 0 to 64", |s| Some(s.bounces? <= 64)),
+    ("bounces", BounceLimit::EXPECTED, any),
     ("seed", "a whole number from 0", any),
     ("threads", "a whole number from 1 to 1024", |s| Some((1..=1024).contains(&s.threads?))),
     ("size", "a size like '1280x720'", |s| Some(picture_size(s.size.as_deref()?).is_ok())),

@@ -98,7 +98,7 @@ pub fn truth_of(context: &ExperimentContext<'_>, camera: &Camera) -> Option<Vec<
     let settings = TraceSettings {
         samples: context.settings.truth_samples,
         seed: context.settings.seed ^ TRUTH_SEED,
-        bounces: context.settings.bounces,
+        bounces: context.settings.bounces.0,
     };
     let request = TruthRequest { tracer: context.tracer, camera, size: context.settings.size, settings };
     // A picture that cannot be kept only costs time in the next run.

@@ -1,6 +1,6 @@
 //! Settings that every experiment takes.
 
-use crate::trace::TraceSettings;
+use crate::trace::{BounceLimit, TraceSettings};
 use serde::{Deserialize, Serialize};
 
 /// Size of a run: picture size, number of steps and so its duration.
@@ -23,8 +23,8 @@ pub struct ExperimentSettings {
     pub size: [u32; 2],
     /// Shadow rays per light and pixel, unless the experiment varies them.
     pub samples: u32,
-    /// Number of diffuse bounces.
-    pub bounces: u32,
+    /// Largest number of diffuse bounces.
+    pub bounces: BounceLimit,
     /// Seed of all random numbers.
     pub seed: u64,
     /// Timed repetitions of a frame, after one warm-up that does not count.
@@ -49,7 +49,7 @@ impl Default for ExperimentSettings {
             effort: Effort::Usual,
             size: [320, 180],
             samples: 16,
-            bounces: 0,
+            bounces: BounceLimit::NONE,
             seed: 0,
             repetitions: 3,
             views: 5,
@@ -64,7 +64,7 @@ impl Default for ExperimentSettings {
 impl ExperimentSettings {
     /// Samples, bounces and seed as settings of the tracer.
     pub fn trace(&self) -> TraceSettings {
-        TraceSettings { samples: self.samples, bounces: self.bounces, seed: self.seed }
+        TraceSettings { samples: self.samples, bounces: self.bounces.0, seed: self.seed }
     }
 
     /// Memory limit of the reference cache in bytes.

@@ -10,6 +10,9 @@ use std::f32::consts::PI;
 /// Number of mirrors and panes in a row after which a path ends.
 const MAX_CHAIN: u32 = 64;
 
+/// Number of diffuse bounces after which a path ends, whatever the settings say.
+const MAX_BOUNCES: u32 = 64;
+
 /// Where a path arrives. The flag is true where a surface reflected it since it last scattered
 /// diffusely.
 enum Next {
@@ -50,7 +53,7 @@ impl Tracer {
         rays: &mut RayCounts,
     ) -> Vec3 {
         let (mut point, mut throughput, mut radiance) = (*start, Vec3::ONE, Vec3::ZERO);
-        for bounce in 0..bounces {
+        for bounce in 0..bounces.min(MAX_BOUNCES) {
             let key = key.with(INDIRECT + bounce);
             // Follow a diffusely scattered ray to the next diffuse surface.
             let Some(direction) = Diffuse::sample_direction(&point.facing(self.scene()), u) else { break };

@@ -3,7 +3,7 @@
 use crate::picture::pose_text::parse_point;
 use crate::settings::{named, picture_size};
 use afterimage::import::{Unit, Up};
-use afterimage::{Mode, RenderSettings, raster::color::ToneMap, trace::TraceSettings};
+use afterimage::{Mode, RenderSettings, raster::color::ToneMap, trace::BounceLimit, trace::TraceSettings};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, RangedU64ValueParser, TypedValueParser};
 use glam::DVec3;
@@ -25,10 +25,10 @@ pub(crate) struct Flags {
     #[arg(long, global = true, value_name = "N")]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
     pub(crate) samples: Option<u32>,
-    /// Diffuse bounces [default: 0, direct light only].
-    #[arg(long, global = true, value_name = "N")]
-    #[arg(value_parser = clap::value_parser!(u32).range(0..=64))]
-    pub(crate) bounces: Option<u32>,
+    /// Maximum number of diffuse bounces of light; `all` is as many as matter [default: 0, direct
+    /// light only].
+    #[arg(long, global = true, value_name = "all|N", value_parser = str::parse::<BounceLimit>)]
+    pub(crate) bounces: Option<BounceLimit>,
     /// Seed of all random numbers: the same seed gives the same bits.
     #[arg(long, global = true, value_name = "N", default_value_t = 0)]
     pub(crate) seed: u64,
@@ -87,7 +87,7 @@ impl Flags {
         let defaults = TraceSettings::default();
         TraceSettings {
             samples: self.samples.unwrap_or(defaults.samples),
-            bounces: self.bounces.unwrap_or(defaults.bounces),
+            bounces: self.bounces.map_or(defaults.bounces, |limit| limit.0),
             seed: self.seed,
         }
     }

@@ -176,7 +176,7 @@ fn object(
         "size": flags.size(),
         "samples": flags.trace().samples,
         "antialias": args.antialias,
-        "bounces": flags.trace().bounces,
+        "bounces": flags.trace().bounce_limit(),
         "seed": flags.seed,
         "threads": rayon::current_num_threads(),
         "is_complete": stats.is_complete,

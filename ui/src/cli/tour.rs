@@ -201,7 +201,7 @@ fn object(args: &TourArgs, flags: &Flags, loaded: &Loaded, record: &TourRecord) 
         "mode": flags.mode.name(),
         "size": flags.size(),
         "samples": flags.trace().samples,
-        "bounces": flags.trace().bounces,
+        "bounces": flags.trace().bounce_limit(),
         "seed": flags.seed,
         "threads": rayon::current_num_threads(),
         "placement": args.placement,

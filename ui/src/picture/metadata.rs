@@ -51,7 +51,7 @@ fn settings(origin: &PictureOrigin<'_>) -> String {
     let has_converged = refined.is_complete && refined.of > 0;
     let mode = if has_converged { Mode::Full } else { origin.settings.mode };
     let antialias = if has_converged { format!(" --antialias {}", refined.of) } else { String::new() };
-    let (samples, bounces, seed) = (trace.samples, trace.bounces, trace.seed);
+    let (samples, bounces, seed) = (trace.samples, trace.bounce_limit(), trace.seed);
     let background = if origin.background == Background::LeftOut { " --no-background" } else { "" };
     let [width, height] = origin.size;
     format!(

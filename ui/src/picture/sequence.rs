@@ -106,7 +106,7 @@ impl Sequence {
             "scene_hash": tracer.scene().hash,
             "size": [width, height],
             "samples": job.settings.trace.samples,
-            "bounces": job.settings.trace.bounces,
+            "bounces": job.settings.trace.bounce_limit(),
             "seed": job.settings.trace.seed,
             "antialias": job.antialias,
             "has_background": job.background == afterimage::render::bands::Background::Shown,

@@ -29,10 +29,29 @@ fn a_stronger_layer_overrides_a_weaker_one() {
     let scene = folder.path().join("a.obj").display().to_string();
     let environment = variables(&[("AFTERIMAGE_SAMPLES", "3"), ("PATH", "x"), (CONFIG_VARIABLE, "y")]);
     let (settings, warnings) = load(Some(&user), Some(&scene), environment);
-    assert_eq!((settings.samples, settings.bounces, settings.seed), (Some(3), Some(2), Some(1)));
+    assert_eq!((settings.samples, settings.bounces, settings.seed), (Some(3), Some(BounceLimit(2)), Some(1)));
     assert_eq!((settings.theme, settings.mode, warnings), (Some(Theme::Dark), None, Vec::new()));
     let (settings, _) = load(Some(&user), Some("builtin:gallery"), variables(&[]));
     assert_eq!(settings.samples, Some(1));
+}
+
+#[test]
+fn bounces_are_a_number_or_all_in_every_layer() {
+    let folder = tempfile::tempdir().unwrap();
+    let user = file(&folder, "s.toml", "bounces = 'all'\n");
+    file(&folder, "a.afterimage.toml", "[settings]\nbounces = 3\n");
+    file(&folder, "b.afterimage.toml", "[settings]\nbounces = 65\n");
+    let scene = |name: &str| folder.path().join(name).display().to_string();
+    let limit = |scene: &str, variable: Option<&str>| {
+        let set = variable.map(|value| ("AFTERIMAGE_BOUNCES", value));
+        let (settings, warnings) = load(Some(&user), Some(scene), variables(set.as_slice()));
+        (settings.bounces, warnings.len())
+    };
+    assert_eq!(limit("builtin:gallery", None), (Some(BounceLimit::ALL), 0));
+    assert_eq!(limit(&scene("a.obj"), None), (Some(BounceLimit(3)), 0));
+    assert_eq!(limit(&scene("a.obj"), Some("all")), (Some(BounceLimit::ALL), 0));
+    assert_eq!(limit(&scene("a.obj"), Some("0")), (Some(BounceLimit::NONE), 0));
+    assert_eq!(limit(&scene("b.obj"), Some("every")), (Some(BounceLimit::ALL), 2));
 }
 
 #[test]

@@ -26,6 +26,22 @@ fn settings_come_in_layers() {
 }
 
 #[test]
+fn all_bounces_are_written_and_read_as_a_word() {
+    let bench = Bench::new();
+    let render = format!("render room.obj {TINY} --mode full --samples 1 -o a.png");
+    assert_eq!(bench.json(&format!("{render} --bounces all"))["bounces"], "all");
+    let notes = afterimage::raster::load::read_notes(&bench.path("a.png")).unwrap();
+    let (_, settings) = notes.iter().find(|(name, _)| name == "Settings").unwrap();
+    assert!(settings.contains("--bounces all "), "{settings}");
+    let again = format!("render room.obj {settings} --json -o a.png");
+    assert_eq!(bench.json(&again)["bounces"], "all", "the metadata are flags of the program");
+    let output = bench.run_with(&render, &[("AFTERIMAGE_BOUNCES", "all")]);
+    assert!(String::from_utf8_lossy(&output.stdout).contains("\"bounces\":\"all\""));
+    let output = bench.run(&format!("{render} --bounces 65"));
+    assert!(output.status.code() == Some(2) && stderr(&output).contains("'all' or a whole number"));
+}
+
+#[test]
 fn invalid_settings_are_warnings_and_the_command_still_runs() {
     let bench = Bench::new();
     std::fs::write(bench.path("mine.toml"), "sampels = 3\n[keys]\nadd-reference = 'K'\n").unwrap();

@@ -6,6 +6,7 @@ use crate::window::input::Playback;
 use crate::window::rendering::SceneSource;
 use crate::window::state::{AppState, SavedView};
 use afterimage::camera::CameraPath;
+use afterimage::trace::BounceLimit;
 use afterimage::{Camera, Mode};
 use anyhow::{Context, anyhow, bail, ensure};
 use serde::{Deserialize, Serialize};
@@ -26,7 +27,7 @@ pub(super) struct SessionFile {
     scene: String,
     mode: Mode,
     samples: u32,
-    bounces: u32,
+    bounces: BounceLimit,
     exposure_ev: f32,
     tone_map: String,
     camera: Camera,
@@ -65,7 +66,7 @@ impl SessionFile {
             scene: scene.source.label(),
             mode: render.mode,
             samples: render.trace.samples,
-            bounces: render.trace.bounces,
+            bounces: render.trace.bounce_limit(),
             exposure_ev: quality.exposure_ev,
             tone_map: quality.tone_map.name().to_owned(),
             camera: *state.navigation.fly.camera(),
@@ -115,7 +116,7 @@ impl SessionFile {
         let quality = &mut state.quality;
         quality.walk.render.mode = self.mode;
         quality.walk.render.trace.samples = self.samples.max(1);
-        quality.walk.render.trace.bounces = self.bounces;
+        quality.walk.render.trace.bounces = self.bounces.0;
         quality.exposure_ev = self.exposure_ev;
         quality.tone_map = settings::named(&self.tone_map).unwrap_or(quality.tone_map);
         state.navigation.fly.jump_to(self.camera);
@@ -154,7 +155,7 @@ mod tests {
             scene: "builtin:gallery".to_owned(),
             mode: Mode::Exact,
             samples: 4,
-            bounces: 1,
+            bounces: BounceLimit::ALL,
             exposure_ev: -0.5,
             tone_map: "linear".to_owned(),
             camera,
@@ -172,6 +173,8 @@ mod tests {
     fn a_session_comes_back_bit_for_bit_and_keeps_what_it_does_not_know() {
         let text = session().text().unwrap();
         assert_eq!(parse(&text).unwrap(), session());
+        let numbered = parse(&text.replace("bounces = \"all\"", "bounces = 1")).unwrap();
+        assert_eq!(numbered.bounces, BounceLimit(1), "as older versions have written it");
         let newer = format!("guests = 3\n{text}\n[weather]\nrain = true\n");
         let read = parse(&newer).unwrap();
         assert_eq!(read.camera, session().camera);
@@ -191,6 +194,7 @@ mod tests {
                 .contains("a.afterimage-session.toml, line")
         );
         assert!(error(&text.replace("yaw = ", "yaw = nan # ")).contains("impossible"));
+        assert!(error(&text.replace("bounces = \"all\"", "bounces = 65")).contains("from 0 to 64"));
         assert!(is_session(Path::new("x/a.afterimage-session.toml")) && !is_session(Path::new("a.toml")));
     }
 }

@@ -4,6 +4,7 @@ use super::super::state::{AppState, Command, Options, Quality};
 use super::widgets::choice;
 use crate::window::input::fly_camera::ViewChange;
 use afterimage::reference::{PlacementPolicy, PlacementRule, placement};
+use afterimage::trace::BounceLimit;
 use afterimage::{Mode, raster::color::ToneMap};
 use egui::{Slider, SliderClamping, Ui};
 
@@ -12,6 +13,10 @@ const MB: usize = 1 << 20;
 /// Values from the command line may be outside a slider's range or between its steps; showing them
 /// must not change them.
 const KEEP: SliderClamping = SliderClamping::Edits;
+
+/// Limits of bounces to choose from; the command line takes others too.
+const BOUNCE_LIMITS: [BounceLimit; 6] =
+    [BounceLimit::ALL, BounceLimit::NONE, BounceLimit(1), BounceLimit(2), BounceLimit(4), BounceLimit(8)];
 
 /// Shows the settings of quality, speed and display.
 pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
@@ -90,9 +95,10 @@ fn sampling_rows(ui: &mut Ui, q: &mut Quality, d: &Quality) {
     row(ui, "Samples", help, &mut trace.samples, default.samples, |ui, v| {
         ui.add(Slider::new(v, 1..=256).clamping(KEEP).logarithmic(true).suffix(" /light"))
     });
-    let help = "Maximum number of diffuse bounces; 0 is direct light only.";
+    let help = "Maximum number of diffuse bounces of light: all is as many as matter, 0 is direct light only.";
     row(ui, "Bounces", help, &mut trace.bounces, default.bounces, |ui, v| {
-        ui.add(Slider::new(v, 0..=4).clamping(KEEP))
+        let limits = BOUNCE_LIMITS.map(|limit| (limit.0, limit.to_string()));
+        choice(ui, "bounces", &BounceLimit(*v).to_string(), v, limits)
     });
 }
 
