@@ -73,7 +73,11 @@ impl Display for BounceLimit {
 
 impl Serialize for BounceLimit {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        if *self == Self::ALL { serializer.serialize_str(Self::WORD) } else { serializer.serialize_u32(self.0) }
+        if *self == Self::ALL {
+            serializer.serialize_str(Self::WORD)
+        } else {
+            serializer.serialize_u32(self.0)
+        }
     }
 }
 

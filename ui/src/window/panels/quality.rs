@@ -95,7 +95,8 @@ fn sampling_rows(ui: &mut Ui, q: &mut Quality, d: &Quality) {
     row(ui, "Samples", help, &mut trace.samples, default.samples, |ui, v| {
         ui.add(Slider::new(v, 1..=256).clamping(KEEP).logarithmic(true).suffix(" /light"))
     });
-    let help = "Maximum number of diffuse bounces of light: all is as many as matter, 0 is direct light only.";
+    let help =
+        "Maximum number of diffuse bounces of light: all is as many as matter, 0 is direct light only.";
     row(ui, "Bounces", help, &mut trace.bounces, default.bounces, |ui, v| {
         let limits = BOUNCE_LIMITS.map(|limit| (limit.0, limit.to_string()));
         choice(ui, "bounces", &BounceLimit(*v).to_string(), v, limits)
