@@ -2,8 +2,8 @@
 //! walk.
 //!
 //! [`Renderer`] renders one [`FrameRequest`], [`Walkthrough`] renders frame after frame from a
-//! cache of references, and [`render_antialiased`] and [`bands`] render pictures without
-//! references.
+//! cache of references, [`StillView`] brings one view to convergence, and [`render_antialiased`] and
+//! [`bands`] render pictures without references. [`schedule`] decides what is done next.
 
 mod accumulate;
 #[cfg(feature = "pictures")]
@@ -17,7 +17,9 @@ mod prefetch;
 mod reference_job;
 mod renderer;
 mod request;
+pub mod schedule;
 mod settings;
+mod still_view;
 mod temporal_stability;
 mod walkthrough;
 mod worklist;
@@ -29,4 +31,5 @@ pub use reference_job::ReferenceJob;
 pub use renderer::Renderer;
 pub use request::{FrameRequest, References};
 pub use settings::{Mode, RenderSettings};
+pub use still_view::StillView;
 pub use walkthrough::{Walkthrough, WalkthroughSettings};

@@ -8,12 +8,8 @@ use afterimage::scene::SceneEdit;
 use afterimage::{Camera, Tracer};
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 use toml::Table;
-
-/// The renderer counts as moving for this time after the last motion: a drag pauses between two
-/// events.
-pub(super) const MOTION_TIME: Duration = Duration::from_millis(250);
 
 /// The open scene, its edits, and what has been sent to the renderer.
 pub(super) struct CurrentScene {

@@ -19,10 +19,11 @@ mod update;
 mod watch;
 mod window_app;
 
+use afterimage::render::schedule::MOTION_TIME;
 use autosave::{Autosave, is_recovery, left_behind, recovery_file};
 use canvas::Canvas;
 use comparison::{overlay, update_comparison};
-use current_scene::{Arrival, CurrentScene, MOTION_TIME};
+use current_scene::{Arrival, CurrentScene};
 use inspect::{handle_inspect, show_reference, update_plan, update_thumbnails};
 use navigation::handle_navigation;
 use open_scene::{

@@ -3,16 +3,17 @@
 use super::{MOTION_TIME, Parts};
 use crate::window::rendering::RenderRequest;
 use crate::window::state::Work;
+use afterimage::render::schedule;
 use std::time::{Duration, Instant};
 
 /// Largest edge of a frame in pixels: the largest texture that every adapter accepts.
-const MAX_EDGE: f32 = 8192.0;
+const MAX_EDGE: u32 = 8192;
 
 /// Sends the pose and the settings where they have changed.
 pub(super) fn send_request(app: &mut Parts) {
     let (is_sharp, q) = (is_sharp(app), &app.state.quality);
     let scale = if is_sharp { 1.0 } else { q.render_scale };
-    let edge = |pixels: u32| (pixels as f32 * scale).round().clamp(1.0, MAX_EDGE) as u32;
+    let edge = |pixels: u32| schedule::scaled_edge(pixels, scale).min(MAX_EDGE);
     let size = if app.state.viewport_size.contains(&0) { [0, 0] } else { app.state.viewport_size.map(edge) };
     let request = RenderRequest {
         camera: *app.state.navigation.fly.camera(),
@@ -36,15 +37,13 @@ pub(super) fn send_request(app: &mut Parts) {
 /// every pixel of the viewport is requested. Only in modes that refine at rest.
 fn is_sharp(app: &Parts) -> bool {
     let (q, camera) = (&app.state.quality, app.state.navigation.fly.camera());
-    let may_be = q.walk.render.mode.refines() && q.render_scale < 1.0;
     let is_same = |s: &RenderRequest| s.camera == *camera && s.settings == q.walk && !s.is_paused;
     // Pictures that are compared keep their size.
-    let has_rested = || {
-        let is_compared = app.state.comparison.is_wanted();
-        app.current.moved.elapsed() >= MOTION_TIME && has_newest(app) && !is_compared
-    };
-    let sent = app.current.sent.as_ref().filter(|s| may_be && is_same(s));
-    sent.is_some_and(|s| s.budget.is_none() || has_rested())
+    let has_newest = has_newest(app) && !app.state.comparison.is_wanted();
+    app.current.sent.as_ref().filter(|s| is_same(s)).is_some_and(|s| {
+        let (mode, was_sharp) = (q.walk.render.mode, s.budget.is_none());
+        schedule::is_sharp(mode, q.render_scale, was_sharp, app.current.moved.elapsed(), has_newest)
+    })
 }
 
 /// True where the newest request is shown and complete.

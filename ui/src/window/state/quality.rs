@@ -1,11 +1,10 @@
 //! Rendering settings of the window.
 
+pub use afterimage::render::schedule::WINDOW_SAMPLES;
+
 use afterimage::WalkthroughSettings;
 use afterimage::raster::color::ToneMap;
-
-/// Samples per light in the window: few, because motion must be fluid. Files are rendered with
-/// more.
-pub const WINDOW_SAMPLES: u32 = 4;
+use afterimage::render::schedule::{FRAME_BUDGET, RENDER_SCALE};
 
 /// Rendering settings that trade quality for time, and how frames are displayed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,6 +24,7 @@ pub struct Quality {
 impl Default for Quality {
     fn default() -> Self {
         let (walk, tone_map) = (WalkthroughSettings::default(), ToneMap::default());
-        Self { walk, render_scale: 0.5, budget_ms: 100.0, exposure_ev: 0.0, tone_map }
+        let budget_ms = FRAME_BUDGET.as_secs_f32() * 1e3;
+        Self { walk, render_scale: RENDER_SCALE, budget_ms, exposure_ev: 0.0, tone_map }
     }
 }

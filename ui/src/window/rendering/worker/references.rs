@@ -1,9 +1,7 @@
 //! Tracing references: when one is requested, and what is done with its outcome.
 
 use super::super::{Job, Message, Outcome};
-use super::state::{RequestedPose, Running, Worker};
-use afterimage::reference::cache::CachedReference;
-use afterimage::{Camera, Walkthrough};
+use super::state::Worker;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -11,21 +9,21 @@ use std::time::Instant;
 impl Worker {
     /// Inserts a reference that was traced into the cache, or notes why there is none.
     pub(super) fn take_reference(&mut self, outcome: Outcome) {
-        let running = self.running.take().filter(|r| !r.cancel.load(Ordering::Acquire));
+        let is_wanted = self.running.take().is_some_and(|cancel| !cancel.load(Ordering::Acquire));
+        self.schedule.end_reference(is_wanted && matches!(outcome, Outcome::Panicked(_)));
         self.shared.is_adding.store(false, Ordering::Release);
-        match (outcome, running) {
-            (Outcome::Traced(frame), Some(_)) => {
+        match outcome {
+            Outcome::Traced(frame) if is_wanted => {
                 if let Some(walk) = &mut self.walk {
                     let id = walk.insert(*frame);
                     self.added.extend(id.map(|id| (id, Instant::now())));
                     self.added.retain(|(id, _)| walk.cache().entries().iter().any(|e| e.id == *id));
                 }
             }
-            (Outcome::Panicked(text), running) => {
-                self.refused.extend(running.map(|r| r.pose));
+            Outcome::Panicked(text) => {
                 self.send(Message::Failed(format!("tracing a reference failed: {text}")));
             }
-            (Outcome::Traced(_) | Outcome::Cancelled, _) => {}
+            Outcome::Traced(_) | Outcome::Cancelled => {}
         }
         (self.wake)();
     }
@@ -33,22 +31,16 @@ impl Worker {
     /// Starts to trace the reference that the user has added or that the policy wants, unless one
     /// is being traced.
     pub(super) fn request_reference(&mut self) {
-        if self.running.is_some() || !self.can_render() {
+        if !self.can_render() {
             return;
         }
-        // While a frame is being resumed, its light is kept, so a reference need not trace it
-        // again.
-        let is_resuming = self.can_resume(self.shared.generation.load(Ordering::Acquire));
+        let generation = self.shared.generation.load(Ordering::Acquire);
         let (Some(walk), Some(request)) = (&mut self.walk, self.request) else { return };
-        let by_policy = || {
-            let pose: RequestedPose = (wanted(walk, request.size)?, request.size);
-            (!is_resuming && !self.refused.contains(&pose)).then_some(pose.0)
-        };
-        let Some(camera) = self.added_by_user.take().or_else(by_policy) else { return };
+        let Some(camera) = self.schedule.next_reference(walk, generation, request.size) else { return };
         let cancel = Arc::new(AtomicBool::new(false));
         let job = Job { reference: walk.reference_job(camera, request.size), cancel: cancel.clone() };
         if self.jobs.send(job).is_ok() {
-            self.running = Some(Running { cancel, pose: (camera, request.size) });
+            self.running = Some(cancel);
             self.shared.is_adding.store(true, Ordering::Release);
             (self.wake)();
         }
@@ -56,20 +48,11 @@ impl Worker {
 
     /// Cancels the reference that is being traced. Its outcome still arrives and is then dropped.
     pub(super) fn cancel_reference(&mut self) {
-        self.added_by_user = None;
-        if let Some(running) = &self.running {
-            running.cancel.store(true, Ordering::Release);
+        self.schedule.add_reference(None);
+        if let Some(cancel) = &self.running {
+            cancel.store(true, Ordering::Release);
         }
     }
-}
-
-/// Returns the pose at which the policy wants a reference. A pose that has one already is left out:
-/// where Type 3 stays high in spite of it, the policy would choose that pose again and again. A
-/// disabled reference does not count and is replaced.
-fn wanted(walk: &Walkthrough, size: [u32; 2]) -> Option<Camera> {
-    let camera = walk.wanted_reference()?;
-    let is_same = |e: &CachedReference| e.is_enabled && e.frame.camera == camera && e.frame.view.size == size;
-    (!walk.cache().entries().iter().any(is_same)).then_some(camera)
 }
 
 #[cfg(test)]
@@ -79,7 +62,7 @@ mod tests {
     use afterimage::reference::PlacementPolicy;
     use afterimage::reference::placement::THRESHOLD;
     use afterimage::scene::{Material, SceneBuilder};
-    use afterimage::{Mode, Tracer, WalkthroughSettings};
+    use afterimage::{Camera, Mode, Tracer, Walkthrough, WalkthroughSettings};
     use crossbeam_channel::{Receiver, unbounded};
     use glam::{DVec3, Vec2, Vec3};
     use std::time::Duration;

@@ -3,7 +3,7 @@
 use super::super::{Message, RenderCommand, locked};
 use super::state::{Worker, asks_for_pixels};
 use crate::picture::memory;
-use afterimage::Walkthrough;
+use afterimage::{Walkthrough, render::schedule::Step};
 use std::sync::PoisonError;
 use std::sync::atomic::Ordering;
 
@@ -11,12 +11,10 @@ impl Worker {
     /// Renders until the window is closed.
     pub(in crate::window::rendering) fn run(&mut self) {
         while let Some(generation) = self.wait() {
-            if self.can_render() && self.rendered != Some(generation) {
-                self.render(generation);
-            } else if self.can_resume(generation) {
-                self.resume(generation);
-            } else if self.can_refine(generation) {
-                self.refine(generation);
+            match self.next_step(generation) {
+                Step::Rest => {}
+                Step::Frame => self.render(generation),
+                step => self.proceed(step, generation),
             }
             self.request_reference();
             self.send_picture();
@@ -38,15 +36,14 @@ impl Worker {
                 self.request = None;
             }
             let request = inbox.request.or(self.request);
-            let is_due = self.rendered != Some(generation)
+            let is_due = !self.schedule.has_rendered(generation)
                 && self.walk.is_some()
                 && request.as_ref().is_some_and(asks_for_pixels);
             let has_mail =
                 inbox.request.is_some() || !inbox.commands.is_empty() || !inbox.outcomes.is_empty();
             // The settings of a new request are applied before an older frame is resumed or
             // refined.
-            let can_continue =
-                inbox.request.is_none() && (self.can_resume(generation) || self.can_refine(generation));
+            let can_continue = inbox.request.is_none() && self.next_step(generation) != Step::Rest;
             if is_due || has_mail || can_continue {
                 let is_new = inbox.request.take().is_some();
                 self.request = request;
@@ -87,9 +84,9 @@ impl Worker {
                 // frame has not traced yet would show the old scene.
                 self.walk = Some(Walkthrough::new(tracer, settings).progressive());
                 self.added.clear();
-                self.refused.clear();
+                self.schedule.forget_failures();
             }
-            (RenderCommand::AddReference(camera), _) => self.added_by_user = Some(camera),
+            (RenderCommand::AddReference(camera), _) => self.schedule.add_reference(Some(camera)),
             (RenderCommand::Picture, _) => self.wants_picture = true,
             (RenderCommand::Remove(id), Some(walk)) => {
                 walk.cache_mut().remove(id);
