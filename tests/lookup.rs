@@ -200,7 +200,7 @@ fn uniform_light_is_shown_as_uniform() {
     let mut b = SceneBuilder::new("furnace");
     let matte = b.add_material(Material::diffuse("matte", Vec3::splat(0.6)));
     cuboid(&mut b, DVec3::ZERO, dvec(2.0, 1.0, 1.5), matte, false);
-    b.sky = Some(Sky { zenith: even, horizon: even, ground: even });
+    b.sky = Some(Sky::even(even));
     let tracer = Arc::new(Tracer::new(Arc::new(b.finish().unwrap())));
     let mut walk = walkthrough(&tracer);
     let (mut seen, mut reused) = (0, 0);

@@ -66,6 +66,7 @@ impl SceneBuilder {
             lights: Vec::new(),
             sun: self.sun,
             sky: self.sky,
+            is_photometric: self.is_photometric,
             views: self.views,
             walk,
             brings_view,

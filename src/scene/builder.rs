@@ -1,5 +1,6 @@
 //! A scene while it is being put together.
 
+use super::daylight::nits_per_unit;
 use super::{Material, MaterialId, NamedView, Sky, Sun, Texture, TextureId, Warning};
 use crate::camera::CameraPath;
 use glam::{DVec3, Vec2, Vec3};
@@ -31,6 +32,8 @@ pub struct SceneBuilder {
     pub sun: Option<Sun>,
     /// The sky.
     pub sky: Option<Sky>,
+    /// True where the model gives its lights in photometric units: candela, lux and cd/m2.
+    pub is_photometric: bool,
     /// Views offered to the user.
     pub views: Vec<NamedView>,
     /// The camera path of the scene.
@@ -78,6 +81,11 @@ impl SceneBuilder {
         let v: [u32; 4] = std::array::from_fn(|i| self.add_vertex(corners_m[i], Vec3::ZERO, uvs[i]));
         self.add_triangle([v[0], v[1], v[2]], material);
         self.add_triangle([v[0], v[2], v[3]], material);
+    }
+
+    /// Returns the luminance in cd/m2 of a radiance of one.
+    pub fn nits_per_unit(&self) -> f32 {
+        nits_per_unit(self.is_photometric)
     }
 
     /// Records a problem of the model.

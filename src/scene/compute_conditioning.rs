@@ -66,7 +66,7 @@ fn light_ratio(scene: &Scene) -> f64 {
             let solid_angle = std::f32::consts::TAU * (1.0 - cos_angular_radius);
             Some(irradiance.max_element() / solid_angle)
         }
-        Light::Sky => scene.sky.map(|sky| sky.zenith.max_element()),
+        Light::Sky => scene.sky.as_ref().map(|sky| sky.zenith().max_element()),
         // A point light has an intensity, not a radiance.
         Light::Point { .. } => None,
     };

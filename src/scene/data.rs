@@ -1,5 +1,6 @@
 //! The complete scene.
 
+use super::daylight::nits_per_unit;
 use super::{
     Conditioning, Light, Material, MaterialId, NamedView, SceneFeatures, SceneFrame, Sky, Sun, Texture,
     Warning,
@@ -40,6 +41,8 @@ pub struct Scene {
     pub sun: Option<Sun>,
     /// The sky, if there is one. `lights` holds it as well.
     pub sky: Option<Sky>,
+    /// True where the model gives its lights in photometric units.
+    pub is_photometric: bool,
     /// Views offered to the user, at least one. The first is the start view.
     pub views: Vec<NamedView>,
     /// The camera path of the scene.
@@ -87,6 +90,12 @@ impl Scene {
     /// Returns the indices of all triangles.
     pub(super) fn triangle_indices(&self) -> std::ops::Range<u32> {
         0..self.triangles.len() as u32
+    }
+
+    /// Returns the luminance in cd/m2 of a radiance of one: 1 where the model gives its lights in
+    /// photometric units, else 10,000, so that a clear day is bright at an exposure of 0.
+    pub fn nits_per_unit(&self) -> f32 {
+        nits_per_unit(self.is_photometric)
     }
 
     /// Returns the camera of the start view.

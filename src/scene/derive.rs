@@ -9,7 +9,7 @@ impl Scene {
         self.lights = emissive::lights(self);
         self.lights.extend(point_lights);
         self.lights.extend(self.sun.map(Light::from));
-        self.lights.extend(self.sky.map(|_| Light::Sky));
+        self.lights.extend(self.sky.as_ref().map(|_| Light::Sky));
         self.features =
             SceneFeatures::of(&self.materials, &self.lights, self.sky.is_some(), self.features.needles);
         self.solids = solids::classify(self);

@@ -14,7 +14,10 @@ pub struct SceneEdit {
 impl Scene {
     /// Returns the edit that leads to this scene.
     pub fn to_edit(&self) -> SceneEdit {
-        SceneEdit { materials: self.materials.clone(), daylight: Daylight { sun: self.sun, sky: self.sky } }
+        SceneEdit {
+            materials: self.materials.clone(),
+            daylight: Daylight { sun: self.sun, sky: self.sky.clone() },
+        }
     }
 
     /// Returns this scene with other materials, sun and sky. Lights, features, solids and hash are
@@ -32,7 +35,7 @@ impl Scene {
             edited.conditioning.repairs.values_clamped += clamped;
             edited.conditioning.repairs.materials_scaled += usize::from(is_scaled);
         }
-        (edited.sun, edited.sky) = (edit.daylight.sun, edit.daylight.sky);
+        (edited.sun, edited.sky) = (edit.daylight.sun, edit.daylight.sky.clone());
         let is_point = |light: &&Light| matches!(light, Light::Point { .. });
         edited.derive(self.lights.iter().filter(is_point).cloned().collect());
         edited.update_light_numbers();

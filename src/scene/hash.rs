@@ -1,6 +1,6 @@
 //! The hash that identifies a scene.
 
-use super::{Encoding, Light, MaterialKind, Scene};
+use super::{Encoding, Light, MaterialKind, Scene, Sky};
 use bytemuck::NoUninit;
 use glam::Vec3;
 use sha2::{Digest, Sha256};
@@ -69,6 +69,17 @@ impl SceneHasher {
         }
         let sun = scene.sun.map(|s| [s.direction, Vec3::splat(s.angular_radius), s.irradiance]);
         self.add(sun.as_slice());
-        self.add(scene.sky.map(|s| [s.zenith, s.horizon, s.ground]).as_slice());
+        match &scene.sky {
+            None => self.add::<[Vec3; 3]>(&[]),
+            Some(Sky::Gradient(s)) => self.add(&[[s.zenith, s.horizon, s.ground]]),
+            Some(Sky::Cie(s)) => {
+                self.add(&[[s.zenith, s.ground, s.sun_direction]]);
+                self.add(&[s.kind as u32]);
+            }
+            Some(Sky::Physical(s)) => {
+                self.add(&[s.sun_direction(), s.ground()]);
+                self.add(&[s.turbidity(), s.albedo(), s.brightness()]);
+            }
+        }
     }
 }

@@ -75,7 +75,7 @@ fn sanitize_lights(builder: &mut SceneBuilder) -> usize {
     let mut clamped = before - builder.point_lights.len();
     clamped += builder.point_lights.iter_mut().map(|(_, intensity)| clamp(intensity)).sum::<usize>();
     if let Some(sky) = &mut builder.sky {
-        clamped += clamp(&mut sky.zenith) + clamp(&mut sky.horizon) + clamp(&mut sky.ground);
+        clamped += sky.colors_mut().into_iter().map(clamp).sum::<usize>();
     }
     if let Some(Sun { direction, angular_radius, irradiance }) = &mut builder.sun {
         clamped += clamp(irradiance);

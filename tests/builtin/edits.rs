@@ -20,7 +20,7 @@ fn an_edit_changes_what_depends_on_it_and_can_be_undone() {
     let mut edit = scene.to_edit();
     edit.materials.iter_mut().for_each(|m| m.emission = Vec3::ZERO);
     edit.materials[0].kind = MaterialKind::Glass { eta: 1.5, transmittance: Vec3::ONE };
-    edit.daylight.sky = Some(Sky { zenith: Vec3::ONE, horizon: Vec3::ONE, ground: Vec3::ONE });
+    edit.daylight.sky = Some(Sky::even(Vec3::ONE));
     let edited = scene.with_edit(&edit);
     assert_eq!(edited.lights, [Light::Sky]);
     assert!(edited.features.glass && edited.features.sky && !edited.features.area_lights);

@@ -1,9 +1,8 @@
 //! Saving edited materials and daylight next to a model.
 
-use super::Folder;
+use super::{Folder, assert_clean};
 use afterimage::import::save_edit;
-use afterimage::scene::Material;
-use afterimage::scene::solar::{SunPosition, clear_daylight};
+use afterimage::scene::{DaylightModel, Material, SceneEdit, SkyKind, solar::SunPosition};
 use glam::Vec3;
 use std::fs;
 
@@ -23,7 +22,8 @@ fn a_saved_edit_is_imported_again_and_everything_else_is_kept() {
     now.materials[find("wall")].diffuse = Vec3::new(0.7, 0.05, 1.0 / 3.0);
     now.materials[find("pane")] = Material::glass("pane", 1.52, Vec3::new(0.9, 0.95, 0.9));
     now.materials[find("floor")] = Material::mirror("floor", Vec3::splat(0.8));
-    now.daylight = clear_daylight(&SunPosition { azimuth_deg: 200.0, height_deg: 30.0 }, 0.0);
+    let position = SunPosition { azimuth_deg: 200.0, height_deg: 30.0 };
+    now.daylight = DaylightModel::new(SkyKind::Gradient, position).daylight();
     let file = save_edit(&folder.path("scene.obj"), &before, &now).unwrap();
     assert_eq!(file, folder.path("scene.afterimage.toml"));
     let again = folder.load().to_edit();
@@ -31,7 +31,7 @@ fn a_saved_edit_is_imported_again_and_everything_else_is_kept() {
     let (sun, wanted) = (again.daylight.sun.unwrap(), now.daylight.sun.unwrap());
     assert!((sun.direction - wanted.direction).length() < 1e-6);
     assert!((sun.angular_radius / wanted.angular_radius - 1.0).abs() < 1e-6);
-    assert_eq!((sun.irradiance, again.daylight.sky), (wanted.irradiance, now.daylight.sky));
+    assert_eq!((sun.irradiance, again.daylight.sky), (wanted.irradiance, now.daylight.sky.clone()));
     let text = fs::read_to_string(&file).unwrap();
     for kept in ["# my notes\nunit = \"m\" # metres\n", "# painted", "[extra]\nkept = true"] {
         assert!(text.contains(kept), "{kept:?} is gone from:\n{text}");
@@ -39,6 +39,24 @@ fn a_saved_edit_is_imported_again_and_everything_else_is_kept() {
     assert_eq!(text.matches("\"wall\"").count(), 1);
     save_edit(&folder.path("scene.obj"), &now, &now).unwrap();
     assert_eq!(fs::read_to_string(&file).unwrap(), text, "without a difference nothing is written");
+}
+
+#[test]
+fn every_kind_of_sky_is_saved_and_imported_again() {
+    let folder = Folder::with_obj(MODEL);
+    let before = folder.load().to_edit();
+    for kind in SkyKind::ALL {
+        let position = SunPosition { azimuth_deg: 120.0, height_deg: 25.0 };
+        let model = DaylightModel { turbidity: 4.5, ..DaylightModel::new(kind, position) };
+        let now = SceneEdit { daylight: model.daylight(), ..before.clone() };
+        save_edit(&folder.path("scene.obj"), &before, &now).unwrap();
+        let (scene, wanted) = (folder.load(), now.daylight.sky.unwrap());
+        assert_clean(&scene);
+        let (found, d) = (scene.sky.unwrap(), Vec3::new(0.6, 0.64, 0.48));
+        assert_eq!((found.kind(), scene.sun.is_some()), (kind, kind != SkyKind::Overcast));
+        assert!((found.radiance(d) / wanted.radiance(d) - 1.0).abs().max_element() < 1e-5, "{kind:?}");
+        assert!((found.radiance(-d) / wanted.radiance(-d) - 1.0).abs().max_element() < 1e-5, "{kind:?}");
+    }
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The `.afterimage.toml` next to a model.
 
 use super::{Folder, assert_clean, doubts, material, warning};
-use afterimage::scene::{Light, MaterialKind, Scene};
+use afterimage::scene::{Light, MaterialKind, Scene, SkyKind};
 use glam::{DVec3, Vec3};
 
 fn with(toml: &str) -> Scene {
@@ -66,7 +66,33 @@ fn lights_and_sky_are_added() {
         _ => None,
     });
     assert_eq!(sun, Some((Vec3::Y, 1.0f32.to_radians().cos(), Vec3::splat(4.0))));
-    assert_eq!(scene.sky.unwrap().zenith, Vec3::new(0.1, 0.2, 0.3));
+    assert_eq!(scene.sky.unwrap().zenith(), Vec3::new(0.1, 0.2, 0.3));
+}
+
+#[test]
+fn skies_of_every_kind_and_a_sun_by_place_and_time_are_read() {
+    let time = "[sun]\nplace = \"52.52,13.40\"\ntime = \"2026-06-21T12:00[Europe/Berlin]\"\nnorth_deg = 90\n";
+    let scene = with(&format!("{time}[sky]\nkind = \"physical\"\nturbidity = 4\n"));
+    assert_clean(&scene);
+    let (sun, sky) = (scene.sun.unwrap(), scene.sky.unwrap());
+    let (sin, cos) = (149.355f32 + 90.0).to_radians().sin_cos();
+    let expected =
+        Vec3::new(sin, 0.0, -cos) * 58.15f32.to_radians().cos() + Vec3::Y * 58.15f32.to_radians().sin();
+    assert!((sun.direction - expected).length() < 1e-3, "{} {expected}", sun.direction);
+    assert_eq!(sky.kind(), SkyKind::Physical);
+    let scene = with("[sky]\nkind = \"overcast\"\nzenith = 2\n");
+    assert_clean(&scene);
+    assert_eq!((scene.sun, scene.sky.unwrap().radiance(Vec3::Y)), (None, Vec3::splat(2.0)));
+    let night = with(&format!("{}[sky]\nkind = \"clear\"\n", time.replace("12:00", "00:00")));
+    assert_eq!(night.sun.map(|sun| sun.direction.y > 0.0), Some(true), "the default, as without light");
+    for (bad, part) in [
+        ("[sun]\nplace = \"52.5,13.4\"\n", "needs both place and time"),
+        ("[sun]\nplace = \"Berlin\"\ntime = \"2026-06-21T12:00Z\"\n", "'Berlin' is not a place"),
+        ("[sky]\nkind = \"cloudy\"\n", "'cloudy' is not a kind of sky"),
+        ("[sky]\nturbidity = 11\n", "'turbidity' in [sky]"),
+    ] {
+        warning(&with(bad), part);
+    }
 }
 
 #[test]

@@ -11,7 +11,9 @@ use crate::experiment::run::ExperimentError;
 use crate::math::{Ray, key::Key};
 use crate::raster::color::{ToneMap, display_linear, metered_exposure_ev};
 use crate::render::{Frame, Mode};
-use crate::scene::{Encoding, Material, MaterialId, MaterialKind, SceneBuilder, Sky, Texture, TextureRef};
+use crate::scene::{
+    Encoding, Gradient, Material, MaterialId, MaterialKind, SceneBuilder, Sky, Texture, TextureRef,
+};
 use crate::trace::{MAX_BOUNCES, PixelTrace, RayCounts, TraceSettings, Tracer, truncation_bound};
 use glam::{DVec3, Vec2, Vec3};
 use std::{f64::consts::FRAC_PI_2, sync::Arc};
@@ -197,7 +199,7 @@ fn odd_indices(_: &Trial) -> Outcome {
     })
 }
 
-const WHITE: Sky = Sky { zenith: Vec3::ONE, horizon: Vec3::ONE, ground: Vec3::ONE };
+const WHITE: Gradient = Gradient { zenith: Vec3::ONE, horizon: Vec3::ONE, ground: Vec3::ONE };
 
 fn nested_glass(_: &Trial) -> Outcome {
     let mut b = SceneBuilder::new("aquarium");
@@ -310,7 +312,7 @@ fn broken_materials(_: &Trial) -> Outcome {
         b.materials[0].diffuse.y = broken;
         b.materials[1].emission.x = broken;
         b.point_lights.push((DVec3::ONE, Vec3::splat(broken)));
-        b.sky = Some(Sky { zenith: Vec3::splat(broken), ..WHITE });
+        b.sky = Some(Sky::Gradient(Gradient { zenith: Vec3::splat(broken), ..WHITE }));
         let tracer = tracer(b)?;
         let is_miscounted = tracer.scene().conditioning.repairs.values_clamped != 4;
         Ok(bad_values(&full(&tracer, &Room::SHINY.camera())) + usize::from(is_miscounted))
@@ -321,8 +323,11 @@ fn turning_sky(_: &Trial) -> Outcome {
     let mut b = SceneBuilder::new("open");
     let grey = b.add_material(Material::diffuse("grey", Vec3::splat(0.5)));
     quad(&mut b, dvec(-5.0, 0.0, 5.0), dvec(10.0, 0.0, 0.0), dvec(0.0, 0.0, -10.0), grey);
-    b.sky =
-        Some(Sky { zenith: Vec3::new(0.2, 0.4, 0.9), horizon: Vec3::splat(0.8), ground: Vec3::splat(0.2) });
+    b.sky = Some(Sky::Gradient(Gradient {
+        zenith: Vec3::new(0.2, 0.4, 0.9),
+        horizon: Vec3::splat(0.8),
+        ground: Vec3::splat(0.2),
+    }));
     let tracer = tracer(b)?;
     let camera = Camera::look_at(dvec(0.0, 2.0, 0.0), dvec(0.0, 6.0, -4.0), 50.0);
     let turned = Camera { yaw: camera.yaw + 0.05, pitch: camera.pitch - 0.03, ..camera };

@@ -137,7 +137,7 @@ pub(super) fn srgb(frame: &Frame) -> Vec<[u8; 3]> {
 /// Renders a clear object in uniform white light, where it must be invisible, and returns the share
 /// of pixels, in percent, that are off by more than 2 %. Cutting weak branches may cost that much.
 pub(super) fn seen_in_white(mut b: SceneBuilder, camera: &Camera) -> Outcome {
-    b.sky = Some(Sky { zenith: Vec3::ONE, horizon: Vec3::ONE, ground: Vec3::ONE });
+    b.sky = Some(Sky::even(Vec3::ONE));
     let frame = full(&tracer(b)?, camera);
     let off = |r: &Vec3| (*r - Vec3::ONE).abs().max_element();
     let seen = frame.radiance.iter().filter(|r| off(r) > 0.02).count() + bad_values(&frame);

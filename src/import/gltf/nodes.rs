@@ -169,6 +169,7 @@ impl Walker<'_, '_> {
             return Err(note(Trouble::LIGHT));
         }
         let color: Vec3 = color.as_vec3();
+        self.builder.is_photometric = true;
         match (light.kind.as_str(), back) {
             ("point", _) => self.builder.point_lights.push((at, color)),
             ("spot", _) => {

@@ -1,11 +1,12 @@
 //! Saving edited materials and daylight in the sidecar of a model. Everything else in
 //! the file stays: other keys, their order and comments.
 
+use super::light::{SKY_KEYS, SUN_KEYS};
 use super::read::MAX_BYTES;
 use crate::import::files::{self, unreadable};
 use crate::import::text;
 use crate::raster::atomic_file::write_atomically;
-use crate::scene::{Daylight, Material, MaterialKind, SceneEdit, SceneError, Sun};
+use crate::scene::{Daylight, Gradient, Material, MaterialKind, SceneEdit, SceneError, Sky, Sun};
 use glam::Vec3;
 use std::path::{Path, PathBuf};
 use toml_edit::{Array, ArrayOfTables, DocumentMut, Item, Table, value};
@@ -87,21 +88,54 @@ fn write_material(document: &mut DocumentMut, was: &Material, is: &Material) -> 
 fn write_daylight(document: &mut DocumentMut, daylight: &Daylight) {
     match daylight.sun {
         None => drop(document.remove("sun")),
-        Some(Sun { direction, angular_radius, irradiance }) => {
-            let table = section(document, "sun");
-            set(table, "direction", color(direction));
-            set(table, "irradiance", color(irradiance));
-            set(table, "angular_radius_deg", value(number(angular_radius.to_degrees())));
-        }
+        Some(Sun { direction, angular_radius, irradiance }) => write_section(
+            document,
+            "sun",
+            &SUN_KEYS,
+            vec![
+                ("direction", color(direction)),
+                ("irradiance", color(irradiance)),
+                ("angular_radius_deg", value(number(angular_radius.to_degrees()))),
+            ],
+        ),
     }
-    match daylight.sky {
+    match &daylight.sky {
         None => drop(document.remove("sky")),
-        Some(sky) => {
-            let table = section(document, "sky");
-            set(table, "zenith", color(sky.zenith));
-            set(table, "horizon", color(sky.horizon));
-            set(table, "ground", color(sky.ground));
+        Some(sky) => write_section(document, "sky", &SKY_KEYS, sky_values(sky)),
+    }
+}
+
+/// Sets the values of a section, and removes those of `keys` that have none.
+fn write_section(document: &mut DocumentMut, name: &str, keys: &[&str], values: Vec<(&str, Item)>) {
+    let table = section(document, name);
+    for key in keys.iter().filter(|key| !values.iter().any(|(written, _)| written == *key)) {
+        table.remove(key);
+    }
+    for (key, item) in values {
+        set(table, key, item);
+    }
+}
+
+fn sky_values(sky: &Sky) -> Vec<(&'static str, Item)> {
+    let kind = ("kind", value(sky.kind().name()));
+    match sky {
+        Sky::Gradient(Gradient { zenith, horizon, ground }) => {
+            vec![("zenith", color(*zenith)), ("horizon", color(*horizon)), ("ground", color(*ground))]
         }
+        Sky::Cie(sky) => vec![
+            kind,
+            ("zenith", color(sky.zenith)),
+            ("ground", color(sky.ground)),
+            ("sun_direction", color(sky.sun_direction)),
+        ],
+        Sky::Physical(sky) => vec![
+            kind,
+            ("turbidity", value(number(sky.turbidity()))),
+            ("albedo", value(number(sky.albedo()))),
+            ("brightness", value(number(sky.brightness()))),
+            ("ground", color(sky.ground())),
+            ("sun_direction", color(sky.sun_direction())),
+        ],
     }
 }
 

@@ -2,6 +2,7 @@
 //! edits in it.
 
 mod edit;
+mod light;
 mod read;
 mod table;
 

@@ -3,11 +3,12 @@
 //!
 //! A broken sidecar is a warning: the model is shown without it.
 
+use super::light::Light;
 use super::table::{Notes, Section, suggestion};
 use crate::camera::{Camera, CameraKey, CameraPath};
 use crate::import::units::{Unit, UnknownWord, Up};
 use crate::import::{files, options::Limits, text};
-use crate::scene::{Material, MaterialKind, NamedView, SceneBuilder, Sky, Sun};
+use crate::scene::{Material, MaterialKind, NamedView, SceneBuilder};
 use glam::{DVec3, Vec3};
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
@@ -58,8 +59,7 @@ pub(in crate::import) struct Sidecar {
     pub(in crate::import) up: Option<Up>,
     overrides: Vec<Override>,
     point_lights: Vec<(DVec3, Vec3)>,
-    sun: Option<Sun>,
-    sky: Option<Sky>,
+    light: Light,
     start: Option<Camera>,
     views: Vec<NamedView>,
     walk: Option<CameraPath>,
@@ -111,8 +111,7 @@ impl Sidecar {
             up: top.word("up", notes),
             overrides: overrides(&top, notes),
             point_lights: point_lights(&top, notes),
-            sun: sun(&top, notes),
-            sky: sky(&top, notes),
+            light: Light::read(&top, notes),
             start: start(&top, notes),
             views: views(&top, notes),
             walk: walk(&top, notes),
@@ -168,8 +167,7 @@ impl Sidecar {
     /// Adds lights, sky, views and walk.
     pub(in crate::import) fn apply(self, builder: &mut SceneBuilder) {
         builder.point_lights.extend(self.point_lights);
-        builder.sun = self.sun.or(builder.sun);
-        builder.sky = self.sky.or(builder.sky);
+        self.light.apply(builder);
         // The first frame of a walk is a better start than a view of the whole model from outside.
         let start = self.start.or_else(|| self.walk.as_ref()?.camera(0, 2));
         let of_model = std::mem::take(&mut builder.views);
@@ -251,32 +249,6 @@ fn point_lights(top: &Section, notes: &mut Notes) -> Vec<(DVec3, Vec3)> {
             Some((position?, intensity?))
         })
         .collect()
-}
-
-fn sun(top: &Section, notes: &mut Notes) -> Option<Sun> {
-    let s = top.section("sun", "[sun]", &["direction", "irradiance", "angular_radius_deg"], notes)?;
-    let default = Sun::clear_day();
-    let given = s.point("direction", notes);
-    let unit = given.and_then(DVec3::try_normalize);
-    if given.is_some() && unit.is_none() {
-        notes.add(s.at(), "'direction' in [sun] has no length; the default direction is used".to_owned());
-    }
-    let radius_deg = s.number("angular_radius_deg", 0.0..=90.0, notes);
-    Some(Sun {
-        direction: unit.map_or(default.direction, |d| d.as_vec3()),
-        angular_radius: radius_deg.map_or(default.angular_radius, |r| r.to_radians() as f32),
-        irradiance: s.color("irradiance", Limits::RADIANCE, notes).unwrap_or(default.irradiance),
-    })
-}
-
-fn sky(top: &Section, notes: &mut Notes) -> Option<Sky> {
-    let s = top.section("sky", "[sky]", &["zenith", "horizon", "ground"], notes)?;
-    let mut part = |key, default| s.color(key, Limits::RADIANCE, notes).unwrap_or(default);
-    Some(Sky {
-        zenith: part("zenith", Sky::CLEAR_DAY.zenith),
-        horizon: part("horizon", Sky::CLEAR_DAY.horizon),
-        ground: part("ground", Sky::CLEAR_DAY.ground),
-    })
 }
 
 fn fov_y_deg(s: &Section, notes: &mut Notes) -> f64 {

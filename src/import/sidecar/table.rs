@@ -67,6 +67,11 @@ impl<'t> Section<'t> {
         Self { table, name, at }
     }
 
+    /// Returns the name for messages, like `[sun]`.
+    pub(super) fn name(&self) -> &'static str {
+        self.name
+    }
+
     /// Returns the byte at which the section starts, for messages about it as a whole.
     pub(super) fn at(&self) -> usize {
         self.at

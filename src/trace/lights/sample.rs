@@ -91,7 +91,7 @@ pub(super) fn sample(
         Light::Sky => {
             let d = frame_around(point.shading_normal) * cosine_hemisphere(u);
             cosine(point, d)?;
-            distant(d, scene.sky.as_ref().map_or(Vec3::ZERO, |s| s.radiance(d)) * PI)
+            distant(d, scene.sky.as_ref().map_or(Vec3::ZERO, |s| s.diffuse_radiance(d)) * PI)
         }
     }
 }

@@ -28,9 +28,9 @@ pub(super) fn handle_edit(app: &mut Parts, command: EditCommand) {
 /// Undoes or redoes an edit.
 fn step(state: &mut AppState, is_undo: bool) {
     let (Some(edits), Some(scene)) = (&mut state.edits, &mut state.scene) else { return };
-    let before = edits.now().daylight;
+    let before = edits.now().daylight.clone();
     let is_done = if is_undo { edits.undo(&mut scene.views) } else { edits.redo(&mut scene.views) };
-    let now = edits.now().daylight;
+    let now = edits.now().daylight.clone();
     let navigation = &mut state.navigation;
     if now != before {
         (state.sun.is_by_place, navigation.view_index) = (false, 0);
@@ -91,6 +91,7 @@ pub(super) fn begin_edits(app: &mut Parts, scene: &Scene, is_reload: bool) {
         Some(edits) => edits.carried_to(saved),
         None => Edits::new(saved),
     };
+    app.state.sun.nits_per_unit = scene.nits_per_unit();
     app.state.sun.show(&edits.now().daylight);
     app.state.edits = Some(edits);
     if !is_reload {

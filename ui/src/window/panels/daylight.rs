@@ -1,19 +1,28 @@
 //! Sun and sky: the position of the sun by azimuth and elevation, or by place and time.
 
-use super::super::state::{AppState, Change, Command, EditCommand, PlaceAndTime, SunControls};
-use afterimage::scene::{Daylight, solar::SunPosition};
+use super::super::state::{AppState, Change, Command, EditCommand, SunControls};
+use afterimage::scene::place::PlaceAndTime;
+use afterimage::scene::{Daylight, PhysicalSky, SkyKind, solar::SunPosition};
 use egui::{DragValue, Slider, Ui};
 
-/// Suggested places: name, latitude and longitude in degrees, offset from UTC in winter in hours.
-const PLACES: [(&str, f64, f64, f64); 8] = [
-    ("Berlin", 52.52, 13.40, 1.0),
-    ("London", 51.51, -0.13, 0.0),
-    ("Madrid", 40.42, -3.70, 1.0),
-    ("Nairobi", -1.29, 36.82, 3.0),
-    ("New York", 40.71, -74.01, -5.0),
-    ("S\u{e3}o Paulo", -23.55, -46.63, -3.0),
-    ("Sydney", -33.87, 151.21, 10.0),
-    ("Tokyo", 35.68, 139.69, 9.0),
+/// Suggested places: name, latitude and longitude in degrees, time zone.
+const PLACES: [(&str, f64, f64, &str); 8] = [
+    ("Berlin", 52.52, 13.40, "Europe/Berlin"),
+    ("London", 51.51, -0.13, "Europe/London"),
+    ("Madrid", 40.42, -3.70, "Europe/Madrid"),
+    ("Nairobi", -1.29, 36.82, "Africa/Nairobi"),
+    ("New York", 40.71, -74.01, "America/New_York"),
+    ("S\u{e3}o Paulo", -23.55, -46.63, "America/Sao_Paulo"),
+    ("Sydney", -33.87, 151.21, "Australia/Sydney"),
+    ("Tokyo", 35.68, 139.69, "Asia/Tokyo"),
+];
+
+/// Kinds of skies, with their names and explanations.
+const SKIES: [(SkyKind, &str, &str); 4] = [
+    (SkyKind::Gradient, "Gradient", "A clear day, blue above and white at the horizon"),
+    (SkyKind::Overcast, "Overcast", "The standard overcast sky of the CIE; the sun is hidden"),
+    (SkyKind::Clear, "Clear", "The standard clear sky of the CIE, bright around the sun"),
+    (SkyKind::Physical, "Physical", "Sunlight scattered in air and haze (Hosek and Wilkie 2012)"),
 ];
 
 /// Shows the controls of the sun and the sky.
@@ -22,8 +31,8 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
         ui.weak("No scene yet.");
         return;
     };
-    let now = edits.now().daylight;
-    let (mut has_sun, mut has_sky, mut sun) = (now.sun.is_some(), now.sky.is_some(), state.sun);
+    let now = &edits.now().daylight;
+    let (mut has_sun, mut has_sky, mut sun) = (now.sun.is_some(), now.sky.is_some(), state.sun.clone());
     ui.horizontal(|ui| {
         ui.checkbox(&mut has_sun, "Sun");
         ui.checkbox(&mut has_sky, "Sky");
@@ -39,22 +48,28 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
         } else {
             direction_rows(ui, &mut sun.direction);
         }
+        sky_rows(ui, &mut sun);
         let help = "Angle of north, clockwise from the model's -Z (up on the plan) towards its +X";
         slider(ui, "North", help, &mut sun.north_deg, -180.0..=180.0, 0, "°");
     });
     let SunPosition { azimuth_deg, height_deg } = sun.position();
     let place = format!("Sun at azimuth {azimuth_deg:.1}°, elevation {height_deg:.1}°");
-    ui.weak(if height_deg > 0.0 { place } else { format!("{place}: below the horizon") });
+    match sun.place.sun() {
+        Err(error) if sun.is_by_place => {
+            drop(ui.colored_label(ui.visuals().error_fg_color, error.to_string()))
+        }
+        _ => drop(ui.weak(if height_deg > 0.0 { place } else { format!("{place}: below the horizon") })),
+    }
+    let wanted = daylight(now, &state.sun, &sun, [has_sun, has_sky]);
+    if wanted != *now {
+        commands.push(Command::Edit(EditCommand::Change(Change::Daylight(wanted))));
+    }
     if sun != state.sun {
         commands.push(Command::Edit(EditCommand::SetSun(sun)));
     }
-    let wanted = daylight(&now, &state.sun, &sun, [has_sun, has_sky]);
-    if wanted != now {
-        commands.push(Command::Edit(EditCommand::Change(Change::Daylight(wanted))));
-    }
 }
 
-/// The new daylight. A part that was switched on or moved gets the values of a clear day; other
+/// The new daylight. A part that was switched on or moved gets the values of the chosen sky; other
 /// parts keep theirs.
 fn daylight(
     now: &Daylight,
@@ -62,14 +77,20 @@ fn daylight(
     sun: &SunControls,
     [has_sun, has_sky]: [bool; 2],
 ) -> Daylight {
-    let clear = sun.moved(has_sun, has_sky);
+    let clear = || sun.moved(has_sun, has_sky);
+    let is_other_sky = sun.kind != before.kind || sun.turbidity != before.turbidity;
+    if is_other_sky {
+        // The clouds of an overcast sky hide a sun, which shines again under another one.
+        let was_hidden = before.kind == SkyKind::Overcast && now.sky.is_some();
+        return sun.moved(has_sun || was_hidden, true);
+    }
     // A sun that was below the horizon rises again if there is a sky.
     let has_moved = sun.position() != before.position() || sun.north_deg != before.north_deg;
     if has_moved {
-        return Daylight { sun: sun.moved(has_sun || has_sky, false).sun, sky: clear.sky };
+        return Daylight { sun: sun.moved(has_sun || has_sky, false).sun, sky: clear().sky };
     }
-    let sun = if has_sun == now.sun.is_some() { now.sun } else { clear.sun };
-    let sky = if has_sky == now.sky.is_some() { now.sky } else { clear.sky };
+    let sun = if has_sun == now.sun.is_some() { now.sun } else { clear().sun };
+    let sky = if has_sky == now.sky.is_some() { now.sky.clone() } else { clear().sky };
     Daylight { sun, sky }
 }
 
@@ -86,6 +107,24 @@ fn slider(
     let slider = Slider::new(value, range).clamping(egui::SliderClamping::Edits);
     ui.add(slider.fixed_decimals(decimals).suffix(unit)).labelled_by(label.id).on_hover_text(help);
     ui.end_row();
+}
+
+fn sky_rows(ui: &mut Ui, sun: &mut SunControls) {
+    let label = ui.label("Sky");
+    let named = |kind| SKIES.iter().find(|(k, ..)| *k == kind).map_or("", |(_, name, _)| *name);
+    let combo = egui::ComboBox::from_id_salt("sky").selected_text(named(sun.kind)).show_ui(ui, |ui| {
+        for (kind, name, help) in SKIES {
+            ui.selectable_value(&mut sun.kind, kind, name).on_hover_text(help);
+        }
+    });
+    combo.response.labelled_by(label.id);
+    ui.end_row();
+    if sun.kind == SkyKind::Physical {
+        let (help, mut turbidity) = ("Turbidity: 2 is very clear, 3 clear, 10 hazy", sun.turbidity.into());
+        let range = f64::from(*PhysicalSky::TURBIDITIES.start())..=f64::from(*PhysicalSky::TURBIDITIES.end());
+        slider(ui, "Haze", help, &mut turbidity, range, 1, "");
+        sun.turbidity = turbidity as f32;
+    }
 }
 
 fn direction_rows(ui: &mut Ui, direction: &mut SunPosition) {
@@ -106,9 +145,10 @@ fn place_rows(ui: &mut Ui, place: &mut PlaceAndTime) {
     let is_at = |p: &PlaceAndTime, lat: f64, lon: f64| p.latitude_deg == lat && p.longitude_deg == lon;
     let known = PLACES.iter().find(|(_, lat, lon, _)| is_at(place, *lat, *lon)).map_or("custom", |p| p.0);
     let combo = egui::ComboBox::from_id_salt("place").selected_text(known).show_ui(ui, |ui| {
-        for (name, latitude_deg, longitude_deg, utc_offset_hours) in PLACES {
+        for (name, latitude_deg, longitude_deg, zone) in PLACES {
             if ui.selectable_label(known == name, name).clicked() {
-                *place = PlaceAndTime { latitude_deg, longitude_deg, utc_offset_hours, ..*place };
+                (place.latitude_deg, place.longitude_deg) = (latitude_deg, longitude_deg);
+                zone.clone_into(&mut place.zone);
             }
         }
     });
@@ -117,13 +157,15 @@ fn place_rows(ui: &mut Ui, place: &mut PlaceAndTime) {
     slider(ui, "Latitude", "Positive in the north", &mut place.latitude_deg, -90.0..=90.0, 2, "°");
     slider(ui, "Longitude", "Positive in the east", &mut place.longitude_deg, -180.0..=180.0, 2, "°");
     date_row(ui, place);
-    let help = "Local time of the place";
+    let help = "Local time of the place, with summer time where its zone has it";
     let label = ui.label("Time of day").on_hover_text(help);
     let clock = Slider::new(&mut place.hours, 0.0..=24.0).custom_formatter(|hours, _| clock_text(hours));
     ui.add(clock.custom_parser(clock_hours).step_by(1.0 / 12.0)).labelled_by(label.id).on_hover_text(help);
     ui.end_row();
-    let help = "Offset of local time from UTC; in summer time, one hour more";
-    slider(ui, "UTC offset", help, &mut place.utc_offset_hours, -12.0..=14.0, 1, " h");
+    let help = "Time zone by its name in the IANA database, such as Europe/Berlin";
+    let label = ui.label("Time zone").on_hover_text(help);
+    ui.text_edit_singleline(&mut place.zone).labelled_by(label.id).on_hover_text(help);
+    ui.end_row();
 }
 
 fn date_row(ui: &mut Ui, place: &mut PlaceAndTime) {
@@ -166,6 +208,7 @@ fn clock_hours(text: &str) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use afterimage::scene::Sky;
 
     #[test]
     fn times_are_formatted_and_parsed_as_hours_and_minutes() {
@@ -188,19 +231,23 @@ mod tests {
     #[test]
     fn only_changed_parts_of_daylight_change() {
         let controls = SunControls::default();
-        let own = Daylight { sky: Some(afterimage::scene::Sky { zenith: glam::Vec3::X, ..DUSK }), sun: None };
+        let own = Daylight { sky: Some(Sky::even(glam::Vec3::X)), sun: None };
         let lit = daylight(&own, &controls, &controls, [true, true]);
         assert!(lit.sun.is_some() && lit.sky == own.sky, "the sky stays");
-        let mut moved = controls;
+        let mut moved = controls.clone();
         moved.direction.height_deg = 10.0;
         let evening = daylight(&lit, &controls, &moved, [true, true]);
         assert!(evening.sky != lit.sky && evening.sun != lit.sun);
         assert_eq!(daylight(&lit, &controls, &controls, [false, false]), Daylight::default());
     }
 
-    const DUSK: afterimage::scene::Sky = afterimage::scene::Sky {
-        zenith: glam::Vec3::ZERO,
-        horizon: glam::Vec3::ONE,
-        ground: glam::Vec3::ZERO,
-    };
+    #[test]
+    fn clouds_hide_the_sun_until_another_sky_is_chosen() {
+        let controls = SunControls::default();
+        let clouded = SunControls { kind: SkyKind::Overcast, ..controls.clone() };
+        let clear = controls.moved(true, true);
+        let overcast = daylight(&clear, &controls, &clouded, [true, true]);
+        assert!(overcast.sun.is_none() && overcast.sky.as_ref().unwrap().kind() == SkyKind::Overcast);
+        assert_eq!(daylight(&overcast, &clouded, &controls, [false, true]), clear);
+    }
 }

@@ -135,7 +135,7 @@ impl Edits {
             }
         }
         if self.now.daylight != self.saved.daylight {
-            carried.change(Change::Daylight(self.now.daylight), &mut Vec::new());
+            carried.change(Change::Daylight(self.now.daylight.clone()), &mut Vec::new());
         }
         carried
     }

@@ -33,6 +33,6 @@ pub use presentation::{Coloring, FILLED_COLOR, Heatmap, Overlay, Presentation};
 pub use quality::{Quality, WINDOW_SAMPLES};
 pub use scene::{SavedView, SceneInfo};
 pub use selection::{Inspection, Measure, PixelFacts, ReferenceView, Selection, Snap, SnapKind};
-pub use sun::{PlaceAndTime, SunControls};
+pub use sun::SunControls;
 pub use unsaved_changes::{Answer, Leaving};
 pub use work::Work;

@@ -1,56 +1,9 @@
-//! Position of the sun: by direction, or by place and time.
+//! Sun and sky as their controls show them: the sun by direction, or by place and time.
 
-use afterimage::scene::Daylight;
-use afterimage::scene::solar::{SunPosition, UniversalTime, clear_daylight, sun_position};
-
-/// A place on earth and a moment there.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PlaceAndTime {
-    /// Latitude in degrees, positive in the north.
-    pub latitude_deg: f64,
-    /// Longitude in degrees, positive in the east.
-    pub longitude_deg: f64,
-    /// Year of the Gregorian calendar.
-    pub year: i32,
-    /// Month of the year, 1 to 12.
-    pub month: u32,
-    /// Day of the month, 1 to 31.
-    pub day: u32,
-    /// Local time in hours since midnight.
-    pub hours: f64,
-    /// Local time minus universal time, in hours.
-    pub utc_offset_hours: f64,
-}
-
-impl Default for PlaceAndTime {
-    fn default() -> Self {
-        Self {
-            latitude_deg: 52.5,
-            longitude_deg: 13.4,
-            year: 2026,
-            month: 6,
-            day: 21,
-            hours: 12.0,
-            utc_offset_hours: 2.0,
-        }
-    }
-}
-
-impl PlaceAndTime {
-    /// Returns the position of the sun at this place and time.
-    pub fn sun(&self) -> SunPosition {
-        let time = UniversalTime {
-            year: self.year,
-            month: self.month,
-            day: self.day,
-            hours: self.hours - self.utc_offset_hours,
-        };
-        sun_position(&time, self.latitude_deg, self.longitude_deg)
-    }
-}
+use afterimage::scene::{Daylight, DaylightModel, Sky, SkyKind, place::PlaceAndTime, solar::SunPosition};
 
 /// Position of the sun, as its controls show it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct SunControls {
     /// Place and time decide, not azimuth and height.
     pub is_by_place: bool,
@@ -60,33 +13,56 @@ pub struct SunControls {
     pub place: PlaceAndTime,
     /// Angle of north from -Z towards +X, in degrees.
     pub north_deg: f64,
+    /// Kind of the sky.
+    pub kind: SkyKind,
+    /// Haze of the physical sky.
+    pub turbidity: f32,
+    /// Luminance in cd/m2 of a radiance of one in the scene that is shown.
+    pub nits_per_unit: f32,
 }
 
 impl Default for SunControls {
     fn default() -> Self {
         let direction = SunPosition { azimuth_deg: 180.0, height_deg: 45.0 };
-        Self { is_by_place: false, direction, place: PlaceAndTime::default(), north_deg: 0.0 }
+        let DaylightModel { kind, turbidity, nits_per_unit, north_deg, .. } =
+            DaylightModel::new(SkyKind::default(), direction);
+        let place = PlaceAndTime::default();
+        Self { is_by_place: false, direction, place, north_deg, kind, turbidity, nits_per_unit }
     }
 }
 
 impl SunControls {
-    /// Returns the position of the sun.
+    /// Returns the position of the sun: the direction, where place and time are not valid.
     pub fn position(&self) -> SunPosition {
-        if self.is_by_place { self.place.sun() } else { self.direction }
+        let by_place = self.is_by_place.then(|| self.place.sun().ok()).flatten();
+        by_place.unwrap_or(self.direction)
     }
 
-    /// Sets the direction to that of a scene's sun.
+    /// Sets the controls to the sun and the sky of a scene.
     pub fn show(&mut self, daylight: &Daylight) {
         if let Some(sun) = daylight.sun {
             let shown = SunPosition::of_direction(sun.direction);
             let azimuth_deg = (shown.azimuth_deg - self.north_deg).rem_euclid(360.0);
             self.direction = SunPosition { azimuth_deg, ..shown };
         }
+        if let Some(sky) = &daylight.sky {
+            self.kind = sky.kind();
+        }
+        if let Some(Sky::Physical(sky)) = &daylight.sky {
+            self.turbidity = sky.turbidity();
+        }
     }
 
-    /// Returns the daylight of a clear day with this sun, with or without sun and sky.
+    /// Returns the daylight with this sun and kind of sky, with or without sun and sky.
     pub fn moved(&self, has_sun: bool, has_sky: bool) -> Daylight {
-        let Daylight { sun, sky } = clear_daylight(&self.position(), self.north_deg);
+        let model = DaylightModel {
+            kind: self.kind,
+            position: self.position(),
+            north_deg: self.north_deg,
+            turbidity: self.turbidity,
+            nits_per_unit: self.nits_per_unit,
+        };
+        let Daylight { sun, sky } = model.daylight();
         Daylight { sun: sun.filter(|_| has_sun), sky: sky.filter(|_| has_sky) }
     }
 }
@@ -110,7 +86,7 @@ mod tests {
     #[test]
     fn noon_is_in_the_south_by_the_clocks_of_the_place() {
         let place = PlaceAndTime { hours: 13.1, ..PlaceAndTime::default() };
-        let sun = place.sun();
+        let sun = place.sun().unwrap();
         assert!((sun.azimuth_deg - 180.0).abs() < 3.0 && (sun.height_deg - 60.9).abs() < 0.5, "{sun:?}");
     }
 }

@@ -1,0 +1,178 @@
+//! `[sun]` and `[sky]` of a sidecar.
+
+use super::table::{Notes, Section};
+use crate::import::options::Limits;
+use crate::import::units::UnknownWord;
+use crate::scene::daylight::GROUND_ALBEDO;
+use crate::scene::place::{PlaceAndTime, parse_place};
+use crate::scene::solar::SunPosition;
+use crate::scene::{CieSky, DaylightModel, Gradient, PhysicalSky, SceneBuilder, Sky, SkyKind, Sun};
+use glam::{DVec3, Vec3};
+use std::str::FromStr;
+
+/// Keys of `[sky]`.
+pub(super) const SKY_KEYS: [&str; 8] =
+    ["kind", "zenith", "horizon", "ground", "sun_direction", "turbidity", "albedo", "brightness"];
+
+/// Keys of `[sun]`.
+pub(super) const SUN_KEYS: [&str; 6] =
+    ["direction", "irradiance", "angular_radius_deg", "place", "time", "north_deg"];
+
+/// The light from outside, as far as a sidecar gives it.
+#[derive(Debug, Default)]
+pub(super) struct Light {
+    sun: Option<SunValues>,
+    sky: Option<SkyValues>,
+}
+
+#[derive(Debug)]
+struct SunValues {
+    direction: Option<Vec3>,
+    irradiance: Option<Vec3>,
+    angular_radius: Option<f32>,
+    /// Position by place and time, and the angle of north in degrees.
+    by_place: Option<(SunPosition, f64)>,
+}
+
+#[derive(Debug)]
+struct SkyValues {
+    kind: SkyKind,
+    zenith: Option<Vec3>,
+    horizon: Option<Vec3>,
+    ground: Option<Vec3>,
+    sun_direction: Option<Vec3>,
+    turbidity: Option<f32>,
+    albedo: Option<f32>,
+    brightness: Option<f32>,
+}
+
+struct Kind(SkyKind);
+
+impl FromStr for Kind {
+    type Err = UnknownWord;
+
+    fn from_str(text: &str) -> Result<Self, UnknownWord> {
+        let known = "gradient, overcast, clear, physical";
+        let kind = SkyKind::ALL.into_iter().find(|kind| kind.name() == text);
+        kind.map(Self).ok_or_else(|| UnknownWord::new(text, "a kind of sky", known))
+    }
+}
+
+impl Light {
+    pub(super) fn read(top: &Section, notes: &mut Notes) -> Self {
+        Self { sun: sun(top, notes), sky: sky(top, notes) }
+    }
+
+    /// Sets sun and sky of the builder. What the sidecar does not give follows from the position of
+    /// the sun, in the units of the model.
+    pub(super) fn apply(self, builder: &mut SceneBuilder) {
+        let by_place = self.sun.as_ref().and_then(|sun| sun.by_place);
+        let given = self.sun.as_ref().and_then(|sun| sun.direction);
+        let direction = given.or(builder.sun.map(|sun| sun.direction)).unwrap_or(Sun::clear_day().direction);
+        let (position, north_deg) = by_place.unwrap_or((SunPosition::of_direction(direction), 0.0));
+        let kind = self.sky.as_ref().map_or(SkyKind::default(), |sky| sky.kind);
+        let turbidity = self.sky.as_ref().and_then(|sky| sky.turbidity);
+        let model = DaylightModel {
+            north_deg,
+            turbidity: turbidity.unwrap_or(DaylightModel::DEFAULT_TURBIDITY),
+            nits_per_unit: builder.nits_per_unit(),
+            ..DaylightModel::new(kind, position)
+        };
+        let light = model.daylight();
+        if let Some(values) = self.sun {
+            let default = match values.by_place {
+                Some(_) => light.sun,
+                None => Some(Sun { direction, ..Sun::clear_day() }),
+            };
+            builder.sun = default.map(|default| Sun {
+                irradiance: values.irradiance.unwrap_or(default.irradiance),
+                angular_radius: values.angular_radius.unwrap_or(default.angular_radius),
+                ..default
+            });
+        }
+        if let Some(values) = self.sky {
+            builder.sky = values.sky(light.sky);
+        }
+    }
+}
+
+impl SkyValues {
+    /// Returns the sky with the values that are given, others as in `model`; none at night.
+    fn sky(self, model: Option<Sky>) -> Option<Sky> {
+        match model {
+            Some(Sky::Cie(cie)) => Some(Sky::Cie(CieSky {
+                zenith: self.zenith.unwrap_or(cie.zenith),
+                ground: self.ground.unwrap_or(cie.ground),
+                sun_direction: self.sun_direction.unwrap_or(cie.sun_direction),
+                ..cie
+            })),
+            Some(Sky::Physical(sky)) => Some(Sky::Physical(PhysicalSky::new(
+                self.sun_direction.unwrap_or(sky.sun_direction()),
+                sky.turbidity(),
+                self.albedo.unwrap_or(GROUND_ALBEDO),
+                self.brightness.unwrap_or(sky.brightness()),
+                self.ground.unwrap_or(sky.ground()),
+            ))),
+            _ if self.kind == SkyKind::Gradient => {
+                let default = Gradient::CLEAR_DAY;
+                Some(Sky::Gradient(Gradient {
+                    zenith: self.zenith.unwrap_or(default.zenith),
+                    horizon: self.horizon.unwrap_or(default.horizon),
+                    ground: self.ground.unwrap_or(default.ground),
+                }))
+            }
+            _ => None,
+        }
+    }
+}
+
+fn direction(s: &Section, key: &str, notes: &mut Notes) -> Option<Vec3> {
+    let given = s.point(key, notes)?;
+    let unit = given.try_normalize().map(|d: DVec3| d.as_vec3());
+    if unit.is_none() {
+        notes.add(s.at(), format!("'{key}' in {} has no length; the default direction is used", s.name()));
+    }
+    unit
+}
+
+fn sun(top: &Section, notes: &mut Notes) -> Option<SunValues> {
+    let s = top.section("sun", "[sun]", &SUN_KEYS, notes)?;
+    let radius_deg = s.number("angular_radius_deg", 0.0..=90.0, notes);
+    Some(SunValues {
+        direction: direction(&s, "direction", notes),
+        irradiance: s.color("irradiance", Limits::RADIANCE, notes),
+        angular_radius: radius_deg.map(|r| r.to_radians() as f32),
+        by_place: by_place(&s, notes),
+    })
+}
+
+fn by_place(s: &Section, notes: &mut Notes) -> Option<(SunPosition, f64)> {
+    let (place, time) = (s.text("place", notes), s.text("time", notes));
+    let north_deg = s.number("north_deg", -360.0..=360.0, notes).unwrap_or(0.0);
+    let (Some(place), Some(time)) = (place, time) else {
+        if place.is_some() || time.is_some() {
+            notes.add(s.at(), "[sun] needs both place and time; they were ignored".to_owned());
+        }
+        return None;
+    };
+    let position = parse_place(place).and_then(|place| PlaceAndTime::at(place, time)?.sun());
+    match position {
+        Ok(position) => Some((position, north_deg)),
+        Err(error) => {
+            notes.add(s.at(), format!("{error}; place and time in [sun] were ignored"));
+            None
+        }
+    }
+}
+
+fn sky(top: &Section, notes: &mut Notes) -> Option<SkyValues> {
+    let s = top.section("sky", "[sky]", &SKY_KEYS, notes)?;
+    let kind = s.word::<Kind>("kind", notes).map_or(SkyKind::default(), |kind| kind.0);
+    let mut color = |key| s.color(key, Limits::RADIANCE, notes);
+    let (zenith, horizon, ground) = (color("zenith"), color("horizon"), color("ground"));
+    let mut number = |key, range| s.number(key, range, notes).map(|n| n as f32);
+    let (turbidity, albedo) = (number("turbidity", 1.0..=10.0), number("albedo", 0.0..=1.0));
+    let brightness = number("brightness", 0.0..=f64::from(Limits::RADIANCE));
+    let sun_direction = direction(&s, "sun_direction", notes);
+    Some(SkyValues { kind, zenith, horizon, ground, sun_direction, turbidity, albedo, brightness })
+}

@@ -1,0 +1,107 @@
+//! The sky: the background of rays that leave the scene, and the light that it sends onto surfaces.
+
+mod cie;
+mod gradient;
+mod physical;
+
+pub(super) use cie::horizontal_irradiance;
+pub use cie::{CieKind, CieSky};
+pub use gradient::Gradient;
+pub use physical::PhysicalSky;
+
+use glam::Vec3;
+
+/// A sky. Directions are those of world and scene space, which have the same axes; radiances are
+/// linear Rec. 709.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Sky {
+    /// A gradient over the elevation.
+    Gradient(Gradient),
+    /// A standard sky of the CIE, overcast or clear.
+    Cie(CieSky),
+    /// A clear sky computed from the scattering of sunlight.
+    Physical(PhysicalSky),
+}
+
+/// The kinds of skies, without their values.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SkyKind {
+    /// [`Sky::Gradient`].
+    #[default]
+    Gradient,
+    /// [`Sky::Cie`] with [`CieKind::Overcast`].
+    Overcast,
+    /// [`Sky::Cie`] with [`CieKind::Clear`].
+    Clear,
+    /// [`Sky::Physical`].
+    Physical,
+}
+
+impl SkyKind {
+    /// All kinds.
+    pub const ALL: [Self; 4] = [Self::Gradient, Self::Overcast, Self::Clear, Self::Physical];
+
+    /// Name of the kind in sidecars and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Gradient => "gradient",
+            Self::Overcast => "overcast",
+            Self::Clear => "clear",
+            Self::Physical => "physical",
+        }
+    }
+}
+
+impl Sky {
+    /// The sky of a clear day, used where a file does not describe its own.
+    pub const CLEAR_DAY: Self = Self::Gradient(Gradient::CLEAR_DAY);
+
+    /// Returns a sky that has the same radiance in all directions.
+    pub const fn even(radiance: Vec3) -> Self {
+        Self::Gradient(Gradient { zenith: radiance, horizon: radiance, ground: radiance })
+    }
+
+    /// Returns the kind of the sky.
+    pub fn kind(&self) -> SkyKind {
+        match self {
+            Self::Gradient(_) => SkyKind::Gradient,
+            Self::Cie(CieSky { kind: CieKind::Overcast, .. }) => SkyKind::Overcast,
+            Self::Cie(CieSky { kind: CieKind::Clear, .. }) => SkyKind::Clear,
+            Self::Physical(_) => SkyKind::Physical,
+        }
+    }
+
+    /// Returns the radiance that is seen in a unit direction.
+    pub fn radiance(&self, direction: Vec3) -> Vec3 {
+        match self {
+            Self::Gradient(sky) => sky.radiance(direction),
+            Self::Cie(sky) => sky.radiance(direction),
+            Self::Physical(sky) => sky.radiance(direction),
+        }
+    }
+
+    /// Returns the radiance with which a unit direction of the sky lights surfaces, without the
+    /// parts that are lights of their own: what a ray adds that leaves a diffuse surface and the
+    /// scene.
+    pub fn diffuse_radiance(&self, direction: Vec3) -> Vec3 {
+        self.radiance(direction)
+    }
+
+    /// Returns the radiance from straight above.
+    pub fn zenith(&self) -> Vec3 {
+        match self {
+            Self::Gradient(sky) => sky.zenith,
+            Self::Cie(sky) => sky.zenith,
+            Self::Physical(_) => self.radiance(Vec3::Y),
+        }
+    }
+
+    /// Returns the colours that a file may have given wrongly.
+    pub(super) fn colors_mut(&mut self) -> Vec<&mut Vec3> {
+        match self {
+            Self::Gradient(sky) => vec![&mut sky.zenith, &mut sky.horizon, &mut sky.ground],
+            Self::Cie(sky) => vec![&mut sky.zenith, &mut sky.ground],
+            Self::Physical(sky) => vec![sky.ground_mut()],
+        }
+    }
+}
