@@ -111,8 +111,8 @@
 //!
 //! - `import`: the module `import` (OBJ, glTF, textures, sidecars) and walks from JSON
 //! - `pictures`: PNG and OpenEXR files, pictures of a frame's data (`render::aov`), the metrics
-//!   PSNR, SSIM and FLIP, and the embedded scene `gallery`, whose textures are PNG. The other
-//!   embedded scenes are always there.
+//!   PSNR, SSIM and FLIP, and the embedded scenes `gallery` and `gallery-bench`, whose textures are
+//!   PNG. The other embedded scenes are always there.
 //! - `experiments`: the module `experiment`, which measures all this; brings `import` and
 //!   `pictures`
 //!

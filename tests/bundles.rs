@@ -135,7 +135,7 @@ fn an_empty_tree_blocks_nothing() {
 /// A sheet of glass dims, whatever lies in front of it; an opaque surface behind it blocks.
 #[test]
 fn light_that_passes_along_a_bundle_is_that_of_its_rays() {
-    let tracer = Tracer::new(Arc::new(builtin::build("gallery").unwrap()));
+    let tracer = Tracer::new(Arc::new(builtin::build("gallery-bench").unwrap()));
     let scene = tracer.scene().clone();
     let view = afterimage::camera::View::new(&scene.walk.camera(200, 300).unwrap(), &scene.frame, [48, 27]);
     let [mut dimmed, mut blocked, mut all] = [0; 3];

@@ -89,7 +89,7 @@ fn without_a_reference_it_is_the_full_tracer_bit_for_bit() {
         let cameras = [0, 100, 200].map(|i| scene.walk.camera(i, 300).unwrap());
         (Tracer::new(Arc::new(scene)), cameras.to_vec())
     };
-    let gallery = builtin::build("gallery").unwrap();
+    let gallery = builtin::build("gallery-bench").unwrap();
     let room = (room_tracer(true, true), vec![room_camera()]);
     for (tracer, cameras) in [room, on_walk(studio()), on_walk(gallery), on_walk(leafy_scene())] {
         for (i, camera) in cameras.into_iter().enumerate() {

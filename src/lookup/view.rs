@@ -238,7 +238,7 @@ mod tests {
 
     #[test]
     fn rows_of_eight_find_what_single_points_find() {
-        for name in ["cornell", "gallery"] {
+        for name in ["cornell", "gallery-bench"] {
             let [found_alone, found_in_rows, differ] = compare(name);
             assert!(
                 found_in_rows > 1000 && found_in_rows * 10 >= found_alone * 9,

@@ -3,7 +3,7 @@
 mod analytic;
 mod clearance;
 mod edits;
-mod gallery;
+mod gallery_bench;
 
 use afterimage::scene::{Scene, builtin};
 use std::sync::LazyLock;

@@ -11,7 +11,7 @@ pub(super) struct Views {
     pub(super) references: [Camera; 2],
 }
 
-/// Views chosen for the gallery; the file states how.
+/// Views chosen for `builtin:gallery-bench`; the file states how.
 const CHOSEN: &str = include_str!("../../../assets/experiments/table1.toml");
 
 #[derive(Deserialize)]

@@ -3,7 +3,7 @@
 mod cornell;
 mod furnace;
 #[cfg(feature = "pictures")]
-mod gallery;
+mod gallery_bench;
 mod mirrors;
 #[cfg_attr(
     not(feature = "pictures"),
@@ -13,20 +13,27 @@ mod shapes;
 mod views;
 
 #[cfg(feature = "pictures")]
-pub use gallery::statue_hall;
+pub use gallery_bench::statue_hall;
 
 use super::{Scene, SceneBuilder, SceneError};
 
-/// Names of the embedded scenes. The first is the default. The textures of the gallery are PNG
-/// files, so it exists only with the feature `pictures`.
+/// Names of the embedded scenes. The first is the default. The textures of the galleries
+/// are PNG files, so they exist only with the feature `pictures`.
 pub const NAMES: &[&str] = &[
     #[cfg(feature = "pictures")]
     "gallery",
+    #[cfg(feature = "pictures")]
+    BENCH,
     "cornell",
     "cornell-glass",
     "mirrors",
     "furnace",
 ];
+
+/// Name of the gallery on which speed is measured. It never changes, so that measurements of
+/// different builds can be compared.
+#[cfg(feature = "pictures")]
+pub const BENCH: &str = "gallery-bench";
 
 /// Builds the embedded scene `name`.
 ///
@@ -36,7 +43,7 @@ pub fn build(name: &str) -> Result<Scene, SceneError> {
     let mut b = SceneBuilder::new(&format!("builtin:{name}"));
     match name {
         #[cfg(feature = "pictures")]
-        "gallery" => gallery::add_to(&mut b)?,
+        "gallery" | BENCH => gallery_bench::add_to(&mut b)?,
         "cornell" => cornell::add_to(&mut b, cornell::Contents::Boxes),
         "cornell-glass" => cornell::add_to(&mut b, cornell::Contents::Spheres),
         "mirrors" => mirrors::add_to(&mut b),

@@ -157,7 +157,7 @@ mod tests {
 
     #[test]
     fn samples_are_those_of_single_points_to_the_bit() {
-        let tracer = Tracer::new(Arc::new(builtin::build("gallery").unwrap()));
+        let tracer = Tracer::new(Arc::new(builtin::build("gallery-bench").unwrap()));
         let scene = tracer.scene();
         let view = View::new(scene.start(), &scene.frame, [24, 14]);
         let [mut compared, mut left_out] = [0; 2];

@@ -158,7 +158,7 @@ fn say_latencies(what: &str, person: &Person, moved: f64) {
 #[ignore = "a measurement, alone on the machine"]
 fn measured_start() {
     let start = Instant::now();
-    let Some(desk) = Desk::open_with(&["builtin:gallery"]) else { return };
+    let Some(desk) = Desk::open_with(&["builtin:gallery-bench"]) else { return };
     let (window, person) = (start.elapsed().as_secs_f64() * 1e3, Person::at(&desk));
     let ms = ms_until(start, || {
         let pixels = person.picture();
@@ -173,7 +173,7 @@ fn measured_start() {
 #[ignore = "a measurement, alone on the machine"]
 fn measured_latency() {
     // At rest the renderer refines the picture.
-    let Some(desk) = Desk::open_with(&["builtin:gallery"]) else { return };
+    let Some(desk) = Desk::open_with(&["builtin:gallery-bench"]) else { return };
     desk.pose();
     say_latencies("gallery, renderer busy", &Person::at(&desk), MOVED);
 }
@@ -206,7 +206,7 @@ fn waves(side: usize) -> String {
 #[ignore = "a measurement, alone on the machine"]
 fn measured_rest() {
     let secs: u64 = std::env::var("AFTERIMAGE_SECS").ok().and_then(|s| s.parse().ok()).unwrap_or(60);
-    let Some(desk) = Desk::open_with(&["builtin:gallery"]) else { return };
+    let Some(desk) = Desk::open_with(&["builtin:gallery-bench"]) else { return };
     desk.pose();
     let start = Instant::now();
     let share = |secs| {

@@ -9,6 +9,9 @@ use std::path::PathBuf;
 /// Name that merges shards instead of running an experiment.
 const MERGE: &str = "merge";
 
+/// Scene of an experiment if none is given.
+const DEFAULT_SCENE: &str = "builtin:gallery-bench";
+
 fn names() -> impl Iterator<Item = PossibleValue> {
     let experiments = EXPERIMENTS.iter().map(|e| PossibleValue::new(e.name).help(e.about));
     experiments.chain([PossibleValue::new(MERGE).help("join the folders of shards")])
@@ -19,8 +22,8 @@ pub(crate) struct ExperimentArgs {
     /// Name of the experiment; merge joins the folders of shards.
     #[arg(value_parser = PossibleValuesParser::new(names()))]
     pub(super) name: String,
-    /// A model (.obj, .gltf, .glb) or builtin:NAME [default: the embedded gallery]; for merge, the
-    /// folders of the shards.
+    /// A model (.obj, .gltf, .glb) or builtin:NAME [default: builtin:gallery-bench, which never
+    /// changes]; for merge, the folders of the shards.
     #[arg(value_name = "SCENE")]
     pub(super) inputs: Vec<String>,
     /// Folder of the run. An interrupted run of the same experiment is resumed; a folder of any
@@ -61,11 +64,11 @@ pub(crate) struct ExperimentArgs {
 }
 
 impl ExperimentArgs {
-    /// The scene argument.
-    pub(super) fn scene(&self) -> Result<Option<&str>, Failure> {
+    /// The scene argument, or the scene on which speed is measured.
+    pub(super) fn scene(&self) -> Result<&str, Failure> {
         match self.inputs.as_slice() {
-            [] => Ok(None),
-            [scene] => Ok(Some(scene)),
+            [] => Ok(DEFAULT_SCENE),
+            [scene] => Ok(scene),
             [_, second, ..] => {
                 Err(Failure::Usage(format!("an experiment takes one scene; '{second}' is a second")))
             }

@@ -34,7 +34,7 @@ fn run_one(experiment: &Experiment, args: &ExperimentArgs, flags: &Flags) -> Res
     let recorded = args.path.as_deref().map(read_path).transpose()?;
     let settings = settings(experiment, args, flags);
     memory::check(settings.size.map(u64::from).iter().product(), MAX_REFERENCES)?;
-    let loaded = load(args.scene()?, flags)?;
+    let loaded = load(Some(args.scene()?), flags)?;
     let truth_folder = args.truth_cache.clone().or_else(|| paths::cache_folder().map(|c| c.join("truth")));
     let images = out.join("images");
     let walk = walk(experiment, recorded, flags, &loaded)?;

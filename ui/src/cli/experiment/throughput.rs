@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 /// Measures and prints; no folder is written.
 pub(super) fn run(args: &ExperimentArgs, flags: &Flags) -> Result<(), Failure> {
     memory::check(flags.pixels(), 1)?;
-    let loaded = load(args.scene()?, flags)?;
+    let loaded = load(Some(args.scene()?), flags)?;
     let camera = camera(flags, loaded.scene())?;
     let settings = ThroughputSettings { camera, size: flags.size(), trace: flags.trace() };
     let stop = interrupt::is_cancelled;

@@ -1,4 +1,4 @@
-//! Properties of the gallery.
+//! Properties of the gallery on which speed is measured.
 
 use super::scene;
 use afterimage::scene::{Light, Material, Scene, SolidSide};
@@ -8,8 +8,8 @@ fn triangles_where(scene: &Scene, test: fn(&Material) -> bool) -> Vec<u32> {
 }
 
 #[test]
-fn gallery_has_its_documented_size() {
-    let scene = scene("gallery");
+fn bench_gallery_has_its_documented_size() {
+    let scene = scene("gallery-bench");
     let count = scene.triangles.len();
     assert!((225_000..=300_000).contains(&count), "{count} triangles");
     let size = scene.bounds_m[1] - scene.bounds_m[0];
@@ -17,8 +17,8 @@ fn gallery_has_its_documented_size() {
 }
 
 #[test]
-fn gallery_has_twelve_quad_lights() {
-    let scene = scene("gallery");
+fn bench_gallery_has_twelve_quad_lights() {
+    let scene = scene("gallery-bench");
     assert_eq!(scene.lights.len(), 12);
     for light in &scene.lights {
         let Light::Quad { edge_u, edge_v, .. } = light else { panic!("not a quad: {light:?}") };
@@ -32,15 +32,15 @@ fn gallery_has_twelve_quad_lights() {
 }
 
 #[test]
-fn gallery_uses_mirrors_glass_textures_and_area_lights() {
-    let features = scene("gallery").features;
+fn bench_gallery_uses_mirrors_glass_textures_and_area_lights() {
+    let features = scene("gallery-bench").features;
     assert!(features.mirror && features.glass && features.textures && features.area_lights);
     assert!(!features.alpha && !features.sky);
 }
 
 #[test]
-fn gallery_glass_is_solid() {
-    let scene = scene("gallery");
+fn bench_gallery_glass_is_solid() {
+    let scene = scene("gallery-bench");
     let glass = triangles_where(scene, Material::is_glass);
     // Five panes, each of them a box.
     assert_eq!(glass.len(), 5 * 12);
@@ -48,8 +48,8 @@ fn gallery_glass_is_solid() {
 }
 
 #[test]
-fn gallery_mirrors_do_not_face_each_other() {
-    let scene = scene("gallery");
+fn bench_gallery_mirrors_do_not_face_each_other() {
+    let scene = scene("gallery-bench");
     let mirrors = triangles_where(scene, Material::is_mirror);
     assert!(!mirrors.is_empty());
     let plane = scene.corners(mirrors[0])[0].x;
@@ -59,16 +59,16 @@ fn gallery_mirrors_do_not_face_each_other() {
 }
 
 #[test]
-fn gallery_views_are_named() {
-    let scene = scene("gallery");
+fn bench_gallery_views_are_named() {
+    let scene = scene("gallery-bench");
     for name in ["start", "hall", "mirrors", "vitrine", "railing"] {
         assert!(scene.views.iter().any(|v| v.name == name), "{name}");
     }
 }
 
 #[test]
-fn gallery_camera_path_is_long_and_smooth() {
-    let walk = &scene("gallery").walk;
+fn bench_gallery_camera_path_is_long_and_smooth() {
+    let walk = &scene("gallery-bench").walk;
     assert_eq!(walk.frames, 300);
     assert!((60.0..=80.0).contains(&walk.length_m()), "{} m", walk.length_m());
     let eyes: Vec<_> = (0..walk.frames).map(|i| walk.camera(i, walk.frames).unwrap().eye).collect();

@@ -1,5 +1,5 @@
-//! The gallery: six rooms with columns, statues, paintings, a raised platform behind a railing,
-//! mirrors and a vitrine.
+//! The gallery on which speed is measured: six rooms with columns, statues, paintings, a raised
+//! platform behind a railing, mirrors and a vitrine. It never changes.
 //!
 //! ```text
 //!        0         10               24         34   x
