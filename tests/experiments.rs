@@ -254,3 +254,25 @@ fn error_against_time_is_reproducible_and_compares_modes() {
     assert!(counted(setup("exact", 16)) && !counted(setup("full", 16)), "only references cost anything");
     assert!(bench.path("first/images/exact-error-part.png").exists());
 }
+
+#[test]
+fn a_view_at_rest_is_measured_at_every_checkpoint() {
+    let mut bench = Bench::of("at-rest");
+    bench.settings =
+        ExperimentSettings { seconds: vec![0.05, 0.1, 0.5], truth_samples: 64, ..bench.settings.clone() };
+    let (is_complete, records) = bench.run("run", Shard::ALL, ALL_CELLS);
+    assert!(is_complete && records.len() == 4, "three checkpoints and mode full: {records:?}");
+    for record in &records {
+        for name in ["mse", "psnr_db", "flip_mean", "samples"] {
+            assert!(record.number(name).unwrap().is_finite(), "{name}: {record:?}");
+        }
+    }
+    let last = &records[2];
+    assert!(last.number("first_frame_secs").unwrap() > 0.0 && last.number("samples").unwrap() > 0.0);
+    let report = (bench.experiment.report)(&bench.identity(), &records);
+    assert_eq!(report.summary["checkpoints"].as_array().unwrap().len(), 3);
+    assert_eq!(report.summary["full"]["samples"], 64);
+    for name in ["truth.png", "at-0.05s.png", "at-0.1s-error.png", "full.png"] {
+        assert!(bench.path("run/images").join(name).exists(), "{name}");
+    }
+}

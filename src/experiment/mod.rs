@@ -5,6 +5,7 @@
 //! data. [`registry`] lists the experiments; each has a folder of its own. [`measure`] compares
 //! frames with converged pictures. How to add an experiment: `docs/how_to_add/experiment.md`.
 
+mod at_rest;
 mod error_time;
 pub mod measure;
 mod placement;

@@ -1,7 +1,7 @@
 //! The list of experiments. No other file names them all.
 
 use super::run::Experiment;
-use super::{error_time, placement, scaling, soak, stability, table1, throughput};
+use super::{at_rest, error_time, placement, scaling, soak, stability, table1, throughput};
 
 /// A row of the table: the name, the description, and the module with the four functions of an
 /// experiment.
@@ -22,6 +22,7 @@ macro_rules! experiment {
 pub const EXPERIMENTS: &[Experiment] = &[
     experiment!("table1", "the paper's Table 1 and figures 2 to 4", table1),
     experiment!("error-time", "error against seconds per frame, all modes", error_time),
+    experiment!("at-rest", "error of the window's picture after given times at rest", at_rest),
     experiment!("placement", "where references should stand: all rules on the same walks", placement),
     experiment!(
         "scaling",

@@ -9,6 +9,8 @@ use super::{
 use crate::camera::{Camera, View};
 use crate::lookup::pixels_of_tile;
 use crate::raster::pixel_types::{NO_SUPPLIER, PixelMap, PixelType};
+#[cfg(feature = "experiments")]
+use crate::trace::parallel::NEVER;
 use crate::trace::{NO_TRIANGLE, RayCounts, TILE_SIDE, TraceSettings, Tracer, parallel::Stop};
 use glam::Vec3;
 use std::{
@@ -98,9 +100,7 @@ impl BandedPicture<'_> {
         report: &(dyn Fn(u64) + Sync),
     ) -> Option<(Band, RayCounts)> {
         let view = View::new(self.camera, &self.tracer.scene().frame, self.size);
-        let count = self.passes.max(1);
-        let pass = |number| Pass::new(self.tracer, &view, &self.trace, (number, count), self.background);
-        let passes: Vec<Pass<'_>> = (0..count).map(pass).collect();
+        let (passes, count) = (self.all_passes(&view), self.passes.max(1));
         let mut tiles: Vec<PassTile> = tile_corners(rows.clone(), self.size[0]).map(PassTile::new).collect();
         let is_stopped = AtomicBool::new(false);
         let stop = latched(stop, &is_stopped);
@@ -112,6 +112,23 @@ impl BandedPicture<'_> {
             rays
         });
         (!is_stopped.load(Ordering::Relaxed)).then(|| (self.assemble(view, rows, &tiles), rays))
+    }
+
+    fn all_passes(&self, view: &View) -> Vec<Pass<'_>> {
+        let count = self.passes.max(1);
+        let pass = |number| Pass::new(self.tracer, view, &self.trace, (number, count), self.background);
+        (0..count).map(pass).collect()
+    }
+
+    /// Traces the tile around a pixel. Returns the pixels of the tile with their radiance, which has
+    /// the bits of [`Self::render`].
+    #[cfg(feature = "experiments")]
+    pub(crate) fn tile_at(&self, pixel: [u32; 2]) -> impl Iterator<Item = (usize, Vec3)> + use<> {
+        let view = View::new(self.camera, &self.tracer.scene().frame, self.size);
+        let (count, size) = (self.passes.max(1), self.size);
+        let mut tile = PassTile::new(pixel.map(|at| at - at % TILE_SIDE as u32));
+        tile.trace_all(&self.all_passes(&view), NEVER);
+        pixels_of_tile(tile.corner, size).map(move |(i, pixel)| (pixel, tile.sums[i] / count as f32))
     }
 
     fn assemble(&self, view: View, rows: Range<u32>, tiles: &[PassTile]) -> Band {

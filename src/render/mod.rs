@@ -21,6 +21,8 @@ pub mod schedule;
 mod settings;
 mod still_view;
 mod temporal_stability;
+#[cfg(feature = "pictures")]
+mod timed_picture;
 mod walkthrough;
 mod worklist;
 
@@ -32,4 +34,6 @@ pub use renderer::Renderer;
 pub use request::{FrameRequest, References};
 pub use settings::{Mode, RenderSettings};
 pub use still_view::StillView;
+#[cfg(feature = "pictures")]
+pub use timed_picture::TimedPicture;
 pub use walkthrough::{Walkthrough, WalkthroughSettings};

@@ -80,6 +80,13 @@ impl StillView {
         &self.walk
     }
 
+    /// Begins again with other settings. The references are kept.
+    #[cfg(feature = "pictures")]
+    pub(super) fn restart(&mut self, settings: WalkthroughSettings) {
+        self.walk.set_settings(settings);
+        self.generation += 1;
+    }
+
     fn frame_size(&self) -> [u32; 2] {
         let scale = if self.is_sharp { 1.0 } else { RENDER_SCALE };
         self.size.map(|edge| scaled_edge(edge, scale))

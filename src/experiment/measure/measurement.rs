@@ -100,7 +100,7 @@ impl Measurer {
         }
         let seed = trace.seed ^ TRUTH_SEED;
         let settings = TraceSettings { samples: self.settings.truth_samples, seed, ..*trace };
-        let request = TruthRequest { tracer, camera: &frame.camera, size, settings };
+        let request = TruthRequest { tracer, camera: &frame.camera, size, settings, passes: 1 };
         let folder = self.settings.truth_folder.as_deref();
         let Some((truth, error)) = truth(&request, folder, stop) else { return Ok(None) };
         self.keep_error = self.keep_error.take().or(error);

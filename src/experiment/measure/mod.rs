@@ -11,5 +11,5 @@ pub use errors::Errors;
 pub use measurement::{DEPTH_TOLERANCE, MeasureSettings, Measurement, Measurer, see_through_percent};
 pub use pictures::FramePictures;
 pub use references::References;
-pub use trial::{Trial, truth_of};
+pub use trial::{Trial, antialiased_truth_of, spread_over_passes, truth_of};
 pub use truth::{TruthRequest, truth};

@@ -6,7 +6,7 @@ use super::truth::{TruthRequest, truth};
 use super::{errors::Errors, references::References};
 use crate::camera::Camera;
 use crate::experiment::run::{CellOutcome, ExperimentContext, RunRecord};
-use crate::render::{Frame, FrameRequest, Mode, RenderSettings, Renderer};
+use crate::render::{CONVERGED_PASSES, Frame, FrameRequest, Mode, RenderSettings, Renderer};
 use crate::trace::TraceSettings;
 use glam::Vec3;
 
@@ -95,12 +95,33 @@ impl Trial<'_> {
 
 /// Returns the converged picture of a view. `None` after a stop.
 pub fn truth_of(context: &ExperimentContext<'_>, camera: &Camera) -> Option<Vec<Vec3>> {
-    let settings = TraceSettings {
-        samples: context.settings.truth_samples,
-        seed: context.settings.seed ^ TRUTH_SEED,
-        bounces: context.settings.bounces.0,
-    };
-    let request = TruthRequest { tracer: context.tracer, camera, size: context.settings.size, settings };
+    let samples = context.settings.truth_samples;
+    kept_truth(context, camera, 1, TraceSettings { samples, ..context.settings.trace() })
+}
+
+/// Returns the converged picture of a view with smooth edges, as a stationary picture is refined.
+/// `None` after a stop.
+pub fn antialiased_truth_of(context: &ExperimentContext<'_>, camera: &Camera) -> Option<Vec<Vec3>> {
+    let (passes, settings) = spread_over_passes(context.settings.truth_samples, context.settings.trace());
+    kept_truth(context, camera, passes, settings)
+}
+
+/// Returns the number of passes over a picture and the settings of each, for `samples` per pixel in
+/// total: as many passes as a refined picture has, through different points of each pixel.
+pub fn spread_over_passes(samples: u32, trace: TraceSettings) -> (u32, TraceSettings) {
+    let passes = CONVERGED_PASSES.min(samples).max(1);
+    (passes, TraceSettings { samples: (samples / passes).max(1), ..trace })
+}
+
+fn kept_truth(
+    context: &ExperimentContext<'_>,
+    camera: &Camera,
+    passes: u32,
+    settings: TraceSettings,
+) -> Option<Vec<Vec3>> {
+    let settings = TraceSettings { seed: settings.seed ^ TRUTH_SEED, ..settings };
+    let (tracer, size) = (context.tracer, context.settings.size);
+    let request = TruthRequest { tracer, camera, size, settings, passes };
     // A picture that cannot be kept only costs time in the next run.
     truth(&request, context.truth_folder, context.stop).map(|(radiance, _)| radiance)
 }

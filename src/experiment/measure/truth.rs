@@ -3,7 +3,7 @@
 
 use crate::camera::{Camera, View};
 use crate::raster::save::{SaveError, write_atomically};
-use crate::render::{FrameRequest, Mode, RenderSettings, Renderer};
+use crate::render::bands::{Background, BandedPicture};
 use crate::trace::{RayCounts, TraceSettings, Tracer, parallel::Stop};
 use glam::Vec3;
 use sha2::{Digest, Sha256};
@@ -19,7 +19,8 @@ const HEADER: usize = 8 + 32 + 8;
 /// tag.
 const KEY_TAG: &[u8] = b"afterimage truth key 2\n";
 
-/// Number of pixels that are traced again to verify a stored picture. They reveal a change of the
+/// Number of pixels that are traced again to verify a stored picture without anti-aliasing; of
+/// others, one tile is traced again. They reveal a change of the
 /// tracer and a machine that rounds differently, and cost a ten-thousandth of a picture.
 const PROBES: u32 = 64;
 
@@ -34,6 +35,9 @@ pub struct TruthRequest<'a> {
     pub size: [u32; 2],
     /// Settings of the converged picture: many samples, and a seed of its own.
     pub settings: TraceSettings,
+    /// Passes through different points of each pixel, each with these samples; 1 for the centres
+    /// alone.
+    pub passes: u32,
 }
 
 /// Returns the linear radiance of a converged picture: from `folder` if it is stored there, else
@@ -50,14 +54,8 @@ pub fn truth(
     {
         return Some((kept, None));
     }
-    let mut renderer = Renderer::default();
-    let settings = RenderSettings { mode: Mode::Full, trace: request.settings };
-    let frame = renderer
-        .render(&FrameRequest::new(request.tracer, request.camera, request.size, &settings).with_stop(stop));
-    if !frame.stats.is_complete {
-        return None;
-    }
-    let radiance = frame.radiance.clone();
+    let (band, _) = request.picture().render(0..request.size[1], stop, &|_| ())?;
+    let radiance = band.radiance;
     let error = path.and_then(|path| write(path, &key, request.size, &radiance).err());
     Some((radiance, error))
 }
@@ -84,10 +82,28 @@ impl TruthRequest<'_> {
             sha.update(number.to_le_bytes());
         }
         sha.update(seed.to_le_bytes());
+        if self.passes > 1 {
+            sha.update(self.passes.to_le_bytes());
+        }
         sha.finalize().into()
     }
 
+    fn picture(&self) -> BandedPicture<'_> {
+        BandedPicture {
+            tracer: self.tracer,
+            camera: self.camera,
+            size: self.size,
+            trace: self.settings,
+            passes: self.passes,
+            background: Background::Shown,
+        }
+    }
+
     fn agrees_with(&self, kept: &[Vec3]) -> bool {
+        if self.passes > 1 {
+            let middle = self.size.map(|side| side / 2);
+            return self.picture().tile_at(middle).all(|(pixel, radiance)| radiance == kept[pixel]);
+        }
         let view = View::new(self.camera, &self.tracer.scene().frame, self.size);
         let count = view.pixel_count() as u32;
         (0..PROBES.min(count)).all(|i| {

@@ -37,6 +37,13 @@ pub struct ExperimentSettings {
     pub truth_samples: u32,
     /// Memory limit of the reference cache in megabytes.
     pub cache_mb: u64,
+    /// Times in seconds after which experiment `at-rest` looks at the picture, in rising order.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub seconds: Vec<f64>,
+    /// Samples per pixel of the picture of mode `full` that experiment `at-rest` compares with; 0
+    /// for none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub full_samples: Option<u32>,
     /// Exposure in stops at which pictures are shown and compared. `None` chooses it by
     /// [`super::ExperimentContext::exposure_ev`].
     #[serde(skip_serializing_if = "Option::is_none")] // TOML has no null.
@@ -56,6 +63,8 @@ impl Default for ExperimentSettings {
             frames: 300,
             truth_samples: 1024,
             cache_mb: 1024,
+            seconds: Vec::new(),
+            full_samples: None,
             exposure_ev: None,
         }
     }

@@ -2,11 +2,16 @@
 
 use super::pose::{camera, eye_and_target};
 use super::scene::{Loaded, load};
-use super::{failure::Failure, flags::Flags, interrupt, output, progress::SharedProgress};
-use crate::picture::{MadePicture, Output, PictureJob, Shows, memory};
+use super::{
+    failure::Failure,
+    flags::{Flags, number_in},
+    interrupt, output,
+    progress::SharedProgress,
+};
+use crate::picture::{MadePicture, Output, PictureJob, Shows, TimedState, check_timed, memory};
 use afterimage::{
     Mode, camera::Camera, raster::save::Target, reference::ReferenceFrame, render::aov::Aov,
-    render::bands::Background, trace::TraceSettings, warp::MAX_REFERENCES,
+    render::bands::Background, render::schedule::WINDOW_SAMPLES, trace::TraceSettings, warp::MAX_REFERENCES,
 };
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -14,6 +19,7 @@ use glam::DVec3;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::Duration;
 
 #[derive(Args, Debug)]
 pub(crate) struct RenderArgs {
@@ -31,6 +37,11 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "N", conflicts_with = "references")]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=4096))]
     antialias: Option<u32>,
+    /// Render the best picture that this time allows, instead of one with a fixed number of samples;
+    /// importing the scene is not counted, Ctrl+C keeps the picture so far, seconds.
+    #[arg(long, value_name = "S", conflicts_with_all = ["antialias", "no_background", "references"])]
+    #[arg(value_parser = number_in(0.001..=604_800.0, " seconds"))]
+    seconds: Option<f64>,
     /// Omit the sky: a PNG is transparent where rays leave the scene, an EXR has a channel A.
     #[arg(long, conflicts_with = "references")]
     no_background: bool,
@@ -72,11 +83,18 @@ fn aov_parser() -> impl TypedValueParser<Value = Aov> {
 pub(crate) fn run(args: &RenderArgs, flags: &Flags) -> Result<(), Failure> {
     let is_full = args.antialias.is_some() || args.no_background;
     let flags = &Flags { mode: if is_full { Mode::Full } else { flags.mode }, ..flags.clone() };
+    // A first picture soon is worth more than one with few grains: passes follow as long as there is
+    // time.
+    let samples = flags.samples.or(args.seconds.map(|_| WINDOW_SAMPLES));
+    let flags = &Flags { samples, ..flags.clone() };
     check(args, flags)?;
     let loaded = load(args.scene.as_deref(), flags)?;
     let camera = camera(flags, loaded.scene())?;
     let references = trace_references(args, flags, &loaded, camera.fov_y.to_degrees())?;
     let job = job(args, flags, &loaded, camera);
+    if let Some(seconds) = args.seconds {
+        return run_timed(&job, args, flags, &loaded, seconds);
+    }
     // An interrupted picture is kept too; its metadata and the result say that it is incomplete.
     let progress = SharedProgress::new("rendering");
     let (stop, note) = (interrupt::is_cancelled, |part| progress.at(part));
@@ -85,6 +103,43 @@ pub(crate) fn run(args: &RenderArgs, flags: &Flags) -> Result<(), Failure> {
     let object = object(args, flags, &loaded, &made, &references);
     output::result(flags.json, &object, || table(args, flags, &made, &references));
     if made.stats.is_complete { loaded.verdict(flags) } else { Err(Failure::Interrupted) }
+}
+
+/// Renders for a time.
+fn run_timed(
+    job: &PictureJob,
+    args: &RenderArgs,
+    flags: &Flags,
+    loaded: &Loaded,
+    seconds: f64,
+) -> Result<(), Failure> {
+    let progress = SharedProgress::new("rendering");
+    let note = |state: &TimedState| progress.note((state.secs / seconds).min(1.0), &words(state));
+    let (limit, stop) = (Duration::from_secs_f64(seconds), interrupt::is_cancelled);
+    let (made, state) = job.make_timed(&loaded.tracer, &outputs(args), limit, &stop, &note)?;
+    drop(progress);
+    let mut object = object(args, flags, loaded, &made, &[]);
+    output::extend(
+        &mut object,
+        json!({
+            "samples": state.samples,
+            "samples_per_pass": flags.trace().samples,
+            "passes": state.passes,
+            "seconds": seconds,
+            "seconds_used": state.secs,
+            "estimated_psnr_db": state.estimated_psnr_db,
+        }),
+    );
+    output::result(flags.json, &object, || {
+        table(args, flags, &made, &[]) + &output::table(&[("samples", words(&state))])
+    });
+    if interrupt::is_cancelled() { Err(Failure::Interrupted) } else { loaded.verdict(flags) }
+}
+
+/// Samples and estimated error so far.
+fn words(state: &TimedState) -> String {
+    let error = state.estimated_psnr_db.map(|db| format!(", about {db:.1} dB"));
+    format!("{} per pixel{}", state.samples, error.unwrap_or_default())
 }
 
 fn job(args: &RenderArgs, flags: &Flags, loaded: &Loaded, camera: Camera) -> PictureJob {
@@ -116,7 +171,13 @@ fn outputs(args: &RenderArgs) -> Vec<Output> {
 
 /// Checks the arguments before the scene is loaded.
 fn check(args: &RenderArgs, flags: &Flags) -> Result<(), Failure> {
-    if flags.mode.traces_all(args.references.is_empty()) {
+    if args.seconds.is_some() {
+        check_timed(flags.pixels())?;
+        if !flags.mode.refines() {
+            let message = "--seconds refines the picture, which mode paper does not; use exact, fast or full";
+            return Err(Failure::Usage(message.to_owned()));
+        }
+    } else if flags.mode.traces_all(args.references.is_empty()) {
         memory::check_banded(flags.pixels())?;
     } else {
         memory::check(flags.pixels(), args.references.len() as u64)?;

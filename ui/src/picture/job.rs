@@ -96,7 +96,7 @@ impl PictureJob {
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<MadePicture, SaveError> {
         let (files, stats) = self.make_files(tracer, references, outputs, stop, progress)?;
-        finish(files, stats)
+        MadePicture::finish(files, stats)
     }
 
     /// Like [`Self::make`], but returns `None` and leaves no files if it is stopped.
@@ -112,7 +112,7 @@ impl PictureJob {
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<Option<MadePicture>, SaveError> {
         let (files, stats) = self.make_files(tracer, references, outputs, stop, progress)?;
-        if stats.is_complete { finish(files, stats).map(Some) } else { Ok(None) }
+        if stats.is_complete { MadePicture::finish(files, stats).map(Some) } else { Ok(None) }
     }
 
     fn make_files(
@@ -123,8 +123,7 @@ impl PictureJob {
         stop: Stop<'_>,
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<(Vec<PictureFile>, FrameStats), SaveError> {
-        let metadata = self.metadata(tracer);
-        let mut files = outputs.iter().map(|o| self.begin(o, &metadata)).collect::<Result<Vec<_>, _>>()?;
+        let mut files = self.begin_all(outputs, &self.metadata(tracer, self.refined()))?;
         let stats = if self.is_banded(references) {
             self.in_bands(tracer, outputs, &mut files, stop, progress)?
         } else {
@@ -204,18 +203,26 @@ impl PictureJob {
         RefineState { pass: of, of, is_complete: of > 0 }
     }
 
-    fn metadata(&self, tracer: &Tracer) -> Vec<(&'static str, String)> {
+    pub(super) fn metadata(&self, tracer: &Tracer, refined: RefineState) -> Vec<(&'static str, String)> {
         metadata(&PictureOrigin {
             scene_name: &self.scene_name,
             scene: tracer.scene(),
             camera: &self.camera,
             size: self.size,
             settings: &self.settings,
-            refined: self.refined(),
+            refined,
             background: self.background,
             exposure_ev: self.exposure_ev,
             tone_map: self.tone_map,
         })
+    }
+
+    pub(super) fn begin_all(
+        &self,
+        outputs: &[Output],
+        metadata: &[(&'static str, String)],
+    ) -> Result<Vec<PictureFile>, SaveError> {
+        outputs.iter().map(|output| self.begin(output, metadata)).collect()
     }
 
     fn begin(&self, output: &Output, metadata: &[(&'static str, String)]) -> Result<PictureFile, SaveError> {
@@ -236,7 +243,7 @@ impl PictureJob {
         rgb.into_iter().chain(alpha).chain(further).collect()
     }
 
-    fn write(
+    pub(super) fn write(
         &self,
         tracer: &Tracer,
         outputs: &[Output],
@@ -265,7 +272,9 @@ impl PictureJob {
     }
 }
 
-fn finish(files: Vec<PictureFile>, stats: FrameStats) -> Result<MadePicture, SaveError> {
-    let paths = files.into_iter().map(|file| file.finish(stats.is_complete)).collect::<Result<_, _>>()?;
-    Ok(MadePicture { paths, stats })
+impl MadePicture {
+    pub(super) fn finish(files: Vec<PictureFile>, stats: FrameStats) -> Result<Self, SaveError> {
+        let paths = files.into_iter().map(|file| file.finish(stats.is_complete)).collect::<Result<_, _>>()?;
+        Ok(Self { paths, stats })
+    }
 }

@@ -7,7 +7,10 @@ mod metadata;
 pub mod pose_text;
 pub mod restore;
 pub mod sequence;
+mod timed;
 
 pub use job::{MadePicture, Output, PictureJob, Shows};
 pub use memory::{LONGEST_SIDE, TooLarge};
 pub(crate) use metadata::{PictureOrigin, metadata};
+pub use timed::TimedState;
+pub(crate) use timed::check_timed;

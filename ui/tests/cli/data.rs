@@ -309,3 +309,48 @@ fn an_audited_tour_records_what_was_checked() {
     assert!(audited(&bench.json(line)) > 0);
     assert_eq!(audited(&bench.json(&line.replace("--audit ", ""))), 0);
 }
+
+#[test]
+fn a_picture_is_rendered_for_a_given_time() {
+    let bench = Bench::new();
+    for mode in ["exact", "full"] {
+        let line =
+            format!("render room.obj {POSE} --size 64x48 --mode {mode} --seconds 0.25 --json -o {mode}.png");
+        let answer = bench.json(&line);
+        assert!(number(&answer, "/samples") > 0.0 && number(&answer, "/passes") > 0.0, "{answer}");
+        assert!(number(&answer, "/seconds_used") > 0.0 && answer["is_complete"] == json!(true), "{answer}");
+        assert_eq!(pixels(&bench.path(&format!("{mode}.png"))).len(), 64 * 48);
+        let notes = afterimage::raster::load::read_notes(&bench.path(&format!("{mode}.png"))).unwrap();
+        let settings = notes.iter().find(|(name, _)| name == "Settings").unwrap();
+        assert!(settings.1.ends_with(" --seconds 0.25"), "{settings:?}");
+    }
+    // More passes than one refinement has: the picture goes on getting better.
+    let answer =
+        bench.json("render room.obj --size 8x6 --samples 1 --mode full --seconds 0.25 --json -o a.png");
+    assert!(number(&answer, "/passes") > 16.0 && number(&answer, "/estimated_psnr_db") > 0.0, "{answer}");
+    for (flags, words) in [("--antialias 4", "cannot be used with"), ("--mode paper", "mode paper does not")]
+    {
+        let output = bench.run(&format!("render room.obj --seconds 1 {flags} -o b.png"));
+        assert_eq!(output.status.code(), Some(2));
+        assert!(super::stderr(&output).contains(words), "{}", super::stderr(&output));
+    }
+}
+
+#[test]
+fn a_view_at_rest_is_measured_without_a_folder() {
+    let bench = Bench::new();
+    let line = "experiment at-rest builtin:cornell --size 64x36 --seconds 0.1,0.05 --truth-samples 32 --full-samples 16";
+    let answer = bench.json(&format!("{line} --json"));
+    let checkpoints = answer["checkpoints"].as_array().unwrap();
+    assert_eq!((checkpoints.len(), &answer["out"]), (2, &json!(null)));
+    for checkpoint in checkpoints {
+        assert_keys(checkpoint, &["seconds", "passes", "samples", "mse", "psnr_db", "flip_mean"]);
+        assert!(number(checkpoint, "/mse").is_finite() && number(checkpoint, "/flip_mean") <= 1.0);
+    }
+    assert_eq!((number(&answer, "/checkpoints/0/seconds"), number(&answer, "/full/samples")), (0.05, 16.0));
+    assert_eq!(bench.names(""), ["cache", "room.mtl", "room.obj", "walks.json"]);
+    bench.json(&format!("{line} --json --out run"));
+    for name in ["report.html", "plots/at-rest-flip-mean.svg", "images/at-0.1s.png"] {
+        assert!(bench.path("run").join(name).exists(), "{name}");
+    }
+}

@@ -1,6 +1,6 @@
 //! Arguments of `afterimage experiment`.
 
-use crate::cli::failure::Failure;
+use crate::cli::{failure::Failure, flags::number_in};
 use afterimage::experiment::registry::EXPERIMENTS;
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser};
@@ -27,7 +27,7 @@ pub(crate) struct ExperimentArgs {
     #[arg(value_name = "SCENE")]
     pub(super) inputs: Vec<String>,
     /// Folder of the run. An interrupted run of the same experiment is resumed; a folder of any
-    /// other run is refused.
+    /// other run is refused. Only throughput and at-rest run without one, and keep no files.
     #[arg(long, value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
     /// Run every N-th cell, from I on; in an array job, the scheduler's environment gives I or
@@ -52,12 +52,19 @@ pub(crate) struct ExperimentArgs {
     /// Memory for references, MB.
     #[arg(long, value_name = "MB", value_parser = clap::value_parser!(u64).range(1..=1 << 20))]
     pub(super) cache_mb: Option<u64>,
-    /// Shadow rays per light and pixel of the converged pictures against which errors are measured.
+    /// Samples per light and pixel of the converged pictures against which errors are measured.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
     pub(super) truth_samples: Option<u32>,
     /// Folder in which converged pictures are kept [default: the user's cache folder].
     #[arg(long, value_name = "DIR")]
     pub(super) truth_cache: Option<PathBuf>,
+    /// at-rest: times after which the picture is compared, seconds.
+    #[arg(long, value_name = "S,S,...", value_delimiter = ',')]
+    #[arg(value_parser = number_in(0.001..=86_400.0, " seconds"))]
+    pub(super) seconds: Vec<f64>,
+    /// at-rest: samples of the picture of mode full to compare with [default: 256]; 0 for none.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1 << 20))]
+    pub(super) full_samples: Option<u32>,
     /// throughput: write the triangles and the timed rays to a file, for other programs.
     #[arg(long, value_name = "FILE")]
     pub(super) dump_rays: Option<PathBuf>,

@@ -13,11 +13,13 @@ use afterimage::experiment::run::{
 };
 use afterimage::experiment::throughput::{ThroughputSettings, gather_rays};
 use afterimage::{camera::CameraPath, experiment::registry::find, raster::save::write_atomically};
+use anyhow::Context;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
-/// The only experiment that also runs without a folder.
+/// The experiments that also run without a folder.
 const THROUGHPUT: &str = "throughput";
+const AT_REST: &str = "at-rest";
 
 pub(in crate::cli) fn run(args: &ExperimentArgs, flags: &Flags) -> Result<(), Failure> {
     match find(&args.name) {
@@ -28,7 +30,14 @@ pub(in crate::cli) fn run(args: &ExperimentArgs, flags: &Flags) -> Result<(), Fa
 }
 
 fn run_one(experiment: &Experiment, args: &ExperimentArgs, flags: &Flags) -> Result<(), Failure> {
-    let out = out(args)?;
+    // The guard removes a folder that nobody has asked for.
+    let (out, guard) = match &args.out {
+        None if experiment.name == AT_REST => {
+            let folder = tempfile::tempdir().context("cannot create a temporary folder")?;
+            (folder.path().to_owned(), Some(folder))
+        }
+        _ => (out(args)?, None),
+    };
     let shard = Shard::of(args.shard.as_deref(), |name| std::env::var(name).ok())
         .map_err(|e| Failure::Usage(e.to_string()))?;
     let recorded = args.path.as_deref().map(read_path).transpose()?;
@@ -56,22 +65,23 @@ fn run_one(experiment: &Experiment, args: &ExperimentArgs, flags: &Flags) -> Res
     // Finished cells are reported even if others failed.
     let report = write_report(experiment, &mut folder)?;
     let is_complete = finished?;
-    print(&folder, &report, flags);
+    print(&folder, &report, guard.is_none(), flags);
     if !is_complete {
         return Err(Failure::Interrupted);
     }
     verdict(&report, Some(&loaded), flags)
 }
 
-/// The recorded camera path, or a stationary camera if a pose is given or throughput is measured,
-/// or the scene's own path.
+/// The recorded camera path, or a stationary camera if a pose is given or the experiment has a single
+/// view, or the scene's own path.
 fn walk(
     experiment: &Experiment,
     recorded: Option<CameraPath>,
     flags: &Flags,
     loaded: &Loaded,
 ) -> Result<CameraPath, Failure> {
-    let is_still = experiment.name == THROUGHPUT || flags.eye.is_some() || flags.view.is_some();
+    let is_still =
+        [THROUGHPUT, AT_REST].contains(&experiment.name) || flags.eye.is_some() || flags.view.is_some();
     match recorded {
         Some(walk) => Ok(walk),
         None if is_still => Ok(CameraPath::still(&camera(flags, loaded.scene())?)),
@@ -118,9 +128,20 @@ fn settings(experiment: &Experiment, args: &ExperimentArgs, flags: &Flags) -> Ex
         frames: args.frames.unwrap_or(defaults.frames),
         truth_samples: args.truth_samples.unwrap_or(defaults.truth_samples),
         cache_mb: args.cache_mb.unwrap_or(defaults.cache_mb),
+        seconds: seconds(args, &defaults),
+        full_samples: defaults.full_samples.map(|usual| args.full_samples.unwrap_or(usual)),
         exposure_ev: flags.exposure,
         ..defaults
     }
+}
+
+/// The checkpoints of an experiment that has some, in rising order.
+fn seconds(args: &ExperimentArgs, defaults: &ExperimentSettings) -> Vec<f64> {
+    let is_given = !args.seconds.is_empty() && !defaults.seconds.is_empty();
+    let mut seconds = if is_given { args.seconds.clone() } else { defaults.seconds.clone() };
+    seconds.sort_by(f64::total_cmp);
+    seconds.dedup();
+    seconds
 }
 
 fn run_with_progress(
@@ -161,7 +182,7 @@ fn merge_shards(args: &ExperimentArgs, flags: &Flags) -> Result<(), Failure> {
     let experiment =
         find(&name).ok_or_else(|| Failure::Failed(format!("this version has no experiment '{name}'")))?;
     let report = write_report(experiment, &mut folder)?;
-    print(&folder, &report, flags);
+    print(&folder, &report, true, flags);
     let manifest = folder.manifest();
     if !manifest.is_complete {
         output::say(&format!(
@@ -174,20 +195,20 @@ fn merge_shards(args: &ExperimentArgs, flags: &Flags) -> Result<(), Failure> {
     verdict(&report, None, flags)
 }
 
-fn print(folder: &RunFolder, report: &Report, flags: &Flags) {
+fn print(folder: &RunFolder, report: &Report, is_kept: bool, flags: &Flags) {
     let manifest = folder.manifest();
     let mut object = json!({
         "experiment": manifest.identity.experiment,
         "scene": manifest.identity.scene,
         "scene_hash": manifest.identity.scene_sha256,
         "version": manifest.identity.version,
-        "out": folder.path(),
+        "out": is_kept.then(|| folder.path()),
         "cells": manifest.cells,
         "cells_done": manifest.cells_done,
         "is_complete": manifest.is_complete,
     });
     output::extend(&mut object, &report.summary);
-    output::result(flags.json, &object, || report_files::text(folder, report));
+    output::result(flags.json, &object, || report_files::text(is_kept.then(|| folder.path()), report));
 }
 
 fn verdict(report: &Report, loaded: Option<&Loaded>, flags: &Flags) -> Result<(), Failure> {

@@ -1,11 +1,13 @@
 //! A report as lines of text.
 
+use afterimage::experiment::run::Report;
 use afterimage::experiment::run::report::{Block, Table};
-use afterimage::experiment::run::{Report, RunFolder};
 use serde_json::Value;
+use std::path::Path;
 
-/// The sentences and tables of a report; its pictures and charts are only in the folder.
-pub(in crate::cli) fn report(folder: &RunFolder, report: &Report) -> String {
+/// The sentences and tables of a report; its pictures and charts are only in the folder, if one is
+/// kept.
+pub(in crate::cli) fn report(folder: Option<&Path>, report: &Report) -> String {
     let mut lines = report.headline.join("\n") + "\n";
     lines.extend(report.notes.iter().map(|note| format!("note: {note}\n")));
     for section in &report.sections {
@@ -17,7 +19,10 @@ pub(in crate::cli) fn report(folder: &RunFolder, report: &Report) -> String {
             }
         }
     }
-    format!("{lines}\nwritten to {}\n", folder.path().display())
+    if let Some(folder) = folder {
+        lines += &format!("\nwritten to {}\n", folder.display());
+    }
+    lines
 }
 
 /// A value as text: integers with all digits, other numbers with four significant figures.
