@@ -9,6 +9,7 @@
 //! line, cause and remedy.
 
 mod context;
+mod daylight;
 mod decoding;
 mod files;
 mod formats;
@@ -21,15 +22,18 @@ mod polygon;
 mod progress;
 mod search;
 mod sidecar;
+mod sky_picture;
 mod surfaces;
 mod tally;
 mod text;
 mod trouble;
 mod units;
 
+pub use daylight::{DaylightOptions, SkyChoice};
 pub use formats::{FORMATS, Format, extensions};
 pub use load::load;
 pub use options::{ImportOptions, Limits};
 pub use progress::{Phase, Progress};
 pub use sidecar::save_edit;
+pub use sky_picture::load_sky;
 pub use units::{Unit, UnknownWord, Up};

@@ -41,6 +41,8 @@ pub struct Limits {
     pub texture_bytes: u64,
     /// Maximum size of all pictures together, decoded, in bytes.
     pub textures_bytes: u64,
+    /// Maximum size of the file of a sky picture, in bytes.
+    pub sky_bytes: u64,
 }
 
 impl Limits {
@@ -65,6 +67,7 @@ impl Default for Limits {
             texture_side: 16_384,
             texture_bytes: 256 << 20,
             textures_bytes: 2 << 30,
+            sky_bytes: 512 << 20,
         }
     }
 }

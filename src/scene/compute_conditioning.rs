@@ -1,6 +1,6 @@
 //! Computes the numbers in [`Conditioning`] from a scene.
 
-use super::{Conditioning, Light, Material, MaterialKind, Repairs, Scene};
+use super::{Conditioning, Light, Material, MaterialKind, PictureSky, Repairs, Scene, Sky};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -66,6 +66,7 @@ fn light_ratio(scene: &Scene) -> f64 {
             let solid_angle = std::f32::consts::TAU * (1.0 - cos_angular_radius);
             Some(irradiance.max_element() / solid_angle)
         }
+        Light::SkySuns => scene.sky.as_ref().and_then(Sky::with_suns).map(PictureSky::max_radiance),
         Light::Sky => scene.sky.as_ref().map(|sky| sky.zenith().max_element()),
         // A point light has an intensity, not a radiance.
         Light::Point { .. } => None,

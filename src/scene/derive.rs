@@ -1,6 +1,6 @@
 //! The parts of a scene that follow from its geometry, materials and light sources.
 
-use super::{Light, Scene, SceneFeatures, emissive, hash, solids};
+use super::{Light, Scene, SceneFeatures, Sky, emissive, hash, solids};
 
 impl Scene {
     /// Recomputes lights, features, solids and hash. Geometry, materials, textures, sun and sky
@@ -10,6 +10,7 @@ impl Scene {
         self.lights.extend(point_lights);
         self.lights.extend(self.sun.map(Light::from));
         self.lights.extend(self.sky.as_ref().map(|_| Light::Sky));
+        self.lights.extend(self.sky.as_ref().and_then(Sky::with_suns).map(|_| Light::SkySuns));
         self.features =
             SceneFeatures::of(&self.materials, &self.lights, self.sky.is_some(), self.features.needles);
         self.solids = solids::classify(self);

@@ -35,10 +35,17 @@ impl Scene {
             edited.conditioning.repairs.values_clamped += clamped;
             edited.conditioning.repairs.materials_scaled += usize::from(is_scaled);
         }
-        (edited.sun, edited.sky) = (edit.daylight.sun, edit.daylight.sky.clone());
+        edited.with_daylight(edit.daylight.clone())
+    }
+
+    /// Returns this scene with another sun and sky. Lights, features, solids and hash are
+    /// recomputed.
+    #[must_use]
+    pub fn with_daylight(mut self, daylight: Daylight) -> Self {
+        (self.sun, self.sky) = (daylight.sun, daylight.sky);
         let is_point = |light: &&Light| matches!(light, Light::Point { .. });
-        edited.derive(self.lights.iter().filter(is_point).cloned().collect());
-        edited.update_light_numbers();
-        edited
+        self.derive(self.lights.iter().filter(is_point).cloned().collect());
+        self.update_light_numbers();
+        self
     }
 }

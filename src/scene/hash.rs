@@ -80,6 +80,11 @@ impl SceneHasher {
                 self.add(&[s.sun_direction(), s.ground()]);
                 self.add(&[s.turbidity(), s.albedo(), s.brightness()]);
             }
+            Some(Sky::Picture(s)) => {
+                self.add(&s.image.size());
+                self.add(s.image.digest());
+                self.add(&[s.rotation_deg, s.brightness]);
+            }
         }
     }
 }

@@ -46,8 +46,10 @@ pub enum Light {
         /// Irradiance on a surface that faces the sun.
         irradiance: Vec3,
     },
-    /// The sky of the scene.
+    /// The sky of the scene, without [`Light::SkySuns`].
     Sky,
+    /// The brightest parts of a sky picture, sampled by their light.
+    SkySuns,
 }
 
 impl From<Sun> for Light {

@@ -44,7 +44,9 @@ pub use features::SceneFeatures;
 pub use light::Light;
 pub(crate) use light::point_on_mesh;
 pub use material::{Material, MaterialId, MaterialKind};
-pub use sky::{CieKind, CieSky, Gradient, PhysicalSky, Sky, SkyKind};
+pub use sky::{
+    CieKind, CieSky, Gradient, PhysicalSky, PictureSky, Sky, SkyImage, SkyImageError, SkyKind, SkySample,
+};
 pub use sun::Sun;
 pub use texture::{Encoding, Texture, TextureId, TextureRef};
 pub use views::NamedView;

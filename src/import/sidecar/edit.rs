@@ -25,7 +25,9 @@ pub fn save_edit(model: &Path, before: &SceneEdit, now: &SceneEdit) -> Result<Pa
             .ok_or_else(|| damaged(&path, "'material' is not written as [[material]]"))?;
     }
     if before.daylight != now.daylight {
-        write_daylight(&mut document, &now.daylight);
+        write_daylight(&mut document, model, &now.daylight).map_err(|cause| {
+            unreadable(&path, cause, "nothing was written; copy it there and choose it again")
+        })?;
     }
     write_atomically(&path, document.to_string().as_bytes()).map_err(|error| {
         let remedy = "nothing was changed; free some space or choose a folder that can be written to";
@@ -85,7 +87,8 @@ fn write_material(document: &mut DocumentMut, was: &Material, is: &Material) -> 
     Some(())
 }
 
-fn write_daylight(document: &mut DocumentMut, daylight: &Daylight) {
+/// Writes sun and sky. The error says why the sky would not be found again.
+fn write_daylight(document: &mut DocumentMut, model: &Path, daylight: &Daylight) -> Result<(), String> {
     match daylight.sun {
         None => drop(document.remove("sun")),
         Some(Sun { direction, angular_radius, irradiance }) => write_section(
@@ -101,8 +104,9 @@ fn write_daylight(document: &mut DocumentMut, daylight: &Daylight) {
     }
     match &daylight.sky {
         None => drop(document.remove("sky")),
-        Some(sky) => write_section(document, "sky", &SKY_KEYS, sky_values(sky)),
+        Some(sky) => write_section(document, "sky", &SKY_KEYS, sky_values(sky, model)?),
     }
+    Ok(())
 }
 
 /// Sets the values of a section, and removes those of `keys` that have none.
@@ -116,9 +120,9 @@ fn write_section(document: &mut DocumentMut, name: &str, keys: &[&str], values: 
     }
 }
 
-fn sky_values(sky: &Sky) -> Vec<(&'static str, Item)> {
+fn sky_values(sky: &Sky, model: &Path) -> Result<Vec<(&'static str, Item)>, String> {
     let kind = ("kind", value(sky.kind().name()));
-    match sky {
+    Ok(match sky {
         Sky::Gradient(Gradient { zenith, horizon, ground }) => {
             vec![("zenith", color(*zenith)), ("horizon", color(*horizon)), ("ground", color(*ground))]
         }
@@ -136,7 +140,23 @@ fn sky_values(sky: &Sky) -> Vec<(&'static str, Item)> {
             ("ground", color(sky.ground())),
             ("sun_direction", color(sky.sun_direction())),
         ],
-    }
+        Sky::Picture(sky) => vec![
+            kind,
+            ("picture", value(name_beside(sky.image.file(), model)?)),
+            ("rotation_deg", value(number(sky.rotation_deg))),
+            ("brightness", value(number(sky.brightness))),
+        ],
+    })
+}
+
+/// Returns the path of a file relative to the folder of the model, with `/` on all systems.
+fn name_beside(file: &Path, model: &Path) -> Result<String, String> {
+    let relative = || {
+        let (file, model) = (file.canonicalize().ok()?, model.canonicalize().ok()?);
+        let parts = file.strip_prefix(model.parent()?).ok()?.iter();
+        Some(parts.map(|part| part.to_str()).collect::<Option<Vec<_>>>()?.join("/"))
+    };
+    relative().ok_or_else(|| format!("the sky picture {} is not in the model's folder", file.display()))
 }
 
 fn section<'d>(document: &'d mut DocumentMut, name: &str) -> &'d mut dyn toml_edit::TableLike {

@@ -2,17 +2,30 @@
 
 use super::table::{Notes, Section};
 use crate::import::options::Limits;
-use crate::import::units::UnknownWord;
+use crate::import::search::Finder;
+use crate::import::{sky_picture::load_sky, units::UnknownWord};
 use crate::scene::daylight::GROUND_ALBEDO;
 use crate::scene::place::{PlaceAndTime, parse_place};
 use crate::scene::solar::SunPosition;
-use crate::scene::{CieSky, DaylightModel, Gradient, PhysicalSky, SceneBuilder, Sky, SkyKind, Sun};
+use crate::scene::{
+    CieSky, DaylightModel, Gradient, PhysicalSky, PictureSky, SceneBuilder, SceneError, Sky, SkyKind, Sun,
+};
 use glam::{DVec3, Vec3};
-use std::str::FromStr;
+use std::{str::FromStr, sync::Arc};
 
 /// Keys of `[sky]`.
-pub(super) const SKY_KEYS: [&str; 8] =
-    ["kind", "zenith", "horizon", "ground", "sun_direction", "turbidity", "albedo", "brightness"];
+pub(super) const SKY_KEYS: [&str; 10] = [
+    "kind",
+    "zenith",
+    "horizon",
+    "ground",
+    "sun_direction",
+    "turbidity",
+    "albedo",
+    "brightness",
+    "picture",
+    "rotation_deg",
+];
 
 /// Keys of `[sun]`.
 pub(super) const SUN_KEYS: [&str; 6] =
@@ -44,6 +57,9 @@ struct SkyValues {
     turbidity: Option<f32>,
     albedo: Option<f32>,
     brightness: Option<f32>,
+    /// Path of a picture, and the line that names it.
+    picture: Option<(String, u64)>,
+    rotation_deg: f32,
 }
 
 struct Kind(SkyKind);
@@ -52,8 +68,9 @@ impl FromStr for Kind {
     type Err = UnknownWord;
 
     fn from_str(text: &str) -> Result<Self, UnknownWord> {
-        let known = "gradient, overcast, clear, physical";
-        let kind = SkyKind::ALL.into_iter().find(|kind| kind.name() == text);
+        let known = "gradient, overcast, clear, physical, picture";
+        let mut kinds = SkyKind::MODELS.into_iter().chain([SkyKind::Picture]);
+        let kind = kinds.find(|kind| kind.name() == text);
         kind.map(Self).ok_or_else(|| UnknownWord::new(text, "a kind of sky", known))
     }
 }
@@ -63,9 +80,9 @@ impl Light {
         Self { sun: sun(top, notes), sky: sky(top, notes) }
     }
 
-    /// Sets sun and sky of the builder. What the sidecar does not give follows from the position of
-    /// the sun, in the units of the model.
-    pub(super) fn apply(self, builder: &mut SceneBuilder) {
+    /// Sets sun and sky of the builder. What the sidecar, a file of name `file_name`, does not give
+    /// follows from the position of the sun, in the units of the model.
+    pub(super) fn apply(self, file_name: &str, finder: &mut Finder, builder: &mut SceneBuilder) {
         let by_place = self.sun.as_ref().and_then(|sun| sun.by_place);
         let given = self.sun.as_ref().and_then(|sun| sun.direction);
         let direction = given.or(builder.sun.map(|sun| sun.direction)).unwrap_or(Sun::clear_day().direction);
@@ -90,8 +107,18 @@ impl Light {
                 ..default
             });
         }
-        if let Some(values) = self.sky {
-            builder.sky = values.sky(light.sky);
+        match self.sky {
+            None => {}
+            Some(SkyValues { picture: Some((name, line)), rotation_deg, brightness, .. }) => {
+                match picture(&name, finder, builder.nits_per_unit()) {
+                    Ok(sky) => {
+                        let brightness = brightness.unwrap_or(sky.brightness);
+                        builder.sky = Some(Sky::Picture(PictureSky { rotation_deg, brightness, ..sky }));
+                    }
+                    Err(cause) => builder.warn(file_name, line, cause),
+                }
+            }
+            Some(values) => builder.sky = values.sky(light.sky),
         }
     }
 }
@@ -124,6 +151,29 @@ impl SkyValues {
             _ => None,
         }
     }
+}
+
+/// Reads the picture of a sky, of which the sidecar gives the path relative to the model.
+fn picture(name: &str, finder: &mut Finder, nits_per_unit: f32) -> Result<PictureSky, String> {
+    let found = finder.library(name);
+    let Some(file) = found.file else {
+        let outside = if found.outside {
+            "; files outside the scene's folder are opened only when that is allowed"
+        } else {
+            ""
+        };
+        let tried = found.tried.join(", ");
+        return Err(format!(
+            "the sky picture '{name}' was not found and is not used. Tried: {tried}{outside}"
+        ));
+    };
+    let image = load_sky(&file, &Limits::default()).map_err(|error| match error {
+        SceneError::Read { cause, remedy, .. } => {
+            format!("the sky picture '{name}' is not used: {cause}; {remedy}")
+        }
+        other => other.to_string(),
+    })?;
+    Ok(PictureSky::new(Arc::new(image), nits_per_unit))
 }
 
 fn direction(s: &Section, key: &str, notes: &mut Notes) -> Option<Vec3> {
@@ -167,12 +217,32 @@ fn by_place(s: &Section, notes: &mut Notes) -> Option<(SunPosition, f64)> {
 
 fn sky(top: &Section, notes: &mut Notes) -> Option<SkyValues> {
     let s = top.section("sky", "[sky]", &SKY_KEYS, notes)?;
-    let kind = s.word::<Kind>("kind", notes).map_or(SkyKind::default(), |kind| kind.0);
+    let written = s.word::<Kind>("kind", notes).map(|kind| kind.0);
+    let picture = s.text("picture", notes).map(|name| (name.to_owned(), notes.line(s.at())));
+    let kind = written.unwrap_or(if picture.is_some() { SkyKind::Picture } else { SkyKind::default() });
+    if kind == SkyKind::Picture && picture.is_none() {
+        notes.add(s.at(), "[sky] of kind 'picture' needs a picture; it was ignored".to_owned());
+        return None;
+    }
+    // The picture of another kind is kept in the file and not read.
+    let picture = picture.filter(|_| kind == SkyKind::Picture);
+    let rotation_deg = s.number("rotation_deg", -360.0..=360.0, notes).unwrap_or(0.0) as f32;
     let mut color = |key| s.color(key, Limits::RADIANCE, notes);
     let (zenith, horizon, ground) = (color("zenith"), color("horizon"), color("ground"));
     let mut number = |key, range| s.number(key, range, notes).map(|n| n as f32);
     let (turbidity, albedo) = (number("turbidity", 1.0..=10.0), number("albedo", 0.0..=1.0));
     let brightness = number("brightness", 0.0..=f64::from(Limits::RADIANCE));
     let sun_direction = direction(&s, "sun_direction", notes);
-    Some(SkyValues { kind, zenith, horizon, ground, sun_direction, turbidity, albedo, brightness })
+    Some(SkyValues {
+        kind,
+        zenith,
+        horizon,
+        ground,
+        sun_direction,
+        turbidity,
+        albedo,
+        brightness,
+        picture,
+        rotation_deg,
+    })
 }

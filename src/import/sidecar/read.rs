@@ -7,7 +7,7 @@ use super::light::Light;
 use super::table::{Notes, Section, suggestion};
 use crate::camera::{Camera, CameraKey, CameraPath};
 use crate::import::units::{Unit, UnknownWord, Up};
-use crate::import::{files, options::Limits, text};
+use crate::import::{files, options::Limits, search::Finder, text};
 use crate::scene::{Material, MaterialKind, NamedView, SceneBuilder};
 use glam::{DVec3, Vec3};
 use std::collections::{HashMap, HashSet};
@@ -165,9 +165,9 @@ impl Sidecar {
     }
 
     /// Adds lights, sky, views and walk.
-    pub(in crate::import) fn apply(self, builder: &mut SceneBuilder) {
+    pub(in crate::import) fn apply(self, finder: &mut Finder, builder: &mut SceneBuilder) {
         builder.point_lights.extend(self.point_lights);
-        self.light.apply(builder);
+        self.light.apply(&self.file_name, finder, builder);
         // The first frame of a walk is a better start than a view of the whole model from outside.
         let start = self.start.or_else(|| self.walk.as_ref()?.camera(0, 2));
         let of_model = std::mem::take(&mut builder.views);

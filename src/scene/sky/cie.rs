@@ -94,8 +94,8 @@ fn tint(up: f32) -> Vec3 {
 
 /// Returns the irradiance of level ground under the upper half of a sky, by the midpoint rule.
 pub(crate) fn horizontal_irradiance(radiance: impl Fn(Vec3) -> Vec3) -> Vec3 {
-    /// Steps of the elevation; the azimuth has four times as many. With 48, no sky of this module
-    /// is off by more than a thousandth.
+    /// Steps of the elevation; the azimuth has four times as many. Against 400 steps, 48 are off by
+    /// at most 0.05 % for the skies of the CIE and 0.3 % for physical ones.
     const STEPS: u32 = 48;
     let mut sum = glam::DVec3::ZERO;
     for i in 0..STEPS {

@@ -2,12 +2,17 @@
 
 mod cie;
 mod gradient;
+mod image;
 mod physical;
+mod picture;
+mod suns;
 
 pub(super) use cie::horizontal_irradiance;
 pub use cie::{CieKind, CieSky};
 pub use gradient::Gradient;
+pub use image::{SkyImage, SkyImageError};
 pub use physical::PhysicalSky;
+pub use picture::{PictureSky, SkySample};
 
 use glam::Vec3;
 
@@ -21,6 +26,8 @@ pub enum Sky {
     Cie(CieSky),
     /// A clear sky computed from the scattering of sunlight.
     Physical(PhysicalSky),
+    /// A picture in latitude and longitude.
+    Picture(PictureSky),
 }
 
 /// The kinds of skies, without their values.
@@ -35,11 +42,13 @@ pub enum SkyKind {
     Clear,
     /// [`Sky::Physical`].
     Physical,
+    /// [`Sky::Picture`].
+    Picture,
 }
 
 impl SkyKind {
-    /// All kinds.
-    pub const ALL: [Self; 4] = [Self::Gradient, Self::Overcast, Self::Clear, Self::Physical];
+    /// The kinds that follow from the position of the sun: all but pictures.
+    pub const MODELS: [Self; 4] = [Self::Gradient, Self::Overcast, Self::Clear, Self::Physical];
 
     /// Name of the kind in sidecars and on the command line.
     pub fn name(self) -> &'static str {
@@ -48,6 +57,7 @@ impl SkyKind {
             Self::Overcast => "overcast",
             Self::Clear => "clear",
             Self::Physical => "physical",
+            Self::Picture => "picture",
         }
     }
 }
@@ -68,6 +78,7 @@ impl Sky {
             Self::Cie(CieSky { kind: CieKind::Overcast, .. }) => SkyKind::Overcast,
             Self::Cie(CieSky { kind: CieKind::Clear, .. }) => SkyKind::Clear,
             Self::Physical(_) => SkyKind::Physical,
+            Self::Picture(_) => SkyKind::Picture,
         }
     }
 
@@ -77,6 +88,7 @@ impl Sky {
             Self::Gradient(sky) => sky.radiance(direction),
             Self::Cie(sky) => sky.radiance(direction),
             Self::Physical(sky) => sky.radiance(direction),
+            Self::Picture(sky) => sky.radiance(direction),
         }
     }
 
@@ -84,7 +96,19 @@ impl Sky {
     /// parts that are lights of their own: what a ray adds that leaves a diffuse surface and the
     /// scene.
     pub fn diffuse_radiance(&self, direction: Vec3) -> Vec3 {
-        self.radiance(direction)
+        match self {
+            Self::Picture(sky) => sky.diffuse_radiance(direction),
+            other => other.radiance(direction),
+        }
+    }
+
+    /// Returns the picture, where parts of it are lights of their own:
+    /// [`Light::SkySuns`](super::Light::SkySuns).
+    pub fn with_suns(&self) -> Option<&PictureSky> {
+        match self {
+            Self::Picture(sky) if sky.image.sun_texels() > 0 => Some(sky),
+            _ => None,
+        }
     }
 
     /// Returns the radiance from straight above.
@@ -92,7 +116,7 @@ impl Sky {
         match self {
             Self::Gradient(sky) => sky.zenith,
             Self::Cie(sky) => sky.zenith,
-            Self::Physical(_) => self.radiance(Vec3::Y),
+            Self::Physical(_) | Self::Picture(_) => self.radiance(Vec3::Y),
         }
     }
 
@@ -102,6 +126,7 @@ impl Sky {
             Self::Gradient(sky) => vec![&mut sky.zenith, &mut sky.horizon, &mut sky.ground],
             Self::Cie(sky) => vec![&mut sky.zenith, &mut sky.ground],
             Self::Physical(sky) => vec![sky.ground_mut()],
+            Self::Picture(_) => Vec::new(),
         }
     }
 }

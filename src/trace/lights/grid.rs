@@ -179,6 +179,6 @@ fn unshadowed(light: &Light, at: Vec3, slack: f32) -> f32 {
         }
         Light::Point { position, intensity } => intensity.max_element() * falloff(*position, 0.0),
         Light::Sun { irradiance, .. } => irradiance.max_element(),
-        Light::Sky => 0.0,
+        Light::Sky | Light::SkySuns => 0.0,
     }
 }

@@ -39,7 +39,7 @@ pub(super) fn is_behind(light: &Light, point: &SurfacePoint) -> bool {
             let sin = (1.0 - cos_angular_radius * cos_angular_radius).max(0.0).sqrt();
             n.dot(*direction) <= -sin
         }
-        Light::Sky => false,
+        Light::Sky | Light::SkySuns => false,
     }
 }
 
@@ -87,6 +87,11 @@ pub(super) fn sample(
             let d = frame_around(*direction) * uniform_cone(u, *cos_angular_radius);
             let cos = cosine(point, d)?;
             distant(d, *irradiance * cos)
+        }
+        Light::SkySuns => {
+            let s = scene.sky.as_ref()?.with_suns()?.sample_suns(u)?;
+            let cos = cosine(point, s.direction)?;
+            distant(s.direction, s.radiance * (cos / s.pdf))
         }
         Light::Sky => {
             let d = frame_around(point.shading_normal) * cosine_hemisphere(u);
@@ -191,6 +196,6 @@ pub(super) fn point_on(light: &Light, random: [f32; 2]) -> Option<Vec3> {
             Some(point_on_mesh(corners, cumulative_area, u).0)
         }
         Light::Point { position, .. } => Some(*position),
-        Light::Sun { .. } | Light::Sky => None,
+        Light::Sun { .. } | Light::Sky | Light::SkySuns => None,
     }
 }

@@ -58,6 +58,7 @@ fn light_kinds(scene: &Scene) -> Vec<(&'static str, usize)> {
         ("point", count(|l| matches!(l, Light::Point { .. }))),
         ("sun", count(|l| matches!(l, Light::Sun { .. }))),
         ("sky", count(|l| matches!(l, Light::Sky))),
+        ("bright parts of the sky", count(|l| matches!(l, Light::SkySuns))),
     ]
 }
 
