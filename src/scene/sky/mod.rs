@@ -82,6 +82,23 @@ impl Sky {
         }
     }
 
+    /// Returns what the sky is, in words for the user.
+    pub fn describe(&self) -> String {
+        match self {
+            Self::Gradient(_) => "gradient".to_owned(),
+            Self::Cie(sky) => match sky.kind {
+                CieKind::Overcast => "CIE overcast".to_owned(),
+                CieKind::Clear => "CIE clear".to_owned(),
+            },
+            Self::Physical(sky) => format!("physical, turbidity {:.1}", sky.turbidity()),
+            Self::Picture(sky) => {
+                let ([width, height], suns) = (sky.image.size(), sky.image.sun_texels());
+                let file = sky.image.file().display();
+                format!("picture {file}, {width}x{height}, {suns} texels sampled as suns")
+            }
+        }
+    }
+
     /// Returns the radiance that is seen in a unit direction.
     pub fn radiance(&self, direction: Vec3) -> Vec3 {
         match self {

@@ -2,7 +2,8 @@
 
 use crate::picture::pose_text::parse_point;
 use crate::settings::{named, picture_size};
-use afterimage::import::{Unit, Up};
+use afterimage::import::{DaylightOptions, SkyChoice, Unit, Up};
+use afterimage::scene::place::{PlaceAndTime, parse_place};
 use afterimage::{Mode, RenderSettings, raster::color::ToneMap, trace::BounceLimit, trace::TraceSettings};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, RangedU64ValueParser, TypedValueParser};
@@ -45,6 +46,24 @@ pub(crate) struct Flags {
     /// Allow a model to read textures and libraries outside its own folder.
     #[arg(long, global = true)]
     pub(crate) allow_outside: bool,
+    /// The sky: a model that follows from the position of the sun, or a picture of all directions
+    /// (.hdr, .exr) [default: that of the scene].
+    #[arg(long, global = true, value_name = "overcast|clear|physical|FILE|none|default")]
+    #[arg(value_parser = str::parse::<SkyChoice>)]
+    pub(crate) sky: Option<SkyChoice>,
+    /// Place on earth from which, with --sun-time, the position of the sun follows, degrees.
+    #[arg(long, global = true, value_name = "LATITUDE,LONGITUDE", allow_hyphen_values = true)]
+    #[arg(value_parser = parse_place)]
+    pub(crate) sun_place: Option<[f64; 2]>,
+    /// Local time at --sun-place, like 2026-06-21T12:00[Europe/Berlin]; 2026-06-21T10:00Z is
+    /// universal time.
+    #[arg(long, global = true, value_name = "TIME[ZONE]")]
+    pub(crate) sun_time: Option<String>,
+    /// Angle of north, clockwise from the model's -Z towards its +X, degrees; turns the sun of
+    /// --sun-time and the picture of --sky.
+    #[arg(long, global = true, value_name = "DEG", default_value_t = 0.0, allow_hyphen_values = true)]
+    #[arg(value_parser = number_in(-360.0..=360.0, " degrees"))]
+    pub(crate) north: f64,
     /// Print exactly one JSON object on stdout.
     #[arg(long, global = true)]
     pub(crate) json: bool,
@@ -95,6 +114,18 @@ impl Flags {
     /// Mode, samples, bounces and seed.
     pub(crate) fn render(&self) -> RenderSettings {
         RenderSettings { mode: self.mode, trace: self.trace() }
+    }
+
+    /// Sun and sky that replace those of the scene. The error is for the user.
+    pub(crate) fn daylight(&self) -> Result<DaylightOptions, String> {
+        let sun = match (self.sun_place, &self.sun_time) {
+            (None, None) => None,
+            (Some(place), Some(time)) => {
+                Some(PlaceAndTime::at(place, time).map_err(|error| format!("--sun-time: {error}"))?)
+            }
+            _ => return Err("--sun-place and --sun-time need each other".to_owned()),
+        };
+        Ok(DaylightOptions { sky: self.sky.clone(), sun, north_deg: self.north })
     }
 
     /// Exposure in stops where the exposure is not metered.

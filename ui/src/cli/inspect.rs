@@ -2,7 +2,7 @@
 
 use super::scene::{Loaded, load, place};
 use super::{failure::Failure, flags::Flags, output};
-use afterimage::scene::{Light, Material, Scene};
+use afterimage::scene::{Light, Material, Scene, Sky};
 use afterimage::trace::truncation_bound;
 use clap::Args;
 use serde_json::{Value, json};
@@ -34,6 +34,7 @@ fn object(loaded: &Loaded) -> Value {
         "textures": scene.textures.len(),
         "lights": scene.lights.len(),
         "light_kinds": kinds,
+        "sky": scene.sky.as_ref().map(Sky::describe),
         "bounds_m": scene.bounds_m.map(|b| b.to_array()),
         "origin_m": scene.frame.origin_in_world_m.to_array(),
         "units_per_metre": scene.frame.units_per_metre,
@@ -85,6 +86,7 @@ fn table(loaded: &Loaded) -> String {
         ("size", format!("{:.2} x {:.2} x {:.2} m", size.x, size.y, size.z)),
         ("materials", format!("{}, {textured} textured", scene.materials.len())),
         ("lights", format!("{} ({})", scene.lights.len(), kinds.collect::<Vec<_>>().join(", "))),
+        ("sky", scene.sky.as_ref().map_or("none".to_owned(), Sky::describe)),
         ("left out", if left_out.is_empty() { "nothing".to_owned() } else { left_out.join(", ") }),
         (
             "mirrors",

@@ -151,7 +151,7 @@ fn check(flags: &Flags) -> Result<(), Failure> {
         Some(path) if !path.is_file() => {
             Err(Failure::Usage(format!("--config {}: there is no such file", path.display())))
         }
-        _ => pose::check(flags),
+        _ => flags.daylight().map_err(Failure::Usage).and_then(|_| pose::check(flags)),
     }
 }
 

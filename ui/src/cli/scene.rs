@@ -53,6 +53,7 @@ pub(crate) fn load(name: Option<&str>, flags: &Flags) -> Result<Loaded, Failure>
         Some(builtin) => builtin::build(builtin),
         None => import(Path::new(&name), flags),
     }?;
+    let scene = flags.daylight().map_err(Failure::Usage)?.apply(scene);
     let load_secs = start.elapsed().as_secs_f64();
     report(&scene);
     let tracer = Arc::new(Tracer::new(Arc::new(scene)).beginning_indoors());

@@ -54,6 +54,7 @@ fn open_window(scene: Option<&str>, flags: &Flags, layers: &Layers) -> Result<()
         &Flags { exposure: flags.exposure.or(view.as_ref().and_then(|v| v.exposure_ev)), ..flags.clone() };
     let mut request = LaunchOptions {
         scene: scene.map(|name| SceneSource::named(name, options)),
+        daylight: flags.daylight().map_err(Failure::Usage)?,
         camera: pose::given(flags).or(view.as_ref().map(|v| v.camera)),
         view: flags.view.clone(),
         fov_y_deg: flags.fov_y,

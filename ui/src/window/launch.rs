@@ -2,6 +2,7 @@
 
 use crate::window::rendering::scene_loading::SceneSource;
 use crate::window::state::{Appearance, PictureSettings, WINDOW_SAMPLES};
+use afterimage::import::DaylightOptions;
 use afterimage::raster::color::ToneMap;
 use afterimage::reference::PlacementPolicy;
 use afterimage::render::RenderSettings;
@@ -14,6 +15,8 @@ use std::path::PathBuf;
 pub struct LaunchOptions {
     /// Scene to open; `None` for the embedded gallery.
     pub scene: Option<SceneSource>,
+    /// Sun and sky that replace those of every scene that is opened.
+    pub daylight: DaylightOptions,
     /// Settings of the walkthrough at the start.
     pub settings: WalkthroughSettings,
     /// Diffuse bounces for models from files. They are made for renderers with indirect light, and
@@ -57,6 +60,7 @@ impl Default for LaunchOptions {
         };
         Self {
             scene: None,
+            daylight: DaylightOptions::default(),
             settings,
             model_bounces: 1,
             camera: None,

@@ -2,8 +2,8 @@
 //! lost.
 
 use super::{
-    AppEvent, Arrival, Parts, Services, SessionFile, begin_edits, is_recovery, is_session, remember_model,
-    restore_session, save_sidecar, watch,
+    AppEvent, Arrival, Parts, Services, SessionFile, begin_edits, is_recovery, is_session, is_sky, open_sky,
+    remember_model, restore_session, save_sidecar, watch,
 };
 use crate::picture::restore::{PictureView, beside, is_picture, read_view};
 use crate::settings;
@@ -27,6 +27,8 @@ pub(super) fn open_path(app: &mut Parts, path: PathBuf) {
             let view = read_view(&path).map_err(TaskError::failed)?;
             Ok(AppEvent::PictureView(beside(view, &path)))
         });
+    } else if is_sky(&path) {
+        open_sky(app, path);
     } else if is_session(&path) {
         open_session(app, path);
     } else {
@@ -113,7 +115,7 @@ pub(super) fn reload(app: &mut Parts) {
 
 /// Starts to load a scene. The old one is shown until the new one is complete.
 fn load(services: &mut Services, source: SceneSource) {
-    services.loading = Some(Loading::start(source, services.wake.clone()));
+    services.loading = Some(Loading::start(source, services.launch.daylight.clone(), services.wake.clone()));
 }
 
 /// Stops loading a scene; the scene that is shown stays.

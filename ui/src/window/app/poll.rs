@@ -2,7 +2,7 @@
 
 use super::{
     AppEvent, Parts, go_to_picture, handle_answer, leave, open_path, poll_edit, poll_export, poll_loading,
-    poll_watch, save_from_references, show_reference, update_plan, update_thumbnails,
+    poll_watch, save_from_references, show_reference, show_sky_picture, update_plan, update_thumbnails,
 };
 use crate::window::gpu::viewport;
 use crate::window::rendering::{Message, TaskError, locked, take_result};
@@ -73,6 +73,7 @@ fn apply(app: &mut Parts, event: AppEvent) {
             app.current.file = Some(path);
         }
         AppEvent::Kept => {}
+        AppEvent::SkyPicture(image) => show_sky_picture(app, image),
         AppEvent::PictureView(view) => go_to_picture(app, view),
         AppEvent::SavedEdit(edit, Ok(path)) => {
             saved(&mut app.state, &path);

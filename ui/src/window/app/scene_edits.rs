@@ -4,9 +4,11 @@
 use super::{AppEvent, Parts, PendingEdit};
 use crate::window::input::Obstacles;
 use crate::window::rendering::{RenderCommand, SceneSource, TaskError, spawn_task};
-use crate::window::state::{AppState, EditCommand, Edits, Selection};
-use afterimage::scene::Scene;
+use crate::window::state::{AppState, Change, EditCommand, Edits, Selection};
+use afterimage::import::{Limits, load_sky};
+use afterimage::scene::{Daylight, PictureSky, Scene, Sky, SkyImage};
 use afterimage::{Tracer, import};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Applies a command about edits of the scene: a change, undo, redo or saving.
@@ -18,11 +20,46 @@ pub(super) fn handle_edit(app: &mut Parts, command: EditCommand) {
             }
         }
         EditCommand::SetSun(sun) => app.state.sun = sun,
+        EditCommand::BrowseSky => browse_sky(app),
         EditCommand::Undo => step(&mut app.state, true),
         EditCommand::Redo => step(&mut app.state, false),
         EditCommand::SaveSidecar => save_sidecar(app),
     }
     rebuild(app);
+}
+
+/// Asks for a picture of the sky and reads it, in the background. Where it cannot be used, a message
+/// says so and the sky stays.
+fn browse_sky(app: &mut Parts) {
+    app.services.spawn("reading a sky", || {
+        let dialog = rfd::FileDialog::new()
+            .set_title("Choose a picture of the sky")
+            .add_filter("Pictures of all directions", &["hdr", "exr"]);
+        dialog.pick_file().map_or(Ok(AppEvent::Kept), |path| read_sky(&path))
+    });
+}
+
+/// Reads a picture of the sky in the background.
+pub(super) fn open_sky(app: &mut Parts, path: PathBuf) {
+    app.services.spawn(&format!("{}: reading a sky", path.display()), move || read_sky(&path));
+}
+
+fn read_sky(path: &Path) -> Result<AppEvent, TaskError> {
+    let image = load_sky(path, &Limits::default());
+    image.map(|image| AppEvent::SkyPicture(Arc::new(image))).map_err(TaskError::failed)
+}
+
+/// True for file names of pictures that cannot be anything but a sky.
+pub(super) fn is_sky(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("hdr"))
+}
+
+/// Shows a picture as the sky. It has a sun of its own, so that the other one is switched off.
+pub(super) fn show_sky_picture(app: &mut Parts, image: Arc<SkyImage>) {
+    let sky = Sky::Picture(PictureSky::new(image, app.state.sun.nits_per_unit));
+    app.state.sun.kind = sky.kind();
+    let daylight = Daylight { sun: None, sky: Some(sky) };
+    handle_edit(app, EditCommand::Change(Change::Daylight(daylight)));
 }
 
 /// Undoes or redoes an edit.

@@ -8,7 +8,7 @@ use crate::window::rendering::{
 };
 use crate::window::state::{AppState, Pair, PictureError};
 use afterimage::Tracer;
-use afterimage::scene::SceneEdit;
+use afterimage::scene::{SceneEdit, SkyImage};
 use egui_wgpu::RenderState;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
@@ -25,6 +25,8 @@ pub(super) enum AppEvent {
     PictureView(PictureView),
     /// Materials and daylight were saved in the sidecar, or could not be saved.
     SavedEdit(Box<SceneEdit>, anyhow::Result<PathBuf>),
+    /// A picture of the sky was read.
+    SkyPicture(Arc<SkyImage>),
 }
 
 /// The scene is being rebuilt with other materials or daylight.

@@ -146,7 +146,7 @@ fn browse(services: &mut Services) {
     if services.file_dialog.is_none() {
         services.file_dialog = Some(spawn_task("dialog", services.wake.clone(), |_| {
             let extensions: Vec<&str> =
-                afterimage::import::extensions().chain(["toml", "png", "exr"]).collect();
+                afterimage::import::extensions().chain(["toml", "png", "exr", "hdr"]).collect();
             let dialog = rfd::FileDialog::new()
                 .set_title("Open a model, a session or a picture")
                 .add_filter("Models, sessions, pictures", &extensions);

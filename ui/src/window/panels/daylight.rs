@@ -2,7 +2,7 @@
 
 use super::super::state::{AppState, Change, Command, EditCommand, SunControls};
 use afterimage::scene::place::PlaceAndTime;
-use afterimage::scene::{Daylight, PhysicalSky, SkyKind, solar::SunPosition};
+use afterimage::scene::{Daylight, PhysicalSky, PictureSky, Sky, SkyKind, solar::SunPosition};
 use egui::{DragValue, Slider, Ui};
 
 /// Suggested places: name, latitude and longitude in degrees, time zone.
@@ -18,11 +18,12 @@ const PLACES: [(&str, f64, f64, &str); 8] = [
 ];
 
 /// Kinds of skies, with their names and explanations.
-const SKIES: [(SkyKind, &str, &str); 4] = [
+const SKIES: [(SkyKind, &str, &str); 5] = [
     (SkyKind::Gradient, "Gradient", "A clear day, blue above and white at the horizon"),
     (SkyKind::Overcast, "Overcast", "The standard overcast sky of the CIE; the sun is hidden"),
     (SkyKind::Clear, "Clear", "The standard clear sky of the CIE, bright around the sun"),
     (SkyKind::Physical, "Physical", "Sunlight scattered in air and haze (Hosek and Wilkie 2012)"),
+    (SkyKind::Picture, "Picture...", "A picture of all directions, .hdr or .exr, twice as wide as high"),
 ];
 
 /// Shows the controls of the sun and the sky.
@@ -33,6 +34,10 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     };
     let now = &edits.now().daylight;
     let (mut has_sun, mut has_sky, mut sun) = (now.sun.is_some(), now.sky.is_some(), state.sun.clone());
+    let mut picture = match &now.sky {
+        Some(Sky::Picture(sky)) => Some(sky.clone()),
+        _ => None,
+    };
     ui.horizontal(|ui| {
         ui.checkbox(&mut has_sun, "Sun");
         ui.checkbox(&mut has_sky, "Sky");
@@ -48,7 +53,9 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
         } else {
             direction_rows(ui, &mut sun.direction);
         }
-        sky_rows(ui, &mut sun);
+        if sky_rows(ui, &mut sun, picture.as_mut()) {
+            commands.push(Command::Edit(EditCommand::BrowseSky));
+        }
         let help = "Angle of north, clockwise from the model's -Z (up on the plan) towards its +X";
         slider(ui, "North", help, &mut sun.north_deg, -180.0..=180.0, 0, "°");
     });
@@ -60,7 +67,10 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
         }
         _ => drop(ui.weak(if height_deg > 0.0 { place } else { format!("{place}: below the horizon") })),
     }
-    let wanted = daylight(now, &state.sun, &sun, [has_sun, has_sky]);
+    let mut wanted = daylight(now, &state.sun, &sun, [has_sun, has_sky]);
+    if let (Some(Sky::Picture(sky)), Some(changed)) = (&mut wanted.sky, picture) {
+        *sky = changed;
+    }
     if wanted != *now {
         commands.push(Command::Edit(EditCommand::Change(Change::Daylight(wanted))));
     }
@@ -79,13 +89,17 @@ fn daylight(
 ) -> Daylight {
     let clear = || sun.moved(has_sun, has_sky);
     let is_other_sky = sun.kind != before.kind || sun.turbidity != before.turbidity;
-    if is_other_sky {
+    let is_switched_off = now.sky.is_some() && !has_sky;
+    if is_other_sky && !is_switched_off {
         // The clouds of an overcast sky hide a sun, which shines again under another one.
         let was_hidden = before.kind == SkyKind::Overcast && now.sky.is_some();
         return sun.moved(has_sun || was_hidden, true);
     }
     // A sun that was below the horizon rises again if there is a sky.
     let has_moved = sun.position() != before.position() || sun.north_deg != before.north_deg;
+    if has_moved && sun.kind == SkyKind::Picture {
+        return Daylight { sun: sun.moved(has_sun, false).sun, sky: now.sky.clone().filter(|_| has_sky) };
+    }
     if has_moved {
         return Daylight { sun: sun.moved(has_sun || has_sky, false).sun, sky: clear().sky };
     }
@@ -109,12 +123,22 @@ fn slider(
     ui.end_row();
 }
 
-fn sky_rows(ui: &mut Ui, sun: &mut SunControls) {
-    let label = ui.label("Sky");
+/// Shows the kind of the sky and its values. True where the user wants to choose a picture.
+fn sky_rows(ui: &mut Ui, sun: &mut SunControls, picture: Option<&mut PictureSky>) -> bool {
+    let label = ui.label("Kind of sky");
     let named = |kind| SKIES.iter().find(|(k, ..)| *k == kind).map_or("", |(_, name, _)| *name);
-    let combo = egui::ComboBox::from_id_salt("sky").selected_text(named(sun.kind)).show_ui(ui, |ui| {
+    let shown =
+        picture.as_ref().map(|sky| sky.image.file().file_name().unwrap_or_default().to_string_lossy());
+    let shown = shown.unwrap_or_else(|| named(sun.kind).into());
+    let mut wants_picture = false;
+    let combo = egui::ComboBox::from_id_salt("sky").selected_text(&*shown).show_ui(ui, |ui| {
         for (kind, name, help) in SKIES {
-            ui.selectable_value(&mut sun.kind, kind, name).on_hover_text(help);
+            let is_chosen = ui.selectable_label(sun.kind == kind, name).on_hover_text(help).clicked();
+            // The kind changes once a picture has been read.
+            wants_picture |= is_chosen && kind == SkyKind::Picture;
+            if is_chosen && kind != SkyKind::Picture {
+                sun.kind = kind;
+            }
         }
     });
     combo.response.labelled_by(label.id);
@@ -125,6 +149,17 @@ fn sky_rows(ui: &mut Ui, sun: &mut SunControls) {
         slider(ui, "Haze", help, &mut turbidity, range, 1, "");
         sun.turbidity = turbidity as f32;
     }
+    if let Some(sky) = picture {
+        let [mut rotation, mut stops] =
+            [sky.rotation_deg.into(), f64::from(sky.brightness.max(f32::MIN_POSITIVE).log2())];
+        let before = [rotation, stops];
+        slider(ui, "Rotation", "Turns the picture clockwise", &mut rotation, -180.0..=180.0, 0, "°");
+        slider(ui, "Sky brightness", "In stops", &mut stops, -10.0..=10.0, 1, " EV");
+        if [rotation, stops] != before {
+            (sky.rotation_deg, sky.brightness) = (rotation as f32, stops.exp2() as f32);
+        }
+    }
+    wants_picture
 }
 
 fn direction_rows(ui: &mut Ui, direction: &mut SunPosition) {
@@ -208,7 +243,6 @@ fn clock_hours(text: &str) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use afterimage::scene::Sky;
 
     #[test]
     fn times_are_formatted_and_parsed_as_hours_and_minutes() {

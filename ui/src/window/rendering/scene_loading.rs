@@ -3,7 +3,7 @@
 use super::{Progress, Task, TaskError, TaskHandle, Wake, spawn_activity};
 use afterimage::Tracer;
 use afterimage::import;
-use afterimage::import::{ImportOptions, Phase};
+use afterimage::import::{DaylightOptions, ImportOptions, Phase};
 use afterimage::scene::{Scene, SceneError, builtin};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -71,11 +71,11 @@ pub(crate) struct Loading {
 }
 
 impl Loading {
-    /// Starts loading on a thread of its own.
-    pub(crate) fn start(source: SceneSource, wake: Wake) -> Self {
+    /// Starts loading on a thread of its own. `daylight` replaces that of the scene.
+    pub(crate) fn start(source: SceneSource, daylight: DaylightOptions, wake: Wake) -> Self {
         let wanted = source.clone();
         let activity = format!("{}: loading", source.label());
-        let task = spawn_activity("load", &activity, wake, move |task| load(&wanted, task));
+        let task = spawn_activity("load", &activity, wake, move |task| load(&wanted, &daylight, task));
         Self { source, task }
     }
 
@@ -90,14 +90,18 @@ impl Loading {
     }
 }
 
-fn load(source: &SceneSource, task: &TaskHandle) -> Result<Arc<Tracer>, TaskError> {
+fn load(
+    source: &SceneSource,
+    daylight: &DaylightOptions,
+    task: &TaskHandle,
+) -> Result<Arc<Tracer>, TaskError> {
     let scene = match source {
         SceneSource::Ready(scene) => scene.clone(),
         SceneSource::Builtin(name) => {
             task.begin("building the scene")?;
-            Arc::new(builtin::build(name).map_err(TaskError::failed)?)
+            Arc::new(daylight.apply(builtin::build(name).map_err(TaskError::failed)?))
         }
-        SceneSource::File { path, options } => Arc::new(import(path, options, task)?),
+        SceneSource::File { path, options } => Arc::new(daylight.apply(import(path, options, task)?)),
     };
     task.begin("building the ray tree")?;
     let tracer = Arc::new(Tracer::new(scene).beginning_indoors());

@@ -74,6 +74,8 @@ pub enum NavigationCommand {
 pub enum EditCommand {
     Change(Change),
     SetSun(SunControls),
+    /// Choose a picture of the sky in a dialog.
+    BrowseSky,
     Undo,
     Redo,
     SaveSidecar,
