@@ -27,7 +27,7 @@ type Decoded = ([u32; 2], Vec<[f32; 3]>, Option<f32>);
 pub fn load_sky(path: &Path, limits: &Limits) -> Result<SkyImage, SceneError> {
     let refused = |error: String, remedy: &str| unreadable(path, error, remedy);
     let bytes = files::read_limited(path, limits.sky_bytes).map_err(|error| {
-        let remedy = if path.exists() { "use a smaller picture" } else { "check the path" };
+        let remedy = if path.is_file() { "use a smaller picture" } else { &error.remedy };
         refused(error.cause, remedy)
     })?;
     let decoded = catch_unwind(AssertUnwindSafe(|| decode(&bytes)));

@@ -8,6 +8,7 @@ mod properties;
 mod real;
 mod saving;
 mod sidecar;
+mod sky;
 mod textures;
 
 use afterimage::import::{ImportOptions, load};
