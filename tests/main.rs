@@ -13,6 +13,7 @@ mod bvh;
 mod corpus;
 mod entry_points;
 mod experiments;
+mod exposure;
 mod features;
 mod golden;
 mod import;

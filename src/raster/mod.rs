@@ -3,6 +3,7 @@
 #[cfg(any(feature = "import", feature = "pictures"))]
 pub mod atomic_file;
 pub mod color;
+pub mod exposure;
 pub mod fill;
 #[cfg(feature = "pictures")]
 pub mod load;

@@ -69,6 +69,7 @@ impl SceneBuilder {
             is_photometric: self.is_photometric,
             views: self.views,
             walk,
+            exposure: self.exposure,
             brings_view,
             brings_walk,
             features: SceneFeatures::default(),

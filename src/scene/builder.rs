@@ -3,6 +3,7 @@
 use super::daylight::nits_per_unit;
 use super::{Material, MaterialId, NamedView, Sky, Sun, Texture, TextureId, Warning};
 use crate::camera::CameraPath;
+use crate::raster::exposure::Exposure;
 use glam::{DVec3, Vec2, Vec3};
 
 /// A scene while it is being put together, in world metres with +Y up. [`SceneBuilder::finish`]
@@ -38,6 +39,8 @@ pub struct SceneBuilder {
     pub views: Vec<NamedView>,
     /// The camera path of the scene.
     pub walk: Option<CameraPath>,
+    /// Exposure at which the scene is shown unless the user gives one.
+    pub exposure: Exposure,
     /// The problems found so far.
     pub warnings: Vec<Warning>,
 }

@@ -6,6 +6,7 @@ use super::{
     Warning,
 };
 use crate::camera::{Camera, CameraPath};
+use crate::raster::exposure::Exposure;
 use glam::{DVec3, Vec2, Vec3};
 
 /// A scene that is ready to be traced. Positions are in scene space unless a field says otherwise.
@@ -47,6 +48,8 @@ pub struct Scene {
     pub views: Vec<NamedView>,
     /// The camera path of the scene.
     pub walk: CameraPath,
+    /// Exposure at which the scene is shown unless the user gives one.
+    pub exposure: Exposure,
     /// False if the model had no view and one was generated.
     pub brings_view: bool,
     /// False if the model had no camera path and one was generated.

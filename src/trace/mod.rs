@@ -8,6 +8,7 @@
 //! | `path` | the radiance of a pixel: diffuse light, bounces, mirrors and glass |
 //! | `settings`, `bounce_limit` | how many rays a pixel takes |
 //! | `primary_tile`, `probe` | the primary rays of a tile, and rays that measure the model |
+//! | `exposure` | the light in the scene, measured for the automatic exposure |
 //! | `indoor_start` | the start view of a model of rooms that has none of its own |
 //! | [`parallel`] | tracing many pixels on all threads |
 //!
@@ -15,6 +16,7 @@
 
 mod bounce_limit;
 pub mod bvh;
+mod exposure;
 mod indoor_start;
 mod lights;
 pub mod parallel;

@@ -6,11 +6,13 @@ use super::surface::{SurfacePoint, interpolate_uv};
 use crate::bsdf::albedo;
 use crate::camera::View;
 use crate::math::Ray;
+use crate::raster::exposure::Metered;
 use crate::scene::{Material, Scene};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::{sync::Arc, time::Instant};
+use std::sync::{Arc, OnceLock};
+use std::time::Instant;
 
 /// Largest distance by which a hit may lie in front of or behind its triangle, relative to its own
 /// distance. Beyond it the triangle test has failed on a needle.
@@ -25,6 +27,7 @@ pub struct Tracer {
     lights: LightGrid,
     epoch: SceneEpoch,
     build_secs: f64,
+    pub(super) metered: OnceLock<Metered>,
 }
 
 /// Identifies one state of one scene. Every change of light or geometry makes a new tracer, and so
@@ -48,7 +51,8 @@ impl Tracer {
     fn with_bvh(scene: Arc<Scene>, bvh: Arc<Bvh>, start: Instant) -> Self {
         let epoch = SceneEpoch(NEXT_EPOCH.fetch_add(1, Ordering::Relaxed));
         let lights = LightGrid::new(&scene);
-        Self { scene, bvh, lights, epoch, build_secs: start.elapsed().as_secs_f64() }
+        let build_secs = start.elapsed().as_secs_f64();
+        Self { scene, bvh, lights, epoch, build_secs, metered: OnceLock::new() }
     }
 
     /// Returns a tracer of a scene with the same triangles, whose materials or lights may differ.

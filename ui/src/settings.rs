@@ -6,7 +6,8 @@
 
 use afterimage::raster::load::{LoadError, read_bounded};
 use afterimage::trace::BounceLimit;
-use afterimage::{Mode, raster::color::ToneMap, raster::save::write_atomically};
+use afterimage::Mode;
+use afterimage::raster::{color::ToneMap, exposure::Exposure, save::write_atomically};
 use anyhow::{Context, anyhow};
 use clap::ValueEnum;
 use serde::Deserialize;
@@ -55,8 +56,8 @@ pub struct Settings {
     pub threads: Option<usize>,
     /// Picture size in pixels, as `1280x720`.
     pub size: Option<String>,
-    /// Exposure in stops.
-    pub exposure: Option<f32>,
+    /// Exposure in stops, or `auto`.
+    pub exposure: Option<Exposure>,
     /// Tone map from radiance to display.
     pub tone_map: Option<ToneMap>,
     /// Folder in which the window saves pictures.
@@ -82,7 +83,7 @@ const RULES: [Rule; 13] = [
     ("seed", "a whole number from 0", any),
     ("threads", "a whole number from 1 to 1024", |s| Some((1..=1024).contains(&s.threads?))),
     ("size", "a size like '1280x720'", |s| Some(picture_size(s.size.as_deref()?).is_ok())),
-    ("exposure", "a number of stops from -64 to 64", |s| Some(s.exposure?.abs() <= 64.0)),
+    ("exposure", "'auto' or a number of stops from -64 to 64", |s| Some(s.exposure?.is_valid())),
     ("tone_map", "'aces' or 'linear'", any),
     ("pictures", "a folder", any),
     ("theme", "'system', 'dark' or 'light'", any),

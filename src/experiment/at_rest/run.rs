@@ -75,7 +75,7 @@ struct Shown {
 fn window(context: &ExperimentContext<'_>, camera: &Camera) -> CellOutcome {
     let Some((first, shown)) = shown_at_checkpoints(context, camera) else { return Ok(None) };
     let Some(truth) = antialiased_truth_of(context, camera) else { return Ok(None) };
-    let exposure_ev = context.exposure_ev(&truth);
+    let exposure_ev = context.settings.exposure_ev;
     let shown_truth: Vec<[u8; 3]> = truth.iter().map(|v| srgb8(*v, exposure_ev, ToneMap::Aces)).collect();
     context.save_picture("truth.png", context.settings.size, &shown_truth)?;
     let mut records = Vec::new();
@@ -191,7 +191,7 @@ fn full(context: &ExperimentContext<'_>, camera: &Camera) -> CellOutcome {
         return Ok(None);
     }
     let Some(truth) = antialiased_truth_of(context, camera) else { return Ok(None) };
-    let exposure_ev = context.exposure_ev(&truth);
+    let exposure_ev = context.settings.exposure_ev;
     FramePictures::of(FULL, &frame, &truth, exposure_ev)?.save(context)?;
     let record = RunRecord::default()
         .with("samples", passes * trace.samples)

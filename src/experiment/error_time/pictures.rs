@@ -20,7 +20,7 @@ pub(super) fn run(context: &ExperimentContext<'_>) -> CellOutcome {
         poses(context, view_share(context, context.settings.views / 2), DEFAULT_REFERENCES)?;
     let Some(truth) = truth_of(context, &camera) else { return Ok(None) };
     let Some(references) = References::trace(context, &poses, &trace) else { return Ok(None) };
-    let (none, exposure_ev) = (References::none(context), context.exposure_ev(&truth));
+    let (none, exposure_ev) = (References::none(context), context.settings.exposure_ev);
     let mut all = Vec::new();
     for mode in [Mode::Full].into_iter().chain(REUSING) {
         let references = if mode == Mode::Full { &none } else { &references };

@@ -94,5 +94,5 @@ fn flown(context: &ExperimentContext<'_>, mode: Mode, trace: TraceSettings) -> C
 /// Compares a frame with its converged picture. `None` after a stop.
 fn errors(context: &ExperimentContext<'_>, frame: &Frame) -> Result<Option<Errors>, ExperimentError> {
     let Some(truth) = truth_of(context, &frame.camera) else { return Ok(None) };
-    Ok(Some(Errors::of(frame, &truth, context.exposure_ev(&truth))?))
+    Ok(Some(Errors::of(frame, &truth, context.settings.exposure_ev)?))
 }

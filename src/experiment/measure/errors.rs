@@ -10,6 +10,8 @@ use serde::Serialize;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[allow(missing_docs, reason = "the names are those of `afterimage compare`")]
 pub struct Errors {
+    /// Exposure in stops of the display values that are compared.
+    pub exposure_ev: f32,
     pub psnr_db: f64,
     pub rel_mse: f64,
     pub ssim: f64,
@@ -31,8 +33,7 @@ pub struct Errors {
 
 impl Errors {
     /// Compares a frame with the linear radiance of its converged picture. relMSE compares
-    /// radiance; the other metrics compare display values at an exposure in stops
-    /// ([`crate::experiment::run::ExperimentContext::exposure_ev`]).
+    /// radiance; the other metrics compare display values at an exposure in stops.
     ///
     /// # Errors
     /// [`CompareError`] for a frame without pixels.
@@ -47,6 +48,7 @@ impl Errors {
         let [type1_mse, type2_mse, type3_mse] = types.map(mean);
         let [type1_error_percent, type2_error_percent, type3_error_percent] = types.map(share);
         Ok(Self {
+            exposure_ev,
             psnr_db: psnr_db(&shown, &right),
             rel_mse: rel_mse(&frame.radiance, truth),
             ssim: ssim(&shown, &right, size),

@@ -72,7 +72,7 @@ impl Trial<'_> {
         }
         let frame = renderer.frame();
         let Some(see_through) = self.see_through_percent(context, frame) else { return Ok(None) };
-        let errors = Errors::of(frame, truth, context.exposure_ev(truth))?;
+        let errors = Errors::of(frame, truth, context.settings.exposure_ev)?;
         let with_errors = |r: RunRecord| r.with_fields(&errors).with("see_through_percent", see_through);
         Ok(Some(records.into_iter().map(with_errors).collect()))
     }

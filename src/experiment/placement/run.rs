@@ -116,7 +116,7 @@ fn tour_settings(
         every: frames.div_ceil(MEASURED_FRAMES),
         truth_samples: context.settings.truth_samples,
         truth_folder: context.truth_folder.map(Into::into),
-        exposure_ev: context.settings.exposure_ev.unwrap_or(0.0),
+        exposure_ev: context.settings.exposure_ev,
     };
     TourSettings { walkthrough, size: context.settings.size, frames, budget: None, measure: Some(measure) }
 }
@@ -147,6 +147,7 @@ fn summary(tour: &TourRecord, usage: &ReferenceUsage) -> RunRecord {
         .with("frame_p99_secs", percentile(of(|f| f.frame_secs), 99.0))
         .with("psnr_db", measured(|m| m.psnr_db))
         .with("flip_mean", measured(|m| m.flip_mean))
+        .with("exposure_ev", measured(|m| m.exposure_ev.into()))
         .with("cache_mb", usage.max_bytes() as f64 / (1 << 20) as f64)
         .with("prediction_use_percent", usage.prediction_use_percent())
         .with("predictions", usage.predictions())

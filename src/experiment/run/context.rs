@@ -3,9 +3,8 @@
 use super::identity::{Identity, sha256_hex};
 use super::{error::ExperimentError, record::RunRecord, settings::ExperimentSettings};
 use crate::camera::{Camera, CameraPath};
-use crate::raster::{color::metered_exposure_ev, save::save_png};
+use crate::raster::save::save_png;
 use crate::trace::{Tracer, parallel::Stop};
-use glam::Vec3;
 use std::{path::Path, sync::Arc};
 
 /// The scene, settings and folders that a cell runs with.
@@ -57,16 +56,6 @@ impl ExperimentContext<'_> {
         const FRAMES: u32 = 10_001;
         let frame = (f64::from(FRAMES - 1) * share.clamp(0.0, 1.0)).round() as u32;
         self.walk.camera(frame, FRAMES).ok_or(ExperimentError::EmptyWalk)
-    }
-
-    /// Returns the exposure in stops at which a view is shown and its errors are measured: the one
-    /// of the settings if given, 0 for the embedded scenes, and otherwise the metered exposure of
-    /// the converged picture `truth`. Without metering, a sunlit model may be black or white
-    /// everywhere and show no error.
-    pub fn exposure_ev(&self, truth: &[Vec3]) -> f32 {
-        let is_embedded = self.tracer.scene().name.starts_with("builtin:");
-        let metered = || if is_embedded { None } else { metered_exposure_ev(truth) };
-        self.settings.exposure_ev.or_else(metered).unwrap_or(0.0)
     }
 
     /// Writes an 8-bit sRGB picture to `images/`.

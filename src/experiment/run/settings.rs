@@ -44,10 +44,8 @@ pub struct ExperimentSettings {
     /// for none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub full_samples: Option<u32>,
-    /// Exposure in stops at which pictures are shown and compared. `None` chooses it by
-    /// [`super::ExperimentContext::exposure_ev`].
-    #[serde(skip_serializing_if = "Option::is_none")] // TOML has no null.
-    pub exposure_ev: Option<f32>,
+    /// Exposure in stops at which all pictures are shown and compared.
+    pub exposure_ev: f32,
 }
 
 impl Default for ExperimentSettings {
@@ -65,7 +63,7 @@ impl Default for ExperimentSettings {
             cache_mb: 1024,
             seconds: Vec::new(),
             full_samples: None,
-            exposure_ev: None,
+            exposure_ev: 0.0,
         }
     }
 }

@@ -57,7 +57,7 @@ pub(crate) fn run_cell(context: &ExperimentContext<'_>, cell: &RunRecord) -> Cel
     let mut renderer = Renderer::default();
     let records = trial.measure(context, &truth, &mut renderer)?;
     if records.is_some() {
-        let (name, exposure_ev) = (format!("{}-{count}", mode.name()), context.exposure_ev(&truth));
+        let (name, exposure_ev) = (format!("{}-{count}", mode.name()), context.settings.exposure_ev);
         FramePictures::of(&name, renderer.frame(), &truth, exposure_ev)?.save(context)?;
         if mode == Mode::Full {
             save_references(context, &views.references, exposure_ev)?;

@@ -16,6 +16,7 @@ mod views;
 pub use gallery_bench::statue_hall;
 
 use super::{Scene, SceneBuilder, SceneError};
+use crate::raster::exposure::Exposure;
 
 /// Names of the embedded scenes. The first is the default. The textures of the galleries
 /// are PNG files, so they exist only with the feature `pictures`.
@@ -41,6 +42,8 @@ pub const BENCH: &str = "gallery-bench";
 /// [`SceneError::UnknownBuiltin`] if there is no embedded scene of that name.
 pub fn build(name: &str) -> Result<Scene, SceneError> {
     let mut b = SceneBuilder::new(&format!("builtin:{name}"));
+    // Their lamps were chosen for this; a scene may choose another.
+    b.exposure = Exposure::Stops(0.0);
     match name {
         #[cfg(feature = "pictures")]
         "gallery" | BENCH => gallery_bench::add_to(&mut b)?,

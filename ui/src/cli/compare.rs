@@ -1,6 +1,8 @@
 //! `afterimage compare`: error metrics of one picture against another.
 
 use super::{failure::Failure, flags::Flags, output};
+use afterimage::raster::color::metered_exposure_ev;
+use afterimage::raster::exposure::Exposure;
 use afterimage::raster::load::{Picture, PictureKind};
 use afterimage::raster::metrics::{CompareError, flip, max_abs, psnr_db, rel_mse, ssim};
 use clap::Args;
@@ -26,7 +28,10 @@ pub(crate) fn run(args: &CompareArgs, flags: &Flags) -> Result<(), Failure> {
     }
     let size = a.size;
     // A display-referred picture has its exposure already.
-    let exposure_ev = flags.exposure_ev();
+    let exposure_ev = match flags.exposure {
+        Some(Exposure::Auto) => metered_exposure_ev(&b.linear()).unwrap_or_default(),
+        _ => flags.exposure_ev(),
+    };
     let (shown_a, shown_b) = (a.display(exposure_ev), b.display(exposure_ev));
     // relMSE and the largest difference are measured in linear light unless both pictures are
     // display-referred.

@@ -3,8 +3,10 @@
 use crate::picture::pose_text::parse_point;
 use crate::settings::{named, picture_size};
 use afterimage::import::{DaylightOptions, SkyChoice, Unit, Up};
+use afterimage::raster::{color::ToneMap, exposure::Exposure};
 use afterimage::scene::place::{PlaceAndTime, parse_place};
-use afterimage::{Mode, RenderSettings, raster::color::ToneMap, trace::BounceLimit, trace::TraceSettings};
+use afterimage::trace::{BounceLimit, TraceSettings};
+use afterimage::{Mode, RenderSettings};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, RangedU64ValueParser, TypedValueParser};
 use glam::DVec3;
@@ -85,11 +87,11 @@ pub(crate) struct Flags {
     /// A saved view of the scene [default: the first one, if no pose is given].
     #[arg(long, global = true, value_name = "NAME")]
     pub(crate) view: Option<String>,
-    /// Exposure of display-referred pictures, stops [default: 0; in the window metered for an
-    /// opened model].
-    #[arg(long, global = true, value_name = "EV", allow_hyphen_values = true)]
-    #[arg(value_parser = number_in(-64.0_f32..=64.0, " stops"))]
-    pub(crate) exposure: Option<f32>,
+    /// Exposure of display-referred pictures, stops; `auto` measures the light in the scene
+    /// [default: auto; 0 for embedded scenes that choose no other].
+    #[arg(long, global = true, value_name = "auto|EV", allow_hyphen_values = true)]
+    #[arg(value_parser = str::parse::<Exposure>)]
+    pub(crate) exposure: Option<Exposure>,
     /// Tone map of display-referred pictures.
     #[arg(long, global = true, value_name = "aces|linear", default_value = "aces")]
     #[arg(value_parser = named_parser::<ToneMap>(["aces", "linear"]), hide_possible_values = true)]
@@ -128,9 +130,9 @@ impl Flags {
         Ok(DaylightOptions { sky: self.sky.clone(), sun, north_deg: self.north })
     }
 
-    /// Exposure in stops where the exposure is not metered.
+    /// Exposure in stops, if it is given or [`super::scene::Loaded::expose`] has set it; else 0.
     pub(crate) fn exposure_ev(&self) -> f32 {
-        self.exposure.unwrap_or(0.0)
+        self.exposure.and_then(Exposure::stops).unwrap_or(0.0)
     }
 
     /// Picture size in pixels.

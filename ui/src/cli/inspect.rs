@@ -40,6 +40,7 @@ fn object(loaded: &Loaded) -> Value {
         "units_per_metre": scene.frame.units_per_metre,
         "views": scene.views.iter().map(|v| v.name.as_str()).collect::<Vec<_>>(),
         "walk": {"frames": scene.walk.frames, "keyframes": scene.walk.keyframes.len(), "length_m": scene.walk.length_m()},
+        "exposure": scene.exposure,
         "needs": scene.features,
         "left_out": scene.features.left_out(),
         "mirror_reflectance_max": reflectance,

@@ -89,6 +89,7 @@ pub(crate) fn run(args: &RenderArgs, flags: &Flags) -> Result<(), Failure> {
     let flags = &Flags { samples, ..flags.clone() };
     check(args, flags)?;
     let loaded = load(args.scene.as_deref(), flags)?;
+    let flags = &loaded.expose(flags)?;
     let camera = camera(flags, loaded.scene())?;
     let references = trace_references(args, flags, &loaded, camera.fov_y.to_degrees())?;
     let job = job(args, flags, &loaded, camera);
@@ -239,6 +240,7 @@ fn object(
         "antialias": args.antialias,
         "bounces": flags.trace().bounce_limit(),
         "seed": flags.seed,
+        "exposure_ev": flags.exposure_ev(),
         "threads": rayon::current_num_threads(),
         "is_complete": stats.is_complete,
         "types": stats.types.percentages(),

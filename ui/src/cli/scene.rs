@@ -2,6 +2,7 @@
 
 use super::{failure::Failure, flags::Flags, interrupt, output, progress::SharedProgress};
 use afterimage::import::{ImportOptions, Phase};
+use afterimage::raster::exposure::{Exposure, Metered};
 use afterimage::scene::{SceneError, Warning, builtin};
 use afterimage::{Scene, Tracer, import};
 use serde_json::{Value, json};
@@ -22,6 +23,26 @@ impl Loaded {
     /// The scene.
     pub(crate) fn scene(&self) -> &Arc<Scene> {
         self.tracer.scene()
+    }
+
+    /// Returns the flags with a number of stops as exposure: the one given, else that of the scene.
+    /// The automatic one measures the light in the scene.
+    pub(crate) fn expose(&self, flags: &Flags) -> Result<Flags, Failure> {
+        let exposure = flags.exposure.unwrap_or(self.scene().exposure);
+        if exposure == Exposure::Auto {
+            let progress = SharedProgress::new("measuring the light");
+            if !self.tracer.measure_light(&|part| progress.at(part.into()), &interrupt::is_cancelled) {
+                return Err(Failure::Interrupted);
+            }
+        }
+        if self.tracer.metered() == Some(Metered::Dark) {
+            output::say(&format!(
+                "{}: no light was found; the automatic exposure is 0 EV, and --exposure sets another",
+                self.name
+            ));
+        }
+        let stops = self.tracer.stops(exposure).unwrap_or_default();
+        Ok(Flags { exposure: Some(Exposure::Stops(stops)), ..flags.clone() })
     }
 
     /// Statistics of the light grid: how many of the scene's lights are sampled in the cells shaded

@@ -5,6 +5,7 @@ use crate::picture::restore::{PictureView, beside, is_picture, read_view};
 use crate::settings::{Layers, suggestion};
 use crate::window::state::{Appearance, WINDOW_SAMPLES};
 use crate::window::{self, LaunchOptions, SceneSource};
+use afterimage::raster::exposure::Exposure;
 use clap::Parser;
 use std::path::Path;
 
@@ -50,15 +51,13 @@ fn open_window(scene: Option<&str>, flags: &Flags, layers: &Layers) -> Result<()
     let (options, settings) = (scene::import_options(flags), layers.settings());
     let view = picture_view(scene)?;
     let scene = view.as_ref().map(|v| v.scene.as_str()).or(scene);
-    let flags =
-        &Flags { exposure: flags.exposure.or(view.as_ref().and_then(|v| v.exposure_ev)), ..flags.clone() };
     let mut request = LaunchOptions {
         scene: scene.map(|name| SceneSource::named(name, options)),
         daylight: flags.daylight().map_err(Failure::Usage)?,
         camera: pose::given(flags).or(view.as_ref().map(|v| v.camera)),
         view: flags.view.clone(),
         fov_y_deg: flags.fov_y,
-        exposure_ev: flags.exposure,
+        exposure: flags.exposure.or(view.as_ref().and_then(|v| v.exposure_ev).map(Exposure::Stops)),
         tone_map: flags.tone_map,
         threads: flags.threads,
         pictures: settings.pictures.clone(),

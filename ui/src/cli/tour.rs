@@ -84,6 +84,7 @@ pub(crate) fn run(args: &TourArgs, flags: &Flags) -> Result<(), Failure> {
         make_folder(&args.out.join("images"))?;
     }
     let loaded = load(args.scene.as_deref(), flags)?;
+    let flags = &loaded.expose(flags)?;
     let walk = recorded.unwrap_or_else(|| loaded.scene().walk.clone());
     let settings = settings(args, flags, &walk);
     let (record, picture_error) = fly(args, flags, &loaded, &walk, &settings)?;

@@ -3,7 +3,7 @@
 use crate::window::rendering::scene_loading::SceneSource;
 use crate::window::state::{Appearance, PictureSettings, WINDOW_SAMPLES};
 use afterimage::import::DaylightOptions;
-use afterimage::raster::color::ToneMap;
+use afterimage::raster::{color::ToneMap, exposure::Exposure};
 use afterimage::reference::PlacementPolicy;
 use afterimage::render::RenderSettings;
 use afterimage::trace::TraceSettings;
@@ -28,8 +28,8 @@ pub struct LaunchOptions {
     pub view: Option<String>,
     /// Vertical field of view at the start in degrees; `None` for that of the view.
     pub fov_y_deg: Option<f64>,
-    /// Exposure in stops. With `None` it is 0, and metered for a model that is opened.
-    pub exposure_ev: Option<f32>,
+    /// Exposure at the start; `None` for that of the scene.
+    pub exposure: Option<Exposure>,
     /// Tone mapping from radiance to display.
     pub tone_map: ToneMap,
     /// Number of threads that render; `None` for all.
@@ -66,7 +66,7 @@ impl Default for LaunchOptions {
             camera: None,
             view: None,
             fov_y_deg: None,
-            exposure_ev: None,
+            exposure: None,
             tone_map: ToneMap::default(),
             threads: None,
             pictures: None,

@@ -31,6 +31,7 @@ fn usage_errors_end_with_two() {
         ("render room.obj --eye -1,2,3 -o a.png", "--look-at"),
         ("render room.obj --eye 1,2,3 --look-at 1,2,3 -o a.png", "same point"),
         ("render room.obj --fov-y 180 -o a.png", "1 to 170"),
+        ("render room.obj --exposure bright -o a.png", "'auto' or from -64 to 64 stops"),
         ("render room.obj --view kitchen -o a.png", "it has: start"),
         ("render room.obj -o a.gif", ".png or .exr"),
         ("render room.obj -o a.png --aov depth", "needs an EXR"),

@@ -1,7 +1,7 @@
 //! Keys, mouse, panels.
 
 use super::*;
-use afterimage::raster::color::ToneMap;
+use afterimage::raster::{color::ToneMap, exposure::Exposure};
 use afterimage_ui::window::input::keymap::BINDINGS;
 use afterimage_ui::window::state::{Coloring, Heatmap};
 use afterimage_ui::window::state::{Severity, Work};
@@ -259,7 +259,7 @@ fn options_of_the_start_are_kept() {
     let asked = LaunchOptions {
         view: Some("mirror".to_owned()),
         fov_y_deg: Some(8.5),
-        exposure_ev: Some(9.25),
+        exposure: Some(Exposure::Stops(9.25)),
         tone_map: ToneMap::Linear,
         ..request()
     };
@@ -268,7 +268,7 @@ fn options_of_the_start_are_kept() {
     let state = harness.state().state();
     assert!((state.navigation.fly.camera().fov_y.to_degrees() - 8.5).abs() < 1e-9);
     assert_eq!(state.navigation.fly.camera().eye, state.scene.as_ref().expect("a scene").views[1].camera.eye);
-    assert_eq!((state.quality.exposure_ev, state.quality.tone_map), (9.25, ToneMap::Linear));
+    assert_eq!((state.exposure_ev(), state.quality.tone_map), (9.25, ToneMap::Linear));
     assert_eq!(state.quality, state.default_quality);
     assert!(state.notices.is_empty());
 }

@@ -125,15 +125,15 @@ fn changes_view(window: &mut Window, action: Action, chord: Chord, index: usize)
 fn shows(window: &mut Window, action: Action, chord: Chord) {
     match action {
         Action::DarkerExposure | Action::BrighterExposure => {
-            let before = state(window).quality.exposure_ev;
+            let before = state(window).exposure_ev();
             press(window, chord);
-            let step = state(window).quality.exposure_ev - before;
+            let step = state(window).exposure_ev() - before;
             assert_eq!(step, if action == Action::BrighterExposure { 0.5 } else { -0.5 });
         }
         Action::ResetExposure => {
             window.key_press(Key::Minus);
             press(window, chord);
-            assert_eq!(state(window).quality.exposure_ev, state(window).default_quality.exposure_ev);
+            assert_eq!(state(window).quality.exposure, state(window).default_quality.exposure);
         }
         Action::CycleHeatmap => {
             let [before, after] = options(window, chord);

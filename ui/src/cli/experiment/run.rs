@@ -41,9 +41,10 @@ fn run_one(experiment: &Experiment, args: &ExperimentArgs, flags: &Flags) -> Res
     let shard = Shard::of(args.shard.as_deref(), |name| std::env::var(name).ok())
         .map_err(|e| Failure::Usage(e.to_string()))?;
     let recorded = args.path.as_deref().map(read_path).transpose()?;
-    let settings = settings(experiment, args, flags);
+    let mut settings = settings(experiment, args, flags);
     memory::check(settings.size.map(u64::from).iter().product(), MAX_REFERENCES)?;
     let loaded = load(Some(args.scene()?), flags)?;
+    settings.exposure_ev = loaded.expose(flags)?.exposure_ev();
     let truth_folder = args.truth_cache.clone().or_else(|| paths::cache_folder().map(|c| c.join("truth")));
     let images = out.join("images");
     let walk = walk(experiment, recorded, flags, &loaded)?;
@@ -130,7 +131,6 @@ fn settings(experiment: &Experiment, args: &ExperimentArgs, flags: &Flags) -> Ex
         cache_mb: args.cache_mb.unwrap_or(defaults.cache_mb),
         seconds: seconds(args, &defaults),
         full_samples: defaults.full_samples.map(|usual| args.full_samples.unwrap_or(usual)),
-        exposure_ev: flags.exposure,
         ..defaults
     }
 }

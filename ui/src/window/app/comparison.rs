@@ -4,8 +4,8 @@
 use super::{CurrentScene, Measurement, Parts, Services};
 use crate::window::gpu::viewport;
 use crate::window::rendering::{FullTrace, Subject, TaskError, lower_priority, spawn_task, take_result};
-use crate::window::state::Overlay;
-use crate::window::state::{AppState, Compare, Comparison, Pair, difference};
+use crate::window::state::{AppState, Compare, Comparison, Overlay, Pair, Quality, difference};
+use afterimage::raster::exposure::Exposure;
 
 /// Takes the comparison one step further.
 pub(super) fn update_comparison(app: &mut Parts) {
@@ -56,7 +56,7 @@ fn pair(state: &AppState, services: &Services) -> Option<Pair> {
     let (frame, full) = (state.frame.as_ref()?, state.comparison.full.as_ref()?);
     let is_same_view = frame.camera == full.camera && frame.size == full.size;
     let is_pair = state.comparison.is_wanted() && is_at_rest(state, services) && is_same_view;
-    let pair = (frame.generation, full.stats.refined.pass, state.quality.exposure_ev);
+    let pair = (frame.generation, full.stats.refined.pass, state.exposure_ev());
     (is_pair && !frame.is_refinement).then_some(pair)
 }
 
@@ -69,7 +69,8 @@ fn measure(state: &AppState, services: &mut Services) {
         return;
     }
     services.measured_pair = Some(pair);
-    let (size, quality) = (frame.size, state.quality);
+    let quality = Quality { exposure: Exposure::Stops(state.exposure_ev()), ..state.quality };
+    let size = frame.size;
     let [picture, full] = [frame, full].map(|f| f.radiance.clone());
     services.measurement = Some(spawn_task("measure", services.wake.clone(), move |_| {
         lower_priority();

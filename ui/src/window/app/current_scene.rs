@@ -19,8 +19,6 @@ pub(super) struct CurrentScene {
     pub(super) rendered_edit: Option<SceneEdit>,
     /// Generation of the first frame of the scene.
     pub(super) first_generation: u64,
-    /// The first complete frame sets the exposure, because a model has just been opened.
-    pub(super) is_metering: bool,
     /// Applied when the scene that is being loaded is shown.
     pub(super) arrival: Arrival,
     /// The unsaved changes are given up in favour of the scene that is being loaded.
@@ -47,7 +45,7 @@ pub(super) struct Arrival {
     pub(super) view: Option<String>,
     /// Vertical field of view in degrees.
     pub(super) fov_y_deg: Option<f64>,
-    /// Exposure in stops; takes precedence over metering.
+    /// Exposure in stops; takes precedence over that of the scene.
     pub(super) exposure_ev: Option<f32>,
     /// Hash of the scene that an opened picture stores. If the loaded scene has another hash, a
     /// message says that the scene has changed.
@@ -63,7 +61,6 @@ impl CurrentScene {
             obstacles: None,
             rendered_edit: None,
             first_generation: 0,
-            is_metering: false,
             arrival,
             discards_edits: false,
             may_close: false,

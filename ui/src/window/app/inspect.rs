@@ -61,7 +61,8 @@ pub(super) fn update_thumbnails(state: &mut AppState, services: &Services) {
     if matches!(state.work, Work::Complete | Work::Refining | Work::Converged | Work::Paused) {
         let views = state.scene.iter().flat_map(|s| s.views.iter().map(|v| &v.camera));
         let references = state.frame.iter().flat_map(|f| f.references.iter().map(|r| &r.camera));
-        state.thumbnails.request(views.chain(references), &services.wake);
+        let exposure_ev = state.exposure_ev();
+        state.thumbnails.request(views.chain(references), exposure_ev, &services.wake);
     }
 }
 
@@ -70,11 +71,11 @@ pub(super) fn show_reference(state: &mut AppState, services: &Services, referenc
     let Some(radiance) = &reference.radiance else {
         return state.info(format!("reference {} is no longer held", reference.id.0));
     };
-    let q = &state.quality;
+    let (exposure_ev, tone_map) = (state.exposure_ev(), state.quality.tone_map);
     let size = reference.size.map(|s| s as usize);
     // Pixels without light are grey and hatched.
     let pixels = radiance.iter().enumerate().map(|(i, light)| match light {
-        Some(light) => color::srgb8(*light, q.exposure_ev, q.tone_map),
+        Some(light) => color::srgb8(*light, exposure_ev, tone_map),
         None => [if (i % size[0] + i / size[0]) % 8 < 2 { 52 } else { 38 }; 3],
     });
     let image = egui::ColorImage::from_rgb(size, &pixels.flatten().collect::<Vec<u8>>());

@@ -10,7 +10,7 @@ use crate::settings;
 use crate::window::input::{Obstacles, Playback};
 use crate::window::rendering::{Loading, RenderCommand, SceneSource, TaskError, take_result};
 use crate::window::state::{Answer, AppState, Edits, Leaving, PlanState, SceneInfo};
-use afterimage::{Camera, Tracer};
+use afterimage::{Camera, Tracer, raster::exposure::Exposure};
 use egui::ViewportCommand;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -58,7 +58,7 @@ pub(super) fn open_session(app: &mut Parts, path: PathBuf) {
 pub(super) fn go_to_picture(app: &mut Parts, view: PictureView) {
     if app.current.tracer().is_some_and(|tracer| tracer.scene().hash == view.scene_hash) {
         app.state.navigation.fly.ease_to(view.camera);
-        app.state.quality.exposure_ev = view.exposure_ev.unwrap_or(app.state.quality.exposure_ev);
+        app.state.quality.exposure = view.exposure_ev.map_or(app.state.quality.exposure, Exposure::Stops);
         return app.state.info("the picture was taken here");
     }
     let source = SceneSource::named(&view.scene, Default::default());
@@ -162,7 +162,7 @@ pub(super) fn poll_watch(app: &mut Parts) {
 fn show_scene(app: &mut Parts, source: SceneSource, tracer: Arc<Tracer>) {
     let is_reload = is_shown(&app.state, &source);
     let arrival = std::mem::take(&mut app.current.arrival);
-    let scene = SceneInfo::new(source.clone(), &tracer);
+    let (scene, exposure) = (SceneInfo::new(source.clone(), &tracer), tracer.scene().exposure);
     if arrival.scene_hash.as_ref().is_some_and(|expected| *expected != tracer.scene().hash) {
         app.state.info("the scene has changed since the picture was taken; this is the same pose in it");
     }
@@ -189,7 +189,7 @@ fn show_scene(app: &mut Parts, source: SceneSource, tracer: Arc<Tracer>) {
     begin_edits(app, tracer.scene(), is_reload);
     app.current.first_generation = app.services.render.send(RenderCommand::SetTracer(tracer));
     if !is_reload {
-        reset_quality(app, &source, &arrival);
+        reset_quality(app, &source, &arrival, exposure);
     }
     app.current.sent = None;
     restore_session(app, arrival.session, is_reload);
@@ -200,17 +200,18 @@ fn show_scene(app: &mut Parts, source: SceneSource, tracer: Arc<Tracer>) {
     }
 }
 
-/// Sets bounces and exposure as they suit the scene; a reset of the quality restores these bounces.
-/// Models from files are made for renderers with indirect light, and their exposure is metered.
-fn reset_quality(app: &mut Parts, source: &SceneSource, arrival: &Arrival) {
+/// Sets bounces and exposure as they suit the scene; a reset of the quality restores these.
+/// Models from files are made for renderers with indirect light. `exposure` is that of the scene.
+fn reset_quality(app: &mut Parts, source: &SceneSource, arrival: &Arrival, exposure: Exposure) {
     let launch = &app.services.launch;
     let is_model = matches!(source, SceneSource::File { .. });
     let bounces = if is_model { launch.model_bounces } else { launch.settings.render.trace.bounces };
     for quality in [&mut app.state.quality, &mut app.state.default_quality] {
         quality.walk.render.trace.bounces = bounces;
     }
-    app.state.quality.exposure_ev = arrival.exposure_ev.unwrap_or(app.state.default_quality.exposure_ev);
-    app.current.is_metering = is_model && launch.exposure_ev.is_none() && arrival.exposure_ev.is_none();
+    app.state.default_quality.exposure = launch.exposure.unwrap_or(exposure);
+    app.state.quality.exposure =
+        arrival.exposure_ev.map_or(app.state.default_quality.exposure, Exposure::Stops);
 }
 
 /// Returns the index of the saved view to start at, and the pose.

@@ -54,7 +54,6 @@ fn write_session(text: &str, file: Option<PathBuf>, destination: &Destination) -
 pub(super) fn restore_session(app: &mut Parts, awaited: Option<(SessionFile, PathBuf)>, is_reload: bool) {
     if let Some((content, file)) = awaited {
         app.current.unknown_keys = content.restore(&mut app.state);
-        app.current.is_metering = false;
         if is_recovery(&file) {
             // The session is kept under another name from now on. If this fails it is offered
             // again.

@@ -51,7 +51,7 @@ fn job(state: &AppState, camera: Camera, background: Background) -> anyhow::Resu
     };
     let is_valid = size.iter().all(|side| (1..=LONGEST_SIDE).contains(side));
     ensure!(is_valid, "a picture is from 1 to {LONGEST_SIDE} pixels wide and high");
-    let (quality, mut render) = (&state.quality, state.quality.walk.render);
+    let mut render = state.quality.walk.render;
     render.trace.samples = settings.samples.unwrap_or(render.trace.samples);
     render.mode = if background == Background::LeftOut { Mode::Full } else { settings.mode };
     Ok(PictureJob {
@@ -61,8 +61,8 @@ fn job(state: &AppState, camera: Camera, background: Background) -> anyhow::Resu
         settings: render,
         antialias: (render.mode == Mode::Full && settings.antialias > 1).then_some(settings.antialias),
         background,
-        exposure_ev: quality.exposure_ev,
-        tone_map: quality.tone_map,
+        exposure_ev: state.exposure_ev(),
+        tone_map: state.quality.tone_map,
     })
 }
 

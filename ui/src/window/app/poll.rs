@@ -5,13 +5,10 @@ use super::{
     poll_watch, save_from_references, show_reference, show_sky_picture, update_plan, update_thumbnails,
 };
 use crate::window::gpu::viewport;
-use crate::window::rendering::{Message, TaskError, locked, take_result};
+use crate::window::rendering::{Message, TaskError, background_pool, locked, spawn_task, take_result};
 use crate::window::state::{Answer, AppState};
-use std::ops::RangeInclusive;
+use afterimage::raster::exposure::{Exposure, Metered};
 use std::path::Path;
-
-/// Range of a metered exposure in stops. A picture beyond it is meant to be dark or bright.
-const METERED_EV: RangeInclusive<f32> = -4.0..=6.0;
 
 /// Takes over results, messages and the newest frame.
 pub(super) fn poll(app: &mut Parts) {
@@ -22,6 +19,7 @@ pub(super) fn poll(app: &mut Parts) {
     poll_messages(app);
     poll_tasks(app);
     poll_frame(app);
+    poll_light(app);
     app.state.notices.retain(|n| !n.is_expired());
     update_plan(app);
     update_thumbnails(&mut app.state, &app.services);
@@ -95,22 +93,45 @@ fn saved(state: &mut AppState, path: &Path) {
     state.info(format!("saved {}", path.display()));
 }
 
-/// Shows the newest frame. The first complete one of a model that was just opened sets the
-/// exposure.
+/// Shows the newest frame.
 fn poll_frame(app: &mut Parts) {
     if !app.services.render.take_frame(&mut app.state.frame) {
         return;
     }
     let Some(frame) = &app.state.frame else { return };
-    let is_metered = app.current.is_metering && frame.generation >= app.current.first_generation;
-    if let Some(ev) = frame.metered_ev.filter(|_| is_metered) {
-        app.state.quality.exposure_ev = ev.clamp(*METERED_EV.start(), *METERED_EV.end());
-        app.current.is_metering = false;
-    }
     if let Some(graphics) = &app.services.graphics {
         viewport::upload(graphics, frame);
     }
     if !frame.is_refinement {
         app.state.record();
+    }
+}
+
+/// Takes over the automatic exposure of the scene. Where the light in it is not measured yet,
+/// because it was edited, the exposure of before is kept meanwhile.
+fn poll_light(app: &mut Parts) {
+    if let Some(Err(TaskError::Failed(text))) = take_result(&mut app.services.light) {
+        app.state.error(format!("the light in the scene cannot be measured: {text}"));
+        app.state.quality.exposure = Exposure::Stops(app.state.exposure_ev());
+    }
+    let Some(tracer) = app.current.tracer().cloned() else { return };
+    let is_auto = app.state.quality.exposure == Exposure::Auto;
+    match tracer.metered() {
+        Some(metered) if app.state.metered != Some(metered) => {
+            app.state.metered = Some(metered);
+            if metered == Metered::Dark {
+                app.state.info("no light was found in the scene; the automatic exposure is 0 EV");
+            }
+        }
+        None if is_auto && app.services.light.is_none() => {
+            let (wake, threads) = (app.services.wake.clone(), app.services.threads);
+            app.services.light = Some(spawn_task("light", wake, move |task| {
+                let pool = background_pool("light", threads).map_err(TaskError::failed)?;
+                let progress = |part| task.report("measuring the light", part);
+                pool.install(|| tracer.measure_light(&progress, &|| task.is_cancelled()));
+                Ok(())
+            }));
+        }
+        _ => {}
     }
 }

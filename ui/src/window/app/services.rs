@@ -67,6 +67,8 @@ pub(super) struct Services {
     pub(super) file_dialog: Option<Task<Option<PathBuf>>>,
     /// Ends when the files of the scene have changed.
     pub(super) watch: Option<Task<PathBuf>>,
+    /// Measures the light in the scene for the automatic exposure.
+    pub(super) light: Option<Task<()>>,
     pub(super) tasks: Vec<Task<AppEvent>>,
 }
 

@@ -6,6 +6,7 @@ use crate::window::input::Playback;
 use crate::window::rendering::SceneSource;
 use crate::window::state::{AppState, SavedView};
 use afterimage::camera::CameraPath;
+use afterimage::raster::exposure::Exposure;
 use afterimage::trace::BounceLimit;
 use afterimage::{Camera, Mode};
 use anyhow::{Context, anyhow, bail, ensure};
@@ -28,7 +29,8 @@ pub(super) struct SessionFile {
     mode: Mode,
     samples: u32,
     bounces: BounceLimit,
-    exposure_ev: f32,
+    #[serde(alias = "exposure_ev")]
+    exposure: Exposure,
     tone_map: String,
     camera: Camera,
     #[serde(default)]
@@ -67,7 +69,7 @@ impl SessionFile {
             mode: render.mode,
             samples: render.trace.samples,
             bounces: render.trace.bounce_limit(),
-            exposure_ev: quality.exposure_ev,
+            exposure: quality.exposure,
             tone_map: quality.tone_map.name().to_owned(),
             camera: *state.navigation.fly.camera(),
             views: scene.views.iter().map(view).collect(),
@@ -117,7 +119,7 @@ impl SessionFile {
         quality.walk.render.mode = self.mode;
         quality.walk.render.trace.samples = self.samples.max(1);
         quality.walk.render.trace.bounces = self.bounces.0;
-        quality.exposure_ev = self.exposure_ev;
+        quality.exposure = self.exposure;
         quality.tone_map = settings::named(&self.tone_map).unwrap_or(quality.tone_map);
         state.navigation.fly.jump_to(self.camera);
         if let Some(scene) = &mut state.scene {
@@ -156,7 +158,7 @@ mod tests {
             mode: Mode::Exact,
             samples: 4,
             bounces: BounceLimit::ALL,
-            exposure_ev: -0.5,
+            exposure: Exposure::Stops(-0.5),
             tone_map: "linear".to_owned(),
             camera,
             views: vec![View { name: "r\u{e4}um \"1\"".to_owned(), key: Some(2), camera }],
@@ -175,6 +177,10 @@ mod tests {
         assert_eq!(parse(&text).unwrap(), session());
         let numbered = parse(&text.replace("bounces = \"all\"", "bounces = 1")).unwrap();
         assert_eq!(numbered.bounces, BounceLimit(1), "as older versions have written it");
+        let automatic = SessionFile { exposure: Exposure::Auto, ..session() };
+        assert_eq!(parse(&automatic.text().unwrap()).unwrap(), automatic);
+        let older = text.replace("exposure = ", "exposure_ev = ");
+        assert_eq!(parse(&older).unwrap(), session());
         let newer = format!("guests = 3\n{text}\n[weather]\nrain = true\n");
         let read = parse(&newer).unwrap();
         assert_eq!(read.camera, session().camera);

@@ -32,7 +32,7 @@ impl App {
         let wake: Wake = Arc::new(move || ctx.request_repaint_after(Duration::from_millis(1)));
         let quality = Quality {
             walk: launch.settings,
-            exposure_ev: launch.exposure_ev.unwrap_or_default(),
+            exposure: launch.exposure.unwrap_or_default(),
             tone_map: launch.tone_map,
             ..Quality::default()
         };
@@ -73,6 +73,7 @@ impl App {
             plan: None,
             file_dialog: None,
             watch: None,
+            light: None,
             tasks: Vec::new(),
         };
         show_appearance(&mut state, &services, services.launch.appearance);

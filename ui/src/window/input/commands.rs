@@ -8,6 +8,7 @@ use crate::window::state::{
     PictureCommand,
 };
 use crate::window::state::{Coloring, Heatmap};
+use afterimage::raster::exposure::Exposure;
 use egui::{Context, Event};
 
 /// One press changes the exposure by half a stop.
@@ -73,10 +74,11 @@ fn command_of(
         Action::NarrowFov => Command::ChangeFov(-1.0),
         Action::WidenFov => Command::ChangeFov(1.0),
         Action::DarkerExposure | Action::BrighterExposure | Action::ResetExposure => {
-            q.exposure_ev = match action {
-                Action::DarkerExposure => q.exposure_ev - EXPOSURE_STEP_EV,
-                Action::BrighterExposure => q.exposure_ev + EXPOSURE_STEP_EV,
-                _ => state.default_quality.exposure_ev,
+            let ev = state.exposure_ev();
+            q.exposure = match action {
+                Action::DarkerExposure => Exposure::Stops(ev - EXPOSURE_STEP_EV),
+                Action::BrighterExposure => Exposure::Stops(ev + EXPOSURE_STEP_EV),
+                _ => state.default_quality.exposure,
             };
             Command::SetQuality(q)
         }

@@ -5,7 +5,8 @@ use super::widgets::choice;
 use crate::window::input::fly_camera::ViewChange;
 use afterimage::reference::{PlacementPolicy, PlacementRule, placement};
 use afterimage::trace::BounceLimit;
-use afterimage::{Mode, raster::color::ToneMap};
+use afterimage::Mode;
+use afterimage::raster::{color::ToneMap, exposure::Exposure};
 use egui::{Slider, SliderClamping, Ui};
 
 const MB: usize = 1 << 20;
@@ -27,6 +28,7 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
         sampling_rows(ui, &mut q, d);
         pace_rows(ui, &mut q, d);
         placement_rows(ui, &mut q, d);
+        exposure_rows(ui, state, &mut q);
         picture_rows(ui, &mut q, d);
         camera_rows(ui, state, commands);
     });
@@ -148,17 +150,30 @@ fn placement_rows(ui: &mut Ui, q: &mut Quality, d: &Quality) {
     }
 }
 
+fn exposure_rows(ui: &mut Ui, state: &AppState, q: &mut Quality) {
+    let default = state.default_quality.exposure;
+    let mut is_auto = q.exposure == Exposure::Auto;
+    let help = "Chooses the exposure from the light in the scene: the same wherever you are, and without a window.";
+    row(ui, "Auto exposure", help, &mut is_auto, default == Exposure::Auto, |ui, v| {
+        let metered = state.metered.filter(|_| *v).map(|m| format!("auto: {:+.1} EV", m.ev()));
+        ui.checkbox(v, metered.unwrap_or_default())
+    });
+    if is_auto != (q.exposure == Exposure::Auto) {
+        q.exposure = if is_auto { Exposure::Auto } else { Exposure::Stops(state.exposure_ev()) };
+    }
+    let help = "Exposure in stops: one stop more is twice as bright. Setting it ends the automatic exposure.";
+    row(ui, "Exposure", help, &mut q.exposure, default, |ui, v| {
+        let mut ev = v.stops().unwrap_or(state.exposure_ev());
+        let slider = Slider::new(&mut ev, -8.0..=8.0).clamping(KEEP).step_by(0.1).fixed_decimals(1);
+        let response = ui.add(slider.suffix(" EV"));
+        if response.changed() {
+            *v = Exposure::Stops(ev);
+        }
+        response
+    });
+}
+
 fn picture_rows(ui: &mut Ui, q: &mut Quality, d: &Quality) {
-    row(
-        ui,
-        "Exposure",
-        "Exposure in stops: one stop more is twice as bright.",
-        &mut q.exposure_ev,
-        d.exposure_ev,
-        |ui, v| {
-            ui.add(Slider::new(v, -8.0..=8.0).clamping(KEEP).step_by(0.5).fixed_decimals(1).suffix(" EV"))
-        },
-    );
     let help = "aces: a filmic curve that keeps the hue of bright lamps. linear: clipped at white.";
     row(ui, "Tone map", help, &mut q.tone_map, d.tone_map, |ui, v| {
         choice(ui, "tone map", v.name(), v, [ToneMap::Aces, ToneMap::Linear].map(|map| (map, map.name())))

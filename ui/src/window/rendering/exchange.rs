@@ -4,7 +4,6 @@ use super::locked;
 use crate::window::rendering::depth_ranges::DepthRanges;
 use afterimage::Camera;
 use afterimage::camera::SceneFrame;
-use afterimage::raster::color::metered_exposure_ev;
 use afterimage::raster::rgb9e5;
 use afterimage::reference::{ReferenceCache, ReferenceId};
 use afterimage::render::frame::{Frame, FrameStats, NO_SUPPLIER};
@@ -64,8 +63,6 @@ pub struct PublishedFrame {
     pub references: Vec<ReferenceInfo>,
     /// Memory that references use, and their limit, in bytes.
     pub cache_bytes: [usize; 2],
-    /// Exposure in stops that suits the frame; `None` for an incomplete or a black one.
-    pub metered_ev: Option<f32>,
     /// Time at which it was finished.
     pub finished: Instant,
 }
@@ -86,7 +83,6 @@ impl PublishedFrame {
             is_refinement: false,
             references: Vec::new(),
             cache_bytes: [0, 0],
-            metered_ev: None,
             finished: Instant::now(),
         }
     }
@@ -105,7 +101,6 @@ impl PublishedFrame {
             Some(id) if slot != NO_SUPPLIER => supplier_byte(*id),
             _ => SUPPLIED_BY_NONE,
         }));
-        self.metered_ev = self.stats.is_complete.then(|| metered_exposure_ev(&frame.radiance)).flatten();
         self.finished = Instant::now();
     }
 

@@ -4,6 +4,7 @@ use super::{Progress, Task, TaskError, TaskHandle, Wake, spawn_activity};
 use afterimage::Tracer;
 use afterimage::import;
 use afterimage::import::{DaylightOptions, ImportOptions, Phase};
+use afterimage::raster::exposure::Exposure;
 use afterimage::scene::{Scene, SceneError, builtin};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -105,6 +106,10 @@ fn load(
     };
     task.begin("building the ray tree")?;
     let tracer = Arc::new(Tracer::new(scene).beginning_indoors());
+    if tracer.scene().exposure == Exposure::Auto {
+        task.begin("measuring the light")?;
+        tracer.measure_light(&|part| task.report("measuring the light", part), &|| task.is_cancelled());
+    }
     task.begin("ready")?;
     Ok(tracer)
 }

@@ -1,7 +1,7 @@
 //! Small pictures of views and references, traced one at a time while the renderer is idle.
 
 use super::{Task, TaskError, TaskHandle, Wake, background_pool, spawn_task, take_result};
-use afterimage::raster::color::{ToneMap, metered_exposure_ev, srgb8};
+use afterimage::raster::color::{ToneMap, srgb8};
 use afterimage::trace::TraceSettings;
 use afterimage::{Camera, FrameRequest, Mode, RenderSettings, Renderer, Tracer};
 use egui::{ColorImage, Context, TextureHandle, TextureOptions};
@@ -64,9 +64,11 @@ impl Thumbnails {
     }
 
     /// Starts to trace the first of these poses that has no picture yet, unless one is being
-    /// traced.
-    pub fn request<'a>(&mut self, mut poses: impl Iterator<Item = &'a Camera>, wake: &Wake) {
+    /// traced. It has the exposure of the scene or, while that is not known, the given one, in
+    /// stops.
+    pub fn request<'a>(&mut self, mut poses: impl Iterator<Item = &'a Camera>, exposure_ev: f32, wake: &Wake) {
         let (Some(tracer), None) = (&self.tracer, &self.task) else { return };
+        let exposure_ev = tracer.stops(tracer.scene().exposure).unwrap_or(exposure_ev);
         let Some(camera) = poses.find(|camera| !self.textures.contains_key(&pose(camera))) else { return };
         if self.textures.len() >= MAX_PICTURES {
             self.textures.clear();
@@ -74,13 +76,19 @@ impl Thumbnails {
         self.pending = pose(camera);
         self.textures.insert(self.pending, None);
         let (tracer, camera) = (tracer.clone(), *camera);
-        self.task = Some(spawn_task("thumbnails", wake.clone(), move |task| trace(&tracer, &camera, task)));
+        self.task = Some(spawn_task("thumbnails", wake.clone(), move |task| {
+            trace(&tracer, &camera, exposure_ev, task)
+        }));
     }
 }
 
-/// Traces a picture. Each has its own exposure, so that it is legible whatever that of the viewport
-/// is.
-fn trace(tracer: &Tracer, camera: &Camera, task: &TaskHandle) -> Result<ColorImage, TaskError> {
+/// Traces a picture at an exposure in stops.
+fn trace(
+    tracer: &Tracer,
+    camera: &Camera,
+    exposure_ev: f32,
+    task: &TaskHandle,
+) -> Result<ColorImage, TaskError> {
     let pool = background_pool("thumbnails", 1).map_err(TaskError::failed)?;
     let settings = RenderSettings { mode: Mode::Full, trace: TRACE };
     let mut renderer = Renderer::default();
@@ -90,7 +98,6 @@ fn trace(tracer: &Tracer, camera: &Camera, task: &TaskHandle) -> Result<ColorIma
     if !frame.stats.is_complete {
         return Err(TaskError::Cancelled);
     }
-    let ev = metered_exposure_ev(&frame.radiance).unwrap_or(0.0);
-    let rgb = frame.radiance.iter().flat_map(|&c| srgb8(c, ev, ToneMap::default()));
+    let rgb = frame.radiance.iter().flat_map(|&c| srgb8(c, exposure_ev, ToneMap::default()));
     Ok(ColorImage::from_rgb(SIZE.map(|s| s as usize), &rgb.collect::<Vec<u8>>()))
 }

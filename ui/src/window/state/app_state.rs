@@ -5,6 +5,7 @@ use super::{
     Quality, Sample, SceneInfo, Selection, Severity, SunControls, Work, history, notices,
 };
 use crate::window::rendering::{Plan, PlanView, Progress, PublishedFrame, SceneSource, Thumbnails};
+use afterimage::raster::exposure::Metered;
 use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -16,6 +17,8 @@ pub struct AppState {
     pub quality: Quality,
     /// Rendering settings at the start; a reset restores them.
     pub default_quality: Quality,
+    /// The automatic exposure; `None` before the light in the first scene is measured.
+    pub metered: Option<Metered>,
     /// Heatmap, panels, pause and other switches of the window.
     pub options: Options,
     /// The camera and its path.
@@ -104,10 +107,15 @@ impl AppState {
             heatmap: self.options.heatmap,
             coloring: self.options.coloring,
             has_outline: self.options.has_outline,
-            exposure_ev: self.quality.exposure_ev,
+            exposure_ev: self.exposure_ev(),
             tone_map: self.quality.tone_map,
             overlay: Overlay::None,
         }
+    }
+
+    /// Returns the exposure in stops.
+    pub fn exposure_ev(&self) -> f32 {
+        self.quality.exposure.stops().or(self.metered.map(Metered::ev)).unwrap_or_default()
     }
 
     /// Returns width divided by height of the viewport.

@@ -70,7 +70,8 @@ impl Comparison {
 }
 
 /// Returns the difference of two pictures as they are displayed, and its error map as sRGB,
-/// row-major. `picture` and `full` are linear radiance packed as rgb9e5.
+/// row-major. `picture` and `full` are linear radiance packed as rgb9e5; the exposure is a number
+/// of stops.
 ///
 /// # Errors
 /// Those of [`flip_map`]: sizes that do not fit.
@@ -80,8 +81,9 @@ pub fn difference(
     size: [u32; 2],
     quality: &Quality,
 ) -> Result<(PictureError, Vec<[u8; 3]>), CompareError> {
+    let exposure_ev = quality.exposure.stops().unwrap_or_default();
     let shown = |packed: &u32| {
-        let [r, g, b] = srgb8(rgb9e5::unpack(*packed), quality.exposure_ev, quality.tone_map).map(f32::from);
+        let [r, g, b] = srgb8(rgb9e5::unpack(*packed), exposure_ev, quality.tone_map).map(f32::from);
         Vec3::new(r, g, b) / 255.0
     };
     let [picture, full] = [picture, full].map(|p| p.iter().map(shown).collect::<Vec<Vec3>>());

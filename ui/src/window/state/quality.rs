@@ -3,7 +3,7 @@
 pub use afterimage::render::schedule::WINDOW_SAMPLES;
 
 use afterimage::WalkthroughSettings;
-use afterimage::raster::color::ToneMap;
+use afterimage::raster::{color::ToneMap, exposure::Exposure};
 use afterimage::render::schedule::{FRAME_BUDGET, RENDER_SCALE};
 
 /// Rendering settings that trade quality for time, and how frames are displayed.
@@ -15,8 +15,8 @@ pub struct Quality {
     pub render_scale: f32,
     /// Time in milliseconds after which a frame is shown, complete or not.
     pub budget_ms: f32,
-    /// Exposure in stops: radiance is multiplied by two to this power.
-    pub exposure_ev: f32,
+    /// Exposure of the picture.
+    pub exposure: Exposure,
     /// Tone mapping from radiance to display.
     pub tone_map: ToneMap,
 }
@@ -25,6 +25,6 @@ impl Default for Quality {
     fn default() -> Self {
         let (walk, tone_map) = (WalkthroughSettings::default(), ToneMap::default());
         let budget_ms = FRAME_BUDGET.as_secs_f32() * 1e3;
-        Self { walk, render_scale: RENDER_SCALE, budget_ms, exposure_ev: 0.0, tone_map }
+        Self { walk, render_scale: RENDER_SCALE, budget_ms, exposure: Exposure::Auto, tone_map }
     }
 }
