@@ -2,7 +2,10 @@
 
 use super::{RayCounts, TraceSettings, Tracer, parallel::Stop};
 use crate::camera::{Camera, View};
-use crate::raster::{color::luminance, exposure::{Exposure, Metered}};
+use crate::raster::{
+    color::luminance,
+    exposure::{Exposure, Metered},
+};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::f64::consts::FRAC_PI_2;

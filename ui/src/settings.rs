@@ -4,10 +4,10 @@
 //! `[settings]` in the scene's `.afterimage.toml`, the environment (`AFTERIMAGE_*`), flags. Invalid
 //! settings are reported with a suggestion and ignored; they never stop the program.
 
-use afterimage::raster::load::{LoadError, read_bounded};
-use afterimage::trace::BounceLimit;
 use afterimage::Mode;
+use afterimage::raster::load::{LoadError, read_bounded};
 use afterimage::raster::{color::ToneMap, exposure::Exposure, save::write_atomically};
+use afterimage::trace::BounceLimit;
 use anyhow::{Context, anyhow};
 use clap::ValueEnum;
 use serde::Deserialize;

@@ -135,6 +135,9 @@ fn every_setting_is_read_from_a_file_and_from_the_environment() {
     let named = values.map(|(name, text)| (format!("AFTERIMAGE_{}", name.to_uppercase()), text.to_owned()));
     assert_eq!(load(None, None, named.into_iter()), from_file);
     let (settings, warnings) = from_file;
-    assert_eq!((settings.mode, settings.exposure, warnings), (Some(Mode::Full), Some(Exposure::Stops(-1.0)), Vec::new()));
+    assert_eq!(
+        (settings.mode, settings.exposure, warnings),
+        (Some(Mode::Full), Some(Exposure::Stops(-1.0)), Vec::new())
+    );
     assert_eq!(Theme::value_variants().iter().filter(|t| Some(**t) == settings.theme).count(), 1);
 }

@@ -49,17 +49,21 @@ fn render_answers_with_the_contract_and_writes_every_file() {
 fn models_have_the_automatic_exposure_unless_one_is_given() {
     let bench = Bench::new();
     let ev = |flags: &str| {
-        let answer = bench.json(&format!("render room.obj {POSE} --size 8x6 --samples 1 --json -o a.png {flags}"));
+        let answer =
+            bench.json(&format!("render room.obj {POSE} --size 8x6 --samples 1 --json -o a.png {flags}"));
         number(&answer, "/exposure_ev")
     };
     let automatic = ev("");
-    assert!(automatic != 0.0 && automatic == ev("--exposure auto --samples 3 --bounces 2 --seed 5 --threads 1"));
+    assert!(
+        automatic != 0.0 && automatic == ev("--exposure auto --samples 3 --bounces 2 --seed 5 --threads 1")
+    );
     assert_eq!(ev("--exposure=-1.5"), -1.5);
     std::fs::write(bench.path("room.afterimage.toml"), "[settings]\nexposure = 2\n").unwrap();
     assert_eq!((ev(""), ev("--exposure auto")), (2.0, automatic));
     let embedded = bench.json("render builtin:cornell --size 8x6 --samples 1 --json -o a.png");
     assert_eq!(number(&embedded, "/exposure_ev"), 0.0);
-    let tour = bench.json(&format!("tour room.obj --path walks.json#short {SMALL} --exposure auto --out run"));
+    let tour =
+        bench.json(&format!("tour room.obj --path walks.json#short {SMALL} --exposure auto --out run"));
     assert_eq!(number(&tour, "/exposure_ev"), automatic);
 }
 

@@ -3,10 +3,10 @@
 use super::super::state::{AppState, Command, Options, Quality};
 use super::widgets::choice;
 use crate::window::input::fly_camera::ViewChange;
-use afterimage::reference::{PlacementPolicy, PlacementRule, placement};
-use afterimage::trace::BounceLimit;
 use afterimage::Mode;
 use afterimage::raster::{color::ToneMap, exposure::Exposure};
+use afterimage::reference::{PlacementPolicy, PlacementRule, placement};
+use afterimage::trace::BounceLimit;
 use egui::{Slider, SliderClamping, Ui};
 
 const MB: usize = 1 << 20;
@@ -153,7 +153,8 @@ fn placement_rows(ui: &mut Ui, q: &mut Quality, d: &Quality) {
 fn exposure_rows(ui: &mut Ui, state: &AppState, q: &mut Quality) {
     let default = state.default_quality.exposure;
     let mut is_auto = q.exposure == Exposure::Auto;
-    let help = "Chooses the exposure from the light in the scene: the same wherever you are, and without a window.";
+    let help =
+        "Chooses the exposure from the light in the scene: the same wherever you are, and without a window.";
     row(ui, "Auto exposure", help, &mut is_auto, default == Exposure::Auto, |ui, v| {
         let metered = state.metered.filter(|_| *v).map(|m| format!("auto: {:+.1} EV", m.ev()));
         ui.checkbox(v, metered.unwrap_or_default())

@@ -66,7 +66,12 @@ impl Thumbnails {
     /// Starts to trace the first of these poses that has no picture yet, unless one is being
     /// traced. It has the exposure of the scene or, while that is not known, the given one, in
     /// stops.
-    pub fn request<'a>(&mut self, mut poses: impl Iterator<Item = &'a Camera>, exposure_ev: f32, wake: &Wake) {
+    pub fn request<'a>(
+        &mut self,
+        mut poses: impl Iterator<Item = &'a Camera>,
+        exposure_ev: f32,
+        wake: &Wake,
+    ) {
         let (Some(tracer), None) = (&self.tracer, &self.task) else { return };
         let exposure_ev = tracer.stops(tracer.scene().exposure).unwrap_or(exposure_ev);
         let Some(camera) = poses.find(|camera| !self.textures.contains_key(&pose(camera))) else { return };
