@@ -1,8 +1,9 @@
 //! Lights that do not reach a cell cost nothing there, and culling them changes no visible light.
 
 use crate::rooms::{cuboid, dvec, quad};
-use afterimage::scene::{Material, Scene, SceneBuilder};
-use afterimage::trace::{RayCounts, TraceSettings};
+use afterimage::math::key::Key;
+use afterimage::scene::{Light, Material, Scene, SceneBuilder};
+use afterimage::trace::{RayCounts, SurfacePoint, TraceSettings};
 use afterimage::{Camera, FrameRequest, Mode, RenderSettings, Renderer, Tracer};
 use glam::Vec3;
 use std::sync::Arc;
@@ -84,4 +85,82 @@ fn culled_lights_are_counted() {
     let cuts = tracer.light_grid().cuts();
     assert_eq!(cuts.lights, 12);
     assert!(cuts.cells > 0 && cuts.kept_mean >= 1.0 && cuts.kept_mean < 4.0, "{cuts:?}");
+}
+
+/// A hall with a screen in the middle, and 200 lights of very different brightness below its
+/// ceiling: point lights and parallelograms in turns.
+fn hall() -> Scene {
+    let mut b = SceneBuilder::new("hall");
+    let wall = b.add_material(Material::diffuse("wall", Vec3::splat(0.6)));
+    cuboid(&mut b, dvec(0.0, 0.0, 0.0), dvec(20.0, 4.0, 10.0), wall, true);
+    cuboid(&mut b, dvec(9.9, 0.0, 2.0), dvec(10.1, 3.0, 10.0), wall, false);
+    let mut scene = b.finish().unwrap();
+    let unit = scene.frame.units_per_metre as f32;
+    for i in 0..200 {
+        let place = dvec(0.5 + f64::from(i % 20), 3.9, 0.5 + f64::from(i / 20));
+        let at = scene.frame.scene_from_world_f64(place).as_vec3();
+        let brightness = Vec3::splat(1.0 + 40.0 * f32::from(i % 23 == 0));
+        scene.lights.push(if i % 2 == 0 {
+            Light::Point { position: at, intensity: brightness * (0.05 * unit * unit) }
+        } else {
+            let side = 0.2 * unit;
+            Light::Quad { corner: at, edge_u: Vec3::X * side, edge_v: Vec3::Z * side, radiance: brightness }
+        });
+    }
+    scene
+}
+
+/// Points on the floor, on both sides of the screen and in its shadow.
+fn floor_points(tracer: &Tracer) -> Vec<SurfacePoint> {
+    let frame = &tracer.scene().frame;
+    let looking_down = [dvec(3.0, 1.0, 5.0), dvec(9.5, 1.0, 6.0), dvec(15.5, 1.0, 1.0)].map(|eye| {
+        let camera = Camera::look_at(eye, eye - dvec(0.0, 1.0, 0.001), 60.0);
+        afterimage::View::new(&camera, frame, [1, 1])
+    });
+    looking_down
+        .iter()
+        .map(|view| {
+            let ray = Tracer::primary_ray(view, 0);
+            tracer.surface(&ray, &tracer.closest(&ray).unwrap())
+        })
+        .collect()
+}
+
+#[test]
+fn many_lights_share_samples_and_the_mean_is_the_sum_of_all() {
+    let tracer = Tracer::new(Arc::new(hall()));
+    // Fifty lights at a time all get their samples. Light is additive.
+    let parts: Vec<Tracer> = (0..4)
+        .map(|part| {
+            let mut scene = hall();
+            scene.lights = scene.lights.drain(50 * part..50 * (part + 1)).collect();
+            Tracer::new(Arc::new(scene))
+        })
+        .collect();
+    for (number, point) in floor_points(&tracer).iter().enumerate() {
+        let irradiance = |tracer: &Tracer, samples, seed| {
+            let mut rays = RayCounts::default();
+            let found = tracer.irradiance(point, samples, Key::of_pixel(seed, number as u32), &mut rays).x;
+            (f64::from(found), rays.shadow)
+        };
+        let whole: f64 = parts.iter().map(|part| irradiance(part, 1024, 1).0).sum();
+        for samples in [1u32, 4] {
+            const SEEDS: u64 = 600;
+            let mut estimates = Vec::new();
+            for seed in 0..SEEDS {
+                let (estimate, rays) = irradiance(&tracer, samples, seed);
+                assert!(rays <= 64 * u64::from(samples), "{rays} rays for {samples} samples");
+                estimates.push(estimate);
+            }
+            let mean = estimates.iter().sum::<f64>() / SEEDS as f64;
+            let variance = estimates.iter().map(|e| (e - mean).powi(2)).sum::<f64>() / (SEEDS - 1) as f64;
+            let standard_error = (variance / SEEDS as f64).sqrt();
+            // A culled light may bring 0.4 % of the light.
+            let allowed = 4.0 * standard_error + 0.004 * whole;
+            assert!((mean - whole).abs() < allowed, "{samples} samples: {mean}, {whole} +- {standard_error}");
+            // The noise of one estimate is that of an ordinary picture.
+            assert!(variance.sqrt() < 0.5 * whole, "{samples} samples: {whole} +- {}", variance.sqrt());
+        }
+    }
+    assert!(tracer.light_grid().cuts().sharing_cells > 0);
 }

@@ -6,7 +6,9 @@ use std::ops::AddAssign;
 /// How many rays a pixel takes, and the seed of its random numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TraceSettings {
-    /// Shadow rays per light and pixel.
+    /// Light samples per pixel: this many for each light that matters at a point, up to 64 lights,
+    /// and this many paths for light that surfaces scatter. Where more lights matter, they share the
+    /// samples of 64.
     pub samples: u32,
     /// Largest number of diffuse bounces of a path: 0 is direct light only, [`Self::ALL_BOUNCES`] as
     /// many as matter.

@@ -1,7 +1,7 @@
 //! The tracer: a scene with its hierarchy, and the rays traced through it.
 
 use super::bvh::{Bvh, Hit, NO_TRIANGLE};
-use super::lights::LightGrid;
+use super::lights::{CellLights, LightGrid};
 use super::surface::{SurfacePoint, interpolate_uv};
 use crate::bsdf::albedo;
 use crate::camera::View;
@@ -87,8 +87,8 @@ impl Tracer {
         &self.lights
     }
 
-    /// Returns the lights to sample at a point, as indices into the scene's lights.
-    pub(super) fn lights_at(&self, position: Vec3) -> &[u32] {
+    /// Returns the lights to sample at a point.
+    pub(super) fn lights_at(&self, position: Vec3) -> &CellLights {
         self.lights.lights_at(&self.scene, &self.bvh, position)
     }
 

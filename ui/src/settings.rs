@@ -45,7 +45,7 @@ impl Theme {
 pub struct Settings {
     /// How frames are rendered.
     pub mode: Option<Mode>,
-    /// Shadow rays per light and pixel.
+    /// Light samples per pixel, as [`afterimage::trace::TraceSettings::samples`].
     pub samples: Option<u32>,
     /// Maximum number of diffuse bounces.
     pub bounces: Option<BounceLimit>,

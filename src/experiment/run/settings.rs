@@ -21,7 +21,7 @@ pub struct ExperimentSettings {
     pub effort: Effort,
     /// Width and height of the pictures in pixels.
     pub size: [u32; 2],
-    /// Shadow rays per light and pixel, unless the experiment varies them.
+    /// Light samples per pixel, as [`TraceSettings::samples`], unless the experiment varies them.
     pub samples: u32,
     /// Largest number of diffuse bounces.
     pub bounces: BounceLimit,
@@ -33,7 +33,7 @@ pub struct ExperimentSettings {
     pub views: u32,
     /// Number of frames of a walk.
     pub frames: u32,
-    /// Shadow rays per light and pixel of the converged pictures that errors are measured against.
+    /// Samples, as [`Self::samples`], of the converged pictures that errors are measured against.
     pub truth_samples: u32,
     /// Memory limit of the reference cache in megabytes.
     pub cache_mb: u64,

@@ -1,16 +1,18 @@
 //! Irradiance that arrives straight from the lights (next-event estimation).
 //!
 //! Every light that matters at the point (`grid`) and is not behind the surface gets stratified
-//! shadow rays of its own.
+//! shadow rays of its own; many lights share them (`share`).
 
 use super::quad::Points;
 use super::sample::{add_samples, is_behind, sample_count};
+use super::share::LightTurn;
 use crate::math::key::Key;
 use crate::trace::{BUNDLE_RAYS, RayBundle, RayCounts, SurfacePoint, Tracer};
 use glam::Vec3;
 
 impl Tracer {
     /// Returns the irradiance that arrives straight from the lights, by `samples` shadow rays each.
+    /// Where more than 64 lights matter, they share the rays of 64.
     pub fn irradiance(&self, point: &SurfacePoint, samples: u32, key: Key, rays: &mut RayCounts) -> Vec3 {
         self.irradiance_through(point, samples, key, |bundle, clamped, passed| {
             rays.shadow += bundle.len() as u64;
@@ -37,7 +39,7 @@ impl Tracer {
     ) -> Vec3 {
         let origin = point.origin_in_front();
         let (mut total, mut passed) = (Vec3::ZERO, [Vec3::ZERO; BUNDLE_RAYS]);
-        for &index in self.lights_at(point.position) {
+        for LightTurn { index, samples, weight } in self.lights_at(point.position).turns(samples, key) {
             // Skip a light that lies wholly behind the surface.
             let light = &self.scene().lights[index as usize];
             if is_behind(light, point) {
@@ -59,7 +61,7 @@ impl Tracer {
                     sum += *unblocked * *passed;
                 }
             }
-            total += sum / count as f32;
+            total += sum / count as f32 * weight;
         }
         total
     }

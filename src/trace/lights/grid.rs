@@ -8,6 +8,7 @@
 //! every mode, every thread and every run culls the same lights.
 
 use super::sample::point_on;
+use super::share::CellLights;
 use crate::math::{Ray, key::Key};
 use crate::scene::{Light, Scene};
 use crate::trace::Bvh;
@@ -41,10 +42,10 @@ pub struct LightGrid {
     low: Vec3,
     /// Number of cells along each axis.
     dimensions: UVec3,
-    /// Indices of the lights of each cell; no cells in a scene of few lights.
-    cells: Vec<OnceLock<Box<[u32]>>>,
-    /// Indices of all lights.
-    all: Box<[u32]>,
+    /// Lights of each cell; no cells in a scene of few lights.
+    cells: Vec<OnceLock<CellLights>>,
+    /// All lights.
+    all: CellLights,
 }
 
 /// Statistics of the lights that the cells used so far have culled.
@@ -56,13 +57,15 @@ pub struct LightCuts {
     pub lights: usize,
     /// Mean number of lights sampled per cell.
     pub kept_mean: f64,
+    /// Number of cells with more than 64 lights, which share the samples of 64.
+    pub sharing_cells: usize,
 }
 
 impl LightGrid {
     /// A grid over a scene, with no cell computed yet.
     pub(in crate::trace) fn new(scene: &Scene) -> Self {
-        let all: Box<[u32]> = (0..scene.lights.len() as u32).collect();
         let bounds = scene.bounds_m.map(|p| scene.frame.scene_from_world_f64(p).as_vec3());
+        let all = all_lights(scene, (bounds[0] + bounds[1]) / 2.0, bounds[0].distance(bounds[1]) / 2.0);
         let dimensions = if all.len() < MIN_LIGHTS {
             UVec3::ZERO
         } else {
@@ -72,8 +75,8 @@ impl LightGrid {
         Self { low: bounds[0], dimensions, cells: (0..count).map(|_| OnceLock::new()).collect(), all }
     }
 
-    /// Returns the lights to sample at a point, as indices into the scene's lights.
-    pub(in crate::trace) fn lights_at(&self, scene: &Scene, bvh: &Bvh, position: Vec3) -> &[u32] {
+    /// Returns the lights to sample at a point.
+    pub(in crate::trace) fn lights_at(&self, scene: &Scene, bvh: &Bvh, position: Vec3) -> &CellLights {
         if self.cells.is_empty() {
             return &self.all;
         }
@@ -89,37 +92,40 @@ impl LightGrid {
 
     /// Statistics of the cells used so far.
     pub fn cuts(&self) -> LightCuts {
-        let visited: Vec<usize> = self.cells.iter().filter_map(|c| c.get()).map(|c| c.len()).collect();
-        let kept: usize = visited.iter().sum();
+        let visited: Vec<&CellLights> = self.cells.iter().filter_map(|c| c.get()).collect();
+        let kept: usize = visited.iter().map(|c| c.len()).sum();
         LightCuts {
             cells: visited.len(),
             lights: self.all.len(),
             kept_mean: kept as f64 / visited.len().max(1) as f64,
+            sharing_cells: visited.iter().filter(|c| c.is_shared()).count(),
         }
     }
 
     /// Computes the lights of cell `index`, which lies at `at`.
-    fn find(&self, scene: &Scene, bvh: &Bvh, index: u32, at: UVec3) -> Box<[u32]> {
+    fn find(&self, scene: &Scene, bvh: &Bvh, index: u32, at: UVec3) -> CellLights {
         let low = self.low + at.as_vec3() * CELL - CELL / 2.0;
         let region = Region { low, size: CELL * 2.0, key: Key::of_pixel(0, index) };
         // Enclose the region in a sphere.
         let (centre, radius) = (region.low + region.size / 2.0, region.size / 2.0 * 3f32.sqrt());
-        let mut seen = vec![false; self.all.len()];
-        let first_lines = FIRST_LINES.min((CELL_LINES / self.all.len() as u32).max(1));
+        let all = 0..self.all.len() as u32;
+        let (mut seen, mut estimates) = (vec![false; all.len()], vec![0.0; all.len()]);
+        let first_lines = FIRST_LINES.min((CELL_LINES / all.end).max(1));
         let mut lines_left = CELL_LINES;
         let mut arriving = 0.0;
         // Draw a few lines to every light.
-        for &light in &self.all {
+        for light in all.clone() {
             let lines = 0..first_lines;
             let reached = lines.filter(|&line| region.reaches(scene, bvh, light, line)).count();
             let share = reached as f32 / first_lines as f32;
             seen[light as usize] = reached > 0;
             // Estimate the light for the far side of the cell, so that a lamp near the middle does
             // not make the others seem negligible.
-            arriving += share * unshadowed(&scene.lights[light as usize], centre, -radius);
+            estimates[light as usize] = share * unshadowed(&scene.lights[light as usize], centre, -radius);
+            arriving += estimates[light as usize];
         }
         // Draw more lines to each light that none has reached, until its bound is low enough.
-        for &light in self.all.iter().filter(|&&light| !seen[light as usize]).collect::<Vec<_>>() {
+        for light in all.clone().filter(|&light| !seen[light as usize]).collect::<Vec<_>>() {
             let most = unshadowed(&scene.lights[light as usize], centre, radius);
             // In a dark cell the quotient is infinite: every light counts.
             let needed = (3.0 * most / (TOLERANCE * arriving)).min(MAX_LINES as f32) as u32;
@@ -133,8 +139,27 @@ impl LightGrid {
                 None => true,
             };
         }
-        self.all.iter().copied().filter(|&light| seen[light as usize]).collect()
+        let kept = all.filter(|&light| seen[light as usize]);
+        weighed(scene, kept.map(|light| (light, estimates[light as usize])).collect())
     }
+}
+
+/// All lights, with estimates for the far side of a sphere around the scene.
+fn all_lights(scene: &Scene, centre: Vec3, radius: f32) -> CellLights {
+    let estimate = |(index, light)| (index, unshadowed(light, centre, -radius));
+    weighed(scene, (0..).zip(&scene.lights).map(estimate).collect())
+}
+
+/// Lights with their estimated irradiance. The sky is worth all the others: it is large, and a
+/// place where it is hidden is not known here.
+fn weighed(scene: &Scene, mut lights: Vec<(u32, f32)>) -> CellLights {
+    let sum: f32 = lights.iter().map(|(_, estimate)| estimate).sum();
+    for (index, estimate) in &mut lights {
+        if matches!(scene.lights[*index as usize], Light::Sky) {
+            *estimate = sum.max(f32::MIN_POSITIVE);
+        }
+    }
+    CellLights::new(&lights)
 }
 
 /// A cell, enlarged by half a cell on each side.

@@ -1,11 +1,13 @@
-//! Sampling of the scene's light sources: which of them matter where (`grid`), points on them
-//! (`sample`, `quad`), what passes on the way (`shadow`), and the irradiance that arrives
-//! (`direct`).
+//! Sampling of the scene's light sources: which of them matter where (`grid`), how many samples
+//! each gets (`share`), points on them (`sample`, `quad`), what passes on the way (`shadow`), and
+//! the irradiance that arrives (`direct`).
 
 mod direct;
 mod grid;
 mod quad;
 mod sample;
 mod shadow;
+mod share;
 
 pub use grid::{LightCuts, LightGrid};
+pub(in crate::trace) use share::CellLights;

@@ -49,7 +49,10 @@ impl Loaded {
     /// so far.
     pub(crate) fn light_cuts(&self) -> Value {
         let cuts = self.tracer.light_grid().cuts();
-        json!({"lights": cuts.lights, "cells": cuts.cells, "kept_mean": cuts.kept_mean})
+        json!({
+            "lights": cuts.lights, "cells": cuts.cells, "kept_mean": cuts.kept_mean,
+            "sharing_cells": cuts.sharing_cells,
+        })
     }
 
     /// Result of a command that succeeded: with `--strict`, a scene with warnings is a failure.

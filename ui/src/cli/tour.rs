@@ -64,7 +64,7 @@ pub(crate) struct TourArgs {
     /// Measure every K-th frame [default: six frames in all].
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(1..))]
     pub(super) measure_every: Option<u32>,
-    /// Shadow rays per light and pixel of the converged pictures against which errors are measured.
+    /// Samples, as of --samples, of the converged pictures against which errors are measured.
     #[arg(long, value_name = "N", default_value_t = 256)]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
     pub(super) truth_samples: u32,

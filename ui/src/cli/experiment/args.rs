@@ -52,7 +52,7 @@ pub(crate) struct ExperimentArgs {
     /// Memory for references, MB.
     #[arg(long, value_name = "MB", value_parser = clap::value_parser!(u64).range(1..=1 << 20))]
     pub(super) cache_mb: Option<u64>,
-    /// Samples per light and pixel of the converged pictures against which errors are measured.
+    /// Samples, as of --samples, of the converged pictures against which errors are measured.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
     pub(super) truth_samples: Option<u32>,
     /// Folder in which converged pictures are kept [default: the user's cache folder].

@@ -28,7 +28,7 @@ pub enum PictureFormat {
 pub struct PictureSettings {
     /// Size of the saved picture.
     pub size: PictureSize,
-    /// Shadow rays per light and pixel; `None` for the window's.
+    /// Light samples per pixel; `None` for the window's.
     pub samples: Option<u32>,
     /// `Full` traces every pixel, with anti-aliasing; the other modes reuse the references that the
     /// window holds.
