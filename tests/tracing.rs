@@ -39,6 +39,32 @@ fn furnace_has_its_closed_form_within_one_percent() {
     }
 }
 
+/// No light is lost at white walls, so only the tracer's own bound ends a path.
+#[test]
+fn all_bounces_end_in_a_white_room_without_and_with_light() {
+    for emission in [0.0, 1.0] {
+        let mut b = SceneBuilder::new("white");
+        let emission = Vec3::splat(emission);
+        let wall = b.add_material(Material { emission, ..Material::diffuse("wall", Vec3::ONE) });
+        cuboid(&mut b, dvec(-2.0, -2.0, -2.0), dvec(2.0, 2.0, 2.0), wall, true);
+        let tracer = Tracer::new(Arc::new(b.finish().unwrap()));
+        let camera = Camera::look_at(dvec(0.1, 0.2, 0.3), dvec(1.0, 0.4, -0.7), 70.0);
+        for mode in [Mode::Full, Mode::Exact] {
+            let trace = TraceSettings { samples: 1, bounces: TraceSettings::ALL_BOUNCES, seed: 1 };
+            let settings = RenderSettings { mode, trace };
+            let mut renderer = Renderer::default();
+            let frame = renderer.render(&FrameRequest::new(&tracer, &camera, [8, 8], &settings));
+            let radiance = mean(&frame.radiance);
+            assert!(radiance.is_finite(), "{radiance}");
+            if emission == Vec3::ZERO {
+                assert_eq!(radiance, Vec3::ZERO);
+            } else {
+                assert!(radiance.min_element() > 2.0, "each bounce adds the light of the walls: {radiance}");
+            }
+        }
+    }
+}
+
 /// Two emitting mirrors of reflectance r face each other: each bounce adds r times the one before.
 /// The sum may differ from the geometric series by at most the bound that `inspect` prints.
 #[test]

@@ -102,6 +102,7 @@ pub(crate) fn run(args: &RenderArgs, flags: &Flags) -> Result<(), Failure> {
     let made = job.make(&loaded.tracer, &references, &outputs(args), &stop, &note)?;
     drop(progress);
     let object = object(args, flags, &loaded, &made, &references);
+    loaded.say_bounds();
     output::result(flags.json, &object, || table(args, flags, &made, &references));
     if made.stats.is_complete { loaded.verdict(flags) } else { Err(Failure::Interrupted) }
 }
@@ -131,6 +132,7 @@ fn run_timed(
             "estimated_psnr_db": state.estimated_psnr_db,
         }),
     );
+    loaded.say_bounds();
     output::result(flags.json, &object, || {
         table(args, flags, &made, &[]) + &output::table(&[("samples", words(&state))])
     });

@@ -55,6 +55,18 @@ impl Loaded {
         })
     }
 
+    /// Says on stderr what was bounded to render pictures of the scene.
+    pub(crate) fn say_bounds(&self) {
+        let cuts = self.tracer.light_grid().cuts();
+        if cuts.sharing_cells > 0 {
+            output::say(&format!(
+                "note: in {} of the {} places shaded, more than 64 of the scene's {} lights matter; there they share \
+                 the samples of 64, and --samples raises them",
+                cuts.sharing_cells, cuts.cells, cuts.lights
+            ));
+        }
+    }
+
     /// Result of a command that succeeded: with `--strict`, a scene with warnings is a failure.
     pub(crate) fn verdict(&self, flags: &Flags) -> Result<(), Failure> {
         match self.scene().warnings.len() {

@@ -92,6 +92,7 @@ pub(crate) fn run(args: &TourArgs, flags: &Flags) -> Result<(), Failure> {
     write_atomically(&args.out.join("frames.csv"), csv(&record.frames).as_bytes())?;
     write_atomically(&args.out.join("references.csv"), csv(&record.references).as_bytes())?;
     write_atomically(&args.out.join("summary.json"), format!("{object:#}\n").as_bytes())?;
+    loaded.say_bounds();
     output::result(flags.json, &object, || table(args, &record));
     if args.pictures && picture_error.is_none() {
         output::say(&format!("to encode them as a film: {}", film_command(&args.out.join("images"))));
