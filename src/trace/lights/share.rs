@@ -196,7 +196,9 @@ mod tests {
         let cell = CellLights::new(&lights(MAX_LIGHTS as u32));
         let turns: Vec<LightTurn> = cell.turns(5, Key::of_pixel(0, 0)).collect();
         assert!(!cell.is_shared() && turns.len() == MAX_LIGHTS);
-        assert!(turns.iter().zip(0..).all(|(t, i)| *t == LightTurn { index: 2 * i, samples: 5, weight: 1.0 }));
+        assert!(
+            turns.iter().zip(0..).all(|(t, i)| *t == LightTurn { index: 2 * i, samples: 5, weight: 1.0 })
+        );
         assert_eq!(CellLights::new(&[]).turns(5, Key::of_pixel(0, 0)).count(), 0);
     }
 

@@ -74,7 +74,8 @@ fn rendering_rows(ui: &mut Ui, state: &AppState, settings: &mut PictureSettings)
     let window_samples = state.quality.walk.render.trace.samples;
     let mut samples = settings.samples.unwrap_or(window_samples);
     let value = DragValue::new(&mut samples).range(1..=1 << 16);
-    let help = "Samples per pixel for each light and for scattered light; with anti-aliasing, per primary ray";
+    let help =
+        "Samples per pixel for each light and for scattered light; with anti-aliasing, per primary ray";
     if ui.add(value).labelled_by(label.id).on_hover_text(help).changed() {
         settings.samples = Some(samples);
     }
