@@ -183,4 +183,12 @@ impl Tracer {
     pub fn sky(&self, direction: Vec3) -> Vec3 {
         self.scene.sky.as_ref().map_or(Vec3::ZERO, |s| s.radiance(direction.normalize_or(Vec3::Y)))
     }
+
+    /// Returns the radiance that a direction (any length) of the sky adds to a ray that leaves a
+    /// diffuse surface and the scene: without what [`Light::SkySuns`](crate::scene::Light::SkySuns)
+    /// brings by shadow rays.
+    pub fn diffuse_sky(&self, direction: Vec3) -> Vec3 {
+        let sky = self.scene.sky.as_ref();
+        sky.map_or(Vec3::ZERO, |s| s.diffuse_radiance(direction.normalize_or(Vec3::Y)))
+    }
 }

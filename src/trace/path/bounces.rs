@@ -96,7 +96,7 @@ impl Tracer {
         for link in 0..MAX_CHAIN {
             rays.indirect += 1;
             let Some(hit) = self.closest(&ray) else {
-                return Next::Sky(self.sky(ray.direction), was_reflected);
+                return Next::Sky(self.diffuse_sky(ray.direction), was_reflected);
             };
             let point = self.surface(&ray, &hit);
             if !self.is_view_dependent(&point) {
