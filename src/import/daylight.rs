@@ -46,8 +46,8 @@ pub struct DaylightOptions {
 }
 
 impl DaylightOptions {
-    /// Returns the scene in this daylight. A sky that cannot be used is a warning of the scene, which
-    /// keeps its own.
+    /// Returns the scene in this daylight. A sky that cannot be used is a warning of the scene,
+    /// which keeps its own.
     #[must_use]
     pub fn apply(&self, scene: Scene) -> Scene {
         if self.sky.is_none() && self.sun.is_none() {

@@ -15,8 +15,8 @@ type Outcome<T> = Result<T, Box<dyn Error + Send + Sync>>;
 /// Width and height in pixels, the texels, and the luminance in cd/m2 of a value of one.
 type Decoded = ([u32; 2], Vec<[f32; 3]>, Option<f32>);
 
-/// Reads a picture of the sky in latitude and longitude: twice as wide as high, up at the top, north
-/// (-Z) in the centre, east (+X) to the right.
+/// Reads a picture of the sky in latitude and longitude: twice as wide as high, up at the top,
+/// north (-Z) in the centre, east (+X) to the right.
 ///
 /// An OpenEXR file that gives the luminance of white (`whiteLuminance`) is photometric. Values of a
 /// Radiance file are divided by its `EXPOSURE`, as its format says.

@@ -24,7 +24,8 @@ pub struct DaylightModel {
     pub north_deg: f64,
     /// Haze of the air, for [`SkyKind::Physical`]: [`PhysicalSky::TURBIDITIES`].
     pub turbidity: f32,
-    /// Luminance in cd/m2 of a radiance of one: [`Scene::nits_per_unit`](super::Scene::nits_per_unit).
+    /// Luminance in cd/m2 of a radiance of one:
+    /// [`Scene::nits_per_unit`](super::Scene::nits_per_unit).
     pub nits_per_unit: f32,
 }
 

@@ -100,8 +100,8 @@ impl PlaceAndTime {
         Ok(SunPosition { azimuth_deg: position.azimuth(), height_deg: position.elevation_angle() })
     }
 
-    /// Returns the moment in universal time. Of a time that a change of the clocks skips or repeats,
-    /// the one after the gap or the first one counts.
+    /// Returns the moment in universal time. Of a time that a change of the clocks skips or
+    /// repeats, the one after the gap or the first one counts.
     fn timestamp(&self) -> Result<Timestamp, PlaceError> {
         let wrong = |what: String| PlaceError(what);
         if !Self::YEARS.contains(&self.year) {

@@ -1,7 +1,7 @@
 //! The standard overcast and clear skies of the CIE.
 //!
-//! Source: CIE S 011/E:2003 (ISO 15469:2004), sky types 16 (the traditional overcast sky of Moon and
-//! Spencer 1942) and 12 (the standard clear sky of Kittler 1967). We differ: the standard gives
+//! Source: CIE S 011/E:2003 (ISO 15469:2004), sky types 16 (the traditional overcast sky of Moon
+//! and Spencer 1942) and 12 (the standard clear sky of Kittler 1967). We differ: the standard gives
 //! luminances alone; the hues of the clear sky are those of [`Gradient::CLEAR_DAY`].
 
 use super::gradient::{Gradient, below_horizon};

@@ -7,13 +7,13 @@ use rayon::prelude::*;
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 
-/// Largest value of the remainder, in multiples of its mean over all directions. One sample by solid
-/// angle then has a variance of at most 15 times the squared mean.
+/// Largest value of the remainder, in multiples of its mean over all directions. One sample by
+/// solid angle then has a variance of at most 15 times the squared mean.
 ///
 /// Measured on skies of Hosek and Wilkie with a sun at 5, 15 and 40 degrees, 2048 x 1024 texels: 16
-/// cuts out the sun alone (8 to 10 texels), and a cosine-weighted sample has the relative variance of
-/// the sky without the sun, 0.61, 0.40 and 0.17; without the cut it is 3,000 to 32,000. With 8 it is
-/// 0.56, 0.39 and 0.17, for thousands of texels more.
+/// cuts out the sun alone (8 to 10 texels), and a cosine-weighted sample has the relative variance
+/// of the sky without the sun, 0.61, 0.40 and 0.17; without the cut it is 3,000 to 32,000. With 8
+/// it is 0.56, 0.39 and 0.17, for thousands of texels more.
 pub(super) const MAX_DIFFUSE_RATIO: f64 = 16.0;
 
 /// Largest value of a texel. Sums over a sphere of them stay finite.

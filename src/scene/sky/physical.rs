@@ -27,8 +27,8 @@ impl PhysicalSky {
     /// the curves of the standard observer: the luminous efficacy of 683 lm/W.
     pub const NITS: f32 = 683.0;
 
-    /// Returns the sky for a unit direction towards the sun. `albedo` is that of the ground, 0 to 1,
-    /// and `ground` the radiance from below the horizon; `brightness` is a factor of the model's
+    /// Returns the sky for a unit direction towards the sun. `albedo` is that of the ground, 0 to
+    /// 1, and `ground` the radiance from below the horizon; `brightness` is a factor of the model's
     /// radiances. Values out of range are clamped.
     pub fn new(sun_direction: Vec3, turbidity: f32, albedo: f32, brightness: f32, ground: Vec3) -> Self {
         let clamp = |v: f32, low: f32, high: f32| if v.is_nan() { low } else { v.clamp(low, high) };
@@ -37,8 +37,7 @@ impl PhysicalSky {
         let elevation = clamp(sun_direction.y, 0.0, 1.0).asin();
         let elevation = elevation.clamp(0.0, std::f32::consts::FRAC_PI_2);
         let state = SkyState::new(&SkyParams { elevation, turbidity, albedo: [albedo; 3] });
-        #[expect(clippy::expect_used, reason = "the parameters are clamped to the ranges above")]
-        let state = state.expect("parameters in range");
+        let state = state.expect("the parameters are clamped to the ranges above");
         Self { sun_direction, turbidity, albedo, brightness, ground, state }
     }
 

@@ -1,9 +1,9 @@
 //! A sky from a picture in latitude and longitude.
 //!
 //! The picture is split once: where it is brighter than a multiple of the mean, the excess is a
-//! light of its own (its *suns*), sampled by shadow rays in proportion to its luminance; the bounded
-//! remainder lights surfaces by rays that escape the scene. Both together are the picture, so that
-//! nothing is counted twice.
+//! light of its own (its *suns*), sampled by shadow rays in proportion to its luminance; the
+//! bounded remainder lights surfaces by rays that escape the scene. Both together are the picture,
+//! so that nothing is counted twice.
 
 use super::image::SkyImage;
 use crate::raster::color::luminance;

@@ -13,8 +13,8 @@ pub(super) fn row_solid_angle(row: u32, height: u32) -> f64 {
     std::f64::consts::TAU * (edge(row) - edge(row + 1))
 }
 
-/// The texels with an excess: rows in which there are any, and their columns, both with the share of
-/// luminance in them and all before.
+/// The texels with an excess: rows in which there are any, and their columns, both with the share
+/// of luminance in them and all before.
 #[derive(Debug, Default)]
 pub(super) struct Suns {
     rows: Vec<u32>,
@@ -56,7 +56,8 @@ impl Suns {
         suns
     }
 
-    /// Chooses a texel. Returns its row and column, and where in it a sample lies, 0 to 1 both ways.
+    /// Chooses a texel. Returns its row and column, and where in it a sample lies, 0 to 1 both
+    /// ways.
     pub(super) fn sample(&self, u: [f32; 2]) -> Option<([u32; 2], [f32; 2])> {
         let (row, down) = choose(&self.row_cdf, u[1])?;
         let first = row.checked_sub(1).map_or(0, |before| self.row_ends[before] as usize);
@@ -66,8 +67,8 @@ impl Suns {
     }
 }
 
-/// Returns the entry of a cumulative distribution for a number of 0 to 1, and where in the entry the
-/// number lies, 0 to 1.
+/// Returns the entry of a cumulative distribution for a number of 0 to 1, and where in the entry
+/// the number lies, 0 to 1.
 fn choose(cdf: &[f32], u: f32) -> Option<(usize, f32)> {
     let chosen = cdf.partition_point(|&c| c <= u).min(cdf.len().checked_sub(1)?);
     let below = if chosen == 0 { 0.0 } else { cdf[chosen - 1] };

@@ -38,6 +38,11 @@ fn usage_errors_end_with_two() {
         ("render room.obj -o a.exr --aov warmth", "primitive"),
         ("render room.obj -o a.png --reference 1,1,1", "EX,EY,EZ:LX,LY,LZ"),
         ("render room.obj", "--output"),
+        ("inspect room.obj --sun-place 52.5,13.4", "need each other"),
+        ("inspect room.obj --sun-time 2026-06-21T12:00Z", "need each other"),
+        ("inspect room.obj --sun-place 91,0 --sun-time 2026-06-21T12:00Z", "latitude from -90 to 90"),
+        ("inspect room.obj --sun-place 0,0 --sun-time noon", "like 2026-06-21T12:00[Europe/Berlin]"),
+        ("inspect room.obj --north 400", "-360 to 360"),
         ("tour room.obj --out run --placement gird", "greedy, grid, none"),
         ("tour room.obj --out run --threshold 101", "0 to 100"),
         ("tour room.obj", "--out"),
@@ -94,6 +99,26 @@ fn failures_end_with_one() {
         ("experiment merge cache --out run", "not a run folder"),
     ] {
         assert_fails(&bench, line, 1, words);
+    }
+}
+
+#[test]
+fn a_sky_that_cannot_be_read_is_a_warning_and_one_that_can_is_named() {
+    let bench = Bench::new();
+    std::fs::write(bench.path("square.hdr"), "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8 +X 8\n").unwrap();
+    for (sky, words) in [("square.hdr", "twice as wide as high"), ("sunny", "or name a kind of sky")] {
+        let output = bench.run(&format!("inspect room.obj --sky {sky} --json --strict"));
+        let errors = stderr(&output);
+        assert_eq!(output.status.code(), Some(4), "{errors}");
+        assert_eq!(errors.lines().filter(|line| line.contains(words)).count(), 1, "{errors}");
+        assert!(String::from_utf8_lossy(&output.stdout).contains("\"sky\":null"), "the room has none");
+    }
+    let place = "--sun-place 52.52,13.40 --sun-time 2026-06-21T12:00[Europe/Berlin]";
+    for (sky, name, suns) in [("overcast", "CIE overcast", 0.0), ("physical", "physical, turbidity 3.0", 1.0)]
+    {
+        let object = bench.json(&format!("inspect room.obj --sky {sky} {place} --json"));
+        assert_eq!(object["sky"], name);
+        assert_eq!(super::number(&object, "/light_kinds/sun"), suns);
     }
 }
 

@@ -1,7 +1,8 @@
 //! Edits of materials, sun and sky, undone and redone.
 
 use super::*;
-use afterimage::scene::MaterialKind;
+use afterimage::import::{DaylightOptions, SkyChoice};
+use afterimage::scene::{MaterialKind, Sky, SkyKind};
 use afterimage_ui::window::state::{Edits, SceneInfo, Severity};
 use egui::{Key, Modifiers};
 
@@ -96,6 +97,35 @@ fn the_sun_is_switched_on_and_moved() {
     }
     assert!(!edits(harness.state()).is_unsaved());
     step_until(&mut harness, "the lights there were", |app| scene(app).lights == lights);
+}
+
+#[test]
+fn a_dropped_sky_picture_is_shown_and_one_that_is_no_sky_leaves_the_old_one() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (good, square) = (folder.path().join("sky.hdr"), folder.path().join("square.hdr"));
+    let picture = |size: &str| {
+        [format!("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n{size}\n").as_bytes(), &[128; 128]].concat()
+    };
+    std::fs::write(&good, picture("-Y 4 +X 8")).expect("a file");
+    std::fs::write(&square, picture("-Y 4 +X 4")).expect("a file");
+    let sky = Some(SkyChoice::Model(SkyKind::Overcast));
+    let daylight = DaylightOptions { sky, ..DaylightOptions::default() };
+    let mut harness = open(LaunchOptions { daylight, ..request() }, false);
+    let kind = |app: &App| edits(app).now().daylight.sky.as_ref().map(Sky::kind);
+    assert_eq!(
+        (kind(harness.state()), edits(harness.state()).is_unsaved()),
+        (Some(SkyKind::Overcast), false)
+    );
+    harness.input_mut().dropped_files.push(Arc::new(driving::Dropped(square)));
+    step_until(&mut harness, "a message", |app| {
+        app.state().notices.iter().any(|n| n.text.contains("twice as wide as high"))
+    });
+    assert_eq!(kind(harness.state()), Some(SkyKind::Overcast));
+    harness.input_mut().dropped_files.push(Arc::new(driving::Dropped(good)));
+    step_until(&mut harness, "the picture", |app| kind(app) == Some(SkyKind::Picture));
+    settle(&mut harness);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    step_until(&mut harness, "the clouds", |app| kind(app) == Some(SkyKind::Overcast));
 }
 
 #[test]

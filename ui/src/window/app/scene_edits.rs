@@ -28,8 +28,8 @@ pub(super) fn handle_edit(app: &mut Parts, command: EditCommand) {
     rebuild(app);
 }
 
-/// Asks for a picture of the sky and reads it, in the background. Where it cannot be used, a message
-/// says so and the sky stays.
+/// Asks for a picture of the sky and reads it, in the background. Where it cannot be used, a
+/// message says so and the sky stays.
 fn browse_sky(app: &mut Parts) {
     app.services.spawn("reading a sky", || {
         let dialog = rfd::FileDialog::new()
