@@ -9,6 +9,7 @@ mod experiment;
 mod failure;
 pub(crate) mod flags;
 mod generate;
+mod headless;
 mod inspect;
 mod interrupt;
 mod output;

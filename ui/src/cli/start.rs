@@ -1,16 +1,12 @@
 //! `afterimage [SCENE]`: opens the window or, without a display, runs the tour of the scene.
 
-use super::{failure::Failure, flags::Flags, interrupt, output, paths, pose, scene, tour};
+use super::{failure::Failure, flags::Flags, headless, interrupt, paths, pose, scene};
 use crate::picture::restore::{PictureView, beside, is_picture, read_view};
 use crate::settings::{Layers, suggestion};
-use crate::window::state::{Appearance, WINDOW_SAMPLES};
+use crate::window::state::Appearance;
 use crate::window::{self, LaunchOptions, SceneSource};
 use afterimage::raster::exposure::Exposure;
-use clap::Parser;
 use std::path::Path;
-
-/// Folder of the records of a tour without a display.
-const OUT: &str = "afterimage-out";
 
 pub(super) fn start(
     scene: Option<&str>,
@@ -23,17 +19,9 @@ pub(super) fn start(
         return open_window(scene, flags, layers);
     }
     interrupt::install();
-    // Without flags, frames as cheap as those of the window: the tour takes some minutes at most.
-    let given_size = flags.given_size.or(Some([640, 360]));
-    let samples = flags.samples.or(Some(WINDOW_SAMPLES));
-    let flags = Flags { given_size, samples, ..flags.clone() };
-    let [width, height] = flags.size();
-    output::say(&format!(
-        "no display was found; running the tour of the scene at {width}x{height}, into {OUT}/"
-    ));
     let view = picture_view(scene)?;
     let scene = view.as_ref().map(|v| v.scene.as_str()).or(scene);
-    tour::run(&headless_tour(scene), &flags)
+    headless::run(scene, flags)
 }
 
 /// Refuses a word that is neither a file nor could be the name of a model: it is a misspelled
@@ -80,16 +68,4 @@ fn open_window(scene: Option<&str>, flags: &Flags, layers: &Layers) -> Result<()
 fn picture_view(scene: Option<&str>) -> Result<Option<PictureView>, Failure> {
     let picture = scene.map(Path::new).filter(|path| is_picture(path));
     Ok(picture.map(|path| read_view(path).map(|view| beside(view, path))).transpose()?)
-}
-
-/// Arguments of a tour with their defaults.
-fn headless_tour(scene: Option<&str>) -> tour::TourArgs {
-    #[derive(Parser)]
-    struct Typed {
-        #[command(flatten)]
-        args: tour::TourArgs,
-    }
-    let mut args = Typed::parse_from(["tour", "--out", OUT]).args;
-    args.scene = scene.map(str::to_owned);
-    args
 }

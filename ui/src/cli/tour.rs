@@ -50,6 +50,9 @@ pub(crate) struct TourArgs {
     /// Write every frame, and the types of its pixels, to images/.
     #[arg(long)]
     pub(super) pictures: bool,
+    /// Frames from one picture to the next; 0 writes every frame.
+    #[arg(skip)]
+    pub(super) picture_every: u32,
     /// Check a few looked-up pixels of every frame by tracing them, in up to a twentieth of its
     /// time.
     #[arg(long)]
@@ -80,28 +83,42 @@ pub(crate) fn run(args: &TourArgs, flags: &Flags) -> Result<(), Failure> {
     memory::check(flags.pixels(), 1)?;
     let recorded = args.path.as_deref().map(read_path).transpose()?;
     make_folder(&args.out)?;
-    if args.pictures {
-        make_folder(&args.out.join("images"))?;
-    }
     let loaded = load(args.scene.as_deref(), flags)?;
     let flags = &loaded.expose(flags)?;
     let walk = recorded.unwrap_or_else(|| loaded.scene().walk.clone());
-    let settings = settings(args, flags, &walk);
-    let (record, picture_error) = fly(args, flags, &loaded, &walk, &settings)?;
-    let object = object(args, flags, &loaded, &record);
+    let (_, outcome) = record(args, flags, &loaded, &walk)?;
+    if args.pictures && !matches!(outcome, Err(Failure::Failed(_))) {
+        output::say(&format!("to encode them as a film: {}", film_command(&args.out.join("images"))));
+    }
+    outcome
+}
+
+/// Flies a camera path, writes pictures and records, and prints the result. Returns the record, and
+/// whether it is whole.
+pub(super) fn record(
+    args: &TourArgs,
+    flags: &Flags,
+    loaded: &Loaded,
+    walk: &CameraPath,
+) -> Result<(TourRecord, Result<(), Failure>), Failure> {
+    make_folder(&args.out)?;
+    if args.pictures {
+        make_folder(&args.out.join("images"))?;
+    }
+    let settings = settings(args, flags, walk);
+    let (record, picture_error) = fly(args, flags, loaded, walk, &settings)?;
+    let object = object(args, flags, loaded, &record);
     write_atomically(&args.out.join("frames.csv"), csv(&record.frames).as_bytes())?;
     write_atomically(&args.out.join("references.csv"), csv(&record.references).as_bytes())?;
     write_atomically(&args.out.join("summary.json"), format!("{object:#}\n").as_bytes())?;
     loaded.say_bounds();
     output::result(flags.json, &object, || table(args, &record));
-    if args.pictures && picture_error.is_none() {
-        output::say(&format!("to encode them as a film: {}", film_command(&args.out.join("images"))));
-    }
-    match picture_error {
+    let outcome = match picture_error {
         Some(error) => Err(error),
         None if !record.is_complete => Err(Failure::Interrupted),
         None => loaded.verdict(flags),
-    }
+    };
+    Ok((record, outcome))
 }
 
 fn make_folder(folder: &Path) -> Result<(), Failure> {
@@ -150,7 +167,8 @@ fn fly(
             let note =
                 format!("{:.0} ms, Type 3 {:.1} %", record.frame_secs * 1e3, record.types.type3_percent);
             progress.at(u64::from(record.frame) + 1, &note);
-            if args.pictures && picture_error.is_none() {
+            let is_pictured = args.pictures && record.frame.is_multiple_of(args.picture_every.max(1));
+            if is_pictured && picture_error.is_none() {
                 picture_error = write_pictures(args, flags, loaded, record.frame, walk.frame()).err();
                 if picture_error.is_some() {
                     cancel.store(true, std::sync::atomic::Ordering::Relaxed);

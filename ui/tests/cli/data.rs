@@ -189,7 +189,19 @@ fn without_a_display_the_program_runs_the_tour() {
     let errors = super::stderr(&output);
     let about_display: Vec<&str> = errors.lines().filter(|l| l.contains("display")).collect();
     assert_eq!(about_display.len(), 1, "{errors}");
-    assert!(bench.names("afterimage-out").contains(&"summary.json".to_owned()));
+    let names = ["frames.csv", "images", "references.csv", "report.html", "summary.json"];
+    assert_eq!(bench.names("afterimage-out"), names);
+    let pictures = bench.names("afterimage-out/images");
+    assert_eq!(pictures.len(), 24, "a dozen frames and their types: {pictures:?}");
+    let page = std::fs::read_to_string(bench.path("afterimage-out/report.html")).unwrap();
+    let links: Vec<&str> =
+        ["href=\"", "src=\""].iter().flat_map(|attribute| page.split(attribute).skip(1)).collect();
+    assert_eq!(links.len(), 4 * 12 + 3, "every picture is shown and linked");
+    for link in links {
+        let link = link.split('"').next().unwrap();
+        assert!(bench.path("afterimage-out").join(link).exists(), "{link}");
+    }
+    assert!(!page.contains("<script") && errors.contains("report.html"), "{errors}");
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! The report of a run: lines of text, and files in the run folder: `plots/*.svg`, `plots/*.png`,
-//! and `report.html`, which needs no other file.
+//! and `report.html`, which needs no other file. The page of a tour shows pictures that lie next to
+//! it.
 
 mod axis;
 mod chart;
@@ -8,8 +9,10 @@ mod plots;
 #[cfg(test)]
 mod tests;
 mod text;
+mod tour;
 
 pub(super) use text::report as text;
+pub(super) use tour::{TourPage, write_tour_page};
 
 use super::failure::Failure;
 use afterimage::experiment::run::report::{Block, Chart};

@@ -12,30 +12,36 @@ use serde_json::{Value, json};
 use std::path::Path;
 
 const TEMPLATE: &str = include_str!("page.html");
-const STYLE: &str = include_str!("page.css");
+pub(super) const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
 
 /// The page of a report, with the pictures in `folder` embedded.
 pub(super) fn html(manifest: &Manifest, folder: &Path, report: &Report) -> anyhow::Result<String> {
     let images = folder.join("images");
     let sections: Vec<Value> = report.sections.iter().map(|s| section(s, &images)).collect();
+    let values = json!({
+        "style": STYLE,
+        "script": SCRIPT,
+        "experiment": manifest.identity.experiment,
+        "scene": manifest.identity.scene,
+        "is_complete": manifest.is_complete,
+        "cells_done": manifest.cells_done,
+        "cells": manifest.cells,
+        "headline": report.headline,
+        "notes": report.notes,
+        "sections": sections,
+        "facts": facts(manifest),
+    });
+    render(TEMPLATE, &values)
+}
+
+/// A page from its template.
+pub(super) fn render(template: &str, values: &Value) -> anyhow::Result<String> {
     // The extension of the template's name enables escaping.
     let mut environment = Environment::new();
-    let page = environment.add_template("report.html", TEMPLATE).and_then(|()| {
-        environment.get_template("report.html")?.render(Serde(json!({
-            "style": STYLE,
-            "script": SCRIPT,
-            "experiment": manifest.identity.experiment,
-            "scene": manifest.identity.scene,
-            "is_complete": manifest.is_complete,
-            "cells_done": manifest.cells_done,
-            "cells": manifest.cells,
-            "headline": report.headline,
-            "notes": report.notes,
-            "sections": sections,
-            "facts": facts(manifest),
-        })))
-    });
+    let page = environment
+        .add_template("report.html", template)
+        .and_then(|()| environment.get_template("report.html")?.render(Serde(values)));
     page.context("the report page cannot be written")
 }
 
