@@ -202,9 +202,10 @@ mod tests {
                 let off = if matches!(kind, SkyKind::Gradient | SkyKind::Physical) { 2.0 } else { 1.001 };
                 assert!((1.0 / off..off).contains(&(klux / expected)), "{kind:?} {height}: {klux}");
                 assert_eq!(sun.is_none(), kind == SkyKind::Overcast);
-                if let Some(sun) = sun {
+                // A sun near the horizon is weaker than the sky.
+                if let Some(sun) = sun.filter(|_| height >= 30.0) {
                     let share = klux / 10.0 / luminance(sun.irradiance * sun.direction.y);
-                    assert!((0.05..2.0).contains(&share), "{kind:?} {height}: {share}");
+                    assert!((0.05..0.6).contains(&share), "{kind:?} {height}: {share}");
                 }
             }
         }

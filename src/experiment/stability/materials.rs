@@ -12,11 +12,13 @@ use crate::math::{Ray, key::Key};
 use crate::raster::color::{ToneMap, display_linear, metered_exposure_ev};
 use crate::render::{Frame, Mode};
 use crate::scene::{
-    Encoding, Gradient, Material, MaterialId, MaterialKind, SceneBuilder, Sky, Texture, TextureRef,
+    Encoding, Gradient, Material, MaterialId, MaterialKind, PictureSky, SceneBuilder, Sky, SkyImage, Texture,
+    TextureRef,
 };
 use crate::trace::{MAX_BOUNCES, PixelTrace, RayCounts, TraceSettings, Tracer, truncation_bound};
 use glam::{DVec3, Vec2, Vec3};
-use std::{f64::consts::FRAC_PI_2, sync::Arc};
+use std::f64::consts::{FRAC_PI_2, PI};
+use std::sync::Arc;
 
 pub(super) const CASES: &[Case] = &[
     case("D1 Kd + Ks = 1.8", "reflectance above 1, or not reported", 1e-6, scaled_down),
@@ -41,6 +43,12 @@ pub(super) const CASES: &[Case] = &[
     case("D11 no light", "scenes without light that do not report it", 0.0, no_light),
     case("D12 materials of NaN, infinity, negative", "bad values, or not counted", 0.0, broken_materials),
     case("D13 the sky while turning", "% of pixels off by more than 1/255", 0.5, turning_sky),
+    case(
+        "D13 a sky picture with a sun of 1e9",
+        "% the worst pixel is off from its closed form",
+        1.0,
+        sun_of_1e9,
+    ),
     case("D14 textures of 0x0, 1x1, too few texels", "bad values", 0.0, odd_textures),
     case("D14 texture coordinates of NaN and 1e9", "invalid colours", 0.0, odd_coordinates),
 ];
@@ -334,6 +342,25 @@ fn turning_sky(_: &Trial) -> Outcome {
     let reference = reference(&tracer, &camera, [192, 128]);
     let shown = picture(&tracer, &turned, SIZE, Mode::Paper, &[&reference]);
     Ok(off_percent(&shown, &full(&tracer, &turned)).into())
+}
+
+/// Level ground under a sky of one, with one texel of 1e9: every pixel must find it.
+fn sun_of_1e9(_: &Trial) -> Outcome {
+    const SIZE: [u32; 2] = [256, 128];
+    const ROW: u32 = 30;
+    let mut texels = vec![[1.0; 3]; (SIZE[0] * SIZE[1]) as usize];
+    texels[(ROW * SIZE[0] + 77) as usize] = [1e9; 3];
+    let image = SkyImage::new("sun.hdr".as_ref(), SIZE, texels, None).expect("a picture of a sky");
+    let mut b = SceneBuilder::new("open");
+    let grey = b.add_material(Material::diffuse("grey", Vec3::splat(0.5)));
+    quad(&mut b, dvec(-5.0, 0.0, 5.0), dvec(10.0, 0.0, 0.0), dvec(0.0, 0.0, -10.0), grey);
+    b.sky = Some(Sky::Picture(PictureSky::new(Arc::new(image), 1.0)));
+    let seen = full(&tracer(b)?, &Camera::look_at(dvec(0.0, 2.0, 0.0), dvec(0.0, 0.0, -0.1), 50.0));
+    let edge = |row: u32| (PI * f64::from(row) / f64::from(SIZE[1])).cos();
+    let cosine = (edge(ROW).powi(2) - edge(ROW + 1).powi(2)) / 2.0 * (2.0 * PI / f64::from(SIZE[0]));
+    let expected = 0.5 / PI * (1e9 * cosine + PI);
+    let off = |c: &Vec3| (f64::from(c.x) / expected - 1.0).abs();
+    Ok((seen.radiance.iter().map(off).fold(0.0, f64::max) * 100.0).into())
 }
 
 fn odd_textures(_: &Trial) -> Outcome {
