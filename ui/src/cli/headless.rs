@@ -11,8 +11,9 @@ use super::{
 };
 use crate::picture::memory;
 use crate::window::state::WINDOW_SAMPLES;
-use afterimage::{FrameRequest, Mode, RenderSettings, Renderer};
+use afterimage::{Camera, FrameRequest, Mode, RenderSettings, Renderer, experiment::tour::Pose};
 use clap::Parser;
+use glam::DVec3;
 
 /// Folder of the page, the pictures and the records.
 const OUT: &str = "afterimage-out";
@@ -46,11 +47,14 @@ pub(super) fn run(scene: Option<&str>, flags: &Flags) -> Result<(), Failure> {
     memory::check(flags.pixels(), 1)?;
     let loaded = load(scene, flags)?;
     let flags = &loaded.expose(flags)?;
-    let steps = steps_between_pictures(full_frame_secs(&loaded, flags)?);
+    let steps = steps_between_pictures(estimated_full_secs(&loaded, flags)?);
     let args = arguments(scene, steps);
     let walk = loaded.scene().walk.clone();
     let (record, outcome) = tour::record(&args, flags, &loaded, &walk)?;
-    let page = TourPage { scene: &loaded.name, flags, record: &record, picture_every: steps };
+    let last = record.frames.last().filter(|_| record.is_complete && flags.mode != Mode::Full);
+    let full_secs =
+        last.and_then(|last| full_frame_secs(&loaded, flags, &camera_of(&last.pose), flags.size()));
+    let page = TourPage { scene: &loaded.name, flags, record: &record, picture_every: steps, full_secs };
     let path = args.out.join("report.html");
     write_tour_page(&path, &page)?;
     output::say(&format!("open {} to see the frames", path.display()));
@@ -63,16 +67,25 @@ fn steps_between_pictures(full_frame_secs: f64) -> u32 {
     ((frames / f64::from(PICTURES - 1)) as u32).clamp(1, MAX_STEPS)
 }
 
-/// Estimates the time of a frame in mode `full` from a small one.
-fn full_frame_secs(loaded: &Loaded, flags: &Flags) -> Result<f64, Failure> {
+/// Estimates the time of a frame in mode `full` from a small one, rendered twice: the first time
+/// finds the lights that matter at each place, which later frames know.
+fn estimated_full_secs(loaded: &Loaded, flags: &Flags) -> Result<f64, Failure> {
     let size = flags.size().map(|side| side.div_ceil(4));
+    let secs = || full_frame_secs(loaded, flags, loaded.scene().start(), size);
+    let small = secs().and_then(|_| secs()).ok_or(Failure::Interrupted)?;
+    Ok(small * flags.pixels() as f64 / (f64::from(size[0]) * f64::from(size[1])))
+}
+
+/// Time of a frame in mode `full`; `None` if it was interrupted.
+fn full_frame_secs(loaded: &Loaded, flags: &Flags, camera: &Camera, size: [u32; 2]) -> Option<f64> {
     let settings = RenderSettings { mode: Mode::Full, trace: flags.trace() };
-    let request = FrameRequest::new(&loaded.tracer, loaded.scene().start(), size, &settings);
-    let mut renderer = Renderer::default();
-    let stats = renderer.render(&request.with_stop(&interrupt::is_cancelled)).stats;
-    let pixels = f64::from(size[0]) * f64::from(size[1]);
-    let secs = stats.secs.frame * flags.pixels() as f64 / pixels;
-    if stats.is_complete { Ok(secs) } else { Err(Failure::Interrupted) }
+    let request = FrameRequest::new(&loaded.tracer, camera, size, &settings);
+    let stats = Renderer::default().render(&request.with_stop(&interrupt::is_cancelled)).stats;
+    stats.is_complete.then_some(stats.secs.frame)
+}
+
+fn camera_of(pose: &Pose) -> Camera {
+    Camera::look_at(DVec3::from_array(pose.eye), DVec3::from_array(pose.look_at), pose.fov_y_deg)
 }
 
 /// Arguments of the tour with their defaults.

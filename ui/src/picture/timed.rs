@@ -19,7 +19,8 @@ pub struct TimedState {
     pub secs: f64,
     /// Passes over the picture so far.
     pub passes: u32,
-    /// Samples of every pixel so far.
+    /// Samples of every pixel so far; before the first pass is complete, those of the pixels that
+    /// have been rendered.
     pub samples: u64,
     /// Estimated PSNR in decibels; `None` before the second pass.
     pub estimated_psnr_db: Option<f64>,
@@ -62,7 +63,7 @@ impl PictureJob {
         TimedState {
             secs: picture.spent().as_secs_f64(),
             passes,
-            samples: u64::from(passes) * u64::from(self.settings.trace.samples),
+            samples: u64::from(passes.max(1)) * u64::from(self.settings.trace.samples),
             estimated_psnr_db: picture.estimated_psnr_db(),
         }
     }

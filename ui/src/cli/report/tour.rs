@@ -29,6 +29,8 @@ pub(in crate::cli) struct TourPage<'a> {
     pub(in crate::cli) record: &'a TourRecord,
     /// Frames from one picture to the next.
     pub(in crate::cli) picture_every: u32,
+    /// Time of the last frame in mode `full`, seconds.
+    pub(in crate::cli) full_secs: Option<f64>,
 }
 
 /// Writes the page into the folder of its tour.
@@ -69,16 +71,10 @@ fn headline(page: &TourPage<'_>) -> Vec<String> {
     let summary = &record.summary;
     let mut lines = Vec::new();
     if let Some(secs) = summary.frame_secs_median {
-        let full = record.warm_up_secs;
-        let times = format!("A frame takes {} in the median", ms(secs));
-        lines.push(match mode {
-            "full" => format!("{times}."),
-            _ => format!(
-                "{times}, {:.1} times less than the {} of tracing every pixel of the first one in full.",
-                full / secs,
-                ms(full)
-            ),
-        });
+        lines.push(format!("A frame of mode {mode} takes {} in the median.", ms(secs)));
+    }
+    if let Some(secs) = page.full_secs {
+        lines.push(format!("Tracing every pixel of the last one, as mode full does, takes {}.", ms(secs)));
     }
     if record.references_added > 0 {
         let (count, secs) = (record.references_added, record.reference_secs_total);
