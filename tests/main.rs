@@ -17,7 +17,7 @@ mod exposure;
 mod features;
 mod golden;
 mod import;
-mod indoor_start;
+
 mod layers;
 mod lights;
 mod lookup;
@@ -29,6 +29,7 @@ mod reuse;
 mod rooms;
 mod save;
 mod stability;
+mod start_view;
 mod tiles;
 mod tour;
 mod tracing;

@@ -175,10 +175,10 @@ pub(super) fn guess(declared: Option<Unit>, across: f64, how_to_set: &str) -> Gu
 
 /// Returns the diagonal of the bounding box of all finite positions, in the file's units; zero
 /// where there are none.
-pub(super) fn across(positions: &[DVec3]) -> f64 {
-    let mut finite = positions.iter().filter(|p| p.is_finite());
+pub(super) fn across(positions: impl Iterator<Item = DVec3>) -> f64 {
+    let mut finite = positions.filter(|p| p.is_finite());
     let Some(first) = finite.next() else { return 0.0 };
-    let (low, high) = finite.fold((*first, *first), |(low, high), p| (low.min(*p), high.max(*p)));
+    let (low, high) = finite.fold((first, first), |(low, high), p| (low.min(p), high.max(p)));
     (high - low).length()
 }
 

@@ -5,7 +5,7 @@ use super::conditioning::{Conditioning, Repairs};
 use super::duplicates::Duplicates;
 use super::{
     Light, Material, NamedView, Scene, SceneBuilder, SceneError, SceneFeatures, SceneFrame, Sky, Sun, bounds,
-    is_valid_position, sanitize, views,
+    building, is_valid_position, sanitize, views,
 };
 use crate::camera::CameraPath;
 use glam::{DVec3, Vec3};
@@ -48,7 +48,8 @@ impl SceneBuilder {
 
     /// Moves everything into a scene. What follows from the rest is still missing.
     fn into_scene(mut self, positions: Vec<Vec3>, frame: SceneFrame, bounds_m: [DVec3; 2]) -> Scene {
-        let (walk, [brings_view, brings_walk]) = self.views_and_walk(bounds_m);
+        let building_m = building::extent(&self.positions, &self.triangles, bounds_m, frame.units_per_metre);
+        let (walk, [brings_view, brings_walk]) = self.views_and_walk(building_m);
         let is_textured =
             self.materials.iter().any(|m| m.diffuse_texture.is_some() || m.alpha_texture.is_some());
         Scene {
@@ -75,6 +76,7 @@ impl SceneBuilder {
             features: SceneFeatures::default(),
             warnings: self.warnings,
             bounds_m,
+            building_m,
             hidden: Vec::new(),
             conditioning: Conditioning::default(),
         }
@@ -155,14 +157,17 @@ impl SceneBuilder {
 
     /// Generates the view and the camera path that the model does not have. Returns the path, and
     /// which of view and path the model has.
-    fn views_and_walk(&mut self, bounds_m: [DVec3; 2]) -> (CameraPath, [bool; 2]) {
+    fn views_and_walk(&mut self, building_m: [DVec3; 2]) -> (CameraPath, [bool; 2]) {
         let own_view = self.views.first().map(|view| view.camera);
+        let overview = views::overview(building_m, 0.0, views::USUAL_RISE);
         if own_view.is_none() {
-            self.views.push(NamedView { name: "start".to_owned(), camera: views::overview(bounds_m) });
+            self.views.push(NamedView { name: "start".to_owned(), camera: overview });
         }
         let has = [own_view.is_some(), self.walk.is_some()];
-        let generated =
-            || own_view.map_or_else(|| views::orbit(bounds_m), |camera| CameraPath::turning(&camera));
+        let generated = || {
+            own_view
+                .map_or_else(|| views::orbit(building_m, &overview), |camera| CameraPath::turning(&camera))
+        };
         (self.walk.take().unwrap_or_else(generated), has)
     }
 }

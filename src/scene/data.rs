@@ -61,6 +61,10 @@ pub struct Scene {
     /// Lower and upper corner of the bounding box, in world metres. If a few vertices lie far
     /// outside, it is the box of the others.
     pub bounds_m: [DVec3; 2],
+    /// Lower and upper corner of the box of the building, in world metres: of the model without the
+    /// ground around it and without a few objects far away. Start view, speed of flight and plan
+    /// follow it. `scene/building/` has the rule.
+    pub building_m: [DVec3; 2],
     /// Triangles that coincide with an earlier one and look the same, ascending. Rays ignore them.
     pub hidden: Vec<u32>,
     /// How demanding the scene is numerically, and what was repaired.

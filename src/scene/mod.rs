@@ -6,6 +6,7 @@
 mod assemble;
 mod bounds;
 mod builder;
+mod building;
 pub mod builtin;
 mod compute_conditioning;
 mod conditioning;
@@ -50,3 +51,4 @@ pub use sky::{
 pub use sun::Sun;
 pub use texture::{Encoding, Texture, TextureId, TextureRef};
 pub use views::NamedView;
+pub(crate) use views::{USUAL_RISE, orbit, overview};

@@ -9,7 +9,7 @@
 //! | `settings`, `bounce_limit` | how many rays a pixel takes |
 //! | `primary_tile`, `probe` | the primary rays of a tile, and rays that measure the model |
 //! | `exposure` | the light in the scene, measured for the automatic exposure |
-//! | `indoor_start` | the start view of a model of rooms that has none of its own |
+//! | `start_view` | the start view of a model that has none of its own |
 //! | [`parallel`] | tracing many pixels on all threads |
 //!
 //! [`Tracer::pixel`] traces one pixel in full.
@@ -17,13 +17,13 @@
 mod bounce_limit;
 pub mod bvh;
 mod exposure;
-mod indoor_start;
 mod lights;
 pub mod parallel;
 mod path;
 mod primary_tile;
 mod probe;
 mod settings;
+mod start_view;
 mod surface;
 mod tracer;
 

@@ -13,11 +13,12 @@ const WIDTH: u32 = 960;
 /// Maximum height of the picture in pixels.
 const MAX_HEIGHT: u32 = 960;
 
-/// Margin around the walk and the references in metres.
-const MARGIN_M: f64 = 5.0;
+/// Margin around the building, the walk and the references, as a share of the longer side.
+const MARGIN: f64 = 0.05;
 
-/// Radius of the wedge of a reference in metres, and half its angle in radians.
-const WEDGE_M: f64 = 1.5;
+/// Radius of the wedge of a reference as a share of the sheet's longer side, and half its angle in
+/// radians.
+const WEDGE: f64 = 0.04;
 const WEDGE_HALF_ANGLE: f64 = 0.35;
 
 /// Share of all pixels of the walk from which on a reference has the brightest colour.
@@ -34,7 +35,8 @@ pub(super) fn file_name(mode: &str, walk: &str, rule: &str) -> String {
 
 /// Draws the plan and returns its size and pixels.
 pub(super) fn draw(tracer: &Tracer, cameras: &[Camera], usage: &ReferenceUsage) -> ([u32; 2], Vec<[u8; 3]>) {
-    let mut sheet = Sheet::around(cameras.iter().chain(usage.references.iter().map(|r| &r.camera)));
+    let poses = cameras.iter().chain(usage.references.iter().map(|r| &r.camera));
+    let mut sheet = Sheet::around(tracer.scene().building_m, poses.map(|camera| camera.eye));
     let mut wedges: Vec<&UsedReference> = usage.references.iter().collect();
     wedges.sort_by(|a, b| a.supplied.total_cmp(&b.supplied));
     for reference in wedges {
@@ -89,14 +91,12 @@ struct Sheet {
 }
 
 impl Sheet {
-    fn around<'a>(cameras: impl Iterator<Item = &'a Camera>) -> Self {
-        let ends = (DVec2::INFINITY, DVec2::NEG_INFINITY);
-        let grow = |(low, high): (DVec2, DVec2), c: &Camera| {
-            (low.min(from_above(c.eye)), high.max(from_above(c.eye)))
-        };
-        let (low, high) = cameras.fold(ends, grow);
-        let (low, high) = if low.is_finite() { (low, high) } else { (DVec2::ZERO, DVec2::ZERO) };
-        let (low, high) = (low - MARGIN_M, high + MARGIN_M);
+    /// An empty sheet that shows a building and some points, world metres.
+    fn around(building_m: [DVec3; 2], points: impl Iterator<Item = DVec3>) -> Self {
+        let grow = |[low, high]: [DVec2; 2], p: DVec3| [low.min(from_above(p)), high.max(from_above(p))];
+        let [low, high] = points.fold(building_m.map(from_above), grow);
+        let margin = ((high - low).max_element() * MARGIN).max(f64::MIN_POSITIVE);
+        let (low, high) = (low - margin, high + margin);
         let extent = high - low;
         let pixels_per_m = (f64::from(WIDTH) / extent.x).min(f64::from(MAX_HEIGHT) / extent.y);
         let size = [extent.x, extent.y].map(|e| (e * pixels_per_m).ceil() as u32);
@@ -130,7 +130,7 @@ impl Sheet {
     fn wedge(&mut self, camera: &Camera, color: [u8; 3]) {
         let eye = self.to_pixels(from_above(camera.eye));
         let forward = from_above(camera.forward()).normalize_or(DVec2::NEG_Y);
-        let radius = WEDGE_M * self.pixels_per_m;
+        let radius = WEDGE * f64::from(self.size[0].max(self.size[1]));
         let reach = radius.ceil() as i32;
         for y in -reach..=reach {
             for x in -reach..=reach {

@@ -112,6 +112,13 @@ impl Model {
         self.pieces.iter().map(|p| p.faces.len()).sum()
     }
 
+    /// Returns the positions of the corners of all faces. Vertices without a face, such as a
+    /// survey point at the origin, are not among them.
+    pub(super) fn face_positions(&self) -> impl Iterator<Item = DVec3> {
+        let corners = self.pieces.iter().flat_map(|piece| &piece.corners);
+        corners.filter_map(|corner| self.positions.get(corner.position as usize).copied())
+    }
+
     /// Returns the polygons in the order of the file.
     pub(super) fn faces(&self) -> impl Iterator<Item = Polygon<'_>> {
         self.pieces.iter().flat_map(|piece| {

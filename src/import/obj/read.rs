@@ -34,7 +34,7 @@ pub(in crate::import) fn read(import: &mut Import) -> Result<(), SceneError> {
 fn place(model: &mut Model, declared: Option<Unit>, import: &mut Import) {
     let unit = import.unit().unwrap_or_else(|| {
         let how = format!("Set it with --unit, or with unit = \"mm\" in {}", import.sidecar.file_name);
-        let guess = units::guess(declared, units::across(&model.positions), &how);
+        let guess = units::guess(declared, units::across(model.face_positions()), &how);
         if let Some(message) = guess.message {
             import.warn(message);
         }

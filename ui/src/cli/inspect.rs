@@ -36,6 +36,8 @@ fn object(loaded: &Loaded) -> Value {
         "light_kinds": kinds,
         "sky": scene.sky.as_ref().map(Sky::describe),
         "bounds_m": scene.bounds_m.map(|b| b.to_array()),
+        "building_m": scene.building_m.map(|b| b.to_array()),
+        "start_view": start_view(loaded),
         "origin_m": scene.frame.origin_in_world_m.to_array(),
         "units_per_metre": scene.frame.units_per_metre,
         "views": scene.views.iter().map(|v| v.name.as_str()).collect::<Vec<_>>(),
@@ -49,6 +51,17 @@ fn object(loaded: &Loaded) -> Value {
         "bvh_bytes": loaded.tracer.bvh().bytes(),
         "secs": {"load": loaded.load_secs, "build": loaded.tracer.build_secs()},
         "warnings": scene.warnings,
+    })
+}
+
+/// The start view, and the share of its picture that shows building.
+fn start_view(loaded: &Loaded) -> Value {
+    let start = loaded.scene().start();
+    json!({
+        "eye": start.eye.to_array(),
+        "look_at": (start.eye + start.forward()).to_array(),
+        "fov_y_deg": start.fov_y.to_degrees(),
+        "building_share": loaded.tracer.building_share(start),
     })
 }
 
@@ -81,10 +94,12 @@ fn table(loaded: &Loaded) -> String {
     let bound = bound.map_or("an unbounded share".to_owned(), |b| format!("at most {:.2} %", b * 100.0));
     let textured = scene.materials.iter().filter(|m| m.diffuse_texture.is_some()).count();
     let left_out = scene.features.left_out();
+    let building = scene.building_m[1] - scene.building_m[0];
     let mut text = output::table(&[
         ("scene", loaded.name.clone()),
         ("triangles", format!("{}, {} vertices", scene.triangles.len(), scene.positions.len())),
         ("size", format!("{:.2} x {:.2} x {:.2} m", size.x, size.y, size.z)),
+        ("building", format!("{:.2} x {:.2} x {:.2} m", building.x, building.y, building.z)),
         ("materials", format!("{}, {textured} textured", scene.materials.len())),
         ("lights", format!("{} ({})", scene.lights.len(), kinds.collect::<Vec<_>>().join(", "))),
         ("sky", scene.sky.as_ref().map_or("none".to_owned(), Sky::describe)),

@@ -92,7 +92,7 @@ pub(crate) fn load(name: Option<&str>, flags: &Flags) -> Result<Loaded, Failure>
     let scene = flags.daylight().map_err(Failure::Usage)?.apply(scene);
     let load_secs = start.elapsed().as_secs_f64();
     report(&scene);
-    let tracer = Arc::new(Tracer::new(Arc::new(scene)).beginning_indoors());
+    let tracer = Arc::new(Tracer::new(Arc::new(scene)).with_start_view());
     if interrupt::is_cancelled() { Err(Failure::Interrupted) } else { Ok(Loaded { name, tracer, load_secs }) }
 }
 

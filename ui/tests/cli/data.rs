@@ -103,6 +103,8 @@ fn inspect_answers_with_the_contract() {
         "materials",
         "lights",
         "bounds_m",
+        "building_m",
+        "start_view",
         "origin_m",
         "needs",
         "left_out",

@@ -174,6 +174,7 @@ fn show_scene(app: &mut Parts, source: SceneSource, tracer: Arc<Tracer>) {
         let (view_index, start) = start_pose(&mut app.state, &scene, &arrival);
         app.state.navigation.view_index = view_index;
         app.state.navigation.fly.jump_to(start);
+        app.state.navigation.fly.set_speed(scene.speed_m_per_s);
         app.state.navigation.playback = Playback::of_scene(tracer.scene().walk.clone());
         (app.state.navigation.recording, app.state.navigation.renaming) = (None, None);
     }

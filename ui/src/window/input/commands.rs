@@ -58,8 +58,8 @@ fn command_of(
         }
         Action::Focus => focus(state, input, obstacles),
         Action::FrameAll => {
-            let bounds = obstacles?.tracer().scene().bounds_m;
-            Command::EaseTo(aim::framing(bounds, state.navigation.fly.camera(), state.aspect()))
+            let building = obstacles?.tracer().scene().building_m;
+            Command::EaseTo(aim::framing(building, state.navigation.fly.camera(), state.aspect()))
         }
         Action::Undo => Command::Edit(EditCommand::Undo),
         Action::Redo => Command::Edit(EditCommand::Redo),

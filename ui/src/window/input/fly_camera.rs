@@ -9,6 +9,18 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 /// Default speed in metres per second: walking through a building.
 pub const DEFAULT_SPEED: f64 = 2.5;
 
+/// Times in seconds in which a building is crossed along its diagonal. A smaller or larger building
+/// is crossed in the nearest of these times, and not at [`DEFAULT_SPEED`].
+const CROSSING_SECS: std::ops::RangeInclusive<f64> = 2.0..=40.0;
+
+/// Returns the speed in metres per second that suits a building, given its box in world metres:
+/// [`DEFAULT_SPEED`] where its diagonal is 5 to 100 m.
+pub fn speed_for([low, high]: [DVec3; 2]) -> f64 {
+    let diagonal = (high - low).length();
+    let (slowest, fastest) = (diagonal / CROSSING_SECS.end(), diagonal / CROSSING_SECS.start());
+    DEFAULT_SPEED.clamp(slowest, fastest).clamp(*SPEED_RANGE.start(), *SPEED_RANGE.end())
+}
+
 /// Range of the speed in metres per second: below 5 cm/s nothing seems to move, above 200 m/s
 /// steering fails.
 pub const SPEED_RANGE: std::ops::RangeInclusive<f64> = 0.05..=200.0;
@@ -339,6 +351,14 @@ mod tests {
         assert_eq!(fly.speed_m_per_s(), *SPEED_RANGE.start());
         fly.change_fov(1000.0);
         assert!(fly.camera().is_valid());
+    }
+
+    #[test]
+    fn speed_suits_the_building_and_not_what_surrounds_it() {
+        let speed = |diagonal: f64| speed_for([DVec3::ZERO, DVec3::X * diagonal]);
+        assert_eq!([5.0, 18.0, 100.0].map(speed), [DEFAULT_SPEED; 3]);
+        assert_eq!([1.0, 400.0].map(speed), [0.5, 10.0]);
+        assert_eq!([0.0, 1e100].map(speed), [*SPEED_RANGE.start(), *SPEED_RANGE.end()]);
     }
 
     #[test]

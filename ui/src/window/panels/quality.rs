@@ -184,8 +184,9 @@ fn picture_rows(ui: &mut Ui, q: &mut Quality, d: &Quality) {
 fn camera_rows(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     use crate::window::input::fly_camera::{DEFAULT_SPEED, SPEED_RANGE};
     let mut speed = state.navigation.fly.speed_m_per_s();
+    let usual = state.scene.as_ref().map_or(DEFAULT_SPEED, |scene| scene.speed_m_per_s);
     let help = "Speed of the movement keys; also right mouse button + wheel. Shift is five times as fast, Alt a fifth.";
-    row(ui, "Speed", help, &mut speed, DEFAULT_SPEED, |ui, v| {
+    row(ui, "Speed", help, &mut speed, usual, |ui, v| {
         ui.add(Slider::new(v, SPEED_RANGE).logarithmic(true).max_decimals(2).suffix(" m/s"))
     });
     if speed != state.navigation.fly.speed_m_per_s() {

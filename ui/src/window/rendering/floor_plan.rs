@@ -17,14 +17,14 @@ pub struct Plan {
     pub lines: Vec<[[f32; 2]; 2]>,
     /// Origin of the lines as (x, z), in world metres.
     pub origin_m: DVec2,
-    /// Half the model's extent along x and z, in metres.
+    /// Half the building's extent along x and z, in metres.
     pub half_extent_m: DVec2,
 }
 
 impl Plan {
     /// Cuts all triangles of a scene at a height in world metres, on the current thread pool.
     pub fn cut(scene: &Scene, height_m: f64) -> Self {
-        let [low, high] = scene.bounds_m;
+        let [low, high] = scene.building_m;
         let centre = low + (high - low) / 2.0;
         let origin_m = DVec2::new(centre.x, centre.z);
         let level = scene.frame.scene_from_world_f64(DVec3::new(centre.x, height_m, centre.z));
@@ -68,14 +68,14 @@ fn crossing(corners: [DVec3; 3]) -> Option<[DVec2; 2]> {
 pub struct PlanView {
     /// Centre as (x, z), in metres from the plan's origin.
     pub centre_m: DVec2,
-    /// Magnification relative to the view of the whole model; 0 until the user zooms.
+    /// Magnification relative to the view of the whole building; 0 until the user zooms.
     pub zoom: f64,
     /// The centre follows the camera.
     pub follows: bool,
 }
 
 impl PlanView {
-    /// Range of the zoom, from the whole model to a part of a room.
+    /// Range of the zoom, from more than the whole building to a part of a room.
     pub const ZOOM: std::ops::RangeInclusive<f64> = 0.5..=200.0;
 
     /// Returns the zoom, 1 until the user zooms.
@@ -123,6 +123,21 @@ mod tests {
         }));
         assert_eq!(plan.place(DVec3::new(101.0, 0.0, 2.0)), DVec2::new(1.0, 2.0));
         assert_eq!(Plan::cut(&scene, 20.0).lines.len(), 0);
+    }
+
+    #[test]
+    fn ground_does_not_change_the_frame() {
+        let plan = |side: f64| {
+            let mut b = SceneBuilder::new("house");
+            let m = b.add_material(Material::diffuse("m", Vec3::ONE));
+            afterimage::scene::shapes::cuboid(&mut b, [DVec3::ZERO, DVec3::new(9.0, 3.0, 7.0)], m, false);
+            let corner = DVec3::new(-side / 2.0, -0.1, -side / 2.0);
+            afterimage::scene::shapes::quad(&mut b, corner, DVec3::Z * side, DVec3::X * side, m);
+            let plan = Plan::cut(&b.finish().unwrap(), 1.6);
+            (plan.origin_m, plan.half_extent_m)
+        };
+        assert_eq!(plan(221.0), (DVec2::new(4.5, 3.5), DVec2::new(4.5, 3.5)));
+        assert_eq!(plan(221.0), plan(1.0));
     }
 
     #[test]

@@ -105,7 +105,7 @@ fn load(
         SceneSource::File { path, options } => Arc::new(daylight.apply(import(path, options, task)?)),
     };
     task.begin("building the ray tree")?;
-    let tracer = Arc::new(Tracer::new(scene).beginning_indoors());
+    let tracer = Arc::new(Tracer::new(scene).with_start_view());
     if tracer.scene().exposure == Exposure::Auto {
         task.begin("measuring the light")?;
         tracer.measure_light(&|part| task.report("measuring the light", part), &|| task.is_cancelled());

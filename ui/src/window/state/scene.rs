@@ -1,5 +1,6 @@
 //! The scene, as panels show it.
 
+use crate::window::input::fly_camera::speed_for;
 use crate::window::rendering::SceneSource;
 use afterimage::scene::{Scene, SceneFeatures, Warning};
 use afterimage::{Camera, Tracer};
@@ -38,6 +39,8 @@ pub struct SceneInfo {
     pub textures: usize,
     /// Extent along x, y and z in metres.
     pub extent_m: [f64; 3],
+    /// Speed in metres per second that suits the building.
+    pub speed_m_per_s: f64,
     /// Features of the scene that the renderer must handle.
     pub features: SceneFeatures,
 }
@@ -57,6 +60,7 @@ impl SceneInfo {
             conditioning: scene.conditioning.sentences(),
             textures: scene.textures.len(),
             extent_m: (scene.bounds_m[1] - scene.bounds_m[0]).to_array(),
+            speed_m_per_s: speed_for(scene.building_m),
             features: scene.features,
         }
     }

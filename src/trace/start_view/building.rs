@@ -1,0 +1,76 @@
+//! Rays that meet the building alone, as if it stood on a floor at its lowest point.
+//!
+//! The floor stands for the ground of a model whose rooms have no floor of their own; so a ground
+//! plane can come and go. What is outside the box of the building only hides it.
+
+use crate::scene::MaterialId;
+use crate::trace::Tracer;
+use glam::DVec3;
+
+/// Distance by which surfaces may lie outside the box through rounding, in diagonals of the
+/// building.
+const ROUNDING: f64 = 1e-4;
+
+/// The building of a scene, for rays.
+#[derive(Clone, Copy)]
+pub(super) struct Building<'a> {
+    tracer: &'a Tracer,
+    /// Lower corner of the box, world metres.
+    pub(super) low: DVec3,
+    /// Upper corner of the box, world metres.
+    pub(super) high: DVec3,
+}
+
+/// A point of the building that a ray meets.
+#[derive(Clone, Copy)]
+pub(super) struct BuildingHit {
+    /// Distance from the ray's origin, metres.
+    pub(super) distance_m: f64,
+    /// True where the ray meets the front of a surface, or the floor.
+    pub(super) is_front: bool,
+    /// Material of the surface; `None` for the floor and for surfaces in its plane.
+    pub(super) material: Option<MaterialId>,
+}
+
+impl<'a> Building<'a> {
+    /// The building of a tracer's scene.
+    pub(super) fn of(tracer: &'a Tracer) -> Self {
+        let [low, high] = tracer.scene().building_m;
+        Self { tracer, low, high }
+    }
+
+    /// Length of the diagonal of the box, metres.
+    pub(super) fn diagonal(&self) -> f64 {
+        (self.high - self.low).length()
+    }
+
+    /// Distance from the box within which a point counts as inside, metres.
+    fn margin(&self) -> f64 {
+        self.diagonal() * ROUNDING
+    }
+
+    /// True if a point lies in the box.
+    fn contains(&self, point_m: DVec3) -> bool {
+        let margin = self.margin();
+        point_m.cmpge(self.low - margin).all() && point_m.cmple(self.high + margin).all()
+    }
+
+    /// Returns where a ray in a unit direction meets the building, if it meets nothing else before.
+    pub(super) fn probe(&self, origin_m: DVec3, direction: DVec3) -> Option<BuildingHit> {
+        let hit = self.tracer.probe(origin_m, direction, f64::INFINITY);
+        let surface =
+            hit.filter(|hit| self.contains(hit.position_m) && hit.position_m.y > self.low.y + self.margin());
+        if let Some(hit) = surface {
+            let (distance_m, is_front) = (hit.distance_m, hit.is_front);
+            return Some(BuildingHit { distance_m, is_front, material: Some(hit.material) });
+        }
+        let distance_m = (self.low.y - origin_m.y) / direction.y;
+        let is_hidden = hit.is_some_and(|hit| hit.position_m.y > self.low.y + self.margin());
+        let is_met = direction.y < 0.0 && distance_m >= 0.0 && !is_hidden;
+        (is_met && self.contains(origin_m + direction * distance_m)).then_some(BuildingHit {
+            distance_m,
+            is_front: true,
+            material: None,
+        })
+    }
+}

@@ -1,0 +1,76 @@
+//! What a view shows of the building, by a coarse grid of rays.
+
+use super::building::{Building, BuildingHit};
+use crate::camera::Camera;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Number of rays across and down the picture: the common shape of screens, 16:9.
+const RAYS: [i32; 2] = [32, 18];
+
+/// Distance below which a surface fills the view without being recognised, metres: an arm and a
+/// bit.
+const NEAR_M: f64 = 1.0;
+
+/// The surfaces that a view shows.
+pub(super) struct Sight {
+    /// The surfaces of the building, one for each ray that meets the building first.
+    seen: Vec<BuildingHit>,
+}
+
+impl Sight {
+    /// What a camera shows.
+    pub(super) fn of(building: &Building, camera: &Camera) -> Self {
+        let axes = camera.world_from_camera();
+        let tan = (camera.fov_y / 2.0).tan();
+        let unit = |i: i32, count: i32| (f64::from(i) + 0.5) / f64::from(count) * 2.0 - 1.0;
+        let aspect = f64::from(RAYS[0]) / f64::from(RAYS[1]);
+        let direction = |i: i32| {
+            let [x, y] = [unit(i % RAYS[0], RAYS[0]) * aspect, unit(i / RAYS[0], RAYS[1])];
+            (axes * DVec3::new(x * tan, y * tan, -1.0)).normalize()
+        };
+        let rays = (0..RAYS[0] * RAYS[1]).into_par_iter();
+        Self { seen: rays.filter_map(|i| building.probe(camera.eye, direction(i))).collect() }
+    }
+
+    /// Share of the picture that shows building.
+    pub(super) fn building(&self) -> f64 {
+        self.share(|_| true)
+    }
+
+    /// Share of the picture that shows the front of building surfaces.
+    pub(super) fn fronts(&self) -> f64 {
+        self.share(|hit| hit.is_front)
+    }
+
+    /// Share of the picture that shows building closer than a metre.
+    pub(super) fn near(&self) -> f64 {
+        self.share(|hit| hit.distance_m < NEAR_M)
+    }
+
+    /// Share of back faces among the surfaces of the building; zero where there are none.
+    pub(super) fn backs(&self) -> f64 {
+        let building = self.building();
+        if building > 0.0 { 1.0 - self.fronts() / building } else { 0.0 }
+    }
+
+    /// Sum of the distances to the building, in metres per ray of the picture.
+    pub(super) fn depth(&self) -> f64 {
+        let sum: f64 = self.seen.iter().map(|hit| hit.distance_m).sum();
+        sum / f64::from(RAYS[0] * RAYS[1])
+    }
+
+    /// Effective number of materials of the surfaces of the building: 2 to the power of the entropy
+    /// of their shares. Zero where there are none.
+    pub(super) fn materials(&self) -> f64 {
+        let mut materials: Vec<_> = self.seen.iter().map(|hit| hit.material.map(|m| m.0)).collect();
+        materials.sort_unstable();
+        let shares = materials.chunk_by(|a, b| a == b).map(|m| m.len() as f64 / materials.len() as f64);
+        let entropy: f64 = shares.map(|share| -share * share.log2()).sum();
+        if materials.is_empty() { 0.0 } else { entropy.exp2() }
+    }
+
+    fn share(&self, counts: impl Fn(&BuildingHit) -> bool) -> f64 {
+        self.seen.iter().filter(|hit| counts(hit)).count() as f64 / f64::from(RAYS[0] * RAYS[1])
+    }
+}
