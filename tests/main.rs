@@ -30,6 +30,7 @@ mod rooms;
 mod save;
 mod stability;
 mod start_view;
+mod still_view;
 mod tiles;
 mod tour;
 mod tracing;
