@@ -3,7 +3,7 @@
 use super::{options::Limits, sky_picture::load_sky};
 use crate::scene::place::PlaceAndTime;
 use crate::scene::solar::SunPosition;
-use crate::scene::{Daylight, DaylightModel, PictureSky, Scene, Sky, SkyKind, Sun, Warning};
+use crate::scene::{Daylight, DaylightModel, NO_LIGHT, PictureSky, Scene, Sky, SkyKind, Sun, Warning};
 use std::path::{Path, PathBuf};
 use std::{convert::Infallible, str::FromStr, sync::Arc};
 
@@ -55,7 +55,11 @@ impl DaylightOptions {
         }
         let (daylight, problem) = self.daylight(&scene);
         let mut lit = scene.with_daylight(daylight);
-        lit.warnings.extend(problem);
+        match problem {
+            Some(problem) => lit.warnings.push(problem),
+            // The light that was added for want of another is gone.
+            None => lit.warnings.retain(|w| w.message != NO_LIGHT),
+        }
         lit
     }
 

@@ -10,6 +10,9 @@ use super::{
 use crate::camera::CameraPath;
 use glam::{DVec3, Vec3};
 
+/// The warning about a scene without any light.
+pub(crate) const NO_LIGHT: &str = "the scene has no light; a sun and a sky were added";
+
 impl SceneBuilder {
     /// Makes the scene: chooses the scale, drops what cannot be traced, and finds lights and
     /// solids. A scene without light gets a sun and a sky; one without views or a camera path gets
@@ -142,7 +145,7 @@ impl SceneBuilder {
         let is_emissive = self.triangle_materials.iter().any(|m| self.materials[m.0 as usize].is_emissive());
         if !is_emissive && self.point_lights.is_empty() && self.sun.is_none() && self.sky.is_none() {
             (self.sun, self.sky) = (Some(Sun::clear_day()), Some(Sky::CLEAR_DAY));
-            self.warn_of_scene("the scene has no light; a sun and a sky were added".to_owned());
+            self.warn_of_scene(NO_LIGHT.to_owned());
         }
     }
 

@@ -132,6 +132,7 @@ fn a_sky_that_is_asked_for_replaces_that_of_the_scene() {
         options.apply(scene())
     };
     assert_eq!(lit("none").sky, None);
+    assert!(lit("clear").warnings.iter().all(|w| !w.message.contains("no light")), "it has one now");
     assert!(lit("none").sun.is_some(), "the sun stays");
     for kind in SkyKind::MODELS {
         let lit = lit(kind.name());
