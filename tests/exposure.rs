@@ -2,7 +2,7 @@
 
 use crate::rooms::{cuboid, dvec, quad, room_tracer};
 use afterimage::camera::{CameraKey, CameraPath};
-use afterimage::raster::exposure::{Exposure, Metered};
+use afterimage::raster::exposure::{Exposure, Metered, decimal};
 use afterimage::scene::{Gradient, Material, NamedView, Scene, SceneBuilder, Sky, builtin};
 use afterimage::trace::parallel::NEVER;
 use afterimage::{Camera, Tracer};
@@ -142,4 +142,5 @@ fn exposures_are_written_and_read_as_a_word_or_a_number() {
     assert_eq!((json(Exposure::Auto), json(Exposure::Stops(2.5))), ("\"auto\"".to_owned(), "2.5".to_owned()));
     assert_eq!(serde_json::from_str::<Exposure>("\"auto\"").unwrap(), Exposure::Auto);
     assert_eq!(serde_json::from_str::<Exposure>("2").unwrap(), Exposure::Stops(2.0));
+    assert_eq!([2.9_f32, -0.1, 0.0, 64.0].map(decimal), [2.9_f64, -0.1, 0.0, 64.0]);
 }

@@ -44,6 +44,18 @@ impl fmt::Display for Exposure {
     }
 }
 
+/// Returns a number of stops as people write it: 2.9 rather than 2.9000000953674316, which is the
+/// same f32.
+pub fn decimal(ev: f32) -> f64 {
+    ev.to_string().parse().unwrap_or_else(|_| f64::from(ev))
+}
+
+/// Serializes a number of stops by [`decimal`].
+#[cfg(feature = "experiments")]
+pub(crate) fn serialize_decimal<S: serde::Serializer>(ev: &f32, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_f64(decimal(*ev))
+}
+
 /// A text is no exposure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("it must be 'auto' or from -64 to 64 stops")]

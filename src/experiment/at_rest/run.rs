@@ -93,7 +93,6 @@ fn window(context: &ExperimentContext<'_>, camera: &Camera) -> CellOutcome {
                 .with("is_complete", stats.is_complete)
                 .with("passes", passes)
                 .with("samples", u64::from(passes) * u64::from(context.settings.samples))
-                .with("exposure_ev", exposure_ev)
                 .with_fields(&errors(&frame, &truth, exposure_ev)?),
         );
     }
@@ -196,7 +195,6 @@ fn full(context: &ExperimentContext<'_>, camera: &Camera) -> CellOutcome {
     let record = RunRecord::default()
         .with("samples", passes * trace.samples)
         .with("full_secs", frame.stats.secs.frame)
-        .with("exposure_ev", exposure_ev)
         .with_fields(&errors(&frame, &truth, exposure_ev)?);
     Ok(Some(vec![record]))
 }

@@ -1,6 +1,6 @@
 //! The error of a frame against the converged picture of its view, in total and by pixel type.
 
-use crate::raster::load::exposed;
+use crate::raster::{exposure::serialize_decimal, load::exposed};
 use crate::raster::metrics::{CompareError, flip, psnr_db, rel_mse, ssim};
 use crate::render::Frame;
 use glam::Vec3;
@@ -11,6 +11,7 @@ use serde::Serialize;
 #[allow(missing_docs, reason = "the names are those of `afterimage compare`")]
 pub struct Errors {
     /// Exposure in stops of the display values that are compared.
+    #[serde(serialize_with = "serialize_decimal")]
     pub exposure_ev: f32,
     pub psnr_db: f64,
     pub rel_mse: f64,

@@ -3,7 +3,7 @@
 
 use super::truth::{TruthRequest, truth};
 use crate::raster::metrics::{CompareError, flip, mse, psnr_of_mse};
-use crate::raster::{load::exposed, pixel_types::PixelType, save::SaveError};
+use crate::raster::{exposure::serialize_decimal, load::exposed, pixel_types::PixelType, save::SaveError};
 use crate::render::{Frame, FrameRequest, Mode, RenderSettings, Renderer};
 use crate::trace::{TraceSettings, Tracer, parallel::Stop};
 use serde::Serialize;
@@ -32,6 +32,7 @@ pub struct Measurement {
     /// Time of tracing the same view in full with the same samples, in seconds.
     pub full_frame_secs: f64,
     /// Exposure in stops of the pictures that are compared.
+    #[serde(serialize_with = "serialize_decimal")]
     pub exposure_ev: f32,
     /// Mean squared difference of the frame's display values from those of the converged picture,
     /// over pixels and channels.

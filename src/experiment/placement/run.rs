@@ -9,6 +9,7 @@ use crate::experiment::run::{
 };
 use crate::experiment::statistics::{median, percentile};
 use crate::experiment::tour::{FrameRecord, TourEvent, TourRecord, TourSettings, fly};
+use crate::raster::exposure::decimal;
 use crate::reference::PlacementPolicy;
 use crate::render::{Mode, RenderSettings, WalkthroughSettings};
 
@@ -147,7 +148,7 @@ fn summary(tour: &TourRecord, usage: &ReferenceUsage) -> RunRecord {
         .with("frame_p99_secs", percentile(of(|f| f.frame_secs), 99.0))
         .with("psnr_db", measured(|m| m.psnr_db))
         .with("flip_mean", measured(|m| m.flip_mean))
-        .with("exposure_ev", measured(|m| m.exposure_ev.into()))
+        .with("exposure_ev", measured(|m| decimal(m.exposure_ev)))
         .with("cache_mb", usage.max_bytes() as f64 / (1 << 20) as f64)
         .with("prediction_use_percent", usage.prediction_use_percent())
         .with("predictions", usage.predictions())

@@ -1,5 +1,6 @@
 //! Settings that every experiment takes.
 
+use crate::raster::exposure::serialize_decimal;
 use crate::trace::{BounceLimit, TraceSettings};
 use serde::{Deserialize, Serialize};
 
@@ -45,6 +46,7 @@ pub struct ExperimentSettings {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub full_samples: Option<u32>,
     /// Exposure in stops at which all pictures are shown and compared.
+    #[serde(serialize_with = "serialize_decimal")]
     pub exposure_ev: f32,
 }
 

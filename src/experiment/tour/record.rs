@@ -6,7 +6,7 @@
 use crate::camera::Camera;
 use crate::experiment::measure::Measurement;
 use crate::experiment::statistics::{geometric_mean, median, percentile};
-use crate::raster::pixel_types::TypePercentages;
+use crate::raster::{exposure::serialize_decimal, pixel_types::TypePercentages};
 use crate::render::{AuditEstimate, TemporalStability};
 use crate::trace::RayCounts;
 use serde::Serialize;
@@ -159,6 +159,7 @@ pub struct MeasuredSummary {
     /// Number of measured frames that had references.
     pub measured_frames_with_references: usize,
     /// Exposure in stops of all pictures that were compared.
+    #[serde(serialize_with = "serialize_decimal")]
     pub exposure_ev: f32,
     pub psnr_db_median: f64,
     pub psnr_db_min: f64,

@@ -2,7 +2,7 @@
 
 use super::{failure::Failure, flags::Flags, output};
 use afterimage::raster::color::metered_exposure_ev;
-use afterimage::raster::exposure::Exposure;
+use afterimage::raster::exposure::{Exposure, decimal};
 use afterimage::raster::load::{Picture, PictureKind};
 use afterimage::raster::metrics::{CompareError, flip, max_abs, psnr_db, rel_mse, ssim};
 use clap::Args;
@@ -43,7 +43,7 @@ pub(crate) fn run(args: &CompareArgs, flags: &Flags) -> Result<(), Failure> {
         (rel_mse(&value_a, &value_b), ssim(&shown_a, &shown_b, size), max_abs(&value_a, &value_b));
     let object = json!({
         "psnr_db": psnr, "rel_mse": rel_mse, "ssim": ssim,
-        "flip_mean": flip.mean, "flip_p95": flip.p95, "max_abs": max_abs, "exposure_ev": exposure_ev,
+        "flip_mean": flip.mean, "flip_p95": flip.p95, "max_abs": max_abs, "exposure_ev": decimal(exposure_ev),
     });
     output::result(flags.json, &object, || {
         output::table(&[

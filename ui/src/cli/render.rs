@@ -10,7 +10,7 @@ use super::{
 };
 use crate::picture::{MadePicture, Output, PictureJob, Shows, TimedState, check_timed, memory};
 use afterimage::{
-    Mode, camera::Camera, raster::save::Target, reference::ReferenceFrame, render::aov::Aov,
+    Mode, camera::Camera, raster::exposure::decimal, raster::save::Target, reference::ReferenceFrame, render::aov::Aov,
     render::bands::Background, render::schedule::WINDOW_SAMPLES, trace::TraceSettings, warp::MAX_REFERENCES,
 };
 use clap::Args;
@@ -242,7 +242,7 @@ fn object(
         "antialias": args.antialias,
         "bounces": flags.trace().bounce_limit(),
         "seed": flags.seed,
-        "exposure_ev": flags.exposure_ev(),
+        "exposure_ev": decimal(flags.exposure_ev()),
         "threads": rayon::current_num_threads(),
         "is_complete": stats.is_complete,
         "types": stats.types.percentages(),

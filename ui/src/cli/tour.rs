@@ -6,6 +6,7 @@ use super::{failure::Failure, interrupt, output, paths, progress::Progress, walk
 use crate::picture::{PictureOrigin, memory, metadata, sequence::film_command};
 use afterimage::experiment::tour::MeasuredSummary;
 use afterimage::experiment::{FrameRecord, MeasureSettings, TourEvent, TourRecord, TourSettings, run_tour};
+use afterimage::raster::exposure::decimal;
 use afterimage::raster::save::{save_png, write_atomically};
 use afterimage::render::aov::{display_rows, types_rows};
 use afterimage::{
@@ -227,7 +228,7 @@ fn object(args: &TourArgs, flags: &Flags, loaded: &Loaded, record: &TourRecord) 
         "placement": args.placement,
         "threshold_percent": args.threshold,
         "cache_mb": args.cache_mb,
-        "exposure_ev": flags.exposure_ev(),
+        "exposure_ev": decimal(flags.exposure_ev()),
         "light_cuts": loaded.light_cuts(),
         "secs": { "load": loaded.load_secs, "build": loaded.tracer.build_secs() },
     });
