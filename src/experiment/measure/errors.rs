@@ -1,7 +1,7 @@
 //! The error of a frame against the converged picture of its view, in total and by pixel type.
 
-use crate::raster::{exposure::serialize_decimal, load::exposed};
 use crate::raster::metrics::{CompareError, flip, psnr_db, rel_mse, ssim};
+use crate::raster::{exposure::serialize_decimal, load::exposed};
 use crate::render::Frame;
 use glam::Vec3;
 use serde::Serialize;

@@ -10,8 +10,9 @@ use super::{
 };
 use crate::picture::{MadePicture, Output, PictureJob, Shows, TimedState, check_timed, memory};
 use afterimage::{
-    Mode, camera::Camera, raster::exposure::decimal, raster::save::Target, reference::ReferenceFrame, render::aov::Aov,
-    render::bands::Background, render::schedule::WINDOW_SAMPLES, trace::TraceSettings, warp::MAX_REFERENCES,
+    Mode, camera::Camera, raster::exposure::decimal, raster::save::Target, reference::ReferenceFrame,
+    render::aov::Aov, render::bands::Background, render::schedule::WINDOW_SAMPLES, trace::TraceSettings,
+    warp::MAX_REFERENCES,
 };
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
