@@ -34,6 +34,7 @@ mod texture;
 mod views;
 
 pub use crate::camera::SceneFrame;
+#[cfg(feature = "import")]
 pub(crate) use assemble::NO_LIGHT;
 pub(crate) use bounds::is_valid_position;
 pub use builder::SceneBuilder;
