@@ -199,7 +199,8 @@ fn place_rows(ui: &mut Ui, place: &mut PlaceAndTime) {
     ui.end_row();
     let help = "Time zone by its name in the IANA database, such as Europe/Berlin";
     let label = ui.label("Time zone").on_hover_text(help);
-    ui.text_edit_singleline(&mut place.zone).labelled_by(label.id).on_hover_text(help);
+    let zone = egui::TextEdit::singleline(&mut place.zone).desired_width(150.0);
+    ui.add(zone).labelled_by(label.id).on_hover_text(help);
     ui.end_row();
 }
 
