@@ -254,6 +254,27 @@ fn a_dropped_model_replaces_the_scene_and_its_warnings_are_listed() {
     assert!(harness.query_all_by_label_contains("import warnings").next().is_some());
 }
 
+/// The panel shows the automatic exposure; a key ends it, and a reset brings it back.
+#[test]
+fn a_model_opens_with_the_exposure_that_it_has_without_a_window() {
+    let tracer = afterimage::Tracer::new(small_room());
+    assert!(tracer.measure_light(&|_| (), &|| false));
+    let expected = tracer.metered().expect("the light is measured").ev();
+    let mut harness = app();
+    let shown = |harness: &Harness<'static, App>| {
+        let state = harness.state().state();
+        (state.quality.exposure, state.exposure_ev())
+    };
+    assert_eq!(shown(&harness), (Exposure::Auto, expected));
+    assert!(harness.query_by_label(&format!("auto: {expected:+.1} EV")).is_some());
+    harness.key_press(Key::Equals);
+    harness.run_steps(2);
+    assert_eq!(shown(&harness), (Exposure::Stops(expected + 0.5), expected + 0.5));
+    harness.key_press(Key::Num0);
+    harness.run_steps(2);
+    assert_eq!(shown(&harness), (Exposure::Auto, expected));
+}
+
 #[test]
 fn options_of_the_start_are_kept() {
     let asked = LaunchOptions {

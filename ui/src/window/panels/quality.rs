@@ -157,7 +157,7 @@ fn exposure_rows(ui: &mut Ui, state: &AppState, q: &mut Quality) {
         "Chooses the exposure from the light in the scene: the same wherever you are, and without a window.";
     row(ui, "Auto exposure", help, &mut is_auto, default == Exposure::Auto, |ui, v| {
         let metered = state.metered.filter(|_| *v).map(|m| format!("auto: {:+.1} EV", m.ev()));
-        ui.checkbox(v, metered.unwrap_or_default())
+        ui.checkbox(v, metered.unwrap_or_else(|| "auto".to_owned()))
     });
     if is_auto != (q.exposure == Exposure::Auto) {
         q.exposure = if is_auto { Exposure::Auto } else { Exposure::Stops(state.exposure_ev()) };
