@@ -38,7 +38,8 @@ fn the_picture_is_developed_as_the_engine_does_it() {
     let packed = frame.radiance[at];
     let scale = 2f32.powi((packed >> 27) as i32 - 24);
     let radiance = glam::Vec3::from_array([0, 9, 18].map(|bit| (packed >> bit & 511) as f32 * scale));
-    let expected = afterimage::raster::color::srgb8(radiance, harness.state().state().exposure_ev(), Default::default());
+    let expected =
+        afterimage::raster::color::srgb8(radiance, harness.state().state().exposure_ev(), Default::default());
     let centre = viewport_centre(&harness);
     let image = harness.render().expect("a picture of the window");
     let shown = image.get_pixel(centre.x as u32, centre.y as u32).0;
