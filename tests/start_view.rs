@@ -134,7 +134,8 @@ fn ground_and_far_objects_do_not_move_the_start_view() {
             assert_eq!(scene.building_m, expected.building_m, "{name}");
             assert_eq!(scene.views.len(), expected.views.len(), "{name}");
             // Scene space is coarser where the model is larger.
-            let tolerance = 1e-6 / model.scene().frame.units_per_metre.min(1.0);
+            let [low, high] = scene.bounds_m;
+            let tolerance = 1e-6 * low.distance(high);
             assert!(difference(model, alone) <= tolerance, "{name}: {}", difference(model, alone));
             assert!(model.building_share(scene.start()) >= 0.3, "{name}");
         }

@@ -88,7 +88,7 @@ pub(super) fn main_cluster(pieces: &[&Piece]) -> Option<Cluster> {
         let is_added = cluster.grow(&rest, |_, _| true);
         let mut is_added = is_added.iter();
         rest.retain(|_| is_added.next() == Some(&false));
-        if best.as_ref().is_none_or(|best| score(&cluster) > score(best)) {
+        if best.as_ref().is_none_or(|best| cluster.area > best.area) {
             best = Some(cluster);
         }
     }
@@ -96,10 +96,4 @@ pub(super) fn main_cluster(pieces: &[&Piece]) -> Option<Cluster> {
         c.area >= MIN_MAIN_SHARE * all.area || c.triangles as f64 >= MIN_MAIN_SHARE * all.triangles as f64
     };
     best.map(|best| if holds_enough(&best) { best } else { all.clone() })
-}
-
-/// Returns how much a cluster is worth. Area decides; but a wall with much detail is more than a
-/// blank one.
-fn score(cluster: &Cluster) -> f64 {
-    cluster.area * (cluster.triangles as f64).sqrt()
 }

@@ -7,10 +7,10 @@
 //! 2. Pieces are *sheets* (level, covering their plan once: floors, ground, terrain), *plates*
 //!    (thin for their width: the rim of a base plate) or *bodies*: walls, furniture, roofs.
 //! 3. Bodies near each other form clusters (`clusters`). The main cluster is the one with the
-//!    largest area, weighted by the square root of the number of triangles.
-//! 4. Sheets and plates near the main cluster are added. One that sticks out of it is left out
-//!    where it lies low, as ground does, or is far wider than the cluster, as a sky does. The floor
-//!    of a room that lacks a wall may stick out on that side.
+//!    largest area.
+//! 4. Sheets and plates near the main cluster are added, except those that lie low, as ground does,
+//!    and those that are far wider than the cluster, as a sky is. The floor of a room that lacks a
+//!    wall is added too: it is as wide as the others.
 //!
 //! A model that is only ground, and one whose bodies are spread so widely that no cluster holds
 //! most of them, is a building as a whole.
@@ -74,20 +74,22 @@ fn with_level_pieces(mut main: Cluster, bodies: &[&Piece], level: &[&Piece]) -> 
 /// Largest distance between the sides of a floor and of the walls on it, in diagonals of the walls.
 const FLUSH: f64 = 1e-3;
 
-/// True if a sheet or plate is ground around a cluster, or a sky above it.
+/// True if a sheet or plate is ground below a cluster, or a sky above it.
 fn surrounds(piece: &Piece, cluster: &Cluster) -> bool {
     let flush = FLUSH * cluster.diagonal();
     let [below, above] = [cluster.low - piece.low, piece.high - cluster.high];
     let sides = [below.x, above.x, below.z, above.z];
     let sticks_out = sides.map(|by| by > flush);
+    let is_low = piece.mean_height < cluster.low.y + (cluster.high.y - cluster.low.y) / 2.0;
+    if !is_low {
+        let is_wide = piece.diagonal() > MAX_ROOF_RATIO * cluster.diagonal();
+        return is_wide && sticks_out.contains(&true);
+    }
     // The floor of a room that lacks a wall is as wide as the other walls.
-    let is_flush = |a: usize| sides[a].abs() <= flush && sides[a + 1].abs() <= flush;
-    let is_floor = match sticks_out {
-        [false, false, false, false] => true,
+    let is_flush = |first: usize| sides[first..first + 2].iter().all(|by| by.abs() <= flush);
+    !match sticks_out {
         [true, false, false, false] | [false, true, false, false] => is_flush(2),
         [false, false, true, false] | [false, false, false, true] => is_flush(0),
         _ => false,
-    };
-    let is_low = piece.mean_height < cluster.low.y + (cluster.high.y - cluster.low.y) / 2.0;
-    !is_floor && (is_low || piece.diagonal() > MAX_ROOF_RATIO * cluster.diagonal())
+    }
 }

@@ -1,7 +1,7 @@
 //! Rays that meet the building alone, as if it stood on a floor at its lowest point.
 //!
 //! The floor stands for the ground of a model whose rooms have no floor of their own; so a ground
-//! plane can come and go. What is outside the box of the building only hides it.
+//! plane can come and go. Other things outside the box of the building only hide it.
 
 use crate::scene::MaterialId;
 use crate::trace::Tracer;
@@ -10,6 +10,9 @@ use glam::DVec3;
 /// Distance by which surfaces may lie outside the box through rounding, in diagonals of the
 /// building.
 const ROUNDING: f64 = 1e-4;
+
+/// Cosine of the largest slope of ground: 2.6 degrees.
+const LEVEL_COSINE: f64 = 0.999;
 
 /// The building of a scene, for rays.
 #[derive(Clone, Copy)]
@@ -55,9 +58,23 @@ impl<'a> Building<'a> {
         point_m.cmpge(self.low - margin).all() && point_m.cmple(self.high + margin).all()
     }
 
+    /// True for a level triangle that sticks out of the box sideways. From outside it would hide what
+    /// lies below ground.
+    fn is_ground(&self, triangle: u32) -> bool {
+        let scene = self.tracer.scene();
+        let [a, b, c] = scene.corners(triangle).map(|p| scene.frame.world_from_scene(p));
+        let normal = (b - a).cross(c - a);
+        let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+        let margin = self.margin();
+        let sticks_out = low.cmplt(self.low - margin) | high.cmpgt(self.high + margin);
+        (sticks_out.test(0) || sticks_out.test(2)) && normal.y.abs() >= LEVEL_COSINE * normal.length()
+    }
+
     /// Returns where a ray in a unit direction meets the building, if it meets nothing else before.
     pub(super) fn probe(&self, origin_m: DVec3, direction: DVec3) -> Option<BuildingHit> {
-        let hit = self.tracer.probe(origin_m, direction, f64::INFINITY);
+        let is_outside = !self.contains(origin_m);
+        let stops = |triangle: u32| !(is_outside && self.is_ground(triangle));
+        let hit = self.tracer.probe_where(origin_m, direction, f64::INFINITY, stops);
         let surface =
             hit.filter(|hit| self.contains(hit.position_m) && hit.position_m.y > self.low.y + self.margin());
         if let Some(hit) = surface {
