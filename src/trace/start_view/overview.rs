@@ -19,10 +19,10 @@ const RISES: [f64; 2] = [USUAL_RISE, 1.0];
 /// A view is good enough where it shows this share of the fronts that the best one shows.
 const ENOUGH: f64 = 0.8;
 
-/// Factor of the distance in each step towards a building that fills too little of the picture,
-/// such as a tower, and the number of steps.
+/// Factor of the distance in each step towards a building that fills too little of the picture, and
+/// the number of steps: down to half the distance. From nearer, a tower would be a wall.
 const NEARER: f64 = 0.9;
-const STEPS: i32 = 16;
+const STEPS: i32 = 7;
 
 /// Returns a view of the building from outside: the usual one, from the front and to the right, or
 /// one that shows more of the fronts of its surfaces.
@@ -45,7 +45,7 @@ fn candidates(tracer: &Tracer) -> Vec<Camera> {
 }
 
 /// Moves a camera towards the middle of the building until enough of the picture shows it. Where no
-/// distance does, as for a few scattered things, the camera stays and shows all of them.
+/// distance does, as for a tower or a few scattered things, the camera stays and shows it whole.
 fn nearer(building: &Building, camera: Camera) -> Camera {
     let (low, high) = (building.low, building.high);
     let centre = low + (high - low) / 2.0;

@@ -59,9 +59,11 @@ const MAX_NEAR: f64 = 0.25;
 /// at arm's length, the next places are tried.
 pub(super) fn best_view(tracer: &Tracer) -> Option<Camera> {
     let building = Building::of(tracer);
-    let views: Vec<(Camera, bool)> =
-        widest_places(&building).iter().filter_map(|eye| best_view_from(&building, *eye)).collect();
-    views.iter().find(|(_, is_good)| *is_good).or(views.first()).map(|(camera, _)| *camera)
+    let eyes = widest_places(&building);
+    let mut views = eyes.iter().filter_map(|eye| best_view_from(&building, *eye));
+    let first = views.next()?;
+    let good = std::iter::once(first).chain(views).find(|(_, is_good)| *is_good);
+    Some(good.unwrap_or(first).0)
 }
 
 /// Returns the best view from a place, and whether it is good.
@@ -75,9 +77,18 @@ fn best_view_from(building: &Building, eye: DVec3) -> Option<(Camera, bool)> {
     let is_good = |i: &usize| sights[*i].building() >= MIN_BUILDING && sights[*i].near() <= MAX_NEAR;
     let good: Vec<usize> = (0..views.len()).filter(is_good).collect();
     let tried = if good.is_empty() { (0..views.len()).collect() } else { good };
-    let worth: Vec<f64> = tried.iter().map(|&i| sights[i].depth() * sights[i].materials()).collect();
+    let worth: Vec<f64> = tried.iter().map(|&i| worth(&sights[i])).collect();
     let best = tried[first_largest(&worth)?];
     Some((views[best], is_good(&best)))
+}
+
+/// Returns how much a view is worth: deep space that nothing near hides, and many materials.
+///
+/// Measured by pictures of living room, staircase, Sponza and office: depth alone shows two windows
+/// of the living room and no furniture; without the square, and with the geometric or harmonic mean
+/// of the depth, the staircase is seen past a post.
+fn worth(sight: &Sight) -> f64 {
+    sight.depth_m() * (1.0 - sight.clutter()).powi(2) * sight.materials()
 }
 
 /// Returns the eye of a person who has stepped back from a place against a level direction, up to

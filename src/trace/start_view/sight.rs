@@ -16,6 +16,8 @@ const NEAR_M: f64 = 1.0;
 pub(super) struct Sight {
     /// The surfaces of the building, one for each ray that meets the building first.
     seen: Vec<BuildingHit>,
+    /// Mean distance to the building in the middle of the picture, in a square of its height.
+    depth_m: f64,
 }
 
 impl Sight {
@@ -25,12 +27,16 @@ impl Sight {
         let tan = (camera.fov_y / 2.0).tan();
         let unit = |i: i32, count: i32| (f64::from(i) + 0.5) / f64::from(count) * 2.0 - 1.0;
         let aspect = f64::from(RAYS[0]) / f64::from(RAYS[1]);
-        let direction = |i: i32| {
+        let met = |i: i32| {
             let [x, y] = [unit(i % RAYS[0], RAYS[0]) * aspect, unit(i / RAYS[0], RAYS[1])];
-            (axes * DVec3::new(x * tan, y * tan, -1.0)).normalize()
+            let direction = (axes * DVec3::new(x * tan, y * tan, -1.0)).normalize();
+            Some((x.abs() <= 1.0, building.probe(camera.eye, direction)?))
         };
-        let rays = (0..RAYS[0] * RAYS[1]).into_par_iter();
-        Self { seen: rays.filter_map(|i| building.probe(camera.eye, direction(i))).collect() }
+        let met: Vec<_> = (0..RAYS[0] * RAYS[1]).into_par_iter().filter_map(met).collect();
+        let middle = met.iter().filter(|(is_middle, _)| *is_middle);
+        let (sum, count) = middle.fold((0.0, 0), |(sum, count), (_, hit)| (sum + hit.distance_m, count + 1));
+        let depth_m = sum / f64::from(count.max(1));
+        Self { seen: met.into_iter().map(|(_, hit)| hit).collect(), depth_m }
     }
 
     /// Share of the picture that shows building.
@@ -54,20 +60,26 @@ impl Sight {
         if building > 0.0 { 1.0 - self.fronts() / building } else { 0.0 }
     }
 
-    /// Sum of the distances to the building, in metres per ray of the picture.
-    pub(super) fn depth(&self) -> f64 {
-        let sum: f64 = self.seen.iter().map(|hit| hit.distance_m).sum();
-        sum / f64::from(RAYS[0] * RAYS[1])
+    /// Mean distance to the building in the middle of the picture, metres. Rays that leave through
+    /// windows do not count. Zero where none meets the building.
+    pub(super) fn depth_m(&self) -> f64 {
+        self.depth_m
+    }
+
+    /// Share of the surfaces of the building that hide the view: closer than a third of the depth.
+    pub(super) fn clutter(&self) -> f64 {
+        let is_close = |hit: &&BuildingHit| hit.distance_m < self.depth_m / 3.0;
+        self.seen.iter().filter(is_close).count() as f64 / self.seen.len().max(1) as f64
     }
 
     /// Effective number of materials of the surfaces of the building: 2 to the power of the entropy
-    /// of their shares. Zero where there are none.
+    /// of their shares. One where there are none. The floor of the box does not count.
     pub(super) fn materials(&self) -> f64 {
-        let mut materials: Vec<_> = self.seen.iter().map(|hit| hit.material.map(|m| m.0)).collect();
+        let mut materials: Vec<u32> = self.seen.iter().filter_map(|hit| Some(hit.material?.0)).collect();
         materials.sort_unstable();
         let shares = materials.chunk_by(|a, b| a == b).map(|m| m.len() as f64 / materials.len() as f64);
         let entropy: f64 = shares.map(|share| -share * share.log2()).sum();
-        if materials.is_empty() { 0.0 } else { entropy.exp2() }
+        entropy.exp2()
     }
 
     fn share(&self, counts: impl Fn(&BuildingHit) -> bool) -> f64 {
