@@ -138,7 +138,8 @@ impl TimedPicture {
 ///
 /// If a pass has the variance v, the mean of n passes has v / n, and the mean of the first m of them
 /// differs from it by the variance v / m - v / n. The estimate knows noise alone: an error that all
-/// passes have in common does not change the mean.
+/// passes have in common does not change the mean. Light that few paths find is noticed when the
+/// first of them is traced.
 #[derive(Debug, Default)]
 struct NoiseEstimate {
     exposure_ev: f32,
