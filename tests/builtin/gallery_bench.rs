@@ -1,10 +1,15 @@
 //! Properties of the gallery on which speed is measured.
 
-use super::scene;
-use afterimage::scene::{Light, Material, Scene, SolidSide};
+use super::{scene, triangles_where};
+use afterimage::scene::{Light, Material, SolidSide};
 
-fn triangles_where(scene: &Scene, test: fn(&Material) -> bool) -> Vec<u32> {
-    (0..scene.triangles.len() as u32).filter(|&t| test(scene.material_of(t))).collect()
+/// Every figure of speed is measured on this scene: it must stay as it is. The sines of its shapes
+/// come from the C library, so other platforms may have other bits.
+#[test]
+#[cfg(all(target_os = "linux", target_env = "gnu", target_arch = "x86_64"))]
+fn bench_gallery_never_changes() {
+    let hash = "8d97b812bf7954defa6d3313a3a294fca7fbb7593012775a38b8d530696ae152";
+    assert_eq!(scene("gallery-bench").hash, hash);
 }
 
 #[test]

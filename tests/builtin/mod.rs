@@ -3,9 +3,10 @@
 mod analytic;
 mod clearance;
 mod edits;
+mod gallery;
 mod gallery_bench;
 
-use afterimage::scene::{Scene, builtin};
+use afterimage::scene::{Material, Scene, builtin};
 use std::sync::LazyLock;
 
 fn built(name: &str) -> Scene {
@@ -18,6 +19,10 @@ fn scene(name: &str) -> &'static Scene {
         LazyLock::new(|| builtin::NAMES.iter().map(|name| built(name)).collect());
     let at = builtin::NAMES.iter().position(|n| *n == name).expect("an embedded scene");
     &SCENES[at]
+}
+
+fn triangles_where(scene: &Scene, test: fn(&Material) -> bool) -> Vec<u32> {
+    (0..scene.triangles.len() as u32).filter(|&t| test(scene.material_of(t))).collect()
 }
 
 #[test]

@@ -3,17 +3,23 @@
 mod cornell;
 mod furnace;
 #[cfg(feature = "pictures")]
+mod gallery;
+#[cfg(feature = "pictures")]
 mod gallery_bench;
 mod mirrors;
+#[cfg(feature = "pictures")]
+mod parts;
 #[cfg_attr(
     not(feature = "pictures"),
     allow(dead_code, unused_imports, reason = "the gallery uses most of the shapes")
 )]
 mod shapes;
+#[cfg(feature = "pictures")]
+mod statue_hall;
 mod views;
 
 #[cfg(feature = "pictures")]
-pub use gallery_bench::statue_hall;
+pub use statue_hall::statue_hall;
 
 use super::{Scene, SceneBuilder, SceneError};
 use crate::raster::exposure::Exposure;
@@ -46,7 +52,9 @@ pub fn build(name: &str) -> Result<Scene, SceneError> {
     b.exposure = Exposure::Stops(0.0);
     match name {
         #[cfg(feature = "pictures")]
-        "gallery" | BENCH => gallery_bench::add_to(&mut b)?,
+        "gallery" => gallery::add_to(&mut b)?,
+        #[cfg(feature = "pictures")]
+        BENCH => gallery_bench::add_to(&mut b)?,
         "cornell" => cornell::add_to(&mut b, cornell::Contents::Boxes),
         "cornell-glass" => cornell::add_to(&mut b, cornell::Contents::Spheres),
         "mirrors" => mirrors::add_to(&mut b),

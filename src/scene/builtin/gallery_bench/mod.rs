@@ -15,8 +15,6 @@
 
 mod columns;
 mod exhibits;
-mod figures;
-mod hall_of_statues;
 mod lights;
 mod palette;
 mod pictures;
@@ -26,8 +24,6 @@ mod statues;
 mod terrace;
 mod trim;
 mod walk;
-
-pub use hall_of_statues::statue_hall;
 
 use crate::scene::{SceneBuilder, SceneError};
 use palette::Palette;

@@ -1,10 +1,8 @@
 //! Materials and textures of the gallery.
 
-use crate::scene::{
-    Encoding, Material, MaterialId, SceneBuilder, SceneError, Texture, TextureId, TextureRef,
-};
+use crate::scene::builtin::parts::{HARBOUR, MARBLE, Materials, TIDE, TILES, WOOD, texture, textured};
+use crate::scene::{Material, MaterialId, SceneBuilder, SceneError, TextureRef};
 use glam::{Vec2, Vec3};
-use std::path::PathBuf;
 
 /// The materials of the gallery, named after their use.
 #[derive(Clone, Debug)]
@@ -42,9 +40,9 @@ pub(super) struct Palette {
 
 impl Palette {
     pub(super) fn add_to(b: &mut SceneBuilder) -> Result<Self, SceneError> {
-        let wood = texture(b, "wood-planks", include_bytes!("../../../../assets/textures/wood-planks.png"))?;
-        let tiles = texture(b, "stone-tiles", include_bytes!("../../../../assets/textures/stone-tiles.png"))?;
-        let marble = texture(b, "marble", include_bytes!("../../../../assets/textures/marble.png"))?;
+        let wood = texture(b, &WOOD)?;
+        let tiles = texture(b, &TILES)?;
+        let marble = texture(b, &MARBLE)?;
         let paintings = paintings(b)?;
         let mut matte =
             |name: &str, r, g, blue| b.add_material(Material::diffuse(name, Vec3::new(r, g, blue)));
@@ -80,13 +78,29 @@ impl Palette {
             paintings,
         })
     }
+
+    /// Returns the materials of the parts that other galleries use as well.
+    pub(super) fn parts(&self) -> Materials {
+        Materials {
+            stone: self.stone,
+            plaster: self.plaster,
+            white: self.white,
+            wood: self.wood,
+            iron: self.iron,
+            gilt: self.gilt,
+            bronze: self.bronze,
+            jade: self.jade,
+            black: self.black,
+            cloth: self.red,
+            glass: self.glass,
+        }
+    }
 }
 
 /// Adds materials that show two paintings as a whole and in parts.
 fn paintings(b: &mut SceneBuilder) -> Result<Vec<MaterialId>, SceneError> {
-    let harbour =
-        texture(b, "painting-harbour", include_bytes!("../../../../assets/textures/painting-harbour.png"))?;
-    let tide = texture(b, "painting-tide", include_bytes!("../../../../assets/textures/painting-tide.png"))?;
+    let harbour = texture(b, &HARBOUR)?;
+    let tide = texture(b, &TIDE)?;
     let crops = [
         (harbour, [1.0, 1.0], [0.0, 0.0], [1.0, 1.0, 1.0]),
         (tide, [1.0, 1.0], [0.0, 0.0], [1.0, 1.0, 1.0]),
@@ -106,28 +120,4 @@ fn paintings(b: &mut SceneBuilder) -> Result<Vec<MaterialId>, SceneError> {
             })
         })
         .collect())
-}
-
-fn textured(b: &mut SceneBuilder, name: &str, texture: TextureId, scale: [f32; 2], tint: Vec3) -> MaterialId {
-    let map = TextureRef { texture, scale: Vec2::from(scale), offset: Vec2::ZERO };
-    b.add_material(Material { diffuse_texture: Some(map), ..Material::diffuse(name, tint) })
-}
-
-fn texture(b: &mut SceneBuilder, name: &str, png: &[u8]) -> Result<TextureId, SceneError> {
-    let texture = decode(png).map_err(|e| SceneError::Read {
-        file: PathBuf::from(format!("assets/textures/{name}.png")),
-        cause: e.to_string(),
-        remedy: "the file is part of the program; rebuild the program from a fresh checkout".to_owned(),
-    })?;
-    Ok(b.add_texture(texture))
-}
-
-fn decode(png: &[u8]) -> Result<Texture, png::DecodingError> {
-    let mut decoder = png::Decoder::new(std::io::Cursor::new(png));
-    decoder.set_transformations(png::Transformations::EXPAND | png::Transformations::ALPHA);
-    let mut reader = decoder.read_info()?;
-    let [width, height] = [reader.info().width, reader.info().height];
-    let mut texels = vec![[0; 4]; (width * height) as usize];
-    reader.next_frame(bytemuck::cast_slice_mut(&mut texels))?;
-    Ok(Texture { width, height, texels, encoding: Encoding::Srgb })
 }

@@ -1,10 +1,10 @@
 //! Framed paintings on the walls.
 
 use super::palette::Palette;
-use super::plan::{Facing, RoomName};
-use crate::scene::builtin::shapes::{Faces, Local, block};
-use crate::scene::{MaterialId, SceneBuilder};
-use glam::{DVec3, Vec2};
+use super::plan::RoomName;
+use crate::scene::SceneBuilder;
+use crate::scene::builtin::parts::{Facing, framed};
+use glam::DVec3;
 
 /// A framed painting.
 struct Picture {
@@ -49,8 +49,6 @@ const PICTURES: [Picture; 24] = [
     hung(RoomName::Terrace, Facing::South, 4.8, [2.6, 1.7], 0),
 ];
 const EYE_LEVEL_M: f64 = 1.65;
-const FRAME_M: [f64; 2] = [0.07, 0.05];
-const CANVAS_DEPTH_M: f64 = 0.025;
 
 pub(super) fn add_to(b: &mut SceneBuilder, p: &Palette) {
     for (i, picture) in PICTURES.iter().enumerate() {
@@ -62,29 +60,4 @@ pub(super) fn add_to(b: &mut SceneBuilder, p: &Palette) {
         let border = if i % 3 == 1 { p.black } else { p.gilt };
         framed(b, &side.frame.moved(middle), picture.size, p.paintings[picture.painting], border);
     }
-}
-
-/// Adds a framed panel to a wall, with its middle at the origin of `wall`. The bars of the frame
-/// cover the edges of the panel.
-pub(super) fn framed(
-    b: &mut SceneBuilder,
-    wall: &Local,
-    size: [f64; 2],
-    panel: MaterialId,
-    border: MaterialId,
-) {
-    let [width, depth] = FRAME_M;
-    let [w, h] = size.map(|s| s / 2.0);
-    let at = |x, y| wall.point(DVec3::new(x, y, CANVAS_DEPTH_M));
-    b.add_quad([at(-w, -h), at(w, -h), at(w, h), at(-w, h)], Vec2::ONE, panel);
-    let faces = Faces::ALL.without(Faces::BACK);
-    let mut bar = |low: [f64; 2], high: [f64; 2], faces| {
-        let corners = [DVec3::new(low[0], low[1], 0.0), DVec3::new(high[0], high[1], depth)];
-        block(b, wall, corners, faces, border);
-    };
-    bar([-w - width, h], [w + width, h + width], faces);
-    bar([-w - width, -h - width], [w + width, -h], faces);
-    let upright = faces.without(Faces::BOTTOM).without(Faces::TOP);
-    bar([-w - width, -h], [-w, h], upright);
-    bar([w, -h], [w + width, h], upright);
 }

@@ -1,10 +1,9 @@
 //! The positions of the statues, and their plinths.
 
-use super::figures::{Figure, band, boulder, bust, knot, rings, ripples, spire, vase};
 use super::{palette::Palette, terrace::PLATFORM_M};
-use crate::scene::builtin::shapes::{Faces, Local, block};
+use crate::scene::builtin::parts::{Figure, band, boulder, bust, knot, plinth, rings, ripples, spire, vase};
+use crate::scene::builtin::shapes::Local;
 use crate::scene::{MaterialId, SceneBuilder};
-use glam::DVec3;
 
 pub(super) fn add_to(b: &mut SceneBuilder, p: &Palette) {
     // Figure, material, position on the floor, rotation in degrees, height of the plinth in metres.
@@ -28,19 +27,7 @@ pub(super) fn add_to(b: &mut SceneBuilder, p: &Palette) {
         (knot::<2, 5>, p.jade, [26.1, PLATFORM_M, 21.0], 0.0, 0.8),
     ];
     for (figure, material, place, bearing, height) in statues {
-        let top = plinth(b, p, &Local::turned(place.into(), bearing), height);
+        let top = plinth(b, &p.parts(), &Local::turned(place.into(), bearing), height);
         figure(b, &top, material);
     }
-}
-
-/// Adds a plinth with base and cap. Returns the frame on top of it.
-fn plinth(b: &mut SceneBuilder, p: &Palette, frame: &Local, height: f64) -> Local {
-    const BASE_M: f64 = 0.1;
-    const CAP_M: f64 = 0.05;
-    let slab = |half: f64, y0: f64, y1: f64| [DVec3::new(-half, y0, -half), DVec3::new(half, y1, half)];
-    let body = Faces::ALL.without(Faces::BOTTOM).without(Faces::TOP);
-    block(b, frame, slab(0.42, 0.0, BASE_M), Faces::ALL.without(Faces::BOTTOM), p.stone);
-    block(b, frame, slab(0.36, BASE_M, height - CAP_M), body, p.white);
-    block(b, frame, slab(0.40, height - CAP_M, height), Faces::ALL, p.stone);
-    frame.moved(DVec3::Y * height)
 }

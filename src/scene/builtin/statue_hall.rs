@@ -3,9 +3,9 @@
 //!
 //! The view and the size of the hall do not depend on the number of statues: only the BVH grows.
 
-use super::figures::{Figure, bust, knot, rings, ripples, vase};
+use super::parts::{Figure, bust, knot, rings, ripples, vase};
+use super::shapes::{Local, ceiling, floor};
 use crate::camera::Camera;
-use crate::scene::builtin::shapes::{Local, ceiling, floor};
 use crate::scene::{Material, MaterialId, NamedView, Scene, SceneBuilder, SceneError};
 use glam::{DVec3, Vec2, Vec3};
 

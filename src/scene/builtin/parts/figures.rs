@@ -8,7 +8,7 @@ use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 
 /// Adds a statue to a scene.
-pub(super) type Figure = fn(&mut SceneBuilder, &Local, MaterialId);
+pub(in crate::scene::builtin) type Figure = fn(&mut SceneBuilder, &Local, MaterialId);
 
 /// Sections of the bust from the chest to the crown: share of the height, half width, depth to the
 /// front, depth to the back, and offset to the front; metres.
@@ -53,7 +53,7 @@ const BUST_FEATURES: [[f64; 5]; 13] = [
 ];
 
 /// Adds a head on shoulders.
-pub(super) fn bust(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
+pub(in crate::scene::builtin) fn bust(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
     foot(b, frame, [0.085, 0.06], material);
     let stand = frame.moved(DVec3::Y * 0.05);
     Grid { nu: 96, nv: 80, u: Closing::Around, v: Closing::Poles }.add_to(b, &stand, material, |u, v| {
@@ -118,7 +118,7 @@ fn rod(b: &mut SceneBuilder, frame: &Local, height: f64, material: MaterialId) {
 }
 
 /// Adds a twisted, ribbed vase.
-pub(super) fn vase(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
+pub(in crate::scene::builtin) fn vase(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
     let radius =
         |v: f64| 0.10 + 0.17 * (v.powf(0.8) * PI).sin().powf(1.3) + 0.09 * (v - 0.86).max(0.0) / 0.14;
     let grid = Grid { nu: 110, nv: 44, u: Closing::Around, v: Closing::Open };
@@ -133,14 +133,18 @@ pub(super) fn vase(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
 }
 
 /// Adds a torus knot with `P` and `Q` windings.
-pub(super) fn knot<const P: u32, const Q: u32>(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
+pub(in crate::scene::builtin) fn knot<const P: u32, const Q: u32>(
+    b: &mut SceneBuilder,
+    frame: &Local,
+    material: MaterialId,
+) {
     rod(b, frame, 0.2, material);
     let middle = frame.moved(DVec3::Y * 0.62);
     torus_knot(b, &middle, [20, 300], [f64::from(P), f64::from(Q)], [0.3, 0.066], material);
 }
 
 /// Adds a sphere with ripples.
-pub(super) fn ripples(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
+pub(in crate::scene::builtin) fn ripples(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
     foot(b, frame, [0.16, 0.07], material);
     let middle = frame.moved(DVec3::Y * 0.47);
     icosphere(b, &middle, 5, material, |d| {
@@ -150,7 +154,7 @@ pub(super) fn ripples(b: &mut SceneBuilder, frame: &Local, material: MaterialId)
 }
 
 /// Adds a sphere deformed into a smooth boulder.
-pub(super) fn boulder(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
+pub(in crate::scene::builtin) fn boulder(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
     let middle = frame.moved(DVec3::Y * 0.44);
     icosphere(b, &middle, 5, material, |d| {
         let swell =
@@ -162,7 +166,7 @@ pub(super) fn boulder(b: &mut SceneBuilder, frame: &Local, material: MaterialId)
 }
 
 /// Adds a square pillar that twists and tapers towards its tip.
-pub(super) fn spire(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
+pub(in crate::scene::builtin) fn spire(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
     Grid { nu: 80, nv: 64, u: Closing::Around, v: Closing::Open }.add_to(b, frame, material, |u, v| {
         let angle = u * TAU;
         // Superellipse: a square with round edges.
@@ -175,7 +179,7 @@ pub(super) fn spire(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
 }
 
 /// Adds three linked rings.
-pub(super) fn rings(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
+pub(in crate::scene::builtin) fn rings(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
     let cells = [112, 22];
     for (x, y, tilt) in [(-0.17, 0.30, 78.0), (0.17, 0.34, 102.0), (0.0, 0.66, 90.0)] {
         let (sin, cos) = f64::to_radians(tilt).sin_cos();
@@ -195,7 +199,7 @@ pub(super) fn rings(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
 }
 
 /// Adds a closed band of varying width.
-pub(super) fn band(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
+pub(in crate::scene::builtin) fn band(b: &mut SceneBuilder, frame: &Local, material: MaterialId) {
     rod(b, frame, 0.2, material);
     let middle = frame.moved(DVec3::Y * 0.6);
     let curve = |v: f64| {
