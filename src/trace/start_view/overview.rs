@@ -31,9 +31,16 @@ pub(super) fn best_overview(tracer: &Tracer) -> Camera {
     let candidates = candidates(tracer);
     let fronts: Vec<f64> = candidates.iter().map(|c| Sight::of(&building, c).fronts()).collect();
     let Some(best) = first_largest(&fronts) else { return *tracer.scene().start() };
-    let is_good = |i: &usize| fronts[*i] >= MIN_BUILDING && fronts[*i] >= ENOUGH * fronts[best];
-    let chosen = (0..candidates.len()).find(is_good).unwrap_or(best);
-    nearer(&building, candidates[chosen])
+    let usual = fronts.iter().position(|share| *share >= ENOUGH * fronts[best]).unwrap_or(best);
+    if fronts[usual] >= MIN_BUILDING {
+        return candidates[usual];
+    }
+    // Another direction at the same height fills more of the picture.
+    let first = usual - usual % TURNS as usize;
+    let around = first..first + TURNS as usize;
+    let fuller = around.clone().find(|i| fronts[*i] >= MIN_BUILDING);
+    let fullest = first + first_largest(&fronts[around]).unwrap_or(0);
+    nearer(&building, candidates[fuller.unwrap_or(fullest)])
 }
 
 /// Returns the views that are tried, the usual one first, then those next to it.
