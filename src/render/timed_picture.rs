@@ -54,7 +54,9 @@ impl TimedPicture {
     /// Improves the picture until `stop` is true or it is worth showing. Returns false where it
     /// cannot be improved.
     pub fn step(&mut self, stop: Stop<'_>) -> bool {
-        let can_improve = self.view.step(stop).is_some() || self.begin_round();
+        // The first step of a round replaces the frame that the rounds before it contain already.
+        let can_improve =
+            self.view.step(stop).is_some() || (self.begin_round() && self.view.step(stop).is_some());
         let passes = self.passes();
         if self.noise.is_due(passes) {
             self.noise.note(&self.radiance(), passes);
