@@ -36,6 +36,7 @@ pub(super) fn add_to(b: &mut SceneBuilder, p: &Palette) {
         ([14.2, 0.0, 23.0], 1.5),
         ([19.8, 0.0, 23.0], 1.5),
         ([9.15, 0.0, 22.9], 1.4),
+        ([9.2, 0.0, 8.2], 1.4),
     ] {
         potted_tree(b, p, &Local::at(place.into()), height);
     }

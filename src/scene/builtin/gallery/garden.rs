@@ -16,8 +16,8 @@ pub(super) fn add_to(b: &mut SceneBuilder, p: &Palette) {
     // Terraces along the south and the east side, the path from the entrance, and the path along
     // the hedge. They lie in the lawn and do not overlap.
     for ([x0, x1, z0, z1], top, material) in [
-        ([10.0, 24.0, 24.0, 27.0], -0.03, p.parts.stone),
-        ([34.0, 36.6, 8.6, 24.0], -0.05, p.parts.stone),
+        ([10.0, 24.0, 24.0, 27.0], -0.03, p.gravel),
+        ([34.0, 36.6, 8.6, 24.0], -0.05, p.gravel),
         ([15.8, 18.2, 27.0, 30.6], -0.08, p.gravel),
         ([36.6, 42.4, 14.2, 16.0], -0.08, p.gravel),
     ] {
