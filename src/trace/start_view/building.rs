@@ -1,10 +1,10 @@
-//! Rays that meet the building alone, as if it stood on a floor at its lowest point.
+//! Rays that meet the building alone. From inside, it stands on a floor at its lowest point.
 //!
 //! The floor stands for the ground of a model whose rooms have no floor of their own; so a ground
 //! plane can come and go. Other things outside the box of the building only hide it.
 
 use crate::scene::MaterialId;
-use crate::trace::Tracer;
+use crate::trace::{Probe, Tracer};
 use glam::DVec3;
 
 /// Distance by which surfaces may lie outside the box through rounding, in diagonals of the
@@ -71,19 +71,27 @@ impl<'a> Building<'a> {
     }
 
     /// Returns where a ray in a unit direction meets the building, if it meets nothing else before.
+    /// The floor is met from inside the box only.
     pub(super) fn probe(&self, origin_m: DVec3, direction: DVec3) -> Option<BuildingHit> {
         let is_outside = !self.contains(origin_m);
         let stops = |triangle: u32| !(is_outside && self.is_ground(triangle));
         let hit = self.tracer.probe_where(origin_m, direction, f64::INFINITY, stops);
-        let surface =
-            hit.filter(|hit| self.contains(hit.position_m) && hit.position_m.y > self.low.y + self.margin());
-        if let Some(hit) = surface {
-            let (distance_m, is_front) = (hit.distance_m, hit.is_front);
-            return Some(BuildingHit { distance_m, is_front, material: Some(hit.material) });
+        let is_above_floor = |hit: &Probe| is_outside || hit.position_m.y > self.low.y + self.margin();
+        match hit.filter(is_above_floor) {
+            Some(hit) => self.contains(hit.position_m).then_some(BuildingHit {
+                distance_m: hit.distance_m,
+                is_front: hit.is_front,
+                material: Some(hit.material),
+            }),
+            None if is_outside => None,
+            None => self.floor(origin_m, direction),
         }
+    }
+
+    /// Returns where a ray that meets nothing above the floor meets the floor.
+    fn floor(&self, origin_m: DVec3, direction: DVec3) -> Option<BuildingHit> {
         let distance_m = (self.low.y - origin_m.y) / direction.y;
-        let is_hidden = hit.is_some_and(|hit| hit.position_m.y > self.low.y + self.margin());
-        let is_met = direction.y < 0.0 && distance_m >= 0.0 && !is_hidden;
+        let is_met = direction.y < 0.0 && distance_m >= 0.0;
         (is_met && self.contains(origin_m + direction * distance_m)).then_some(BuildingHit {
             distance_m,
             is_front: true,

@@ -17,7 +17,7 @@ const TURNS: i32 = 16;
 const RISES: [f64; 2] = [USUAL_RISE, 1.0];
 
 /// A view is good enough where it shows this share of the fronts that the best one shows.
-const ENOUGH: f64 = 0.8;
+const ENOUGH: f64 = 0.7;
 
 /// Factor of the distance in each step towards a building that fills too little of the picture, and
 /// the number of steps: down to half the distance. From nearer, a tower would be a wall.

@@ -127,7 +127,7 @@ fn widest_places(building: &Building) -> Vec<DVec3> {
 /// Returns the eyes of persons who stand on the floors below a point at the top of the building.
 fn standing_below(building: &Building, top: DVec3) -> Vec<DVec3> {
     let past = building.diagonal() * PAST;
-    let (mut at, mut eyes) = (top + DVec3::Y * past, Vec::new());
+    let (mut at, mut eyes) = (top, Vec::new());
     for _ in 0..MAX_FLOORS {
         let Some(floor) = building.probe(at, DVec3::NEG_Y) else { break };
         let place = at - DVec3::Y * floor.distance_m;
