@@ -19,6 +19,7 @@ mod golden;
 mod import;
 
 mod layers;
+mod light_theorems;
 mod lights;
 mod lookup;
 mod metrics;

@@ -9,6 +9,7 @@ mod cache;
 mod camera;
 mod case;
 mod geometry;
+mod light;
 mod materials;
 mod pictures;
 mod report;

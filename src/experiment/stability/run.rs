@@ -1,14 +1,14 @@
 //! The list of all cases, and the measurement of one.
 
 use super::case::{Case, Trial};
-use super::{artefacts, cache, camera, geometry, materials, scale, theorems};
+use super::{artefacts, cache, camera, geometry, light, materials, scale, theorems};
 use crate::experiment::run::{
     Cell, CellOutcome, Effort, ExperimentContext, ExperimentError, ExperimentSettings, RunRecord,
 };
 
 /// Every case, in the order of the catalogue.
 pub fn cases() -> impl Iterator<Item = &'static Case> {
-    let groups: [&[Case]; 7] = [
+    let groups: [&[Case]; 8] = [
         scale::CASES,
         camera::CASES,
         geometry::CASES,
@@ -16,6 +16,7 @@ pub fn cases() -> impl Iterator<Item = &'static Case> {
         cache::CASES,
         theorems::CASES,
         artefacts::CASES,
+        light::CASES,
     ];
     groups.into_iter().flatten()
 }
