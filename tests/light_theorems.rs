@@ -2,7 +2,7 @@
 //! and in those that reuse it: closed forms of closed rooms, daylight on convex bodies, and walls
 //! that let nothing through.
 
-use crate::rooms::{cuboid, dvec, quad};
+use crate::rooms::{RoomOptions, cuboid, dvec, quad, room, room_camera};
 use afterimage::scene::{CieSky, Gradient, Material, SceneBuilder, Sky, shapes};
 use afterimage::trace::{TraceSettings, parallel::NEVER};
 use afterimage::{Camera, Frame, Mode, RenderSettings, Tracer, Walkthrough, WalkthroughSettings};
@@ -186,6 +186,34 @@ fn the_ground_under_a_sky_has_its_closed_form_in_every_mode() {
             let frame = stage.last_frame(mode, 256, BOUNCES);
             stage.check(&frame, |_| closed / PI as f32, [0.01, 0.02], &format!("{mode:?}"));
         }
+    }
+}
+
+/// Reused light, cells and filters may be smoother than the light of `full`, never brighter or
+/// darker: in a furnished room every block of pixels has its mean.
+#[test]
+fn reused_light_has_the_mean_of_full_everywhere_in_a_furnished_room() {
+    let scene = room(&RoomOptions { mirror: false, glass: false });
+    let camera = room_camera();
+    let poses = vec![Camera { eye: camera.eye + dvec(0.1, 0.0, -0.3), ..camera }, camera];
+    let stage = Stage { tracer: Arc::new(Tracer::new(Arc::new(scene))), poses, size: [48, 32] };
+    let right = stage.last_frame(Mode::Full, 256, BOUNCES);
+    for mode in [Mode::Exact, Mode::Fast] {
+        let frame = stage.last_frame(mode, 64, BOUNCES);
+        let means = |frame: &Frame| {
+            let block = |number: usize| {
+                let (x, y) = (number % 6 * 8, number / 6 * 8);
+                (0..64).map(|i| frame.radiance[(y + i / 8) * 48 + x + i % 8]).sum::<Vec3>() / 64.0
+            };
+            (0..24).map(block).collect::<Vec<_>>()
+        };
+        let (here, there) = (means(&frame), means(&right));
+        let off = here.iter().zip(&there).map(|(a, b)| (*a / *b - 1.0).abs().max_element());
+        let worst = off.fold(0.0, f32::max);
+        assert!(worst <= 0.08, "{mode:?}: the mean of a block differs by {:.1} %", 100.0 * worst);
+        let [all, right] = [here, there].map(|blocks| blocks.iter().sum::<Vec3>());
+        let off = (all / right - 1.0).abs().max_element();
+        assert!(off <= 0.02, "{mode:?}: the mean differs by {:.2} %", 100.0 * off);
     }
 }
 

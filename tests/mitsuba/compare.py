@@ -28,7 +28,9 @@ import tempfile
 import time
 from pathlib import Path
 
-import scenes
+# Leave no compiled files in the repository.
+sys.dont_write_bytecode = True
+import scenes  # noqa: E402
 
 BLOCK = 16
 MEAN_TOLERANCE = 0.02
