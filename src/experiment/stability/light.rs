@@ -7,9 +7,11 @@ use super::rooms::{Room, cuboid, dvec, quad, triangle, wall};
 use crate::camera::Camera;
 use crate::experiment::run::ExperimentError;
 use crate::render::{Frame, Mode, RenderSettings, Walkthrough, WalkthroughSettings};
-use crate::scene::{Material, MaterialId, SceneBuilder, Sky, Sun};
+use crate::scene::{Material, PictureSky, SceneBuilder, Sky, SkyImage, Sun};
 use crate::trace::{TraceSettings, Tracer, parallel::NEVER};
 use glam::{DVec3, Vec3};
+use std::f64::consts::{PI, TAU};
+use std::path::Path;
 use std::sync::Arc;
 
 pub(super) const CASES: &[Case] = &[
@@ -20,6 +22,8 @@ pub(super) const CASES: &[Case] = &[
     case("H2 light of 1e-38", "bad values, and pixels brighter than it can make them", 0.0, denormal),
     case("H2 a sun of 1e9", "bad values, all modes", 0.0, |_| sunny(1e9)),
     case("H2 a sun of 1e30", "bad values, all modes", 0.0, |_| sunny(1e30)),
+    case("H2 a sky picture with a sun of 1e9", "bad values, all modes", 0.0, pictured_bad),
+    case("H2 a sky picture with a sun of 1e3", "% of difference from the closed form", 1.0, pictured),
     case("H3 a single triangle under a white sky", "% of difference from its albedo", 0.1, single_triangle),
     case(
         "H3 surfaces that only emit",
@@ -150,6 +154,37 @@ fn sunny(irradiance: f32) -> Outcome {
     Ok(picture)
 }
 
+/// Renders the ground under a picture of radiance 1, one of whose texels is a sun. Returns the
+/// frames and the radiance of the ground.
+fn ground_under_picture(sun: f32) -> Result<(Vec<Frame>, f64), ExperimentError> {
+    const SIZE: [u32; 2] = [32, 16];
+    const SUN: [u32; 2] = [20, 3];
+    let at = |i: u32| if [i % SIZE[0], i / SIZE[0]] == SUN { sun } else { 1.0 };
+    let texels = (0..SIZE[0] * SIZE[1]).map(|i| [at(i); 3]).collect();
+    let unfit = |e| ExperimentError::Unsuitable(format!("the picture of the sky: {e}"));
+    let image = SkyImage::new(Path::new("sky.hdr"), SIZE, texels, None).map_err(unfit)?;
+    let mut b = SceneBuilder::new("ground");
+    let grey = b.add_material(Material::diffuse("grey", Vec3::splat(0.5)));
+    quad(&mut b, dvec(-9.0, 0.0, 9.0), DVec3::X * 18.0, DVec3::NEG_Z * 18.0, grey);
+    b.sky = Some(Sky::Picture(PictureSky::new(Arc::new(image), 1.0)));
+    let pose = |x: f64| Camera::look_at(dvec(x, 2.0, 0.0), dvec(0.0, 0.0, 0.1), 60.0);
+    let frames = walks(b, &[pose(0.2), pose(0.0)], TRACE)?;
+    // The integral of the cosine over the sun's texel.
+    let edge = |row: u32| (PI * f64::from(row) / f64::from(SIZE[1])).cos().powi(2);
+    let cosine = (edge(SUN[1]) - edge(SUN[1] + 1)) / 2.0 * TAU / f64::from(SIZE[0]);
+    Ok((frames, 0.5 / PI * (PI + f64::from(sun - 1.0) * cosine)))
+}
+
+fn pictured_bad(_: &Trial) -> Outcome {
+    Ok(all_bad(&ground_under_picture(1e9)?.0).into())
+}
+
+fn pictured(_: &Trial) -> Outcome {
+    let (frames, radiance) = ground_under_picture(1e3)?;
+    let off = frames.iter().map(|f| 100.0 * (mean(f) / (3.0 * radiance) - 1.0).abs());
+    Ok(off.fold(0.0, f64::max).into())
+}
+
 /// Nothing reflects light onto a plane: under a sky of radiance 1 it has the radiance of its
 /// albedo, without noise, because every sample of the sky brings the same light.
 fn single_triangle(_: &Trial) -> Outcome {
@@ -250,7 +285,7 @@ fn seeds(_: &Trial) -> Outcome {
         let trace = TraceSettings { seed, ..TRACE };
         let mut b = Room::PLAIN.builder();
         // No lamp in the picture, which has no noise.
-        b.materials[MaterialId(2).0 as usize].emission = Vec3::ZERO;
+        b.materials.iter_mut().for_each(|m| m.emission = Vec3::ZERO);
         walks(b, &poses(Room::PLAIN), trace)
     };
     let [a, b] = [of(1)?, of(2)?].map(|frames| frames[0].radiance.clone());
