@@ -2,7 +2,7 @@
 //! and in those that reuse it: closed forms of closed rooms, daylight on convex bodies, and walls
 //! that let nothing through.
 
-use crate::rooms::{RoomOptions, cuboid, dvec, quad, room, room_camera};
+use crate::rooms::{cuboid, dvec, quad, room_camera};
 use afterimage::scene::{CieSky, Gradient, Material, SceneBuilder, Sky, shapes};
 use afterimage::trace::{TraceSettings, parallel::NEVER};
 use afterimage::{Camera, Frame, Mode, RenderSettings, Tracer, Walkthrough, WalkthroughSettings};
@@ -93,8 +93,9 @@ fn a_room_whose_walls_glow_is_a_furnace_in_every_mode() {
     let stage = Stage::new(b, &[pose(0.3), pose(0.1)], [48, 32]);
     let expected = emission * series(albedo, BOUNCES + 1);
     for mode in MODES {
-        let frame = stage.last_frame(mode, 32, BOUNCES);
-        stage.check(&frame, |_| expected, [0.01, 0.05], &format!("{mode:?}"));
+        // The standard error of the mean is 0.3 %: light from a wall next to a corner is noisy.
+        let frame = stage.last_frame(mode, 64, BOUNCES);
+        stage.check(&frame, |_| expected, [0.012, 0.1], &format!("{mode:?}"));
     }
 }
 
@@ -119,8 +120,8 @@ fn an_integrating_sphere_has_its_closed_form_in_every_mode() {
         albedo * (direct as f32 + bounced) / PI as f32
     };
     for mode in MODES {
-        let frame = stage.last_frame(mode, 32, BOUNCES);
-        stage.check(&frame, expected, [0.01, 0.05], &format!("{mode:?}"));
+        let frame = stage.last_frame(mode, 16, BOUNCES);
+        stage.check(&frame, expected, [0.01, 0.03], &format!("{mode:?}"));
     }
 }
 
@@ -190,14 +191,21 @@ fn the_ground_under_a_sky_has_its_closed_form_in_every_mode() {
 }
 
 /// Reused light, cells and filters may be smoother than the light of `full`, never brighter or
-/// darker: in a furnished room every block of pixels has its mean.
+/// darker: in a furnished room every block of pixels has its mean. The lamp is a point away from all
+/// surfaces, because the noise next to an area light would hide a bias of several percent.
 #[test]
 fn reused_light_has_the_mean_of_full_everywhere_in_a_furnished_room() {
-    let scene = room(&RoomOptions { mirror: false, glass: false });
+    let mut b = SceneBuilder::new("furnished room");
+    let wall = b.add_material(Material::diffuse("wall", Vec3::new(0.7, 0.65, 0.6)));
+    let red = b.add_material(Material::diffuse("red", Vec3::new(0.6, 0.1, 0.1)));
+    cuboid(&mut b, dvec(-3.0, 0.0, -4.0), dvec(3.0, 3.0, 4.0), wall, true);
+    cuboid(&mut b, dvec(-1.5, 0.0, -2.0), dvec(-0.5, 1.2, -1.0), red, false);
+    cuboid(&mut b, dvec(0.6, 0.0, -0.5), dvec(1.1, 2.0, 0.0), wall, false);
+    b.point_lights.push((dvec(1.2, 2.2, 1.5), Vec3::splat(10.0)));
     let camera = room_camera();
-    let poses = vec![Camera { eye: camera.eye + dvec(0.1, 0.0, -0.3), ..camera }, camera];
-    let stage = Stage { tracer: Arc::new(Tracer::new(Arc::new(scene))), poses, size: [48, 32] };
-    let right = stage.last_frame(Mode::Full, 256, BOUNCES);
+    let before = Camera { eye: camera.eye + dvec(0.1, 0.0, -0.3), ..camera };
+    let stage = Stage::new(b, &[before, camera], [48, 32]);
+    let right = stage.last_frame(Mode::Full, 128, BOUNCES);
     for mode in [Mode::Exact, Mode::Fast] {
         let frame = stage.last_frame(mode, 64, BOUNCES);
         let means = |frame: &Frame| {
@@ -210,10 +218,10 @@ fn reused_light_has_the_mean_of_full_everywhere_in_a_furnished_room() {
         let (here, there) = (means(&frame), means(&right));
         let off = here.iter().zip(&there).map(|(a, b)| (*a / *b - 1.0).abs().max_element());
         let worst = off.fold(0.0, f32::max);
-        assert!(worst <= 0.08, "{mode:?}: the mean of a block differs by {:.1} %", 100.0 * worst);
+        assert!(worst <= 0.06, "{mode:?}: the mean of a block differs by {:.1} %", 100.0 * worst);
         let [all, right] = [here, there].map(|blocks| blocks.iter().sum::<Vec3>());
         let off = (all / right - 1.0).abs().max_element();
-        assert!(off <= 0.02, "{mode:?}: the mean differs by {:.2} %", 100.0 * off);
+        assert!(off <= 0.01, "{mode:?}: the mean differs by {:.2} %", 100.0 * off);
     }
 }
 
