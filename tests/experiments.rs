@@ -9,6 +9,7 @@ use afterimage::experiment::run::{
     CellEvent, Effort, Experiment, ExperimentContext, ExperimentSettings, Identity, Journal, RunFolder,
     RunRecord, Session, Shard, merge, run_cells,
 };
+use afterimage::trace::BounceLimit;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -31,7 +32,10 @@ impl Bench {
     fn of(experiment: &str) -> Self {
         let experiment = find(experiment).unwrap();
         let usual = (experiment.settings)(Effort::Quick);
-        let settings = ExperimentSettings { size: [32, 32], frames: 20, truth_samples: 256, ..usual };
+        // Direct light: run folders are the subject, and many cells are run.
+        let bounces = BounceLimit::NONE;
+        let settings =
+            ExperimentSettings { size: [32, 32], frames: 20, truth_samples: 256, bounces, ..usual };
         Self {
             experiment,
             tracer: Arc::new(room_tracer(true, false)),
@@ -274,5 +278,30 @@ fn a_view_at_rest_is_measured_at_every_checkpoint() {
     assert_eq!(report.summary["full"]["samples"], 64);
     for name in ["truth.png", "at-0.05s.png", "at-0.1s-error.png", "full.png"] {
         assert!(bench.path("run/images").join(name).exists(), "{name}");
+    }
+}
+
+#[test]
+fn table1_is_direct_light_and_error_time_and_placement_have_all_bounces() {
+    for (name, limit, word) in [
+        ("table1", BounceLimit::NONE, "direct light only"),
+        ("error-time", BounceLimit::ALL, "all bounces"),
+        ("placement", BounceLimit::ALL, "all bounces"),
+    ] {
+        let usual = (find(name).unwrap().settings)(Effort::Quick);
+        let bench = Bench::of(name);
+        let bench = Bench { settings: usual, ..bench };
+        assert_eq!(bench.settings.bounces, limit, "{name}");
+        let identity = bench.identity();
+        assert_eq!(identity.settings.0["bounces"], serde_json::to_value(limit).unwrap());
+        let report = (bench.experiment.report)(&identity, &[]);
+        assert!(report.notes[0].contains(word), "{name}: {:?}", report.notes);
+        // The manifest is read back.
+        let text = serde_json::to_string(&identity).unwrap();
+        assert_eq!(serde_json::from_str::<Identity>(&text).unwrap(), identity);
+    }
+    assert_eq!(find("table1").unwrap().fixed_bounces, Some(BounceLimit::NONE));
+    for name in ["scaling", "throughput", "stability", "soak"] {
+        assert_eq!((find(name).unwrap().settings)(Effort::Usual).bounces, BounceLimit::NONE, "{name}");
     }
 }

@@ -4,12 +4,16 @@ use super::run::Experiment;
 use super::{at_rest, error_time, placement, scaling, soak, stability, table1, throughput};
 
 /// A row of the table: the name, the description, and the module with the four functions of an
-/// experiment.
+/// experiment; then its limit of bounces, where it is fixed.
 macro_rules! experiment {
     ($name:literal, $about:literal, $module:ident) => {
+        experiment!($name, $about, $module, None)
+    };
+    ($name:literal, $about:literal, $module:ident, $fixed_bounces:expr) => {
         Experiment {
             name: $name,
             about: $about,
+            fixed_bounces: $fixed_bounces,
             settings: $module::settings,
             cells: $module::cells,
             run_cell: $module::run_cell,
@@ -20,7 +24,7 @@ macro_rules! experiment {
 
 /// Every experiment that can be run by its name, in the order in which they are listed to users.
 pub const EXPERIMENTS: &[Experiment] = &[
-    experiment!("table1", "the paper's Table 1 and figures 2 to 4", table1),
+    experiment!("table1", "the paper's Table 1 and figures 2 to 4", table1, Some(table1::BOUNCES)),
     experiment!("error-time", "error against seconds per frame, all modes", error_time),
     experiment!("at-rest", "error of the window's picture after given times at rest", at_rest),
     experiment!("placement", "where references should stand: all rules on the same walks", placement),

@@ -16,6 +16,9 @@ use serde::de::{DeserializeOwned, Deserializer, Error, IntoDeserializer};
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
+/// Limit of bounces where no layer and no flag gives one, in the window and on the command line.
+pub(crate) const DEFAULT_BOUNCES: BounceLimit = BounceLimit::ALL;
+
 /// Colour theme of the window.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, Deserialize)]
 #[serde(rename_all = "kebab-case")]

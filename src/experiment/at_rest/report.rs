@@ -24,6 +24,7 @@ pub(crate) fn report(identity: &Identity, records: &[RunRecord]) -> Report {
         fields(names.iter().map(|n| ((*n).to_owned(), r.0.get(*n).cloned().unwrap_or_default())).collect())
     };
     let mut report = Report { headline: headline(&window, full, largest_rise), ..Report::default() };
+    report.notes.extend(identity.light());
     report.summary = fields(json!({
         "first_frame_secs": window.first().and_then(|r| r.number("first_frame_secs")),
         "checkpoints": window.iter().map(|r| numbers(r, &names)).collect::<Vec<_>>(),

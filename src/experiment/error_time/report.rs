@@ -40,7 +40,8 @@ pub(crate) fn report(identity: &Identity, records: &[RunRecord]) -> Report {
         "equal_error": summary(&setups, samples),
         "setups": setups.iter().map(setup_json).collect::<Value>(),
     }));
-    Report { headline: headline(&setups, samples), summary, sections, ..Report::default() }
+    let notes = Vec::from_iter(identity.light());
+    Report { headline: headline(&setups, samples), notes, summary, sections, failure: None }
 }
 
 fn setup_json(setup: &Setup) -> Value {

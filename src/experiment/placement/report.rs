@@ -10,8 +10,8 @@ use serde_json::{Map, Value, json};
 /// The rule that the others are compared with.
 const BASELINE: &str = "threshold";
 
-pub(crate) fn report(_: &Identity, records: &[RunRecord]) -> Report {
-    let mut report = Report::default();
+pub(crate) fn report(identity: &Identity, records: &[RunRecord]) -> Report {
+    let mut report = Report { notes: Vec::from_iter(identity.light()), ..Report::default() };
     for mode in MODES {
         let rows = matching(records, &kind(mode, "summary"));
         if rows.is_empty() {

@@ -3,6 +3,7 @@
 use super::identity::{Cell, Identity};
 use super::settings::{Effort, ExperimentSettings};
 use super::{context::ExperimentContext, error::ExperimentError, record::RunRecord, report::Report};
+use crate::trace::BounceLimit;
 
 /// A named experiment. The command line and the run folder need nothing else to run it.
 #[derive(Clone, Copy, Debug)]
@@ -11,6 +12,8 @@ pub struct Experiment {
     pub name: &'static str,
     /// Description in one line.
     pub about: &'static str,
+    /// Limit of diffuse bounces that no flag changes; `None` where the settings decide.
+    pub fixed_bounces: Option<BounceLimit>,
     /// Returns the default settings of an effort.
     pub settings: fn(Effort) -> ExperimentSettings,
     /// Lists the cells, in an order that depends on the settings alone.

@@ -1,6 +1,7 @@
 //! What identifies a run and a cell.
 
 use super::record::RunRecord;
+use crate::trace::BounceLimit;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
@@ -29,6 +30,12 @@ impl Identity {
     /// as JSON.
     pub fn key(&self, cell: &Cell) -> String {
         sha256_hex(serde_json::to_string(&(self, &cell.0)).unwrap_or_default().as_bytes())
+    }
+
+    /// The light that the run's pictures show, as a sentence; `None` if its settings do not say.
+    pub fn light(&self) -> Option<String> {
+        let limit = serde_json::from_value::<BounceLimit>(self.settings.0.get("bounces")?.clone()).ok()?;
+        Some(format!("Light of every picture: {} (--bounces {limit}).", limit.light()))
     }
 
     /// Returns the first difference from another run's identity as a phrase, or `None` if they are

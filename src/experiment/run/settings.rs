@@ -56,7 +56,7 @@ impl Default for ExperimentSettings {
             effort: Effort::Usual,
             size: [320, 180],
             samples: 16,
-            bounces: BounceLimit::NONE,
+            bounces: BounceLimit::ALL,
             seed: 0,
             repetitions: 3,
             views: 5,

@@ -7,7 +7,7 @@ use crate::experiment::run::{
 };
 use crate::render::{Mode, Renderer};
 use crate::scene::builtin::statue_hall;
-use crate::trace::{TraceSettings, Tracer};
+use crate::trace::{BounceLimit, TraceSettings, Tracer};
 use std::sync::Arc;
 
 pub(super) const MODES: [Mode; 4] = [Mode::Full, Mode::Paper, Mode::Exact, Mode::Fast];
@@ -26,7 +26,9 @@ pub(crate) fn settings(effort: Effort) -> ExperimentSettings {
         Effort::Quick => ([160, 90], 3, 4),
         Effort::Usual => ([640, 360], 5, 8),
     };
-    ExperimentSettings { effort, size, repetitions, samples, views: 1, ..ExperimentSettings::default() }
+    // Lights and their shadow rays are what is scaled.
+    let usual = ExperimentSettings { effort, bounces: BounceLimit::NONE, ..ExperimentSettings::default() };
+    ExperimentSettings { size, repetitions, samples, views: 1, ..usual }
 }
 
 pub(crate) fn cells(context: &ExperimentContext<'_>) -> Vec<Cell> {

@@ -4,12 +4,15 @@ use crate::experiment::run::{Cell, CellOutcome, Effort, ExperimentContext, Exper
 use crate::experiment::statistics::percentile;
 use crate::reference::{PlacementPolicy, placement::THRESHOLD};
 use crate::render::{Mode, RenderSettings, Walkthrough, WalkthroughSettings};
+use crate::trace::BounceLimit;
 use serde_json::Value;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 pub(crate) fn settings(effort: Effort) -> ExperimentSettings {
-    ExperimentSettings { effort, size: [320, 180], samples: 2, ..ExperimentSettings::default() }
+    // Direct light: many frames, and references that come and go, in a short time.
+    let usual = ExperimentSettings { effort, bounces: BounceLimit::NONE, ..ExperimentSettings::default() };
+    ExperimentSettings { size: [320, 180], samples: 2, ..usual }
 }
 
 /// Returns the number of parts of a run and the length of each.

@@ -5,6 +5,7 @@ use super::{artefacts, cache, camera, geometry, light, materials, scale, theorem
 use crate::experiment::run::{
     Cell, CellOutcome, Effort, ExperimentContext, ExperimentError, ExperimentSettings, RunRecord,
 };
+use crate::trace::BounceLimit;
 
 /// Every case, in the order of the catalogue.
 pub fn cases() -> impl Iterator<Item = &'static Case> {
@@ -22,7 +23,9 @@ pub fn cases() -> impl Iterator<Item = &'static Case> {
 }
 
 pub(crate) fn settings(effort: Effort) -> ExperimentSettings {
-    ExperimentSettings { effort, size: [96, 64], samples: 2, repetitions: 1, ..ExperimentSettings::default() }
+    // The cases state their own bounces where their theorem is about more than direct light.
+    let usual = ExperimentSettings { effort, bounces: BounceLimit::NONE, ..ExperimentSettings::default() };
+    ExperimentSettings { size: [96, 64], samples: 2, repetitions: 1, ..usual }
 }
 
 pub(crate) fn cells(_: &ExperimentContext<'_>) -> Vec<Cell> {

@@ -8,4 +8,4 @@ mod run;
 mod views;
 
 pub(super) use report::report;
-pub(super) use run::{cells, run_cell, settings};
+pub(super) use run::{BOUNCES, cells, run_cell, settings};

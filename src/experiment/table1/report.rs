@@ -110,7 +110,7 @@ impl Column {
     }
 }
 
-pub(crate) fn report(_: &Identity, records: &[RunRecord]) -> Report {
+pub(crate) fn report(identity: &Identity, records: &[RunRecord]) -> Report {
     let columns: Vec<Column> =
         CELLS.iter().filter_map(|(mode, n)| Column::of(mode.name(), *n, records)).collect();
     let full = columns.iter().find(|c| c.mode == "full");
@@ -121,6 +121,7 @@ pub(crate) fn report(_: &Identity, records: &[RunRecord]) -> Report {
         headline: full.map_or(Vec::new(), |full| reusing.map(|c| c.sentence(full)).collect()),
         summary: summary(&columns),
         sections: vec![Section::new("Table 1", table), Section::new("Figures 2 to 4", figures(&columns))],
+        notes: Vec::from_iter(identity.light()),
         ..Report::default()
     }
 }

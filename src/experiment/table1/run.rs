@@ -8,6 +8,7 @@ use crate::experiment::run::{
 };
 use crate::raster::color::ToneMap;
 use crate::render::{Mode, Renderer, aov::display_rows};
+use crate::trace::BounceLimit;
 
 /// Mode and number of references of each cell. The paper has none, one and two.
 pub(super) const CELLS: [(Mode, usize); 7] = [
@@ -20,12 +21,16 @@ pub(super) const CELLS: [(Mode, usize); 7] = [
     (Mode::Exact, 2),
 ];
 
+/// The paper has direct light only, whatever the flags say.
+pub(crate) const BOUNCES: BounceLimit = BounceLimit::NONE;
+
 pub(crate) fn settings(effort: Effort) -> ExperimentSettings {
     let (size, repetitions, truth_samples) = match effort {
         Effort::Quick => ([128, 128], 1, 128),
         Effort::Usual => ([256, 256], 5, 4096),
     };
-    ExperimentSettings { effort, size, repetitions, truth_samples, views: 1, ..ExperimentSettings::default() }
+    let usual = ExperimentSettings { effort, views: 1, ..ExperimentSettings::default() };
+    ExperimentSettings { size, repetitions, truth_samples, bounces: BOUNCES, ..usual }
 }
 
 pub(crate) fn cells(_: &ExperimentContext<'_>) -> Vec<Cell> {

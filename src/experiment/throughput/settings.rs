@@ -2,7 +2,7 @@
 
 use crate::camera::Camera;
 use crate::experiment::run::{Cell, Effort, ExperimentContext, ExperimentSettings, RunRecord};
-use crate::trace::{TraceSettings, Tracer};
+use crate::trace::{BounceLimit, TraceSettings, Tracer};
 
 /// View and settings that are timed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,7 +16,8 @@ pub struct ThroughputSettings {
 }
 
 pub(crate) fn settings(effort: Effort) -> ExperimentSettings {
-    let usual = ExperimentSettings { effort, ..ExperimentSettings::default() };
+    // The stages are those of direct light, which every frame has.
+    let usual = ExperimentSettings { effort, bounces: BounceLimit::NONE, ..ExperimentSettings::default() };
     match effort {
         Effort::Quick => ExperimentSettings { size: [320, 180], samples: 4, ..usual },
         Effort::Usual => ExperimentSettings { size: [1280, 720], ..usual },

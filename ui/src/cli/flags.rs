@@ -1,7 +1,7 @@
 //! The flags that every command has, and the parsers of their values.
 
 use crate::picture::pose_text::parse_point;
-use crate::settings::{named, picture_size};
+use crate::settings::{DEFAULT_BOUNCES, named, picture_size};
 use afterimage::import::{DaylightOptions, SkyChoice, Unit, Up};
 use afterimage::raster::{color::ToneMap, exposure::Exposure};
 use afterimage::scene::place::{PlaceAndTime, parse_place};
@@ -30,8 +30,8 @@ pub(crate) struct Flags {
     #[arg(long, global = true, value_name = "N")]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
     pub(crate) samples: Option<u32>,
-    /// Maximum number of diffuse bounces of light; `all` is as many as matter [default: 0, direct
-    /// light only].
+    /// Maximum number of diffuse bounces of light: `all` is as many as matter, 0 is direct light
+    /// only, as in the paper [default: all].
     #[arg(long, global = true, value_name = "all|N", value_parser = str::parse::<BounceLimit>)]
     pub(crate) bounces: Option<BounceLimit>,
     /// Seed of all random numbers: the same seed gives the same bits.
@@ -110,7 +110,7 @@ impl Flags {
         let defaults = TraceSettings::default();
         TraceSettings {
             samples: self.samples.unwrap_or(defaults.samples),
-            bounces: self.bounces.map_or(defaults.bounces, |limit| limit.0),
+            bounces: self.bounces.unwrap_or(DEFAULT_BOUNCES).0,
             seed: self.seed,
         }
     }

@@ -58,7 +58,6 @@ fn open_window(scene: Option<&str>, flags: &Flags, layers: &Layers) -> Result<()
     let trace = &mut request.settings.render.trace;
     trace.samples = flags.samples.unwrap_or(trace.samples);
     trace.bounces = flags.bounces.map_or(trace.bounces, |limit| limit.0);
-    request.model_bounces = flags.bounces.map_or(request.model_bounces, |limit| limit.0);
     trace.seed = flags.seed;
     request.settings.render.mode = flags.mode;
     Ok(window::run(request)?)

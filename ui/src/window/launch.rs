@@ -1,5 +1,6 @@
 //! Options with which the window is opened.
 
+use crate::settings::DEFAULT_BOUNCES;
 use crate::window::rendering::scene_loading::SceneSource;
 use crate::window::state::{Appearance, PictureSettings, WINDOW_SAMPLES};
 use afterimage::import::DaylightOptions;
@@ -19,9 +20,6 @@ pub struct LaunchOptions {
     pub daylight: DaylightOptions,
     /// Settings of the walkthrough at the start.
     pub settings: WalkthroughSettings,
-    /// Diffuse bounces for models from files. They are made for renderers with indirect light, and
-    /// are dark without it.
-    pub model_bounces: u32,
     /// Pose to start at instead of the scene's start view.
     pub camera: Option<Camera>,
     /// Name of the saved view to start at. `camera` takes precedence.
@@ -51,7 +49,7 @@ pub struct LaunchOptions {
 
 impl Default for LaunchOptions {
     fn default() -> Self {
-        let trace = TraceSettings { samples: WINDOW_SAMPLES, ..TraceSettings::default() };
+        let trace = TraceSettings { samples: WINDOW_SAMPLES, bounces: DEFAULT_BOUNCES.0, seed: 0 };
         let settings = WalkthroughSettings {
             render: RenderSettings { trace, ..RenderSettings::default() },
             placement: PlacementPolicy::default(),
@@ -62,7 +60,6 @@ impl Default for LaunchOptions {
             scene: None,
             daylight: DaylightOptions::default(),
             settings,
-            model_bounces: 1,
             camera: None,
             view: None,
             fov_y_deg: None,

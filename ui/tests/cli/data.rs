@@ -6,7 +6,7 @@ use glam::DVec3;
 use serde_json::json;
 
 const POSE: &str = "--eye 0,1.6,3 --look-at 0.4,1.4,0";
-const SMALL: &str = "--size 64x48 --samples 2 --json";
+const SMALL: &str = "--size 64x48 --samples 2 --bounces 0 --json";
 
 fn pixels(path: &std::path::Path) -> Vec<[u8; 3]> {
     image::open(path).unwrap().to_rgb8().pixels().map(|p| p.0).collect()
@@ -338,7 +338,7 @@ fn an_antialiased_picture_is_full_and_says_so() {
 #[test]
 fn an_audited_tour_records_what_was_checked() {
     let bench = Bench::new();
-    let line = "tour room.obj --path walks.json#short --size 64x48 --samples 2 --mode exact --audit --json --out run";
+    let line = "tour room.obj --path walks.json#short --size 64x48 --samples 2 --bounces 0 --mode exact --audit --json --out run";
     let audited = |answer: &serde_json::Value| {
         answer["frames"].as_array().unwrap().iter().filter(|f| f["audit"].is_object()).count()
     };

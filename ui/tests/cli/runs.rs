@@ -115,7 +115,7 @@ fn folders_of_other_runs_are_refused_and_not_changed() {
     refused("experiment merge a b --out merged", "seed 5 there, 0 here");
     assert!(!bench.path("merged").exists(), "nothing is made of shards that do not belong together");
     refused(&format!("{TABLE1} --out a --shard 1/2"), "shard 0/2 there, 1/2 here");
-    refused(&format!("{TABLE1} --out a --shard 0/2 --bounces 1"), "bounces 0 there, 1 here");
+    refused(&format!("{TABLE1} --out a --shard 0/2 --repetitions 2"), "repetitions 1 there, 2 here");
     refused("experiment error-time room.obj --quick --out a", "table1");
     assert_eq!(content(&bench.path("a")), before);
     let manifest = bench.path("a/manifest.json");
@@ -125,4 +125,17 @@ fn folders_of_other_runs_are_refused_and_not_changed() {
     refused(&format!("{TABLE1} --out a --shard 0/2"), "format 99, but this version reads format 1");
     refused("experiment merge a --out merged", "format 99");
     assert_eq!(content(&bench.path("a")), before);
+}
+
+#[test]
+fn table1_says_that_it_uses_no_bounces() {
+    let bench = Bench::new();
+    let output = bench.run(&format!("{TABLE1} --out a --bounces all"));
+    let said = stderr(&output);
+    assert!(output.status.success() && said.contains("--bounces all is not used"), "{said}");
+    let manifest = std::fs::read(bench.path("a/manifest.json")).unwrap();
+    let manifest: Value = serde_json::from_slice(&manifest).unwrap();
+    assert_eq!(manifest["settings"]["bounces"], json!(0));
+    assert!(std::fs::read_to_string(bench.path("a/report.html")).unwrap().contains("direct light only"));
+    assert!(!stderr(&bench.run(&format!("{TABLE1} --out a --bounces 0"))).contains("not used"));
 }

@@ -10,7 +10,8 @@ fn settings_come_in_layers() {
     let samples = |line: &str| number(&bench.json(line), "/samples");
     std::fs::write(bench.path("mine.toml"), "samples = 3\nbounces = 1\nmode = 'full'\n").unwrap();
     let render = format!("render room.obj {TINY} -o a.png");
-    assert_eq!(samples(&render), 16.0);
+    let answer = bench.json(&render);
+    assert_eq!((number(&answer, "/samples"), &answer["bounces"]), (16.0, &serde_json::json!("all")));
     let with_file = format!("{render} --config mine.toml");
     let answer = bench.json(&with_file);
     assert_eq!((number(&answer, "/samples"), number(&answer, "/bounces")), (3.0, 1.0));

@@ -108,12 +108,12 @@ impl Desk {
 
     /// Opens a window on a model given as text.
     pub(super) fn open_with_model(model: &str) -> Option<Self> {
-        Self::start(Some(model), &["model.obj", "--samples", "1"], &[])
+        Self::start(Some(model), &["model.obj", "--samples", "1", "--bounces", "1"], &[])
     }
 
     /// Opens a window on the courtyard with environment variables.
     pub(super) fn open_in(variables: &[(&str, &str)]) -> Option<Self> {
-        Self::start(Some(COURTYARD), &["model.obj", "--samples", "1"], variables)
+        Self::start(Some(COURTYARD), &["model.obj", "--samples", "1", "--bounces", "1"], variables)
     }
 
     /// Opens a window with arguments.

@@ -88,7 +88,7 @@ fn names(folder: &Path) -> Vec<String> {
 fn a_disk_that_fills_up_loses_no_picture_of_a_sequence_and_it_goes_on() {
     // A metered exposure may change between the two sequences, and another exposure is another
     // sequence with a folder of its own.
-    let arguments = ["model.obj", "--samples", "1", "--exposure", "0"];
+    let arguments = ["model.obj", "--samples", "1", "--bounces", "1", "--exposure", "0"];
     let Some(desk) = Desk::start(Some(COURTYARD), &arguments, &[]) else { return };
     desk.pose();
     desk.xdotool("key k keydown w sleep 0.4 keyup w sleep 0.4 key k");

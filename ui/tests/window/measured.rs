@@ -182,7 +182,7 @@ fn measured_latency() {
 #[ignore = "a measurement, alone on the machine"]
 fn measured_million_triangles() {
     // In this mode nothing changes at rest.
-    let arguments = ["model.obj", "--samples", "1", "--mode", "paper"];
+    let arguments = ["model.obj", "--samples", "1", "--bounces", "1", "--mode", "paper"];
     let Some(desk) = Desk::start(Some(&waves(708)), &arguments, &[]) else { return };
     desk.pose();
     say_latencies("a million triangles", &Person::at(&desk), MOVED_AT_ALL);

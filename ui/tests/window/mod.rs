@@ -23,6 +23,7 @@ mod timewarp;
 mod unsaved_changes;
 
 use afterimage::render::Mode;
+use afterimage::trace::TraceSettings;
 use afterimage::{Camera, Scene};
 use afterimage_ui::window::{App, LaunchOptions, SceneSource};
 use egui_kittest::Harness;
@@ -45,7 +46,8 @@ fn request() -> LaunchOptions {
         threads: Some(2),
         ..LaunchOptions::default()
     };
-    request.settings.render.trace.samples = 1;
+    // Direct light: most tests are about the window, not about what it shows.
+    request.settings.render.trace = TraceSettings { samples: 1, bounces: 0, seed: 0 };
     // In this mode most pixels of a frame at rest are of Type 1.
     request.settings.render.mode = Mode::Paper;
     request

@@ -70,7 +70,7 @@ fn a_person_walks_looks_and_saves() {
 #[test]
 fn drawing_again_and_again_takes_no_memory() {
     // In the other modes the picture at rest is refined at full size, and memory grows with it.
-    let arguments = ["model.obj", "--samples", "1", "--mode", "paper"];
+    let arguments = ["model.obj", "--samples", "1", "--bounces", "1", "--mode", "paper"];
     let Some(desk) = Desk::start(Some(COURTYARD), &arguments, &[]) else { return };
     let wander = |steps: u32| {
         let moves: String = (0..steps)

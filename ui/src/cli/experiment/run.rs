@@ -12,6 +12,7 @@ use afterimage::experiment::run::{
     caveats, merge, run_cells,
 };
 use afterimage::experiment::throughput::{ThroughputSettings, gather_rays};
+use afterimage::trace::BounceLimit;
 use afterimage::{camera::CameraPath, experiment::registry::find, raster::save::write_atomically};
 use anyhow::Context;
 use serde_json::json;
@@ -122,7 +123,7 @@ fn settings(experiment: &Experiment, args: &ExperimentArgs, flags: &Flags) -> Ex
     ExperimentSettings {
         size: flags.given_size.unwrap_or(defaults.size),
         samples: flags.samples.unwrap_or(defaults.samples),
-        bounces: flags.bounces.unwrap_or(defaults.bounces),
+        bounces: bounces(experiment, flags, &defaults),
         seed: flags.seed,
         repetitions: args.repetitions.unwrap_or(defaults.repetitions),
         views: args.views.unwrap_or(defaults.views),
@@ -133,6 +134,19 @@ fn settings(experiment: &Experiment, args: &ExperimentArgs, flags: &Flags) -> Ex
         full_samples: defaults.full_samples.map(|usual| args.full_samples.unwrap_or(usual)),
         ..defaults
     }
+}
+
+/// The limit of bounces. An experiment on the paper's light has one that flags do not change.
+fn bounces(experiment: &Experiment, flags: &Flags, defaults: &ExperimentSettings) -> BounceLimit {
+    let Some(fixed) = experiment.fixed_bounces else { return flags.bounces.unwrap_or(defaults.bounces) };
+    if let Some(given) = flags.bounces.filter(|given| *given != fixed) {
+        output::say(&format!(
+            "note: experiment {} has {} (--bounces {fixed}), whatever is set; --bounces {given} is not used",
+            experiment.name,
+            fixed.light(),
+        ));
+    }
+    fixed
 }
 
 /// The checkpoints of an experiment that has some, in rising order.
@@ -202,6 +216,7 @@ fn print(folder: &RunFolder, report: &Report, is_kept: bool, flags: &Flags) {
         "scene": manifest.identity.scene,
         "scene_hash": manifest.identity.scene_sha256,
         "version": manifest.identity.version,
+        "bounces": manifest.identity.settings.0.get("bounces"),
         "out": is_kept.then(|| folder.path()),
         "cells": manifest.cells,
         "cells_done": manifest.cells_done,

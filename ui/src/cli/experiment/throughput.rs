@@ -7,6 +7,7 @@ use crate::cli::{failure::Failure, flags::Flags, interrupt, output, pose::camera
 use crate::picture::memory;
 use afterimage::experiment::throughput::{Throughput, ThroughputSettings, measure_throughput};
 use afterimage::raster::save::write_atomically;
+use afterimage::trace::{BounceLimit, TraceSettings};
 use serde_json::{Value, json};
 
 /// Measures and prints; no folder is written.
@@ -14,7 +15,7 @@ pub(super) fn run(args: &ExperimentArgs, flags: &Flags) -> Result<(), Failure> {
     memory::check(flags.pixels(), 1)?;
     let loaded = load(Some(args.scene()?), flags)?;
     let camera = camera(flags, loaded.scene())?;
-    let settings = ThroughputSettings { camera, size: flags.size(), trace: flags.trace() };
+    let settings = ThroughputSettings { camera, size: flags.size(), trace: trace(flags) };
     let stop = interrupt::is_cancelled;
     let timing = |part: &str| output::say(&format!("timing: {part}"));
     let (throughput, rays) =
@@ -27,6 +28,11 @@ pub(super) fn run(args: &ExperimentArgs, flags: &Flags) -> Result<(), Failure> {
     loaded.verdict(flags)
 }
 
+/// Settings of the timed stages: direct light unless a flag or setting gives bounces.
+fn trace(flags: &Flags) -> TraceSettings {
+    TraceSettings { bounces: flags.bounces.unwrap_or(BounceLimit::NONE).0, ..flags.trace() }
+}
+
 fn object(flags: &Flags, loaded: &Loaded, throughput: &Throughput) -> Value {
     let mut object = json!({
         "experiment": "throughput",
@@ -36,6 +42,7 @@ fn object(flags: &Flags, loaded: &Loaded, throughput: &Throughput) -> Value {
         "version": env!("CARGO_PKG_VERSION"),
         "size": flags.size(),
         "samples": flags.trace().samples,
+        "bounces": trace(flags).bounce_limit(),
         "seed": flags.seed,
     });
     output::extend(&mut object, throughput);

@@ -190,7 +190,7 @@ fn show_scene(app: &mut Parts, source: SceneSource, tracer: Arc<Tracer>) {
     begin_edits(app, tracer.scene(), is_reload);
     app.current.first_generation = app.services.render.send(RenderCommand::SetTracer(tracer));
     if !is_reload {
-        reset_quality(app, &source, &arrival, exposure);
+        reset_exposure(app, &arrival, exposure);
     }
     app.current.sent = None;
     restore_session(app, arrival.session, is_reload);
@@ -201,15 +201,10 @@ fn show_scene(app: &mut Parts, source: SceneSource, tracer: Arc<Tracer>) {
     }
 }
 
-/// Sets bounces and exposure as they suit the scene; a reset of the quality restores these.
-/// Models from files are made for renderers with indirect light. `exposure` is that of the scene.
-fn reset_quality(app: &mut Parts, source: &SceneSource, arrival: &Arrival, exposure: Exposure) {
+/// Sets the exposure as it suits the scene; a reset of the quality restores it. `exposure` is that of
+/// the scene.
+fn reset_exposure(app: &mut Parts, arrival: &Arrival, exposure: Exposure) {
     let launch = &app.services.launch;
-    let is_model = matches!(source, SceneSource::File { .. });
-    let bounces = if is_model { launch.model_bounces } else { launch.settings.render.trace.bounces };
-    for quality in [&mut app.state.quality, &mut app.state.default_quality] {
-        quality.walk.render.trace.bounces = bounces;
-    }
     app.state.default_quality.exposure = launch.exposure.unwrap_or(exposure);
     app.state.quality.exposure =
         arrival.exposure_ev.map_or(app.state.default_quality.exposure, Exposure::Stops);
