@@ -4,7 +4,7 @@
 use super::policy::{BAD_GUESS, HYSTERESIS, LookupQuality, MAX_POINTS_PER_PIXEL};
 use super::{LookupSet, PointCache, SurfaceKey, TracedPoint};
 use crate::camera::View;
-use crate::math::{Ray, key::Key};
+use crate::math::{Ray, key::Key, sequence::PointSeed};
 use crate::trace::{Hit, PixelTrace, RayCounts, SurfacePoint, TraceSettings, Tracer};
 use glam::Vec3;
 use std::ops::AddAssign;
@@ -67,8 +67,9 @@ impl PixelResolver<'_> {
     pub(crate) fn shade_unseen(&self, pixel: u32, triangle: u32, tally: &mut Tally) -> PixelTrace {
         let resolver = Self { trace: self.quality.unseen_trace(&self.trace), ..*self };
         let (ray, hit) = self.hit(pixel, triangle);
-        let key = Key::of_pixel(resolver.trace.seed, pixel);
-        let (mut traced, point) = self.tracer.shade_hit(&ray, hit, &resolver.trace, key, &mut tally.rays);
+        let trace = resolver.trace;
+        let seed = PointSeed::of_pixel(trace.seed, pixel, self.view.size[0], trace.samples);
+        let (mut traced, point) = self.tracer.shade_hit(&ray, hit, &trace.into(), seed, &mut tally.rays);
         if let (Some(hit), Some(point)) = (hit, point) {
             traced.radiance += resolver.specular(&point, &ray, &hit, pixel, tally);
         }
@@ -197,8 +198,11 @@ impl PixelResolver<'_> {
         guess: Option<Vec3>,
     ) -> Vec3 {
         let rays = &mut tally.rays;
-        let [radiance, light] =
-            self.tracer.diffuse_radiance_and_light(point, end.share, &self.trace, end.key, rays);
+        let light = self.tracer.arriving_light(point, end.share, &self.trace.into(), end.key.into(), rays);
+        let scene = self.tracer.scene();
+        let emission = scene.materials[point.material.0 as usize].emission;
+        let radiance = emission + light.reflected(point.albedo(scene));
+        let light = light.direct() + light.smooth;
         if point.albedo(self.tracer.scene()) != Vec3::ZERO {
             let (samples, noise) = (self.trace.samples_for(end.share), self.trace.noise());
             let (pixel, near) = (end.pixel, self.surface_key(point, end));

@@ -5,7 +5,7 @@
 use super::policy::{ESTIMATE_STEP, MAX_SMOOTHED};
 use super::{LookupSet, TileLight, TileSurfaces, ViewLookup, pixels_of_tile, tile::inside_mask};
 use crate::camera::{Camera, View};
-use crate::math::key::Key;
+use crate::math::sequence::PointSeed;
 use crate::reference::{ReferenceFrame, placement::OpenSpot};
 use crate::trace::parallel::{Stop, trace_pixels};
 use crate::trace::{NO_TRIANGLE, TILE_RAYS, TILE_SIDE, TraceSettings, Tracer};
@@ -45,7 +45,9 @@ impl ReferenceFrame {
         let (rays, complete) = trace_pixels(&open, &mut lights, stop, |pixel, rays| {
             let ray = Tracer::primary_ray(&view, pixel);
             let hit = tracer.hit_on_triangle(&ray, frame.triangle()[pixel as usize]);
-            tracer.shade_hit(&ray, hit, settings, Key::of_pixel(settings.seed, pixel), rays).0.light
+            let seed = PointSeed::of_pixel(settings.seed, pixel, size[0], settings.samples);
+            let light = tracer.shade_hit(&ray, hit, &(*settings).into(), seed, rays).0.light;
+            light.direct() + light.smooth
         });
         if !complete {
             return None;

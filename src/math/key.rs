@@ -30,7 +30,7 @@ impl Key {
 }
 
 /// Maps 32 random bits to [0, 1). Keeps the upper 24 bits, as many as an f32 can hold.
-fn unit_interval(bits: u32) -> f32 {
+pub(super) fn unit_interval(bits: u32) -> f32 {
     (bits >> 8) as f32 * (1.0 / 16_777_216.0)
 }
 

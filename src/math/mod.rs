@@ -4,6 +4,7 @@ pub mod key;
 pub mod ray;
 pub mod rounding;
 pub mod sampling;
+pub mod sequence;
 pub mod simd;
 
 pub use ray::Ray;

@@ -307,7 +307,7 @@ impl Renderer {
         let hits = depths
             .zip(&frame.triangle)
             .map(|(t, &triangle)| (triangle != NO_TRIANGLE).then_some((t, triangle)));
-        let lights = self.unseen.done().map(|(_, traced)| traced.light);
+        let lights = self.unseen.done().map(|(_, traced)| traced.light.direct() + traced.light.smooth);
         let trace = settings.unseen_trace();
         let (camera, size) = (&frame.camera, frame.view.size);
         ReferenceFrame::from_lit_pixels(tracer, camera, size, &trace, hits, self.unseen.pixels(), lights)

@@ -30,7 +30,10 @@ mod tracer;
 pub use bounce_limit::{BounceLimit, NotABounceLimit};
 pub use bvh::{BUNDLE_RAYS, Bvh, Hit, NO_TRIANGLE, RayBundle, RayTile, TILE_RAYS, TILE_SIDE, TileHits};
 pub use lights::{LightCuts, LightGrid};
-pub use path::{MAX_BOUNCES, PathVertex, PixelTrace, truncation_bound};
+pub(crate) use path::SmoothSettings;
+pub use path::{
+    ArrivingLight, CachedLight, LightSettings, MAX_BOUNCES, MAX_PATH, PathVertex, PixelTrace, truncation_bound,
+};
 pub use primary_tile::primary_tile;
 pub use probe::Probe;
 pub use settings::{RayCounts, TraceSettings};

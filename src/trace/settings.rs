@@ -17,10 +17,6 @@ pub struct TraceSettings {
     pub seed: u64,
 }
 
-/// Noise of light from diffuse bounces (one path per sample) over that of direct light (one shadow
-/// ray per sample). With 3, half of the pixels of a sunlit room were taken for shadow edges.
-const BOUNCE_NOISE: f32 = 8.0;
-
 impl TraceSettings {
     /// Value of [`Self::bounces`] for as many bounces as matter.
     pub const ALL_BOUNCES: u32 = BounceLimit::ALL.0;
@@ -36,12 +32,11 @@ impl TraceSettings {
         ((self.samples as f32 * share).ceil() as u32).clamp(1, self.samples.max(1))
     }
 
-    /// Noise of the light, relative to sixteen shadow rays and no bounce; at least 1.
+    /// Noise of the light straight from lamps and sun, relative to sixteen shadow rays; at least 1.
     ///
     /// A threshold that separates signal from noise at that sample count is multiplied by this.
     pub(crate) fn noise(&self) -> f32 {
-        let of_bounces = if self.bounces > 0 { BOUNCE_NOISE } else { 1.0 };
-        (of_bounces * (16.0 / self.samples.max(1) as f32).sqrt()).max(1.0)
+        (16.0 / self.samples.max(1) as f32).sqrt().max(1.0)
     }
 }
 
@@ -65,6 +60,8 @@ pub struct RayCounts {
     /// Shadow rays so short that the irradiance of their light was bounded; counted in `shadow`
     /// too.
     pub clamped: u64,
+    /// Paths that ended at the bound on their length ([`MAX_PATH`](super::MAX_PATH)); not rays.
+    pub bounded: u64,
 }
 
 impl RayCounts {
@@ -81,5 +78,6 @@ impl AddAssign for RayCounts {
         self.secondary += other.secondary;
         self.indirect += other.indirect;
         self.clamped += other.clamped;
+        self.bounded += other.bounded;
     }
 }

@@ -86,7 +86,7 @@ impl ReferenceFrame {
         for (&pixel, traced) in order.iter().zip(traced.iter().flatten()) {
             frame.store_hit(pixel as usize, traced.hit.map(|hit| (hit.t, hit.triangle)), traced.reflections);
         }
-        frame.store_lights(&order, traced.iter().flatten().map(|t| t.light));
+        frame.store_lights(&order, traced.iter().flatten().map(|t| t.light.direct() + t.light.smooth));
         (frame.rays, frame.is_dense) = (rays, true);
         frame.forget_ill_conditioned(tracer);
         frame.bound_tiles();

@@ -7,14 +7,37 @@ use super::quad::Points;
 use super::sample::{add_samples, is_behind, sample_count};
 use super::share::LightTurn;
 use crate::math::key::Key;
+use crate::scene::Light;
 use crate::trace::{BUNDLE_RAYS, RayBundle, RayCounts, SurfacePoint, Tracer};
 use glam::Vec3;
+
+/// Which lights are sampled by shadow rays.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum LightKinds {
+    /// All of them.
+    All,
+    /// Those that cast sharp shadows. Paths find the sky.
+    AllButSky,
+}
 
 impl Tracer {
     /// Returns the irradiance that arrives straight from the lights, by `samples` shadow rays each.
     /// Where more than 64 lights matter, they share the rays of 64.
     pub fn irradiance(&self, point: &SurfacePoint, samples: u32, key: Key, rays: &mut RayCounts) -> Vec3 {
-        self.irradiance_through(point, samples, key, |bundle, clamped, passed| {
+        self.irradiance_of(LightKinds::All, point, samples, |light| key.with(light).pair(), rays)
+    }
+
+    /// Returns the irradiance that arrives straight from some kinds of lights. `shift` returns the
+    /// random shift of the samples of a light, by its index in the scene.
+    pub(crate) fn irradiance_of(
+        &self,
+        kinds: LightKinds,
+        point: &SurfacePoint,
+        samples: u32,
+        shift: impl Fn(u32) -> [f32; 2],
+        rays: &mut RayCounts,
+    ) -> Vec3 {
+        self.irradiance_through(kinds, point, samples, shift, |bundle, clamped, passed| {
             rays.shadow += bundle.len() as u64;
             rays.clamped += clamped;
             self.transmittances(bundle, passed);
@@ -23,7 +46,9 @@ impl Tracer {
 
     /// Appends to `bundles` the shadow rays that [`Self::irradiance`] traces, in its order.
     pub fn shadow_bundles(&self, point: &SurfacePoint, samples: u32, key: Key, bundles: &mut Vec<RayBundle>) {
-        self.irradiance_through(point, samples, key, |bundle, _, _| bundles.push(bundle.clone()));
+        let shift = |light| key.with(light).pair();
+        let push = |bundle: &RayBundle, _, _: &mut _| bundles.push(bundle.clone());
+        self.irradiance_through(LightKinds::All, point, samples, shift, push);
     }
 
     /// Sums the irradiance of all lights. `trace` receives each bundle of shadow rays with the
@@ -32,9 +57,10 @@ impl Tracer {
     #[inline(always)]
     fn irradiance_through(
         &self,
+        kinds: LightKinds,
         point: &SurfacePoint,
         samples: u32,
-        key: Key,
+        shift: impl Fn(u32) -> [f32; 2],
         mut trace: impl FnMut(&RayBundle, u64, &mut [Vec3; BUNDLE_RAYS]),
     ) -> Vec3 {
         let origin = point.origin_in_front();
@@ -42,11 +68,12 @@ impl Tracer {
         for LightTurn { index, samples, weight } in self.lights_at(point.position).turns(samples, key) {
             // Skip a light that lies wholly behind the surface.
             let light = &self.scene().lights[index as usize];
-            if is_behind(light, point) {
+            let is_left_out = kinds == LightKinds::AllButSky && matches!(light, Light::Sky);
+            if is_left_out || is_behind(light, point) {
                 continue;
             }
             let count = sample_count(light, samples);
-            let shift = key.with(index).pair();
+            let shift = shift(index);
             let mut sum = Vec3::ZERO;
             for first in (0..count).step_by(BUNDLE_RAYS) {
                 // Sample points on the light.

@@ -9,5 +9,6 @@ mod sample;
 mod shadow;
 mod share;
 
+pub(crate) use direct::LightKinds;
 pub use grid::{LightCuts, LightGrid};
 pub(in crate::trace) use share::CellLights;

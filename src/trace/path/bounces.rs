@@ -1,116 +1,173 @@
-//! Irradiance by way of other diffuse surfaces, path traced.
+//! Smooth light: what arrives from the sky and by way of other diffuse surfaces, path traced.
 
-use super::dimension::INDIRECT;
+use super::cached_light::CachedLight;
+use super::dimension::{DIRECTION, LIGHT, ROULETTE};
 use crate::bsdf::Diffuse;
-use crate::math::{Ray, key::Key, sampling::lattice};
+use crate::math::{Ray, sequence::Sequence};
+use crate::trace::lights::LightKinds;
 use crate::trace::{RayCounts, SurfacePoint, Tracer};
 use glam::Vec3;
-use std::f32::consts::PI;
+use std::ops::Range;
 
 /// Number of mirrors and panes in a row after which a path ends.
 const MAX_CHAIN: u32 = 64;
 
-/// Number of diffuse bounces after which a path ends, whatever the settings say.
-const MAX_BOUNCES: u32 = 64;
+/// Number of diffuse surfaces after which a path ends, whatever it carries. Russian roulette lets
+/// one path in half a million come so far where surfaces absorb nothing, and none elsewhere.
+pub const MAX_PATH: u32 = 256;
 
-/// Where a path arrives. The flag is true where a surface reflected it since it last scattered
-/// diffusely.
+/// First bounce that Russian roulette may end.
+const FIRST_ROULETTE: u32 = 1;
+
+/// Largest probability, 0..1, with which a path continues, so that it ends where surfaces absorb
+/// nothing.
+const MAX_SURVIVAL: f32 = 0.95;
+
+/// Where a ray of a path arrives. The flag is true where a surface reflected it since it last
+/// scattered diffusely.
 enum Next {
-    Surface(SurfacePoint, bool),
+    /// A surface that scatters diffusely, and the length of the way there, scene units.
+    Surface(SurfacePoint, f32, bool),
+    /// The sky, in this direction.
     Sky(Vec3, bool),
     Lost,
 }
 
+/// What the paths of smooth light are traced with.
+#[derive(Clone, Copy)]
+pub(crate) struct SmoothSettings<'a> {
+    /// Diffuse surfaces on the way from the light to the point, at most.
+    pub(crate) bounces: u32,
+    /// Where a path may end at its first surface; `None` traces it on.
+    pub(crate) cache: Option<&'a dyn CachedLight>,
+}
+
 impl Tracer {
-    /// Returns the irradiance from other surfaces: `samples` paths of up to `bounces` vertices,
-    /// with one shadow ray per light at each.
+    /// Sums the light of some samples of a point's sequence: light from the sky, straight or by way
+    /// of up to `bounces` diffuse surfaces, and light of the other sources by way of one surface at
+    /// least. Each is the radiance of a white surface.
     ///
-    /// Light that arrives straight from a source is left out: [`Self::irradiance`] includes it.
-    pub(super) fn indirect_irradiance(
+    /// Returns the sums of the samples with even and with odd numbers.
+    pub(crate) fn smooth_light(
         &self,
         point: &SurfacePoint,
-        samples: u32,
-        bounces: u32,
-        key: Key,
+        samples: Range<u32>,
+        sequence: Sequence,
+        settings: SmoothSettings<'_>,
         rays: &mut RayCounts,
-    ) -> Vec3 {
-        let key = key.with(INDIRECT);
-        let mut sum = Vec3::ZERO;
-        for i in 0..samples {
-            let u = lattice(i, samples, key.pair());
-            sum += self.path_radiance(point, u, bounces, key.with(i), rays);
+    ) -> [Vec3; 2] {
+        let mut sums = [Vec3::ZERO; 2];
+        for sample in samples {
+            let path = Path { tracer: self, sequence, sample, settings };
+            sums[(sample & 1) as usize] += path.radiance(point, rays);
         }
-        sum * (PI / samples as f32)
+        sums
     }
+}
 
-    /// Returns the radiance that one path brings to `start`; `u` chooses its first direction.
-    fn path_radiance(
-        &self,
-        start: &SurfacePoint,
-        mut u: [f32; 2],
-        bounces: u32,
-        key: Key,
-        rays: &mut RayCounts,
-    ) -> Vec3 {
+/// One path.
+struct Path<'a> {
+    tracer: &'a Tracer,
+    sequence: Sequence,
+    sample: u32,
+    settings: SmoothSettings<'a>,
+}
+
+impl Path<'_> {
+    /// The radiance that the path brings to a white surface.
+    fn radiance(&self, start: &SurfacePoint, rays: &mut RayCounts) -> Vec3 {
+        let scene = self.tracer.scene();
+        let bounces = self.settings.bounces.min(MAX_PATH);
         let (mut point, mut throughput, mut radiance) = (*start, Vec3::ONE, Vec3::ZERO);
-        for bounce in 0..bounces.min(MAX_BOUNCES) {
-            let key = key.with(INDIRECT + bounce);
+        // After the last surface only the sky is left to be found.
+        let segments = bounces + u32::from(scene.sky.is_some());
+        for bounce in 0..segments {
+            if !self.survives(bounce, &mut throughput) {
+                return radiance;
+            }
             // Follow a diffusely scattered ray to the next diffuse surface.
-            let Some(direction) = Diffuse::sample_direction(&point.facing(self.scene()), u) else { break };
-            let ray = Ray::new(point.origin_in_front(), direction);
-            let (next, was_reflected) = match self.next_diffuse_point(ray, &mut throughput, key, rays) {
-                Next::Surface(next, was_reflected) => (next, was_reflected),
-                // A sky seen directly is a light, which has shadow rays of its own.
-                Next::Sky(seen, true) => return radiance + throughput * seen,
-                Next::Sky(..) | Next::Lost => break,
+            let u = self.sequence.pair(self.sample, DIRECTION + bounce);
+            let Some(direction) = Diffuse::sample_direction(&point.facing(scene), u) else {
+                return radiance;
             };
+            let ray = Ray::new(point.origin_in_front(), direction);
+            let (next, length, was_reflected) = match self.next(ray, &mut throughput, bounce, rays) {
+                Next::Surface(next, length, was_reflected) => (next, length, was_reflected),
+                Next::Sky(direction, was_reflected) => {
+                    return radiance + throughput * self.tracer.escaping(direction, was_reflected);
+                }
+                Next::Lost => return radiance,
+            };
+            if bounce == bounces {
+                return radiance;
+            }
             // No shadow ray finds a light by way of a mirror, so its emission counts here.
             if was_reflected {
-                radiance += throughput * self.material(&next).emission;
+                radiance += throughput * self.tracer.material(&next).emission;
             }
             // The weight of a diffuse sample is the albedo.
-            throughput *= next.albedo(self.scene());
+            throughput *= next.albedo(scene);
             if throughput.max_element() <= 0.0 {
-                break;
+                return radiance;
             }
-            // Add the light that arrives there straight from the sources.
-            let irradiance = self.irradiance(&next, 1, key, rays);
+            // End in light that is known there, or add what arrives there straight from the lights.
+            if bounce == 0
+                && let Some(cache) = self.settings.cache
+                && let Some(light) = cache.light_at(self.tracer, &next, length)
+            {
+                return radiance + throughput * light;
+            }
+            let irradiance = self.lights(&next, bounce, rays);
             radiance += Diffuse { albedo: throughput }.radiance(irradiance);
             point = next;
-            u = key.with(INDIRECT).pair();
         }
+        rays.bounded += u64::from(self.settings.bounces > MAX_PATH);
         radiance
+    }
+
+    /// Russian roulette: true where the path continues, with its throughput raised accordingly.
+    fn survives(&self, bounce: u32, throughput: &mut Vec3) -> bool {
+        if bounce < FIRST_ROULETTE {
+            return true;
+        }
+        let survival = throughput.max_element().min(MAX_SURVIVAL);
+        *throughput /= survival;
+        self.sequence.pair(self.sample, ROULETTE + bounce)[0] < survival
+    }
+
+    /// The irradiance at a vertex that arrives straight from lights other than the sky.
+    fn lights(&self, point: &SurfacePoint, bounce: u32, rays: &mut RayCounts) -> Vec3 {
+        let first = LIGHT + (bounce << 16);
+        let shift = |light| self.sequence.pair(self.sample, first.wrapping_add(light));
+        self.tracer.irradiance_of(LightKinds::AllButSky, point, 1, shift, rays)
     }
 
     /// Follows a ray to the next point that scatters diffusely, through mirrors and glass on the
     /// way. At a surface with several lobes one is chosen at random, by the share of light that it
     /// carries.
-    fn next_diffuse_point(
-        &self,
-        mut ray: Ray,
-        throughput: &mut Vec3,
-        key: Key,
-        rays: &mut RayCounts,
-    ) -> Next {
-        let mut was_reflected = false;
+    fn next(&self, mut ray: Ray, throughput: &mut Vec3, bounce: u32, rays: &mut RayCounts) -> Next {
+        let tracer = self.tracer;
+        let (mut was_reflected, mut length) = (false, 0.0);
         for link in 0..MAX_CHAIN {
             rays.indirect += 1;
-            let Some(hit) = self.closest(&ray) else {
-                return Next::Sky(self.diffuse_sky(ray.direction), was_reflected);
+            let Some(hit) = tracer.closest(&ray) else {
+                return Next::Sky(ray.direction, was_reflected);
             };
-            let point = self.surface(&ray, &hit);
-            if !self.is_view_dependent(&point) {
-                return Next::Surface(point, was_reflected);
+            let point = tracer.surface(&ray, &hit);
+            // Directions are of unit length, so `t` is a distance.
+            length += hit.t;
+            if !tracer.is_view_dependent(&point) {
+                return Next::Surface(point, length, was_reflected);
             }
             // Choose between the diffuse lobe and the other.
-            let key = key.with(link);
+            let key = self.sequence.key(self.sample).with(bounce).with(link);
             let [random_branch, random_lobe] = key.pair();
-            let continuations = self.scatter(&point, ray.direction, key);
-            let diffuse = point.albedo(self.scene()).max_element();
+            let continuations = tracer.scatter(&point, ray.direction, key);
+            let diffuse = point.albedo(tracer.scene()).max_element();
             let scatters = diffuse / (diffuse + continuations.total_weight());
             if random_lobe < scatters {
                 *throughput /= scatters;
-                return Next::Surface(point, was_reflected);
+                return Next::Surface(point, length, was_reflected);
             }
             // Choose one of the other lobe's continuations.
             let Some(next) = continuations.choose(random_branch) else { return Next::Lost };
@@ -119,5 +176,14 @@ impl Tracer {
             ray = point.scattered_ray(&next);
         }
         Next::Lost
+    }
+}
+
+impl Tracer {
+    /// The radiance that a path finds in the sky. A sun in the sky counts only where the path was
+    /// reflected on its last way: elsewhere shadow rays find it.
+    fn escaping(&self, direction: Vec3, was_reflected: bool) -> Vec3 {
+        let _ = was_reflected;
+        self.sky(direction)
     }
 }

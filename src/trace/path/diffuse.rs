@@ -1,49 +1,109 @@
 //! The diffuse radiance of a surface: the part that does not depend on the viewer, so that a
 //! reference image can provide it to other views.
 
+use super::bounces::SmoothSettings;
+use super::cached_light::CachedLight;
 use crate::bsdf::Diffuse;
-use crate::math::key::Key;
+use crate::math::sequence::PointSeed;
+use crate::trace::lights::LightKinds;
 use crate::trace::{RayCounts, SurfacePoint, TraceSettings, Tracer};
 use glam::Vec3;
+
+/// Light that arrives at a surface point, linear Rec. 709.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ArrivingLight {
+    /// Irradiance straight from the lights: from sun and lamps, and without bounces from the sky
+    /// too.
+    pub direct_irradiance: Vec3,
+    /// Light from the sky and from other surfaces, as the radiance of a white surface; zero without
+    /// bounces.
+    pub smooth: Vec3,
+}
+
+impl ArrivingLight {
+    /// The light straight from the lights, as the radiance of a white surface.
+    pub fn direct(&self) -> Vec3 {
+        Diffuse::WHITE.radiance(self.direct_irradiance)
+    }
+
+    /// The radiance that a surface of this albedo reflects.
+    pub fn reflected(&self, albedo: Vec3) -> Vec3 {
+        Diffuse { albedo }.radiance(self.direct_irradiance) + albedo * self.smooth
+    }
+}
+
+/// How the light of a point is traced.
+#[derive(Clone, Copy)]
+pub struct LightSettings<'a> {
+    /// Samples and bounces.
+    pub trace: TraceSettings,
+    /// Where the paths of smooth light may end; `None` traces them on, without bias.
+    pub cache: Option<&'a dyn CachedLight>,
+}
+
+impl From<TraceSettings> for LightSettings<'_> {
+    fn from(trace: TraceSettings) -> Self {
+        Self { trace, cache: None }
+    }
+}
+
+impl LightSettings<'_> {
+    /// What the paths of smooth light are traced with.
+    pub(crate) fn smooth(&self) -> SmoothSettings<'_> {
+        SmoothSettings { bounces: self.trace.bounces, cache: self.cache }
+    }
+}
 
 impl Tracer {
     /// Returns the emitted plus diffusely reflected radiance of a surface point, on the viewer's
     /// side.
     ///
-    /// `share` (0..1) is how much of the pixel the point covers: shadow rays are spent in
-    /// proportion, at least one per light.
+    /// `share` (0..1) is how much of the pixel the point covers: samples are spent in proportion,
+    /// at least one per light and one path.
     pub fn diffuse_radiance(
         &self,
         point: &SurfacePoint,
         share: f32,
-        settings: &TraceSettings,
-        key: Key,
+        settings: &LightSettings<'_>,
+        seed: impl Into<PointSeed>,
         rays: &mut RayCounts,
     ) -> Vec3 {
-        self.diffuse_radiance_and_light(point, share, settings, key, rays)[0]
+        let light = self.arriving_light(point, share, settings, seed.into(), rays);
+        self.material(point).emission + light.reflected(point.albedo(self.scene()))
     }
 
-    /// Returns [`Self::diffuse_radiance`] and the arriving light as the radiance of a white
-    /// surface, which references store. For a black surface no ray is traced, and its light is
-    /// zero.
-    pub(crate) fn diffuse_radiance_and_light(
+    /// Returns the light that arrives at a surface point, which references store. For a black
+    /// surface no ray is traced, and its light is zero.
+    pub(crate) fn arriving_light(
         &self,
         point: &SurfacePoint,
         share: f32,
-        settings: &TraceSettings,
-        key: Key,
+        settings: &LightSettings<'_>,
+        seed: PointSeed,
         rays: &mut RayCounts,
-    ) -> [Vec3; 2] {
-        let emission = self.material(point).emission;
-        let albedo = point.albedo(self.scene());
-        if albedo == Vec3::ZERO {
-            return [emission, Vec3::ZERO];
+    ) -> ArrivingLight {
+        if point.albedo(self.scene()) == Vec3::ZERO {
+            return ArrivingLight::default();
         }
-        let samples = settings.samples_for(share);
-        let mut irradiance = self.irradiance(point, samples, key, rays);
-        if settings.bounces > 0 {
-            irradiance += self.indirect_irradiance(point, samples, settings.bounces, key, rays);
+        let samples = settings.trace.samples_for(share);
+        let direct_irradiance = self.direct_irradiance(point, samples, &settings.trace, seed, rays);
+        if settings.trace.bounces == 0 {
+            return ArrivingLight { direct_irradiance, smooth: Vec3::ZERO };
         }
-        [emission + Diffuse { albedo }.radiance(irradiance), Diffuse::WHITE.radiance(irradiance)]
+        let [even, odd] = self.smooth_light(point, 0..samples, seed.sequence, settings.smooth(), rays);
+        ArrivingLight { direct_irradiance, smooth: (even + odd) / samples as f32 }
+    }
+
+    /// Returns the irradiance straight from the lights, without the sky where paths find it.
+    pub(crate) fn direct_irradiance(
+        &self,
+        point: &SurfacePoint,
+        samples: u32,
+        trace: &TraceSettings,
+        seed: PointSeed,
+        rays: &mut RayCounts,
+    ) -> Vec3 {
+        let kinds = if trace.bounces > 0 { LightKinds::AllButSky } else { LightKinds::All };
+        self.irradiance_of(kinds, point, samples, |light| seed.key.with(light).pair(), rays)
     }
 }

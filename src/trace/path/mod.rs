@@ -1,11 +1,16 @@
-//! The radiance of a pixel: its diffuse light, the bounces of that light, and what mirrors and
-//! glass add.
+//! The radiance of a pixel: light straight from the sources, smooth light by paths, and what mirrors
+//! and glass add.
 
 mod bounces;
+mod cached_light;
 mod diffuse;
 mod dimension;
 mod pixel;
 mod specular;
 
+pub use bounces::MAX_PATH;
+pub(crate) use bounces::SmoothSettings;
+pub use cached_light::CachedLight;
+pub use diffuse::{ArrivingLight, LightSettings};
 pub use pixel::PixelTrace;
 pub use specular::{MAX_BOUNCES, PathVertex, truncation_bound};

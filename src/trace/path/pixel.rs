@@ -1,16 +1,17 @@
 //! One pixel of a picture, and of a reference image.
 
+use super::diffuse::{ArrivingLight, LightSettings};
 use super::specular::PathVertex;
 use crate::camera::View;
-use crate::math::{Ray, key::Key};
+use crate::math::{Ray, key::Key, sequence::PointSeed};
 use crate::trace::{Hit, RayCounts, SurfacePoint, TraceSettings, Tracer};
 use glam::Vec3;
 
 /// A traced pixel. Light and radiance are linear Rec. 709.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PixelTrace {
-    /// Light arriving at the first surface, as the radiance of a white one; zero for the sky.
-    pub light: Vec3,
+    /// Light arriving at the first surface; zero for the sky.
+    pub light: ArrivingLight,
     /// Radiance of the pixel.
     pub radiance: Vec3,
     /// First surface; `None` for the sky.
@@ -58,10 +59,11 @@ impl Tracer {
         rays: &mut RayCounts,
         specular: impl FnOnce(&SurfacePoint, Vec3, Key, &mut RayCounts) -> (Vec3, u32),
     ) -> PixelTrace {
-        let key = Key::of_pixel(settings.seed, pixel);
+        let seed = PointSeed::of_pixel(settings.seed, pixel, view.size[0], settings.samples);
+        let key = seed.key;
         rays.primary += 1;
         let ray = Self::primary_ray(view, pixel);
-        let (mut traced, point) = self.shade_hit(&ray, self.closest(&ray), settings, key, rays);
+        let (mut traced, point) = self.shade_hit(&ray, self.closest(&ray), &(*settings).into(), seed, rays);
         if let Some(point) = point.filter(|point| self.is_view_dependent(point)) {
             let (radiance, reflections) = specular(&point, ray.direction, key, rays);
             traced.radiance += radiance;
@@ -82,7 +84,7 @@ impl Tracer {
     ) -> (Vec3, u32) {
         let mut secondary = 0;
         let shade = |next: &SurfacePoint, vertex: PathVertex| {
-            self.diffuse_radiance(next, vertex.share, settings, vertex.key, rays)
+            self.diffuse_radiance(next, vertex.share, &(*settings).into(), vertex.key, rays)
         };
         let (radiance, bounces) = self.follow_specular(point, direction, key, &mut secondary, shade);
         rays.secondary += secondary;
@@ -95,16 +97,17 @@ impl Tracer {
         &self,
         ray: &Ray,
         hit: Option<Hit>,
-        settings: &TraceSettings,
-        key: Key,
+        settings: &LightSettings<'_>,
+        seed: PointSeed,
         rays: &mut RayCounts,
     ) -> (PixelTrace, Option<SurfacePoint>) {
         let Some(hit) = hit else {
             let sky = self.sky(ray.direction);
-            return (PixelTrace { light: Vec3::ZERO, radiance: sky, hit: None, reflections: 0 }, None);
+            return (PixelTrace { light: ArrivingLight::default(), radiance: sky, hit: None, reflections: 0 }, None);
         };
         let point = self.surface(ray, &hit);
-        let [radiance, light] = self.diffuse_radiance_and_light(&point, 1.0, settings, key, rays);
+        let light = self.arriving_light(&point, 1.0, settings, seed, rays);
+        let radiance = self.material(&point).emission + light.reflected(point.albedo(self.scene()));
         (PixelTrace { light, radiance, hit: Some(hit), reflections: 0 }, Some(point))
     }
 }
