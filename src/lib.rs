@@ -121,6 +121,7 @@
 
 pub mod bsdf;
 pub mod camera;
+pub mod cells;
 #[cfg(feature = "experiments")]
 pub mod experiment;
 #[cfg(feature = "import")]

@@ -19,6 +19,9 @@ pub(crate) struct FrameRows<'a> {
     pub(crate) triangle: &'a mut [u32],
     pub(crate) types: &'a mut [PixelType],
     pub(crate) supplier: &'a mut [u8],
+    /// Emission and reflected smooth light of uncertain pixels, to which traced direct light is
+    /// added.
+    pub(crate) beside: &'a mut [Vec3],
 }
 
 /// Pixels that still have to be traced, by type.
@@ -105,7 +108,9 @@ impl<'a> BandLookup<'a> {
             if is_known {
                 let [b1, b2] = [surfaces.hits.b1[ray], surfaces.hits.b2[ray]];
                 let hit = Hit { t: 0.0, triangle, b1, b2 };
-                rows.radiance[at] += self.tracer.albedo(&hit) * light.at(ray);
+                let albedo = self.tracer.albedo(&hit);
+                rows.beside[at] = rows.radiance[at] + albedo * light.smooth_at(ray);
+                rows.radiance[at] += albedo * (light.at(ray) + light.smooth_at(ray));
                 rows.supplier[at] = light.slot[ray];
             }
             if is_wanted && !is_known {

@@ -2,7 +2,8 @@
 //! no reference saw.
 
 use super::policy::{BAD_GUESS, HYSTERESIS, LookupQuality, MAX_POINTS_PER_PIXEL};
-use super::{LookupSet, PointCache, SurfaceKey, TracedPoint};
+use super::{CachedLight, LookupSet, PointCache, SurfaceKey, TracedPoint};
+use crate::bsdf::Diffuse;
 use crate::camera::View;
 use crate::math::{Ray, key::Key, sequence::PointSeed};
 use crate::trace::{Hit, PixelTrace, RayCounts, SurfacePoint, TraceSettings, Tracer};
@@ -37,12 +38,30 @@ pub(crate) struct PixelResolver<'a> {
     pub(crate) quality: LookupQuality,
 }
 
+/// A pixel's diffuse radiance by the look-up, whose direct light is a guess.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Guess {
+    /// All of it.
+    pub(crate) radiance: Vec3,
+    /// The part that is no guess: emission and reflected smooth light.
+    pub(crate) beside: Vec3,
+}
+
 /// The outcome of checking a guess.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CheckedPixel {
     pub(crate) radiance: Vec3,
     /// True where traced light replaced the guess.
     pub(crate) is_traced: bool,
+}
+
+/// Light traced at a point.
+struct Traced {
+    /// Light straight from the lights.
+    light: Vec3,
+    /// Smooth light, where it was traced.
+    smooth: Option<Vec3>,
+    replaced_guess: bool,
 }
 
 /// The end of a path from a pixel to a surface point.
@@ -69,23 +88,25 @@ impl PixelResolver<'_> {
         let (ray, hit) = self.hit(pixel, triangle);
         let trace = resolver.trace;
         let seed = PointSeed::of_pixel(trace.seed, pixel, self.view.size[0], trace.samples);
-        let (mut traced, point) = self.tracer.shade_hit(&ray, hit, &trace.into(), seed, &mut tally.rays);
+        let settings = self.lookup.light_settings(&trace);
+        let (mut traced, point) = self.tracer.shade_hit(&ray, hit, &settings, seed, &mut tally.rays);
         if let (Some(hit), Some(point)) = (hit, point) {
             traced.radiance += resolver.specular(&point, &ray, &hit, pixel, tally);
         }
         traced
     }
 
-    /// Compares a guess of a pixel's diffuse radiance with light traced there.
+    /// Compares a guess of a pixel's direct light with light traced there. Smooth light is kept as
+    /// it was looked up.
     pub(crate) fn check_guess(
         &self,
         pixel: u32,
         triangle: u32,
-        guess: Vec3,
+        guess: Guess,
         tally: &mut Tally,
     ) -> CheckedPixel {
         let (ray, Some(hit)) = self.hit(pixel, triangle) else {
-            return CheckedPixel { radiance: guess, is_traced: false };
+            return CheckedPixel { radiance: guess.radiance, is_traced: false };
         };
         let point = self.tracer.surface(&ray, &hit);
         let key = Key::of_pixel(self.trace.seed, pixel);
@@ -135,9 +156,11 @@ impl PixelResolver<'_> {
         };
         match found {
             Some(found) if found.is_guess => {
-                self.check_point(self.reflected(point, found.light), point, end, tally).radiance
+                let beside = self.reflected(point, found.smooth);
+                let radiance = self.reflected(point, found.light + found.smooth);
+                self.check_point(Guess { radiance, beside }, point, end, tally).radiance
             }
-            Some(found) => self.reflected(point, found.light),
+            Some(found) => self.reflected(point, found.light + found.smooth),
             None => self.cached_or_traced(point, end, tally),
         }
     }
@@ -146,13 +169,19 @@ impl PixelResolver<'_> {
     fn cached_or_traced(&self, point: &SurfacePoint, end: &PathEnd, tally: &mut Tally) -> Vec3 {
         let samples = self.trace.samples_for(end.share);
         let near = self.surface_key(point, end);
+        let all_light = |cached: CachedLight| Some(cached.light + cached.smooth?);
         match self.points.find(&near, samples) {
-            Some(cached) if !cached.is_at_edge => self.reflected(point, cached.light),
-            Some(_) => match self.points.find(&near.exact(), samples) {
-                Some(cached) => self.reflected(point, cached.light),
-                None => self.trace_point(point, end, tally, &[near.exact()], None),
-            },
-            None => self.trace_point(point, end, tally, &[near], None),
+            Some(cached) if let Some(light) = all_light(cached) => {
+                if !cached.is_at_edge {
+                    return self.reflected(point, light);
+                }
+                let exact = self.points.find(&near.exact(), samples);
+                match exact.and_then(all_light) {
+                    Some(light) => self.reflected(point, light),
+                    None => self.trace_unknown(point, end, tally, near.exact()),
+                }
+            }
+            _ => self.trace_unknown(point, end, tally, near),
         }
     }
 
@@ -162,62 +191,80 @@ impl PixelResolver<'_> {
     /// look-up may be a cache miss.
     fn check_point(
         &self,
-        guess: Vec3,
+        guess: Guess,
         point: &SurfacePoint,
         end: &PathEnd,
         tally: &mut Tally,
     ) -> CheckedPixel {
+        let albedo = point.albedo(self.tracer.scene());
+        let lit = |light: Vec3| guess.beside + albedo * light;
         let samples = self.trace.samples_for(end.share);
         let near = self.surface_key(point, end);
         let mut trace = |keys: &[SurfaceKey]| {
-            let traced = self.trace_point(point, end, tally, keys, Some(guess));
-            self.better(guess, traced, 1.0)
+            let traced = self.trace_guessed(point, end, tally, keys, guess);
+            self.better(guess.radiance, traced, 1.0)
         };
         let Some(cached) = self.points.find(&near, samples) else { return trace(&[near, near.exact()]) };
         let most = if cached.replaced_guess { 1.0 / HYSTERESIS } else { 1.0 };
-        if !cached.is_at_edge && !self.is_bad(guess, self.reflected(point, cached.light), most) {
-            return CheckedPixel { radiance: guess, is_traced: false };
+        if !cached.is_at_edge && !self.is_bad(guess.radiance, lit(cached.light), most) {
+            return CheckedPixel { radiance: guess.radiance, is_traced: false };
         }
         match self.points.find(&near.exact(), samples) {
             Some(cached) => {
                 let most = if cached.replaced_guess { 1.0 / HYSTERESIS } else { HYSTERESIS };
-                self.better(guess, self.reflected(point, cached.light), most)
+                self.better(guess.radiance, lit(cached.light), most)
             }
             None => trace(&[near.exact()]),
         }
     }
 
-    /// Traces the diffuse radiance of a point. Its light is stored under all `keys`, with a note
-    /// whether it replaces the guess.
-    fn trace_point(
+    /// Traces all light of a point that no reference knows, stores it under `key`, and returns the
+    /// point's diffuse radiance.
+    fn trace_unknown(&self, point: &SurfacePoint, end: &PathEnd, tally: &mut Tally, key: SurfaceKey) -> Vec3 {
+        let (settings, rays) = (self.lookup.light_settings(&self.trace), &mut tally.rays);
+        let light = self.tracer.arriving_light(point, end.share, &settings, end.key.into(), rays);
+        let traced = Traced { light: light.direct(), smooth: Some(light.smooth()), replaced_guess: false };
+        self.store(point, end, tally, &[key], traced);
+        self.emission(point) + light.reflected(point.albedo(self.tracer.scene()))
+    }
+
+    /// Traces the direct light of a point where it was guessed, and stores it under all `keys`, with
+    /// a note whether it replaces the guess. Returns the diffuse radiance with that light.
+    fn trace_guessed(
         &self,
         point: &SurfacePoint,
         end: &PathEnd,
         tally: &mut Tally,
         keys: &[SurfaceKey],
-        guess: Option<Vec3>,
+        guess: Guess,
     ) -> Vec3 {
-        let rays = &mut tally.rays;
-        let light = self.tracer.arriving_light(point, end.share, &self.trace.into(), end.key.into(), rays);
-        let scene = self.tracer.scene();
-        let emission = scene.materials[point.material.0 as usize].emission;
-        let radiance = emission + light.reflected(point.albedo(scene));
-        let light = light.direct() + light.smooth;
-        if point.albedo(self.tracer.scene()) != Vec3::ZERO {
-            let (samples, noise) = (self.trace.samples_for(end.share), self.trace.noise());
-            let (pixel, near) = (end.pixel, self.surface_key(point, end));
-            let replaced_guess = guess.is_some_and(|guess| self.is_bad(guess, radiance, 1.0));
-            tally.points.extend(keys.iter().map(|&key| TracedPoint {
-                key,
-                light,
-                samples,
-                noise,
-                pixel,
-                is_exact: key != near,
-                replaced_guess,
-            }));
-        }
+        let (samples, rays) = (self.trace.samples_for(end.share), &mut tally.rays);
+        let irradiance = self.tracer.direct_irradiance(point, samples, &self.trace, end.key.into(), rays);
+        let albedo = point.albedo(self.tracer.scene());
+        let radiance = guess.beside + Diffuse { albedo }.radiance(irradiance);
+        let replaced_guess = self.is_bad(guess.radiance, radiance, 1.0);
+        let light = Diffuse::WHITE.radiance(irradiance);
+        let smooth = (self.trace.bounces == 0).then_some(Vec3::ZERO);
+        self.store(point, end, tally, keys, Traced { light, smooth, replaced_guess });
         radiance
+    }
+
+    /// Stores the light of a point for the next frames. A black surface needs none.
+    fn store(&self, point: &SurfacePoint, end: &PathEnd, tally: &mut Tally, keys: &[SurfaceKey], t: Traced) {
+        if point.albedo(self.tracer.scene()) == Vec3::ZERO {
+            return;
+        }
+        let (samples, noise) = (self.trace.samples_for(end.share), self.trace.noise());
+        let (pixel, near) = (end.pixel, self.surface_key(point, end));
+        let Traced { light, smooth, replaced_guess } = t;
+        tally.points.extend(keys.iter().map(|&key| {
+            let is_exact = key != near;
+            TracedPoint { key, light, smooth, samples, noise, pixel, is_exact, replaced_guess }
+        }));
+    }
+
+    fn emission(&self, point: &SurfacePoint) -> Vec3 {
+        self.tracer.scene().materials[point.material.0 as usize].emission
     }
 
     fn surface_key(&self, point: &SurfacePoint, end: &PathEnd) -> SurfaceKey {
@@ -238,8 +285,7 @@ impl PixelResolver<'_> {
 
     /// The diffuse radiance of a point under arriving light.
     fn reflected(&self, point: &SurfacePoint, light: Vec3) -> Vec3 {
-        let scene = self.tracer.scene();
-        scene.materials[point.material.0 as usize].emission + point.albedo(scene) * light
+        self.emission(point) + point.albedo(self.tracer.scene()) * light
     }
 }
 
@@ -267,19 +313,20 @@ mod tests {
         let lookup = LookupSet::new(&cache, tracer.epoch());
         let (mut points, mut tally) = (PointCache::default(), Tally::default());
         let quality = LookupQuality::EXACT;
+        let plain = |radiance| Guess { radiance, beside: Vec3::ZERO };
         let first =
             PixelResolver { tracer: &tracer, lookup: &lookup, view: &view, points: &points, trace, quality };
-        let truth = first.check_guess(pixel, triangle, Vec3::ZERO, &mut Tally::default()).radiance;
+        let truth = first.check_guess(pixel, triangle, plain(Vec3::ZERO), &mut Tally::default()).radiance;
         let guess = |off: f32| truth * (1.0 - off * BAD_GUESS * trace.noise());
         assert_eq!(
-            first.check_guess(pixel, triangle, guess(first_off), &mut tally).is_traced,
+            first.check_guess(pixel, triangle, plain(guess(first_off)), &mut tally).is_traced,
             first_off > 1.0,
             "at first there is one threshold"
         );
         points.insert(tracer.epoch(), &mut tally.points);
         let resolver =
             PixelResolver { tracer: &tracer, lookup: &lookup, view: &view, points: &points, trace, quality };
-        off.map(|off| resolver.check_guess(pixel, triangle, guess(off), &mut tally).is_traced)
+        off.map(|off| resolver.check_guess(pixel, triangle, plain(guess(off)), &mut tally).is_traced)
     }
 
     #[test]

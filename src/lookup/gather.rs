@@ -154,6 +154,7 @@ impl ReferenceProjection<'_> {
         let (ux, uy) = (one - wx, one - wy);
         let weights = [ux * uy, wx * uy, ux * wy, wx * wy];
         let taps = Taps::load(r, x0.to_array(), y0.to_array(), triangle);
+        let has_smooth = !r.smooth.is_empty();
         let mut g = Gathered::nothing(simd, f.valid);
         for k in 0..4 {
             // Accept samples whose disparity and normal agree with the plane.
@@ -162,7 +163,12 @@ impl ReferenceProjection<'_> {
             let agrees = f.valid & alike & off.simd_le(f.tolerance * expected[k]);
             let word = u32x8::load_array_ref(simd, &taps.light[k]);
             let light = unpack(simd, word, r.scale.exponent_offset);
-            g.take(k, agrees, light, agrees.select(weights[k], zero), simd);
+            let weight = agrees.select(weights[k], zero);
+            g.take(k, agrees, light, weight, simd);
+            if has_smooth {
+                let word = u32x8::load_array_ref(simd, &taps.smooth[k]);
+                g.take_smooth(agrees, unpack(simd, word, r.smooth_scale.exponent_offset), weight, simd);
+            }
         }
         g
     }
@@ -187,6 +193,7 @@ struct Footprint<S: Simd> {
 /// Sums over the samples around eight pixels.
 struct Gathered<S: Simd> {
     sum: [f32x8<S>; 3],
+    smooth: [f32x8<S>; 3],
     total: f32x8<S>,
     least: f32x8<S>,
     most: f32x8<S>,
@@ -198,7 +205,7 @@ impl<S: Simd> Gathered<S> {
     fn nothing(simd: S, valid: mask32x8<S>) -> Self {
         let zero = f32x8::splat(simd, 0.0);
         let least = f32x8::splat(simd, f32::INFINITY);
-        Self { sum: [zero; 3], total: zero, least, most: zero, brightness: [(valid, zero); 4] }
+        Self { sum: [zero; 3], smooth: [zero; 3], total: zero, least, most: zero, brightness: [(valid, zero); 4] }
     }
 
     #[inline(always)]
@@ -214,6 +221,14 @@ impl<S: Simd> Gathered<S> {
         self.brightness[k] = (agrees, brightest);
     }
 
+    #[inline(always)]
+    fn take_smooth(&mut self, agrees: mask32x8<S>, light: [f32x8<S>; 3], weight: f32x8<S>, simd: S) {
+        let zero = f32x8::splat(simd, 0.0);
+        for (sum, light) in self.smooth.iter_mut().zip(light) {
+            *sum += agrees.select(light, zero) * weight;
+        }
+    }
+
     /// Adds the sums to a tile's light, weighted so that interpolated light outweighs extrapolated
     /// light, and fine references outweigh coarse ones.
     #[inline(always)]
@@ -226,13 +241,18 @@ impl<S: Simd> Gathered<S> {
         let scale = enough.select(fine * fine * total * total, zero);
         for c in 0..3 {
             store(load(simd, &found.light[c], at) + self.sum[c] * scale, &mut found.light[c], at);
+            store(load(simd, &found.smooth[c], at) + self.smooth[c] * scale, &mut found.smooth[c], at);
         }
         let weight = scale * total;
         store(load(simd, &found.weight, at) + weight, &mut found.weight, at);
         // Keep the largest coverage and the smallest loss of any reference.
         let coverage = load(simd, &found.coverage, at);
         store(enough.select(total.max(coverage), coverage), &mut found.coverage, at);
-        let spread = (self.most - self.least) / self.most.max(f32x8::splat(simd, f32::MIN_POSITIVE));
+        // Differences of direct light are judged as a share of all light.
+        let smallest = f32x8::splat(simd, f32::MIN_POSITIVE);
+        let beside = self.smooth[0].max(self.smooth[1]).max(self.smooth[2]) / total.max(smallest);
+        let range = self.most - self.least;
+        let spread = range / (self.most + beside).max(smallest);
         let smoothed = load(simd, &found.smoothed, at);
         let loss = smoothed.min(spread * (one - fine));
         store(enough.select(loss, smoothed), &mut found.smoothed, at);
@@ -241,7 +261,7 @@ impl<S: Simd> Gathered<S> {
         let better = weight.simd_gt(best);
         store(better.select(weight, best), &mut found.best_weight, at);
         // Detect the edge of a shadow between the samples.
-        let is_wide = spread.simd_gt(f32x8::splat(simd, wide));
+        let is_wide = range.simd_gt(self.most * wide);
         let jump = (self.has_gap() | is_wide).select(spread, zero);
         store(load(simd, &found.jump, at).max(enough.select(jump, zero)), &mut found.jump, at);
         let mut bits = better.to_bitmask();
@@ -307,6 +327,8 @@ struct Taps {
     disparity: [[f32; 8]; 4],
     /// Packed light of the samples.
     light: [[u32; 8]; 4],
+    /// Packed smooth light of the samples, where the reference holds any.
+    smooth: [[u32; 8]; 4],
     /// One bit per lane whose sample is lit and has nearly the normal of the point.
     alike: [u64; 4],
 }
@@ -314,13 +336,21 @@ struct Taps {
 impl Taps {
     #[inline(always)]
     fn load(r: &LookupReference<'_>, x0: [f32; 8], y0: [f32; 8], triangle: &[u32]) -> Self {
-        let mut taps = Self { disparity: [[0.0; 8]; 4], light: [[0; 8]; 4], alike: [0; 4] };
+        let mut taps = Self {
+            disparity: [[0.0; 8]; 4],
+            light: [[0; 8]; 4],
+            smooth: [[0; 8]; 4],
+            alike: [0; 4],
+        };
         let width = r.size[0] as usize;
         for lane in 0..8 {
             let at = y0[lane] as usize * width + x0[lane] as usize;
             for (k, at) in [at, at + 1, at + width, at + width + 1].into_iter().enumerate() {
                 taps.disparity[k][lane] = r.disparity[at];
                 taps.light[k][lane] = r.light[at];
+                if let Some(&word) = r.smooth.get(at) {
+                    taps.smooth[k][lane] = word;
+                }
                 let alike = r.light[at] != UNLIT && r.is_alike(at, triangle[lane]);
                 taps.alike[k] |= u64::from(alike) << lane;
             }

@@ -26,7 +26,7 @@ mod tile;
 mod view;
 
 pub(crate) use band::{BandLookup, FrameRows, OpenPixels};
-pub(crate) use exact::{CheckedPixel, PixelResolver, Tally};
+pub(crate) use exact::{CheckedPixel, Guess, PixelResolver, Tally};
 pub use point::{FoundLight, LookupSet};
 pub use point_cache::{CachedLight, PointCache, SurfaceKey, TracedPoint};
 pub use policy::LookupQuality;

@@ -12,11 +12,12 @@ use super::policy::{
     MIN_COVERAGE, MIN_WEIGHT, PLANE_TOLERANCE,
 };
 use crate::camera::NEAREST_DEPTH;
+use crate::cells::SurfaceCells;
 use crate::math::rounding::floor;
 use crate::raster::rgb9e5::Rgb9e5Scale;
 use crate::reference::directory::{Directory, MAX_SLOTS, PackedNormal, SlotMask};
 use crate::reference::{CachedReference, ReferenceCache, ReferenceFrame, ReferenceSnapshot, light::UNLIT};
-use crate::trace::SceneEpoch;
+use crate::trace::{CachedLight, LightSettings, SceneEpoch, TraceSettings};
 use arrayvec::ArrayVec;
 use glam::{Mat3, Vec3};
 
@@ -26,9 +27,12 @@ pub(super) struct LookupReference<'a> {
     pub(super) frame: &'a ReferenceFrame,
     pub(super) disparity: &'a [f32],
     pub(super) light: &'a [u32],
+    /// Smooth light; empty where the reference holds none.
+    pub(super) smooth: &'a [u32],
     triangle: &'a [u32],
     normals: &'a [PackedNormal],
     pub(super) scale: Rgb9e5Scale,
+    pub(super) smooth_scale: Rgb9e5Scale,
     /// Homogeneous picture coordinates from an offset from the eye; the third is depth.
     pixel_from_scene: Mat3,
     scene_from_pixel: Mat3,
@@ -45,13 +49,16 @@ impl<'a> LookupReference<'a> {
     fn new(frame: &'a ReferenceFrame, normals: &'a [PackedNormal]) -> Self {
         let view = &frame.view;
         let (light, scale) = frame.packed_light();
+        let (smooth, smooth_scale) = frame.packed_smooth();
         Self {
             frame,
             disparity: frame.disparity(),
             light,
+            smooth,
             triangle: frame.triangle(),
             normals,
             scale,
+            smooth_scale,
             pixel_from_scene: view.scene_from_pixel_f64.inverse().as_mat3(),
             scene_from_pixel: view.scene_from_pixel,
             eye: view.eye,
@@ -93,15 +100,18 @@ impl<'a> LookupReference<'a> {
         }
         let tolerance = PLANE_TOLERANCE * self.step * q.z / -height + DEPTH_ROUNDING;
         let plane = self.scene_from_pixel.transpose() * (normal / height);
-        let (sum, coverage, [spread, jump]) = self.gather::<CHECKS>(x, y, plane, tolerance, triangle);
+        let ([sum, smooth], coverage, [spread, jump]) =
+            self.gather::<CHECKS>(x, y, plane, tolerance, triangle);
         let density = -height / (self.step * self.step * q.z * q.z * q.z);
         let weight = coverage * density * density;
-        let sampled = Sampled { light: sum / coverage, weight, density, coverage, spread, jump };
+        let [light, smooth] = [sum, smooth].map(|sum| sum / coverage);
+        let sampled = Sampled { light, smooth, weight, density, coverage, spread, jump };
         (coverage >= MIN_WEIGHT).then_some(sampled)
     }
 
-    /// Sums the light of the samples around (x, y) that lie on a plane, given as disparity by
-    /// picture coordinates. Returns the sum, its bilinear weight, and [spread, jump].
+    /// Sums the direct and the smooth light of the samples around (x, y) that lie on a plane, given
+    /// as disparity by picture coordinates. Returns the sums, their bilinear weight, and [spread,
+    /// jump].
     #[inline]
     fn gather<const CHECKS: bool>(
         &self,
@@ -110,10 +120,10 @@ impl<'a> LookupReference<'a> {
         plane: Vec3,
         tolerance: f32,
         triangle: u32,
-    ) -> (Vec3, f32, [f32; 2]) {
+    ) -> ([Vec3; 2], f32, [f32; 2]) {
         let ([x0, wx], [y0, wy]) = (corner(x, self.size[0]), corner(y, self.size[1]));
         let base = y0 as usize * self.size[0] as usize + x0 as usize;
-        let (mut sum, mut total) = (Vec3::ZERO, 0.0);
+        let ([mut sum, mut smooth], mut total) = ([Vec3::ZERO; 2], 0.0);
         let mut brightness = ArrayVec::<f32, 4>::new();
         for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
             let at = base + dy * self.size[0] as usize + dx;
@@ -123,50 +133,59 @@ impl<'a> LookupReference<'a> {
                 let weight = (if dx == 0 { 1.0 - wx } else { wx }) * (if dy == 0 { 1.0 - wy } else { wy });
                 let light = self.scale.unpack(self.light[at]);
                 sum += weight * light;
+                if let Some(&word) = self.smooth.get(at) {
+                    smooth += weight * self.smooth_scale.unpack(word);
+                }
                 total += weight;
                 if CHECKS {
                     brightness.push(light.max_element());
                 }
             }
         }
-        (sum, total, spread_and_jump(&mut brightness, self.wide))
+        let beside = smooth.max_element() / f32::max(total, f32::MIN_POSITIVE);
+        ([sum, smooth], total, spread_and_jump(&mut brightness, self.wide, beside))
     }
 }
 
 /// The light that one reference has for a point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sampled {
+    /// Light straight from the lights.
     pub(super) light: Vec3,
+    pub(super) smooth: Vec3,
     /// Weight in the mean over references: coverage times density squared.
     weight: f32,
     /// Samples per unit of surface area, scene units.
     density: f32,
     /// The share of bilinear weight that was found, 0..1.
     coverage: f32,
-    /// The difference between the samples, as a share of the brightest.
+    /// The difference between the samples' direct light, as a share of all light of the brightest.
     spread: f32,
     /// The spread where the samples lie on both sides of a shadow's edge, else zero.
     jump: f32,
 }
 
-/// The spread of a few values as a share of the largest, and the jump: the spread where one gap is
-/// most of the range or the spread exceeds `wide`, else zero.
+/// The spread of a few values as a share of the largest plus the smooth light `beside` it, and the
+/// jump: the spread where one gap is most of the range, or where the range exceeds `wide` times the
+/// largest, else zero.
 #[inline]
-fn spread_and_jump(brightness: &mut [f32], wide: f32) -> [f32; 2] {
+fn spread_and_jump(brightness: &mut [f32], wide: f32, beside: f32) -> [f32; 2] {
     brightness.sort_unstable_by(f32::total_cmp);
     let (Some(&least), Some(&most)) = (brightness.first(), brightness.last()) else { return [0.0; 2] };
     let range = most - least;
     let gap = brightness.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f32::max);
-    let spread = range / most.max(f32::MIN_POSITIVE);
-    [spread, if gap >= EDGE_GAP * range || spread > wide { spread } else { 0.0 }]
+    let spread = range / (most + beside).max(f32::MIN_POSITIVE);
+    [spread, if gap >= EDGE_GAP * range || range > wide * most { spread } else { 0.0 }]
 }
 
 /// The light found for a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FoundLight {
-    /// Arriving light, as the radiance of a white surface.
+    /// Light straight from the lights, as the radiance of a white surface.
     pub light: Vec3,
-    /// True where the light is extrapolated beyond the samples, or interpolated between samples on
+    /// Smooth light, as the radiance of a white surface; zero without bounces.
+    pub smooth: Vec3,
+    /// True where the direct light is extrapolated beyond the samples, or interpolated between samples on
     /// both sides of a shadow's edge.
     pub is_guess: bool,
 }
@@ -188,33 +207,49 @@ pub struct LookupSet<'a> {
     pub(super) usable: SlotMask,
     /// Noise of the noisiest reference, relative to that of sixteen shadow rays.
     pub(super) noise: f32,
+    /// True where a reference holds smooth light.
+    pub(super) has_smooth: bool,
+    /// Where the paths of smooth light may end.
+    pub(super) cells: Option<&'a SurfaceCells>,
 }
 
 impl<'a> LookupSet<'a> {
     /// All enabled references of a cache that belong to an epoch. References smaller than two
     /// pixels a side are left out, because a look-up interpolates between two samples per axis.
     pub fn new(cache: &'a ReferenceCache, epoch: SceneEpoch) -> Self {
-        Self::from_parts(cache.directory(), cache.entries(), epoch)
+        Self::from_parts(cache.directory(), cache.entries(), cache.cells(), epoch)
     }
 
     /// The same references as [`Self::new`], from a snapshot of a cache that another thread may
     /// use.
     pub fn of_snapshot(known: &'a ReferenceSnapshot, epoch: SceneEpoch) -> Self {
-        Self::from_parts(known.directory(), known.entries(), epoch)
+        Self::from_parts(known.directory(), known.entries(), known.cells(), epoch)
     }
 
-    fn from_parts(directory: &'a Directory, entries: &'a [CachedReference], epoch: SceneEpoch) -> Self {
+    fn from_parts(
+        directory: &'a Directory,
+        entries: &'a [CachedReference],
+        cells: Option<&'a SurfaceCells>,
+        epoch: SceneEpoch,
+    ) -> Self {
         let mut references = Vec::new();
         references.resize_with(MAX_SLOTS, || None);
-        let (mut usable, mut noise) = (0, 1.0f32);
+        let (mut usable, mut noise, mut has_smooth) = (0, 1.0f32, false);
         for entry in entries.iter().filter(|e| e.is_usable(epoch)) {
             if entry.frame.view.size.iter().all(|&s| s >= 2) {
                 references[entry.slot] = Some(LookupReference::new(&entry.frame, directory.normals()));
                 usable |= 1 << entry.slot;
+                has_smooth |= !entry.frame.packed_smooth().0.is_empty();
                 noise = noise.max(entry.frame.settings.noise());
             }
         }
-        Self { directory, references, usable, noise }
+        Self { directory, references, usable, noise, has_smooth, cells }
+    }
+
+    /// How light that is not known is traced.
+    pub(crate) fn light_settings(&self, trace: &TraceSettings) -> LightSettings<'_> {
+        let cache = self.cells.map(|cells| cells as &dyn CachedLight);
+        LightSettings { trace: *trace, cache }
     }
 
     /// The number of references.
@@ -243,7 +278,7 @@ impl<'a> LookupSet<'a> {
     fn find<const CHECKS: bool>(&self, point: &SurfaceKey, triangle: u32) -> Option<FoundLight> {
         let SurfaceKey { position, normal, footprint } = *point;
         let mut mask = self.directory.mask(self.directory.cell_of(position)) & self.usable;
-        let (mut sum, mut total, mut found) = (Vec3::ZERO, 0.0, 0);
+        let ([mut sum, mut smooth], mut total, mut found) = ([Vec3::ZERO; 2], 0.0, 0);
         let (mut coverage, mut jump, mut loss) = (0.0f32, 0.0f32, f32::INFINITY);
         let mut finest = 0.0f32;
         while mask != 0 && (found < MAX_AVERAGED_REFERENCES || CHECKS && finest < 0.5 && found < MAX_FOUND) {
@@ -252,6 +287,7 @@ impl<'a> LookupSet<'a> {
             let Some(reference) = &self.references[slot] else { continue };
             if let Some(sampled) = reference.light_at::<CHECKS>(position, normal, triangle) {
                 sum += sampled.weight * sampled.light;
+                smooth += sampled.weight * sampled.smooth;
                 total += sampled.weight;
                 found += 1;
                 let fine = (sampled.density * footprint * footprint).min(1.0);
@@ -263,6 +299,6 @@ impl<'a> LookupSet<'a> {
         }
         let is_far_off = jump > MAX_JUMP * self.noise || loss > MAX_LOSS * self.noise;
         let is_guess = CHECKS && (coverage < MIN_COVERAGE || is_far_off);
-        (total > 0.0).then(|| FoundLight { light: sum / total, is_guess })
+        (total > 0.0).then(|| FoundLight { light: sum / total, smooth: smooth / total, is_guess })
     }
 }

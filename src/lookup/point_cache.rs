@@ -12,6 +12,7 @@ use super::policy::{
     BLOCK, BLOCK_BUCKETS, BORDER, BUCKETS, CELL_EDGE, LEVELS, LEVELS_READ, PLANE_SHARE, WAYS,
 };
 use crate::math::{key::Key, rounding::floor};
+use crate::raster::rgbe;
 use crate::reference::directory::PackedNormal;
 use crate::trace::SceneEpoch;
 use glam::Vec3;
@@ -40,8 +41,10 @@ impl SurfaceKey {
 pub struct TracedPoint {
     /// The point.
     pub key: SurfaceKey,
-    /// Arriving light, as the radiance of a white surface.
+    /// Light straight from the lights, as the radiance of a white surface.
     pub light: Vec3,
+    /// Smooth light in the same units; `None` where only direct light was traced.
+    pub smooth: Option<Vec3>,
     /// Shadow rays per light that it was traced with.
     pub samples: u32,
     /// Noise relative to that of sixteen shadow rays, at least one.
@@ -59,6 +62,8 @@ pub struct TracedPoint {
 struct Entry {
     position: Vec3,
     light: Vec3,
+    /// Smooth light as RGBE, [`rgbe::NONE`] where it is not known.
+    smooth: u32,
     normal: PackedNormal,
     /// Shadow rays per light, with the flags [`AT_EDGE`] where a neighbour differs and
     /// [`REPLACED_GUESS`] where a guess did.
@@ -72,7 +77,7 @@ const COUNT: u8 = 0x3f;
 
 impl Entry {
     const NONE: Self =
-        Self { position: Vec3::ZERO, light: Vec3::ZERO, normal: PackedNormal::ZERO, samples: 0 };
+        Self { position: Vec3::ZERO, light: Vec3::ZERO, smooth: rgbe::NONE, normal: PackedNormal::ZERO, samples: 0 };
 }
 
 /// The tags of a bucket. A tag holds upper hash bits of the cell of each point in the bucket, to
@@ -86,8 +91,10 @@ const NO_TAG: u32 = 0;
 /// Light found in the cache.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CachedLight {
-    /// Arriving light, as the radiance of a white surface.
+    /// Light straight from the lights, as the radiance of a white surface.
     pub light: Vec3,
+    /// Smooth light in the same units; `None` where it was not traced.
+    pub smooth: Option<Vec3>,
     /// True where a shadow's edge is near, so that the light of another point of the cell may be
     /// far off.
     pub is_at_edge: bool,
@@ -127,7 +134,7 @@ impl PointCache {
         }
         // A frame that was stopped and resumed lists them in another order.
         points.sort_by_key(|p| p.pixel);
-        for point in points.drain(..).filter(|p| p.light.is_finite()) {
+        for point in points.drain(..).filter(|p| p.light.is_finite() && p.smooth.is_none_or(Vec3::is_finite)) {
             self.insert_one(&point);
         }
     }
@@ -144,6 +151,7 @@ impl PointCache {
         let entry = Entry {
             position: key.position,
             light: point.light,
+            smooth: point.smooth.map_or(rgbe::NONE, rgbe::pack),
             normal: PackedNormal::of_unit(key.normal),
             samples: packed_samples(point.samples)
                 | mark
@@ -152,7 +160,9 @@ impl PointCache {
         let mut ways = self.ways_of(&cell);
         let (tags, entries) = (&mut self.tags[cell.bucket], &mut self.entries[cell.bucket]);
         match ways.find(|&way| entries[way].serves(key, &cell)).map(|way| &mut entries[way]) {
-            Some(known) if known.count() >= entry.count() => known.samples |= mark,
+            Some(known) if known.count() >= entry.count() && known.knows_as_much_as(&entry) => {
+                known.samples |= mark;
+            }
             Some(known) => *known = Entry { samples: entry.samples | known.samples & AT_EDGE, ..entry },
             None => {
                 tags.rotate_right(1);
@@ -210,6 +220,7 @@ impl PointCache {
             let has = |bit: u8| entry.samples & bit != 0;
             Some(CachedLight {
                 light: entry.light,
+                smooth: rgbe::unpack(entry.smooth),
                 is_at_edge: has(AT_EDGE),
                 replaced_guess: has(REPLACED_GUESS),
             })
@@ -226,6 +237,11 @@ impl Entry {
     #[inline(always)]
     fn count(&self) -> u8 {
         self.samples & COUNT
+    }
+
+    /// True where smooth light is known, or is not known of the other either.
+    fn knows_as_much_as(&self, other: &Self) -> bool {
+        self.smooth != rgbe::NONE || other.smooth == rgbe::NONE
     }
 
     /// True where the light is reused at a point: on the same plane, with nearly the same normal.
@@ -269,7 +285,8 @@ mod tests {
     }
 
     fn traced(key: SurfaceKey, light: Vec3, samples: u32) -> TracedPoint {
-        TracedPoint { key, light, samples, noise: 1.0, pixel: 0, is_exact: false, replaced_guess: false }
+        let (noise, pixel, smooth) = (1.0, 0, Some(Vec3::ZERO));
+        TracedPoint { key, light, smooth, samples, noise, pixel, is_exact: false, replaced_guess: false }
     }
 
     fn found(cache: &PointCache, key: &SurfaceKey, samples: u32) -> Option<Vec3> {

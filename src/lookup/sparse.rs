@@ -6,10 +6,10 @@ use super::policy::{ESTIMATE_STEP, MAX_SMOOTHED};
 use super::{LookupSet, TileLight, TileSurfaces, ViewLookup, pixels_of_tile, tile::inside_mask};
 use crate::camera::{Camera, View};
 use crate::math::sequence::PointSeed;
-use crate::reference::{ReferenceFrame, placement::OpenSpot};
+use crate::reference::{ReferenceFrame, SmoothSamples, placement::OpenSpot};
 use crate::trace::parallel::{Stop, trace_pixels};
-use crate::trace::{NO_TRIANGLE, TILE_RAYS, TILE_SIDE, TraceSettings, Tracer};
-use glam::{Vec2, Vec3};
+use crate::trace::{ArrivingLight, NO_TRIANGLE, TILE_RAYS, TILE_SIDE, TraceSettings, Tracer};
+use glam::Vec2;
 use rayon::prelude::*;
 use std::time::Instant;
 
@@ -41,18 +41,18 @@ impl ReferenceFrame {
         let mut frame = Self::empty(tracer, camera, view, settings);
         tiles.iter().for_each(|tile| tile.store_hits(&mut frame, tracer));
         frame.forget_ill_conditioned(tracer);
-        let mut lights: Vec<Option<Vec3>> = Vec::new();
+        let lighting = known.light_settings(settings);
+        let mut lights: Vec<Option<ArrivingLight>> = Vec::new();
         let (rays, complete) = trace_pixels(&open, &mut lights, stop, |pixel, rays| {
             let ray = Tracer::primary_ray(&view, pixel);
             let hit = tracer.hit_on_triangle(&ray, frame.triangle()[pixel as usize]);
             let seed = PointSeed::of_pixel(settings.seed, pixel, size[0], settings.samples);
-            let light = tracer.shade_hit(&ray, hit, &(*settings).into(), seed, rays).0.light;
-            light.direct() + light.smooth
+            tracer.shade_hit(&ray, hit, &lighting, seed, rays).0.light
         });
         if !complete {
             return None;
         }
-        frame.store_lights(&open, lights.iter().copied().flatten());
+        frame.store_lit(tracer, &open, lights.iter().flatten());
         frame.rays = rays;
         frame.rays.primary += view.pixel_count() as u64;
         frame.secs = start.elapsed().as_secs_f64();
@@ -68,7 +68,7 @@ impl ReferenceFrame {
         settings: &TraceSettings,
         hits: impl Iterator<Item = Option<(f32, u32)>>,
         pixels: &[u32],
-        lights: impl Iterator<Item = Vec3> + Clone,
+        lights: impl Iterator<Item = ArrivingLight> + Clone,
     ) -> Self {
         let view = View::new(camera, &tracer.scene().frame, size);
         let mut frame = Self::empty(tracer, camera, view, settings);
@@ -76,8 +76,21 @@ impl ReferenceFrame {
             store_hit(&mut frame, tracer, pixel, hit);
         }
         frame.forget_ill_conditioned(tracer);
-        frame.store_lights(pixels, lights);
+        let lights: Vec<ArrivingLight> = lights.collect();
+        frame.store_lit(tracer, pixels, lights.iter());
         frame
+    }
+
+    /// Stores the direct light of the listed pixels, and their smooth light filtered.
+    fn store_lit<'l>(
+        &mut self,
+        tracer: &Tracer,
+        pixels: &[u32],
+        lights: impl Iterator<Item = &'l ArrivingLight> + Clone,
+    ) {
+        self.store_lights(pixels, lights.clone().map(ArrivingLight::direct));
+        let samples = |light: &ArrivingLight| SmoothSamples { sums: light.smooth_sums, count: light.paths };
+        self.store_filtered(tracer, pixels, &lights.map(samples).collect::<Vec<_>>());
     }
 }
 

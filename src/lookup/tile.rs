@@ -185,9 +185,11 @@ pub(super) struct Choice {
 /// The light that arrives at a tile's surface points.
 #[derive(Clone, Debug)]
 pub struct TileLight {
-    /// Radiance of a white surface in that light, by channel; undefined for pixels that are not
+    /// Radiance of a white surface in light straight from the lights, by channel; undefined for pixels that are not
     /// `known`.
     pub light: [[f32; TILE_RAYS]; 3],
+    /// Smooth light in the same units; zero without bounces.
+    pub smooth: [[f32; TILE_RAYS]; 3],
     pub(super) weight: [f32; TILE_RAYS],
     /// The largest share of bilinear weight that any reference's samples had, 0..1: below one near
     /// an edge, where light is extrapolated.
@@ -215,6 +217,7 @@ impl TileLight {
     /// A tile without light.
     pub const NONE: Self = Self {
         light: [[0.0; TILE_RAYS]; 3],
+        smooth: [[0.0; TILE_RAYS]; 3],
         weight: [0.0; TILE_RAYS],
         coverage: [0.0; TILE_RAYS],
         jump: [0.0; TILE_RAYS],
@@ -232,6 +235,7 @@ impl TileLight {
         for pixel in (0..TILE_RAYS).filter(|&i| pixels >> i & 1 == 1 && self.weight[i] > 0.0) {
             let inverse = 1.0 / self.weight[pixel];
             self.light.iter_mut().for_each(|channel| channel[pixel] *= inverse);
+            self.smooth.iter_mut().for_each(|channel| channel[pixel] *= inverse);
             self.known |= 1 << pixel;
         }
     }
@@ -244,7 +248,7 @@ impl TileLight {
                 if !self.agree(a, b) {
                     continue;
                 }
-                for channel in &mut self.light {
+                for channel in self.light.iter_mut().chain(&mut self.smooth) {
                     channel[at] = channel[a] + (channel[b] - channel[a]) * share;
                 }
                 self.coverage[at] = self.coverage[a].min(self.coverage[b]);
@@ -259,7 +263,7 @@ impl TileLight {
     #[inline(always)]
     fn agree(&self, a: usize, b: usize) -> bool {
         let is_good = |pixel: usize| self.known >> pixel & 1 == 1 && !self.is_guess(pixel);
-        let (light, other) = (self.at(a), self.at(b));
+        let [light, other] = [a, b].map(|pixel| self.at(pixel) + self.smooth_at(pixel));
         let step = (light - other).abs().max_element();
         is_good(a) && is_good(b) && step <= MAX_STEP * light.max(other).max_element()
     }
@@ -279,7 +283,13 @@ impl TileLight {
         self.coverage[pixel] < MIN_COVERAGE
     }
 
-    /// The light of a known pixel, as the radiance of a white surface.
+    /// The smooth light of a known pixel, as the radiance of a white surface.
+    #[inline(always)]
+    pub fn smooth_at(&self, pixel: usize) -> Vec3 {
+        Vec3::new(self.smooth[0][pixel], self.smooth[1][pixel], self.smooth[2][pixel])
+    }
+
+    /// The light straight from the lights of a known pixel, as the radiance of a white surface.
     pub fn at(&self, pixel: usize) -> Vec3 {
         Vec3::new(self.light[0][pixel], self.light[1][pixel], self.light[2][pixel])
     }

@@ -112,8 +112,9 @@ impl<'a> ViewLookup<'a> {
                 normal: points.normal_at(pixel),
                 footprint: self.view.scene_from_pixel.x_axis.length() / points.disparity[pixel],
             };
-            if let Some(FoundLight { light, .. }) = self.set.light_at(&key, points.triangle[pixel]) {
+            if let Some(FoundLight { light, smooth, .. }) = self.set.light_at(&key, points.triangle[pixel]) {
                 (found.light[0][pixel], found.light[1][pixel], found.light[2][pixel]) = light.into();
+                (found.smooth[0][pixel], found.smooth[1][pixel], found.smooth[2][pixel]) = smooth.into();
                 found.known |= 1 << pixel;
             }
         }

@@ -11,6 +11,7 @@ pub mod load;
 pub mod metrics;
 pub mod pixel_types;
 pub mod rgb9e5;
+pub mod rgbe;
 #[cfg(feature = "pictures")]
 pub mod save;
 #[cfg(feature = "pictures")]

@@ -2,8 +2,9 @@
 
 use super::ReferenceFrame;
 use super::directory::{Directory, MAX_SLOTS};
+use crate::cells::SurfaceCells;
 use crate::scene::Scene;
-use crate::trace::SceneEpoch;
+use crate::trace::{SceneEpoch, TraceSettings};
 use std::sync::Arc;
 
 /// Identifies a reference. Unique while the program runs.
@@ -39,6 +40,7 @@ impl CachedReference {
 pub struct ReferenceSnapshot {
     directory: Arc<Directory>,
     entries: Vec<CachedReference>,
+    cells: Option<Arc<SurfaceCells>>,
 }
 
 impl ReferenceSnapshot {
@@ -50,6 +52,11 @@ impl ReferenceSnapshot {
     /// All references, oldest first.
     pub fn entries(&self) -> &[CachedReference] {
         &self.entries
+    }
+
+    /// Light at the surfaces that bounce rays meet.
+    pub fn cells(&self) -> Option<&SurfaceCells> {
+        self.cells.as_deref()
     }
 }
 
@@ -63,6 +70,7 @@ pub struct ReferenceCache {
     evicted: u64,
     version: u64,
     directory: Arc<Directory>,
+    cells: Option<Arc<SurfaceCells>>,
 }
 
 impl ReferenceCache {
@@ -76,7 +84,22 @@ impl ReferenceCache {
             evicted: 0,
             version: 0,
             directory: Arc::new(Directory::new(scene)),
+            cells: None,
         }
+    }
+
+    /// Prepares the cells of cached light for paths of these settings, and keeps those that fit.
+    pub fn prepare_cells(&mut self, scene: &Scene, settings: &TraceSettings) {
+        if settings.bounces == 0 {
+            self.cells = None;
+        } else if !self.cells.as_ref().is_some_and(|cells| cells.are_for(settings)) {
+            self.cells = Some(Arc::new(SurfaceCells::new(scene, settings)));
+        }
+    }
+
+    /// Light at the surfaces that bounce rays meet; `None` before [`Self::prepare_cells`].
+    pub fn cells(&self) -> Option<&SurfaceCells> {
+        self.cells.as_deref()
     }
 
     /// Which references hold the light of each cell of the scene.
@@ -128,7 +151,8 @@ impl ReferenceCache {
 
     /// Takes a snapshot of all references, for another thread.
     pub fn snapshot(&self) -> ReferenceSnapshot {
-        ReferenceSnapshot { directory: Arc::clone(&self.directory), entries: self.entries.clone() }
+        let (directory, entries) = (Arc::clone(&self.directory), self.entries.clone());
+        ReferenceSnapshot { directory, entries, cells: self.cells.clone() }
     }
 
     /// Removes all references.

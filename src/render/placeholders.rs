@@ -78,7 +78,7 @@ impl Placeholders {
     /// Surfaces show their own texture in the light around them.
     fn fill_light(&mut self, unfinished: &Unfinished<'_>, frame: &mut Frame) {
         let Unfinished { tracer, unseen, .. } = *unfinished;
-        let found = self.interpolate(frame.view.size, unseen, |traced| traced.light);
+        let found = self.interpolate(frame.view.size, unseen, |traced| traced.light.total());
         for (&pixel, light) in unseen.pixels().iter().zip(found) {
             let (at, ray) = (pixel as usize, Tracer::primary_ray(&frame.view, pixel));
             if let (Some(light), Some(hit)) = (light, tracer.hit_on_triangle(&ray, frame.triangle[at])) {

@@ -16,7 +16,7 @@ use super::worklist::{Dispersal, WorkList};
 use super::{frame::Frame, paper_pixels::WarpedPixels, settings::RenderSettings};
 use crate::camera::View;
 use crate::lookup::{
-    BandLookup, CheckedPixel, LookupQuality, LookupSet, MAX_POINTS_PER_PIXEL, OpenPixels, PointCache, Tally,
+    BandLookup, CheckedPixel, Guess, LookupQuality, LookupSet, MAX_POINTS_PER_PIXEL, OpenPixels, PointCache, Tally,
     TracedPoint,
 };
 use crate::raster::pixel_types::{NO_SUPPLIER, PixelType, TypeCounts};
@@ -71,7 +71,7 @@ impl Renderer {
         + (MAX_POINTS_PER_PIXEL + 1) * size_of::<TracedPoint>() // fresh points
         + size_of::<u64>() // warped
         + 7 * size_of::<u32>() // order; secondary, unseen, uncertain, in the lists and in the bands
-        + size_of::<Vec3>() + size_of::<f32>() + size_of::<u32>() + 2; // the frame
+        + 2 * size_of::<Vec3>() + size_of::<f32>() + size_of::<u32>() + 2; // the frame
 
     /// The last frame.
     pub fn frame(&self) -> &Frame {
@@ -268,7 +268,8 @@ impl Renderer {
         let Some(resolver) = source.resolver(request, &frame.view, &self.points) else { return };
         let checked = self.uncertain.run(1, request.stop, |pixel, tally: &mut Tally| {
             let at = pixel as usize;
-            resolver.check_guess(pixel, frame.triangle[at], frame.radiance[at], tally)
+            let guess = Guess { radiance: frame.radiance[at], beside: frame.beside[at] };
+            resolver.check_guess(pixel, frame.triangle[at], guess, tally)
         });
         for (pixel, checked) in self.uncertain.done() {
             self.frame.radiance[pixel] = checked.radiance;
@@ -307,7 +308,7 @@ impl Renderer {
         let hits = depths
             .zip(&frame.triangle)
             .map(|(t, &triangle)| (triangle != NO_TRIANGLE).then_some((t, triangle)));
-        let lights = self.unseen.done().map(|(_, traced)| traced.light.direct() + traced.light.smooth);
+        let lights = self.unseen.done().map(|(_, traced)| traced.light);
         let trace = settings.unseen_trace();
         let (camera, size) = (&frame.camera, frame.view.size);
         ReferenceFrame::from_lit_pixels(tracer, camera, size, &trace, hits, self.unseen.pixels(), lights)

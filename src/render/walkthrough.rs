@@ -166,6 +166,7 @@ impl Walkthrough {
         let start = Instant::now();
         self.keep_refinement(camera, size);
         self.rendered = self.settings.render;
+        self.prepare_cells();
         self.select(camera, size);
         let select_secs = start.elapsed().as_secs_f64();
         self.run(camera, size, stop, Renderer::render);
@@ -193,6 +194,13 @@ impl Walkthrough {
         let frame = self.renderer.frame();
         let is_same = self.rendered == self.settings.render && self.cache.version() == self.rendered_from;
         is_same && !frame.stats.is_complete && !frame.radiance.is_empty()
+    }
+
+    /// Prepares the cells in which paths end, in the modes that reuse light by place.
+    fn prepare_cells(&mut self) {
+        if self.settings.render.mode.looks_up() {
+            self.cache.prepare_cells(self.tracer.scene(), &self.settings.render.trace);
+        }
     }
 
     /// Mode `paper`: chooses the references to be warped. Other modes use the whole cache.
@@ -380,6 +388,7 @@ impl Walkthrough {
     /// A job that traces a reference at a pose, on this thread or another. Each job has its own
     /// seed, so that the noise of several references is independent.
     pub fn reference_job(&mut self, camera: Camera, size: [u32; 2]) -> ReferenceJob {
+        self.prepare_cells();
         self.references_made += 1;
         let trace = self.settings.render.trace;
         ReferenceJob {

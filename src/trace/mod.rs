@@ -29,6 +29,7 @@ mod tracer;
 
 pub use bounce_limit::{BounceLimit, NotABounceLimit};
 pub use bvh::{BUNDLE_RAYS, Bvh, Hit, NO_TRIANGLE, RayBundle, RayTile, TILE_RAYS, TILE_SIDE, TileHits};
+pub(crate) use lights::LightKinds;
 pub use lights::{LightCuts, LightGrid};
 pub(crate) use path::SmoothSettings;
 pub use path::{

@@ -75,7 +75,7 @@ pub(super) fn shade_us(tracer: &Tracer, points: &[(u32, SurfacePoint)], trace: &
     let secs = median_secs(|| {
         trace_pixels(&indices, &mut shaded, NEVER, |i, rays: &mut RayCounts| {
             let (pixel, point) = &points[i as usize];
-            tracer.diffuse_radiance(point, 1.0, trace, Key::of_pixel(trace.seed, *pixel), rays)
+            tracer.diffuse_radiance(point, 1.0, &(*trace).into(), Key::of_pixel(trace.seed, *pixel), rays)
         });
         black_box(&shaded);
     });

@@ -47,8 +47,12 @@ pub struct ReferenceFrame {
     disparity: Vec<f32>,
     tiles: DisparityTiles,
     triangle: Vec<u32>,
+    /// Light straight from the lights.
     light: Vec<u32>,
     light_scale: Rgb9e5Scale,
+    /// Smooth light of the pixels that have light. Empty without bounces.
+    smooth: Vec<u32>,
+    smooth_scale: Rgb9e5Scale,
     /// Number of specular bounces of each pixel. Empty if no surface of the scene is specular.
     reflections: Vec<u8>,
     lit: usize,
@@ -56,10 +60,9 @@ pub struct ReferenceFrame {
 }
 
 impl ReferenceFrame {
-    /// Maximum memory per pixel in bytes: disparity, triangle, light, and in scenes with mirrors or
-    /// glass a bounce count.
-    pub const BYTES_PER_PIXEL: usize =
-        size_of::<f32>() + size_of::<u32>() + size_of::<u32>() + size_of::<u8>();
+    /// Maximum memory per pixel in bytes: disparity, triangle, direct light, with bounces smooth
+    /// light, and in scenes with mirrors or glass a bounce count.
+    pub const BYTES_PER_PIXEL: usize = size_of::<f32>() + 3 * size_of::<u32>() + size_of::<u8>();
 
     /// Additional memory per pixel, in bytes, while a reference is traced.
     pub const TRACING_BYTES_PER_PIXEL: usize = size_of::<Option<PixelTrace>>() + size_of::<u32>();
@@ -86,7 +89,8 @@ impl ReferenceFrame {
         for (&pixel, traced) in order.iter().zip(traced.iter().flatten()) {
             frame.store_hit(pixel as usize, traced.hit.map(|hit| (hit.t, hit.triangle)), traced.reflections);
         }
-        frame.store_lights(&order, traced.iter().flatten().map(|t| t.light.direct() + t.light.smooth));
+        frame.store_lights(&order, traced.iter().flatten().map(|t| t.light.direct()));
+        frame.store_smooth(&order, traced.iter().flatten().map(|t| t.light.smooth()));
         (frame.rays, frame.is_dense) = (rays, true);
         frame.forget_ill_conditioned(tracer);
         frame.bound_tiles();
@@ -110,6 +114,8 @@ impl ReferenceFrame {
             triangle: vec![NO_TRIANGLE; count],
             light: vec![UNLIT; count],
             light_scale: Rgb9e5Scale::for_largest(1.0),
+            smooth: if settings.bounces > 0 { vec![0; count] } else { Vec::new() },
+            smooth_scale: Rgb9e5Scale::for_largest(1.0),
             reflections: if features.mirror || features.glass { vec![0; count] } else { Vec::new() },
             lit: 0,
             is_dense: false,
@@ -138,7 +144,7 @@ impl ReferenceFrame {
         }
     }
 
-    /// Stores the light of the listed pixels. A pixel whose light is not finite must not be reused:
+    /// Stores the light straight from the lights of the listed pixels. A pixel whose light is not finite must not be reused:
     /// its disparity becomes NaN, which fails every comparison.
     pub(crate) fn store_lights(&mut self, pixels: &[u32], lights: impl Iterator<Item = Vec3> + Clone) {
         let largest = lights.clone().filter(|l| l.is_finite()).map(Vec3::max_element).fold(0.0, f32::max);
@@ -148,6 +154,24 @@ impl ReferenceFrame {
             if light.is_finite() {
                 self.light[pixel] = pack_light(self.light_scale, light);
                 self.lit += 1;
+            } else {
+                self.disparity[pixel] = f32::NAN;
+            }
+        }
+    }
+
+    /// Stores the smooth light of the listed pixels, where the reference holds any. Pixels whose
+    /// light is not finite must not be reused.
+    pub(crate) fn store_smooth(&mut self, pixels: &[u32], lights: impl Iterator<Item = Vec3> + Clone) {
+        if self.smooth.is_empty() {
+            return;
+        }
+        let largest = lights.clone().filter(|l| l.is_finite()).map(Vec3::max_element).fold(0.0, f32::max);
+        self.smooth_scale = Rgb9e5Scale::for_largest(largest);
+        for (&pixel, light) in pixels.iter().zip(lights) {
+            let pixel = pixel as usize;
+            if light.is_finite() {
+                self.smooth[pixel] = self.smooth_scale.pack(light);
             } else {
                 self.disparity[pixel] = f32::NAN;
             }
@@ -186,7 +210,7 @@ impl ReferenceFrame {
 
     /// Memory of the picture in bytes.
     pub fn bytes(&self) -> usize {
-        self.view.pixel_count() * 12 + self.reflections.len()
+        self.view.pixel_count() * 12 + 4 * self.smooth.len() + self.reflections.len()
     }
 
     /// Number of pixels whose light is stored.
@@ -205,14 +229,20 @@ impl ReferenceFrame {
         self.light[pixel as usize] != UNLIT
     }
 
-    /// Light arriving at the surface of a pixel, as the radiance of a white diffuse surface.
+    /// All light arriving at the surface of a pixel, as the radiance of a white diffuse surface.
     /// Meaningful only if [`Self::has_light`].
     #[inline(always)]
     pub fn light(&self, pixel: u32) -> Vec3 {
-        self.light_scale.unpack(self.light[pixel as usize])
+        let direct = self.light_scale.unpack(self.light[pixel as usize]);
+        self.smooth.get(pixel as usize).map_or(direct, |&word| direct + self.smooth_scale.unpack(word))
     }
 
-    /// Packed light of all pixels, and the scale to unpack it.
+    /// Packed smooth light of all pixels, and the scale to unpack it; empty without bounces.
+    pub(crate) fn packed_smooth(&self) -> (&[u32], Rgb9e5Scale) {
+        (&self.smooth, self.smooth_scale)
+    }
+
+    /// Packed light straight from the lights of all pixels, and the scale to unpack it.
     pub(crate) fn packed_light(&self) -> (&[u32], Rgb9e5Scale) {
         (&self.light, self.light_scale)
     }

@@ -15,9 +15,11 @@ pub struct ArrivingLight {
     /// Irradiance straight from the lights: from sun and lamps, and without bounces from the sky
     /// too.
     pub direct_irradiance: Vec3,
-    /// Light from the sky and from other surfaces, as the radiance of a white surface; zero without
-    /// bounces.
-    pub smooth: Vec3,
+    /// Smooth light: from the sky and from other surfaces. Sums of the paths with even and with odd
+    /// numbers, as radiance of a white surface; zero without bounces.
+    pub smooth_sums: [Vec3; 2],
+    /// Number of paths; zero without bounces.
+    pub paths: u32,
 }
 
 impl ArrivingLight {
@@ -26,9 +28,19 @@ impl ArrivingLight {
         Diffuse::WHITE.radiance(self.direct_irradiance)
     }
 
+    /// The smooth light, as the radiance of a white surface: the mean of all paths.
+    pub fn smooth(&self) -> Vec3 {
+        (self.smooth_sums[0] + self.smooth_sums[1]) / self.paths.max(1) as f32
+    }
+
+    /// All light together, as the radiance of a white surface.
+    pub fn total(&self) -> Vec3 {
+        self.direct() + self.smooth()
+    }
+
     /// The radiance that a surface of this albedo reflects.
     pub fn reflected(&self, albedo: Vec3) -> Vec3 {
-        Diffuse { albedo }.radiance(self.direct_irradiance) + albedo * self.smooth
+        Diffuse { albedo }.radiance(self.direct_irradiance) + albedo * self.smooth()
     }
 }
 
@@ -88,10 +100,10 @@ impl Tracer {
         let samples = settings.trace.samples_for(share);
         let direct_irradiance = self.direct_irradiance(point, samples, &settings.trace, seed, rays);
         if settings.trace.bounces == 0 {
-            return ArrivingLight { direct_irradiance, smooth: Vec3::ZERO };
+            return ArrivingLight { direct_irradiance, ..ArrivingLight::default() };
         }
-        let [even, odd] = self.smooth_light(point, 0..samples, seed.sequence, settings.smooth(), rays);
-        ArrivingLight { direct_irradiance, smooth: (even + odd) / samples as f32 }
+        let smooth_sums = self.smooth_light(point, 0..samples, seed.sequence, settings.smooth(), rays);
+        ArrivingLight { direct_irradiance, smooth_sums, paths: samples }
     }
 
     /// Returns the irradiance straight from the lights, without the sky where paths find it.

@@ -1,0 +1,235 @@
+//! Smooth light of a reference, shared between neighbours on the same surface.
+//!
+//! Samples are filtered with ever wider kernels, and each pixel takes the width whose result is
+//! nearest to samples that took no part in it. Two halves of the samples make that possible: one is
+//! filtered, the other judges, and the other way round. So the width follows the noise, shrinks as
+//! samples rise, and stays small where light changes from place to place; in the limit nothing is
+//! filtered.
+//!
+//! Sources: an edge-avoiding à-trous wavelet (Dammertz et al., "Edge-Avoiding À-Trous Wavelet
+//! Transform for fast Global Illumination Filtering", HPG 2010); the choice of width by two halves
+//! (Rousselle, Knaus and Zwicker, "Adaptive Rendering with Non-Local Means Filtering", 2012). We
+//! differ: irradiance on surfaces is filtered, never the picture; weights come from geometry alone,
+//! so that noise cannot guide them.
+
+use super::ReferenceFrame;
+use crate::trace::{NO_TRIANGLE, SurfacePoint, Tracer};
+use glam::{Vec3, Vec4};
+use rayon::prelude::*;
+use std::ops::{Add, Mul};
+
+/// Widths tried: kernels reach up to one, two, four .. pixels further each time.
+const LEVELS: u32 = 6;
+
+/// Steps of the kernels that average the error of a width over a surface.
+const ERROR_STEPS: [usize; 3] = [1, 2, 4];
+
+/// Sine of the angle between a surface and the line to a neighbour beyond which they are not the
+/// same surface.
+const MAX_SINE: f32 = 0.3;
+
+/// Cosine of the angle between the normals of neighbours beyond which they share no light: 37
+/// degrees.
+const MIN_COSINE: f32 = 0.8;
+
+/// Samples of the smooth light of a pixel.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct SmoothSamples {
+    /// Sums of the samples with even and with odd numbers, as radiance of a white surface.
+    pub(crate) sums: [Vec3; 2],
+    /// Number of samples of both together.
+    pub(crate) count: u32,
+}
+
+/// The surface of a pixel; its normal is zero where the pixel has no samples.
+#[derive(Clone, Copy)]
+struct Facet {
+    /// Position relative to the eye, scene units.
+    position: Vec3,
+    normal: Vec3,
+}
+
+/// Light of each half of the samples: the sum of radiance, and the number of samples, both divided
+/// by the same weight.
+#[derive(Clone, Copy, Default)]
+struct Halves([Vec4; 2]);
+
+impl Mul<f32> for Halves {
+    type Output = Self;
+
+    #[inline(always)]
+    fn mul(self, factor: f32) -> Self {
+        Self(self.0.map(|half| half * factor))
+    }
+}
+
+impl Add for Halves {
+    type Output = Self;
+
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self([self.0[0] + other.0[0], self.0[1] + other.0[1]])
+    }
+}
+
+impl ReferenceFrame {
+    /// Filters the samples of the listed pixels and stores the result as their smooth light.
+    pub(crate) fn store_filtered(&mut self, tracer: &Tracer, pixels: &[u32], samples: &[SmoothSamples]) {
+        if self.settings.bounces == 0 || pixels.is_empty() {
+            return;
+        }
+        let width = self.view.size[0] as usize;
+        let filter = Filter { width, facets: facets(self, tracer, pixels) };
+        let filtered = filter.run(pixels, samples);
+        self.store_smooth(pixels, pixels.iter().map(|&pixel| filtered[pixel as usize]));
+    }
+}
+
+/// The surfaces of the listed pixels, in an array of all pixels.
+fn facets(frame: &ReferenceFrame, tracer: &Tracer, pixels: &[u32]) -> Vec<Facet> {
+    let mut facets = vec![Facet { position: Vec3::ZERO, normal: Vec3::ZERO }; frame.view.pixel_count()];
+    let found: Vec<Facet> = pixels
+        .par_iter()
+        .map(|&pixel| {
+            let (triangle, offset) = (frame.triangle()[pixel as usize], frame.offset_from_eye(pixel));
+            if triangle == NO_TRIANGLE || !offset.is_finite() {
+                return Facet { position: Vec3::ZERO, normal: Vec3::ZERO };
+            }
+            let position = frame.view.eye + offset;
+            let point = SurfacePoint::from_position(tracer.scene(), triangle, position, offset);
+            Facet { position: offset, normal: point.shading_normal }
+        })
+        .collect();
+    for (&pixel, facet) in pixels.iter().zip(found) {
+        facets[pixel as usize] = facet;
+    }
+    facets
+}
+
+/// The surfaces of a picture, row-major.
+struct Filter {
+    width: usize,
+    facets: Vec<Facet>,
+}
+
+impl Filter {
+    /// The filtered light of all pixels.
+    fn run(&self, pixels: &[u32], samples: &[SmoothSamples]) -> Vec<Vec3> {
+        let raw = self.layer_of(pixels, samples);
+        let mut best: Vec<(f32, Vec3)> = vec![(f32::INFINITY, Vec3::ZERO); raw.len()];
+        let mut layer = raw.clone();
+        for level in 0..=LEVELS {
+            if level > 0 {
+                layer = self.widened(&layer, 1 << (level - 1));
+            }
+            let mut error: Vec<f32> =
+                layer.par_iter().zip(&raw).map(|(layer, raw)| disagreement(layer, raw)).collect();
+            for step in ERROR_STEPS {
+                error = self.widened(&error, step);
+            }
+            best.par_iter_mut().zip(&error).zip(&layer).for_each(|((best, &error), layer)| {
+                if error < best.0 || best.0 == f32::INFINITY {
+                    *best = (error, mean(layer.0[0] + layer.0[1]));
+                }
+            });
+        }
+        best.into_iter().map(|(_, light)| light).collect()
+    }
+
+    /// The samples of the listed pixels in an array of all pixels. The halves change places on every
+    /// other pixel, so that each has as many samples where the number is odd.
+    fn layer_of(&self, pixels: &[u32], samples: &[SmoothSamples]) -> Vec<Halves> {
+        let mut layer = vec![Halves::default(); self.facets.len()];
+        for (&pixel, samples) in pixels.iter().zip(samples) {
+            let counts = [samples.count.div_ceil(2), samples.count / 2];
+            let halves = [0, 1].map(|half| samples.sums[half].extend(counts[half] as f32));
+            let (x, y) = (pixel as usize % self.width, pixel as usize / self.width);
+            let is_odd = (x + y) % 2 == 1;
+            layer[pixel as usize] = Halves(if is_odd { [halves[1], halves[0]] } else { halves });
+        }
+        layer
+    }
+
+    /// One step of the wavelet: each pixel becomes the mean of the nine around it, `step` apart.
+    fn widened<V: Value>(&self, values: &[V], step: usize) -> Vec<V> {
+        let (width, height) = (self.width, self.facets.len() / self.width.max(1));
+        let row = |y: usize| {
+            (0..width).map(move |x| {
+                let at = y * width + x;
+                let centre = &self.facets[at];
+                if centre.normal == Vec3::ZERO {
+                    return V::default();
+                }
+                let (mut sum, mut total) = (values[at] * 4.0, 4.0);
+                for (dx, dy, share) in NEIGHBOURS {
+                    let (nx, ny) = (x as i64 + dx * step as i64, y as i64 + dy * step as i64);
+                    if nx < 0 || ny < 0 || nx >= width as i64 || ny >= height as i64 {
+                        continue;
+                    }
+                    let other = ny as usize * width + nx as usize;
+                    let weight = share * likeness(centre, &self.facets[other]);
+                    if weight > 0.0 {
+                        sum = sum + values[other] * weight;
+                        total += weight;
+                    }
+                }
+                sum * (1.0 / total)
+            })
+        };
+        (0..height).into_par_iter().flat_map_iter(row).collect()
+    }
+}
+
+/// What the kernels average.
+trait Value:
+    Copy + Default + Send + Sync + Mul<f32, Output = Self> + Add<Output = Self>
+{
+}
+
+impl Value for f32 {}
+
+impl Value for Halves {}
+
+/// Offsets and weights of the binomial kernel of nine, without its centre of weight four.
+const NEIGHBOURS: [(i64, i64, f32); 8] = [
+    (-1, -1, 1.0),
+    (0, -1, 2.0),
+    (1, -1, 1.0),
+    (-1, 0, 2.0),
+    (1, 0, 2.0),
+    (-1, 1, 1.0),
+    (0, 1, 2.0),
+    (1, 1, 1.0),
+];
+
+/// How much light two surfaces share, 0..1, by their normals and by how far each lies off the other.
+#[inline(always)]
+fn likeness(a: &Facet, b: &Facet) -> f32 {
+    let cosine = a.normal.dot(b.normal);
+    if cosine <= MIN_COSINE {
+        return 0.0;
+    }
+    let line = b.position - a.position;
+    let off = a.normal.dot(line).abs().max(b.normal.dot(line).abs());
+    let sine2 = off * off / line.length_squared().max(f32::MIN_POSITIVE);
+    let flat = (1.0 - sine2 * (1.0 / (MAX_SINE * MAX_SINE))).max(0.0);
+    let alike = (cosine - MIN_COSINE) * (1.0 / (1.0 - MIN_COSINE));
+    flat * flat * alike
+}
+
+/// The mean of sums with their count.
+#[inline(always)]
+fn mean(sums: Vec4) -> Vec3 {
+    sums.truncate() / sums.w.max(f32::MIN_POSITIVE)
+}
+
+/// Squared distance between each half of filtered light and the other half of the samples, times the
+/// number of those samples.
+#[inline(always)]
+fn disagreement(filtered: &Halves, raw: &Halves) -> f32 {
+    let against = |half: usize| {
+        let (filtered, raw) = (&filtered.0[half], &raw.0[1 - half]);
+        if raw.w <= 0.0 { 0.0 } else { raw.w * (mean(*filtered) - mean(*raw)).length_squared() }
+    };
+    against(0) + against(1)
+}
