@@ -193,6 +193,12 @@ impl View {
         self.scene_from_pixel * Vec3::new(x, y, 1.0)
     }
 
+    /// Distance between neighbouring pixels on a surface that faces the viewer, scene units, at `t`
+    /// along a primary ray of this direction.
+    pub fn footprint(&self, direction: Vec3, t: f32) -> f32 {
+        self.scene_from_pixel.x_axis.length() * t * direction.length()
+    }
+
     /// Returns `self.eye - other.eye` in scene space, rounded only once.
     pub fn eye_relative_to(&self, other: &View) -> Vec3 {
         (self.eye_f64 - other.eye_f64).as_vec3()

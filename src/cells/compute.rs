@@ -78,7 +78,7 @@ pub(super) fn compute(tracer: &Tracer, key: &CellKey, bounces: u32, seed: u64) -
         let point = &points[sample as usize % points.len()];
         let shift = |light: u32| sequence.pair(sample, LIGHT.wrapping_add(light));
         let irradiance = tracer.irradiance_of(LightKinds::AllButSky, point, 1, shift, &mut rays);
-        let settings = SmoothSettings { bounces, cache: None };
+        let settings = SmoothSettings { bounces, cache: None, footprint: 0.0, samples: 1 };
         let smooth = tracer.smooth_light(point, sample..sample + 1, sequence, settings, &mut rays);
         sum += Diffuse::WHITE.radiance(irradiance) + smooth[0] + smooth[1];
     }

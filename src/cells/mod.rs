@@ -20,14 +20,14 @@ mod table;
 pub use key::CellKey;
 
 use crate::scene::Scene;
-use crate::trace::{CachedLight, SurfacePoint, TraceSettings, Tracer};
+use crate::trace::{CachedLight, Reader, SurfacePoint, TraceSettings, Tracer};
 use compute::{Cell, compute};
 use glam::Vec3;
 use table::Table;
 
 /// Finer cells that are tried where a cell lies on both sides of a wall, before the path is traced
 /// on.
-const MAX_SPLITS: i32 = 3;
+const MAX_SPLITS: i32 = 2;
 
 /// Cells of one scene, for paths of one setting. Shared by threads.
 #[derive(Debug)]
@@ -81,9 +81,10 @@ impl SurfaceCells {
 }
 
 impl CachedLight for SurfaceCells {
-    fn light_at(&self, tracer: &Tracer, point: &SurfacePoint, length: f32) -> Option<Vec3> {
-        let coarsest = CellKey::level_of(length)?;
-        (coarsest - MAX_SPLITS..=coarsest).rev().find_map(|level| {
+    fn light_at(&self, tracer: &Tracer, point: &SurfacePoint, reader: &Reader) -> Option<Vec3> {
+        let levels = CellKey::levels_of(reader);
+        let finest = *levels.start().max(&(levels.end() - MAX_SPLITS));
+        (finest..=*levels.end()).rev().find_map(|level| {
             let key = CellKey::new(point.position, point.geometric_normal, level)?;
             match self.cell(tracer, &key) {
                 Cell::Lit(light) => Some(light),

@@ -88,7 +88,8 @@ impl PixelResolver<'_> {
         let (ray, hit) = self.hit(pixel, triangle);
         let trace = resolver.trace;
         let seed = PointSeed::of_pixel(trace.seed, pixel, self.view.size[0], trace.samples);
-        let settings = self.lookup.light_settings(&trace);
+        let footprint = hit.map_or(0.0, |hit| self.view.footprint(ray.direction, hit.t));
+        let settings = self.lookup.light_settings(&trace, footprint);
         let (mut traced, point) = self.tracer.shade_hit(&ray, hit, &settings, seed, &mut tally.rays);
         if let (Some(hit), Some(point)) = (hit, point) {
             traced.radiance += resolver.specular(&point, &ray, &hit, pixel, tally);
@@ -221,7 +222,8 @@ impl PixelResolver<'_> {
     /// Traces all light of a point that no reference knows, stores it under `key`, and returns the
     /// point's diffuse radiance.
     fn trace_unknown(&self, point: &SurfacePoint, end: &PathEnd, tally: &mut Tally, key: SurfaceKey) -> Vec3 {
-        let (settings, rays) = (self.lookup.light_settings(&self.trace), &mut tally.rays);
+        let footprint = self.surface_key(point, end).footprint;
+        let (settings, rays) = (self.lookup.light_settings(&self.trace, footprint), &mut tally.rays);
         let light = self.tracer.arriving_light(point, end.share, &settings, end.key.into(), rays);
         let traced = Traced { light: light.direct(), smooth: Some(light.smooth()), replaced_guess: false };
         self.store(point, end, tally, &[key], traced);

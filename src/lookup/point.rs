@@ -246,10 +246,10 @@ impl<'a> LookupSet<'a> {
         Self { directory, references, usable, noise, has_smooth, cells }
     }
 
-    /// How light that is not known is traced.
-    pub(crate) fn light_settings(&self, trace: &TraceSettings) -> LightSettings<'_> {
+    /// How light that is not known is traced for a pixel of this size on the surface, scene units.
+    pub(crate) fn light_settings(&self, trace: &TraceSettings, footprint: f32) -> LightSettings<'_> {
         let cache = self.cells.map(|cells| cells as &dyn CachedLight);
-        LightSettings { trace: *trace, cache }
+        LightSettings { trace: *trace, cache, footprint }
     }
 
     /// The number of references.

@@ -41,12 +41,13 @@ impl ReferenceFrame {
         let mut frame = Self::empty(tracer, camera, view, settings);
         tiles.iter().for_each(|tile| tile.store_hits(&mut frame, tracer));
         frame.forget_ill_conditioned(tracer);
-        let lighting = known.light_settings(settings);
         let mut lights: Vec<Option<ArrivingLight>> = Vec::new();
         let (rays, complete) = trace_pixels(&open, &mut lights, stop, |pixel, rays| {
             let ray = Tracer::primary_ray(&view, pixel);
             let hit = tracer.hit_on_triangle(&ray, frame.triangle()[pixel as usize]);
             let seed = PointSeed::of_pixel(settings.seed, pixel, size[0], settings.samples);
+            let footprint = hit.map_or(0.0, |hit| view.footprint(ray.direction, hit.t));
+            let lighting = known.light_settings(settings, footprint);
             tracer.shade_hit(&ray, hit, &lighting, seed, rays).0.light
         });
         if !complete {

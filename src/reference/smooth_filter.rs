@@ -21,8 +21,10 @@ use std::ops::{Add, Mul};
 /// Widths tried: kernels reach up to one, two, four .. pixels further each time.
 const LEVELS: u32 = 6;
 
-/// Steps of the kernels that average the error of a width over a surface.
-const ERROR_STEPS: [usize; 3] = [1, 2, 4];
+/// Steps of the kernels that average the error of a width over a surface. In a daylit room, with
+/// four and sixteen samples, three steps lost 0.9 and 0.5 dB against five, which came within 0.8 and
+/// 0.3 dB of the best width for the whole picture and had less error in FLIP.
+const ERROR_STEPS: [usize; 5] = [1, 2, 4, 8, 16];
 
 /// Sine of the angle between a surface and the line to a neighbour beyond which they are not the
 /// same surface.

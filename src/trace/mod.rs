@@ -33,7 +33,8 @@ pub(crate) use lights::LightKinds;
 pub use lights::{LightCuts, LightGrid};
 pub(crate) use path::SmoothSettings;
 pub use path::{
-    ArrivingLight, CachedLight, LightSettings, MAX_BOUNCES, MAX_PATH, PathVertex, PixelTrace, truncation_bound,
+    ArrivingLight, CachedLight, LightSettings, MAX_BOUNCES, MAX_PATH, PathVertex, PixelTrace, Reader,
+    truncation_bound,
 };
 pub use primary_tile::primary_tile;
 pub use probe::Probe;

@@ -1,6 +1,6 @@
 //! Smooth light: what arrives from the sky and by way of other diffuse surfaces, path traced.
 
-use super::cached_light::CachedLight;
+use super::cached_light::{CachedLight, Reader};
 use super::dimension::{DIRECTION, LIGHT, ROULETTE};
 use crate::bsdf::Diffuse;
 use crate::math::{Ray, sequence::Sequence};
@@ -40,6 +40,10 @@ pub(crate) struct SmoothSettings<'a> {
     pub(crate) bounces: u32,
     /// Where a path may end at its first surface; `None` traces it on.
     pub(crate) cache: Option<&'a dyn CachedLight>,
+    /// Size of the pixel on the surface, scene units.
+    pub(crate) footprint: f32,
+    /// Paths of the point, also those of other calls.
+    pub(crate) samples: u32,
 }
 
 impl Tracer {
@@ -113,7 +117,7 @@ impl Path<'_> {
             // End in light that is known there, or add what arrives there straight from the lights.
             if bounce == 0
                 && let Some(cache) = self.settings.cache
-                && let Some(light) = cache.light_at(self.tracer, &next, length)
+                && let Some(light) = cache.light_at(self.tracer, &next, &self.reader(length))
             {
                 return radiance + throughput * light;
             }
@@ -123,6 +127,10 @@ impl Path<'_> {
         }
         rays.bounded += u64::from(self.settings.bounces > MAX_PATH);
         radiance
+    }
+
+    fn reader(&self, length: f32) -> Reader {
+        Reader { length, footprint: self.settings.footprint, samples: self.settings.samples }
     }
 
     /// Russian roulette: true where the path continues, with its throughput raised accordingly.

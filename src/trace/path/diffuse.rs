@@ -51,18 +51,21 @@ pub struct LightSettings<'a> {
     pub trace: TraceSettings,
     /// Where the paths of smooth light may end; `None` traces them on, without bias.
     pub cache: Option<&'a dyn CachedLight>,
+    /// Size of the pixel on the surface, scene units.
+    pub footprint: f32,
 }
 
 impl From<TraceSettings> for LightSettings<'_> {
     fn from(trace: TraceSettings) -> Self {
-        Self { trace, cache: None }
+        Self { trace, cache: None, footprint: 0.0 }
     }
 }
 
 impl LightSettings<'_> {
-    /// What the paths of smooth light are traced with.
-    pub(crate) fn smooth(&self) -> SmoothSettings<'_> {
-        SmoothSettings { bounces: self.trace.bounces, cache: self.cache }
+    /// What the paths of smooth light are traced with, of which there are `samples`.
+    pub(crate) fn smooth(&self, samples: u32) -> SmoothSettings<'_> {
+        let Self { trace, cache, footprint } = *self;
+        SmoothSettings { bounces: trace.bounces, cache, footprint, samples }
     }
 }
 
@@ -102,7 +105,8 @@ impl Tracer {
         if settings.trace.bounces == 0 {
             return ArrivingLight { direct_irradiance, ..ArrivingLight::default() };
         }
-        let smooth_sums = self.smooth_light(point, 0..samples, seed.sequence, settings.smooth(), rays);
+        let smooth = settings.smooth(samples);
+        let smooth_sums = self.smooth_light(point, 0..samples, seed.sequence, smooth, rays);
         ArrivingLight { direct_irradiance, smooth_sums, paths: samples }
     }
 

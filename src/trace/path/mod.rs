@@ -10,7 +10,7 @@ mod specular;
 
 pub use bounces::MAX_PATH;
 pub(crate) use bounces::SmoothSettings;
-pub use cached_light::CachedLight;
+pub use cached_light::{CachedLight, Reader};
 pub use diffuse::{ArrivingLight, LightSettings};
 pub use pixel::PixelTrace;
 pub use specular::{MAX_BOUNCES, PathVertex, truncation_bound};
