@@ -8,7 +8,7 @@
 use super::{LookupQuality, LookupSet, TileLight, TileSurfaces, ViewLookup, pixels_of_tile};
 use crate::camera::View;
 use crate::raster::pixel_types::{NO_SUPPLIER, PixelType};
-use crate::trace::{Hit, NO_TRIANGLE, TILE_SIDE, Tracer};
+use crate::trace::{NO_TRIANGLE, TILE_SIDE, Tracer};
 use glam::Vec3;
 
 /// Some rows of a frame, to be written. Row-major.
@@ -19,9 +19,6 @@ pub(crate) struct FrameRows<'a> {
     pub(crate) triangle: &'a mut [u32],
     pub(crate) types: &'a mut [PixelType],
     pub(crate) supplier: &'a mut [u8],
-    /// Emission and reflected smooth light of uncertain pixels, to which traced direct light is
-    /// added.
-    pub(crate) beside: &'a mut [Vec3],
 }
 
 /// Pixels that still have to be traced, by type.
@@ -69,8 +66,9 @@ impl<'a> BandLookup<'a> {
         Self { tracer, view, lookup, checks_guesses: quality.checks_guesses }
     }
 
-    /// Fills the band that begins at row `y0`, and lists the pixels that it leaves open.
-    pub(crate) fn fill(&self, y0: u32, mut rows: FrameRows<'_>, open: &mut OpenPixels) {
+    /// Fills the band that begins at row `y0`, and lists the pixels that it leaves open. `beside`
+    /// receives the emission and the reflected smooth light of those whose direct light is a guess.
+    pub(crate) fn fill(&self, y0: u32, mut rows: FrameRows<'_>, beside: &mut [Vec3], open: &mut OpenPixels) {
         open.clear();
         let first = y0 as usize * self.view.size[0] as usize;
         let (mut surfaces, mut light) = (TileSurfaces::new(self.view), TileLight::NONE);
@@ -79,9 +77,18 @@ impl<'a> BandLookup<'a> {
             self.lookup.gather(&surfaces.points, &mut light);
             for (ray, pixel) in pixels_of_tile([x0, y0], self.view.size) {
                 let kind = self.write_pixel(&surfaces, &light, ray, pixel - first, &mut rows);
+                if kind == PixelType::Uncertain {
+                    beside[pixel - first] = self.light_beside(&surfaces, &light, ray);
+                }
                 open.push(kind, pixel as u32);
             }
         }
+    }
+
+    /// The emission and the reflected smooth light of a known pixel.
+    fn light_beside(&self, surfaces: &TileSurfaces, light: &TileLight, ray: usize) -> Vec3 {
+        let material = &self.tracer.scene().materials[surfaces.material[ray].0 as usize];
+        material.emission + self.tracer.albedo(&surfaces.hit(ray)) * light.smooth_at(ray)
     }
 
     /// Writes what is known of a pixel. Returns its type, which says what is left to do.
@@ -106,10 +113,7 @@ impl<'a> BandLookup<'a> {
             let is_wanted = surfaces.points.wanted >> ray & 1 == 1;
             let is_known = light.known >> ray & 1 == 1;
             if is_known {
-                let [b1, b2] = [surfaces.hits.b1[ray], surfaces.hits.b2[ray]];
-                let hit = Hit { t: 0.0, triangle, b1, b2 };
-                let albedo = self.tracer.albedo(&hit);
-                rows.beside[at] = rows.radiance[at] + albedo * light.smooth_at(ray);
+                let albedo = self.tracer.albedo(&surfaces.hit(ray));
                 rows.radiance[at] += albedo * (light.at(ray) + light.smooth_at(ray));
                 rows.supplier[at] = light.slot[ray];
             }

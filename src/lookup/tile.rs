@@ -4,7 +4,7 @@ use super::policy::{MAX_AVERAGED_BEST, MAX_JUMP, MAX_LOSS, MAX_STEP, MIN_COVERAG
 use crate::camera::View;
 use crate::raster::pixel_types::NO_SUPPLIER;
 use crate::scene::{MaterialId, Scene};
-use crate::trace::{NO_TRIANGLE, RayTile, TILE_RAYS, TILE_SIDE, TileHits, Tracer, primary_tile};
+use crate::trace::{Hit, NO_TRIANGLE, RayTile, TILE_RAYS, TILE_SIDE, TileHits, Tracer, primary_tile};
 use arrayvec::ArrayVec;
 use glam::Vec3;
 
@@ -131,6 +131,13 @@ impl TileSurfaces {
     fn set_plane(&mut self, ray: usize, normal: Vec3) {
         (self.points.normal[0][ray], self.points.normal[1][ray], self.points.normal[2][ray]) = normal.into();
         self.points.height[ray] = normal.dot(self.direction(ray)) * self.hits.t[ray];
+    }
+
+    /// The hit of a ray, without its distance.
+    #[inline(always)]
+    pub(super) fn hit(&self, ray: usize) -> Hit {
+        let [b1, b2] = [self.hits.b1[ray], self.hits.b2[ray]];
+        Hit { t: 0.0, triangle: self.hits.triangle[ray], b1, b2 }
     }
 
     /// Direction of a ray; its component along the viewing axis is one.

@@ -29,8 +29,6 @@ pub struct Frame {
     /// The reference that supplied each pixel, by position in the frame's list of references;
     /// [`NO_SUPPLIER`] for none.
     pub supplier: Vec<u8>,
-    /// Emission and reflected smooth light of pixels whose direct light is a guess.
-    pub(super) beside: Vec<Vec3>,
     /// Times and counts.
     pub stats: FrameStats,
 }
@@ -115,7 +113,6 @@ impl Default for Frame {
             triangle: Vec::new(),
             types: Vec::new(),
             supplier: Vec::new(),
-            beside: Vec::new(),
             stats: FrameStats::default(),
         }
     }
@@ -132,7 +129,6 @@ impl Frame {
         self.triangle.resize(count, 0);
         self.types.resize(count, PixelType::Unseen);
         self.supplier.resize(count, NO_SUPPLIER);
-        self.beside.resize(count, Vec3::ZERO);
     }
 
     /// The frame in bands of `rows` rows, to be written in parallel.
@@ -144,15 +140,13 @@ impl Frame {
             self.triangle.par_chunks_mut(count),
             self.types.par_chunks_mut(count),
             self.supplier.par_chunks_mut(count),
-            self.beside.par_chunks_mut(count),
         );
-        parts.into_par_iter().map(|(radiance, disparity, triangle, types, supplier, beside)| FrameRows {
+        parts.into_par_iter().map(|(radiance, disparity, triangle, types, supplier)| FrameRows {
             radiance,
             disparity,
             triangle,
             types,
             supplier,
-            beside,
         })
     }
 

@@ -133,7 +133,7 @@ impl Tracer {
             });
             if scatters {
                 sums.surfaces += 1.0;
-                sums.light += f64::from(luminance(traced.light));
+                sums.light += f64::from(luminance(traced.light.total()));
                 sums.luminance += f64::from(luminance(traced.radiance));
             }
         }

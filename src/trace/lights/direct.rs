@@ -5,7 +5,7 @@
 
 use super::quad::Points;
 use super::sample::{add_samples, is_behind, sample_count};
-use super::share::LightTurn;
+use super::share::{LightTurn, SHARING};
 use crate::math::key::Key;
 use crate::scene::Light;
 use crate::trace::{BUNDLE_RAYS, RayBundle, RayCounts, SurfacePoint, Tracer};
@@ -65,7 +65,8 @@ impl Tracer {
     ) -> Vec3 {
         let origin = point.origin_in_front();
         let (mut total, mut passed) = (Vec3::ZERO, [Vec3::ZERO; BUNDLE_RAYS]);
-        for LightTurn { index, samples, weight } in self.lights_at(point.position).turns(samples, key) {
+        let turns = self.lights_at(point.position).turns(samples, || shift(SHARING)[0]);
+        for LightTurn { index, samples, weight } in turns {
             // Skip a light that lies wholly behind the surface.
             let light = &self.scene().lights[index as usize];
             let is_left_out = kinds == LightKinds::AllButSky && matches!(light, Light::Sky);

@@ -12,7 +12,6 @@
 //! of all lights at equal distances along the sum of their shares. We differ: shares are limited to
 //! one light's own samples, and the estimates contain the visibility of the light from the cell.
 
-use crate::math::key::Key;
 
 /// Number of lights that get all their samples; more lights in a cell share the samples of this
 /// many. No scene of the embedded ones and no real model at hand has a cell with more, so pictures
@@ -29,8 +28,8 @@ const EQUAL_PART: f64 = 0.1;
 const ALL: u32 = 1 << SHARE_BITS;
 const SHARE_BITS: u32 = 25;
 
-/// Dimension of the offset that places shared samples.
-const SHARING: u32 = u32::MAX;
+/// Dimension of the offset that places shared samples, beside those of the lights.
+pub(super) const SHARING: u32 = u32::MAX;
 
 /// The lights that matter in a cell, and their shares of the samples.
 #[derive(Debug)]
@@ -72,17 +71,17 @@ impl CellLights {
     }
 
     /// The lights to sample at a point: each with `samples`, or with its part of the samples of
-    /// [`MAX_LIGHTS`] lights. `key` is that of the point.
+    /// [`MAX_LIGHTS`] lights. `random` returns a number in [0, 1) that places shared samples.
     #[inline(always)]
-    pub(super) fn turns(&self, samples: u32, key: Key) -> LightTurns<'_> {
-        let offset = if self.is_shared() { offset(key) } else { 0 };
+    pub(super) fn turns(&self, samples: u32, random: impl FnOnce() -> f32) -> LightTurns<'_> {
+        let offset = if self.is_shared() { offset(random()) } else { 0 };
         LightTurns { lights: self, at: 0, samples, offset, used: 0 }
     }
 }
 
 /// Distance of the first sample from the start of the shares, uniform below [`ALL`].
-fn offset(key: Key) -> u32 {
-    (key.with(SHARING).bits() >> (64 - SHARE_BITS)) as u32
+fn offset(random: f32) -> u32 {
+    ((random * ALL as f32) as u32).min(ALL - 1)
 }
 
 /// The shares of lights (0..1), which sum to [`MAX_LIGHTS`]: proportional to the estimates, with a
@@ -194,12 +193,12 @@ mod tests {
     #[test]
     fn few_lights_do_not_share() {
         let cell = CellLights::new(&lights(MAX_LIGHTS as u32));
-        let turns: Vec<LightTurn> = cell.turns(5, Key::of_pixel(0, 0)).collect();
+        let turns: Vec<LightTurn> = cell.turns(5, || 0.0).collect();
         assert!(!cell.is_shared() && turns.len() == MAX_LIGHTS);
         assert!(
             turns.iter().zip(0..).all(|(t, i)| *t == LightTurn { index: 2 * i, samples: 5, weight: 1.0 })
         );
-        assert_eq!(CellLights::new(&[]).turns(5, Key::of_pixel(0, 0)).count(), 0);
+        assert_eq!(CellLights::new(&[]).turns(5, || 0.0).count(), 0);
     }
 
     #[test]

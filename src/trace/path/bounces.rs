@@ -23,13 +23,13 @@ const FIRST_ROULETTE: u32 = 1;
 /// nothing.
 const MAX_SURVIVAL: f32 = 0.95;
 
-/// Where a ray of a path arrives. The flag is true where a surface reflected it since it last
-/// scattered diffusely.
+/// Where a ray of a path arrives.
 enum Next {
-    /// A surface that scatters diffusely, and the length of the way there, scene units.
+    /// A surface that scatters diffusely, the length of the way there in scene units, and whether a
+    /// surface reflected the ray since it last scattered diffusely.
     Surface(SurfacePoint, f32, bool),
     /// The sky, in this direction.
-    Sky(Vec3, bool),
+    Sky(Vec3),
     Lost,
 }
 
@@ -97,9 +97,8 @@ impl Path<'_> {
             let ray = Ray::new(point.origin_in_front(), direction);
             let (next, length, was_reflected) = match self.next(ray, &mut throughput, bounce, rays) {
                 Next::Surface(next, length, was_reflected) => (next, length, was_reflected),
-                Next::Sky(direction, was_reflected) => {
-                    return radiance + throughput * self.tracer.escaping(direction, was_reflected);
-                }
+                // Shadow rays bring the suns of a sky picture.
+                Next::Sky(direction) => return radiance + throughput * self.tracer.diffuse_sky(direction),
                 Next::Lost => return radiance,
             };
             if bounce == bounces {
@@ -159,7 +158,7 @@ impl Path<'_> {
         for link in 0..MAX_CHAIN {
             rays.indirect += 1;
             let Some(hit) = tracer.closest(&ray) else {
-                return Next::Sky(ray.direction, was_reflected);
+                return Next::Sky(ray.direction);
             };
             let point = tracer.surface(&ray, &hit);
             // Directions are of unit length, so `t` is a distance.
@@ -184,14 +183,5 @@ impl Path<'_> {
             ray = point.scattered_ray(&next);
         }
         Next::Lost
-    }
-}
-
-impl Tracer {
-    /// The radiance that a path finds in the sky. A sun in the sky counts only where the path was
-    /// reflected on its last way: elsewhere shadow rays find it.
-    fn escaping(&self, direction: Vec3, was_reflected: bool) -> Vec3 {
-        let _ = was_reflected;
-        self.sky(direction)
     }
 }
