@@ -52,7 +52,7 @@ impl ReferenceProjection<'_> {
         let is_known = (r.disparity[at] - expected).abs() <= tolerance * expected
             && r.light[at] != UNLIT
             && r.is_alike(at, points.triangle[pixel]);
-        density.min(1.0) * if is_known { 1.0 } else { 0.01 }
+        density.min(1.0) * r.quality * if is_known { 1.0 } else { 0.01 }
     }
 
     /// Adds this reference's light to the open pixels of a row of a tile. `open` has one bit per
@@ -75,7 +75,7 @@ impl ReferenceProjection<'_> {
         let triangle = &points.triangle[at..at + TILE_SIDE];
         let gathered = self.collect(simd, &footprint, triangle);
         if gathered.total.simd_ge(f32x8::splat(simd, MIN_WEIGHT)).any_true() {
-            gathered.add_to(simd, (slot, self.reference.wide), at, footprint.density, found);
+            gathered.add_to(simd, (slot, self.reference), at, footprint.density, found);
         }
     }
 
@@ -232,13 +232,20 @@ impl<S: Simd> Gathered<S> {
     /// Adds the sums to a tile's light, weighted so that interpolated light outweighs extrapolated
     /// light, and fine references outweigh coarse ones.
     #[inline(always)]
-    fn add_to(&self, simd: S, (slot, wide): (u8, f32), at: usize, density: f32x8<S>, found: &mut TileLight) {
+    fn add_to(
+        &self,
+        simd: S,
+        (slot, reference): (u8, &LookupReference<'_>),
+        at: usize,
+        density: f32x8<S>,
+        found: &mut TileLight,
+    ) {
         let (zero, one) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
         // Weight by coverage and density, squared.
         let total = self.total;
         let enough = total.simd_ge(f32x8::splat(simd, MIN_WEIGHT));
         let fine = density.min(one);
-        let scale = enough.select(fine * fine * total * total, zero);
+        let scale = enough.select(fine * fine * total * total * reference.quality, zero);
         for c in 0..3 {
             store(load(simd, &found.light[c], at) + self.sum[c] * scale, &mut found.light[c], at);
             store(load(simd, &found.smooth[c], at) + self.smooth[c] * scale, &mut found.smooth[c], at);
@@ -261,7 +268,7 @@ impl<S: Simd> Gathered<S> {
         let better = weight.simd_gt(best);
         store(better.select(weight, best), &mut found.best_weight, at);
         // Detect the edge of a shadow between the samples.
-        let is_wide = range.simd_gt(self.most * wide);
+        let is_wide = range.simd_gt(self.most * reference.wide);
         let jump = (self.has_gap() | is_wide).select(spread, zero);
         store(load(simd, &found.jump, at).max(enough.select(jump, zero)), &mut found.jump, at);
         let mut bits = better.to_bitmask();

@@ -31,6 +31,7 @@ pub use point::{FoundLight, LookupSet};
 pub use point_cache::{CachedLight, PointCache, SurfaceKey, TracedPoint};
 pub use policy::LookupQuality;
 pub(crate) use policy::MAX_POINTS_PER_PIXEL;
+pub(crate) use sparse::UnfinishedReference;
 pub use sparse::open_percent;
 pub(crate) use tile::pixels_of_tile;
 pub use tile::{TileLight, TilePoints, TileSurfaces};

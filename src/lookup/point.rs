@@ -43,10 +43,13 @@ pub(super) struct LookupReference<'a> {
     /// Samples that differ by more than this share lie on both sides of a shadow's edge:
     /// [`MAX_NOISE_SPREAD`], scaled by the noise of the reference.
     pub(super) wide: f32,
+    /// Samples of a pixel over those of the best reference of the set, 0..1: the weight of its
+    /// light among that of others.
+    pub(super) quality: f32,
 }
 
 impl<'a> LookupReference<'a> {
-    fn new(frame: &'a ReferenceFrame, normals: &'a [PackedNormal]) -> Self {
+    fn new(frame: &'a ReferenceFrame, normals: &'a [PackedNormal], most_samples: u32) -> Self {
         let view = &frame.view;
         let (light, scale) = frame.packed_light();
         let (smooth, smooth_scale) = frame.packed_smooth();
@@ -65,6 +68,7 @@ impl<'a> LookupReference<'a> {
             step: view.scene_from_pixel.x_axis.length(),
             size: view.size.map(|s| s as f32),
             wide: MAX_NOISE_SPREAD * frame.settings.noise(),
+            quality: frame.settings.samples as f32 / most_samples.max(1) as f32,
         }
     }
 
@@ -103,7 +107,7 @@ impl<'a> LookupReference<'a> {
         let ([sum, smooth], coverage, [spread, jump]) =
             self.gather::<CHECKS>(x, y, plane, tolerance, triangle);
         let density = -height / (self.step * self.step * q.z * q.z * q.z);
-        let weight = coverage * density * density;
+        let weight = coverage * density * density * self.quality;
         let [light, smooth] = [sum, smooth].map(|sum| sum / coverage);
         let sampled = Sampled { light, smooth, weight, density, coverage, spread, jump };
         (coverage >= MIN_WEIGHT).then_some(sampled)
@@ -207,8 +211,6 @@ pub struct LookupSet<'a> {
     pub(super) usable: SlotMask,
     /// Noise of the noisiest reference, relative to that of sixteen shadow rays.
     pub(super) noise: f32,
-    /// True where a reference holds smooth light.
-    pub(super) has_smooth: bool,
     /// Where the paths of smooth light may end.
     pub(super) cells: Option<&'a SurfaceCells>,
 }
@@ -218,6 +220,11 @@ impl<'a> LookupSet<'a> {
     /// pixels a side are left out, because a look-up interpolates between two samples per axis.
     pub fn new(cache: &'a ReferenceCache, epoch: SceneEpoch) -> Self {
         Self::from_parts(cache.directory(), cache.entries(), cache.cells(), epoch)
+    }
+
+    /// No references, with the cells of a cache: for light that is to be traced anew.
+    pub(crate) fn without_references(cache: &'a ReferenceCache, epoch: SceneEpoch) -> Self {
+        Self { usable: 0, ..Self::from_parts(cache.directory(), &[], cache.cells(), epoch) }
     }
 
     /// The same references as [`Self::new`], from a snapshot of a cache that another thread may
@@ -234,16 +241,17 @@ impl<'a> LookupSet<'a> {
     ) -> Self {
         let mut references = Vec::new();
         references.resize_with(MAX_SLOTS, || None);
-        let (mut usable, mut noise, mut has_smooth) = (0, 1.0f32, false);
-        for entry in entries.iter().filter(|e| e.is_usable(epoch)) {
+        let (mut usable, mut noise) = (0, 1.0f32);
+        let entries = || entries.iter().filter(|e| e.is_usable(epoch));
+        let most = entries().map(|e| e.frame.settings.samples).max().unwrap_or(1);
+        for entry in entries() {
             if entry.frame.view.size.iter().all(|&s| s >= 2) {
-                references[entry.slot] = Some(LookupReference::new(&entry.frame, directory.normals()));
+                references[entry.slot] = Some(LookupReference::new(&entry.frame, directory.normals(), most));
                 usable |= 1 << entry.slot;
-                has_smooth |= !entry.frame.packed_smooth().0.is_empty();
                 noise = noise.max(entry.frame.settings.noise());
             }
         }
-        Self { directory, references, usable, noise, has_smooth, cells }
+        Self { directory, references, usable, noise, cells }
     }
 
     /// How light that is not known is traced for a pixel of this size on the surface, scene units.

@@ -7,8 +7,8 @@ use super::{LookupSet, TileLight, TileSurfaces, ViewLookup, pixels_of_tile, tile
 use crate::camera::{Camera, View};
 use crate::math::sequence::PointSeed;
 use crate::reference::{ReferenceFrame, SmoothSamples, placement::OpenSpot};
-use crate::trace::parallel::{Stop, trace_pixels};
-use crate::trace::{ArrivingLight, NO_TRIANGLE, TILE_RAYS, TILE_SIDE, TraceSettings, Tracer};
+use crate::trace::parallel::{Stop, trace_missing};
+use crate::trace::{ArrivingLight, NO_TRIANGLE, RayCounts, TILE_RAYS, TILE_SIDE, TraceSettings, Tracer};
 use glam::Vec2;
 use rayon::prelude::*;
 use std::time::Instant;
@@ -23,6 +23,63 @@ struct HitTile {
     open: u64,
 }
 
+/// A reference whose pixels are being lit. It can be interrupted and continued.
+#[derive(Debug)]
+pub(crate) struct UnfinishedReference {
+    frame: ReferenceFrame,
+    open: Vec<u32>,
+    lights: Vec<Option<ArrivingLight>>,
+    secs: f64,
+}
+
+impl UnfinishedReference {
+    /// Finds the surfaces of a reference, and its pixels whose light `known` does not know well.
+    pub(crate) fn begin(
+        tracer: &Tracer,
+        camera: &Camera,
+        size: [u32; 2],
+        settings: &TraceSettings,
+        known: &LookupSet<'_>,
+    ) -> Self {
+        let start = Instant::now();
+        let view = View::new(camera, &tracer.scene().frame, size);
+        let tiles = hit_tiles(tracer, &view, known);
+        let open = open_pixels(&tiles, &view);
+        let mut frame = ReferenceFrame::empty(tracer, camera, view, settings);
+        tiles.iter().for_each(|tile| tile.store_hits(&mut frame, tracer));
+        frame.forget_ill_conditioned(tracer);
+        frame.rays.primary = view.pixel_count() as u64;
+        let lights = vec![None; open.len()];
+        Self { frame, open, lights, secs: start.elapsed().as_secs_f64() }
+    }
+
+    /// Lights the pixels that are not lit yet. Returns true where none is left.
+    pub(crate) fn light(&mut self, tracer: &Tracer, known: &LookupSet<'_>, stop: Stop<'_>) -> bool {
+        let start = Instant::now();
+        let (frame, view, settings) = (&self.frame, &self.frame.view, &self.frame.settings);
+        let (rays, is_complete): (RayCounts, bool) =
+            trace_missing(&self.open, &mut self.lights, stop, |pixel, rays: &mut RayCounts| {
+                let ray = Tracer::primary_ray(view, pixel);
+                let hit = tracer.hit_on_triangle(&ray, frame.triangle()[pixel as usize]);
+                let seed = PointSeed::of_pixel(settings.seed, pixel, view.size[0], settings.samples);
+                let footprint = hit.map_or(0.0, |hit| view.footprint(ray.direction, hit.t));
+                let lighting = known.light_settings(settings, footprint);
+                tracer.shade_hit(&ray, hit, &lighting, seed, rays).0.light
+            });
+        self.frame.rays += rays;
+        self.secs += start.elapsed().as_secs_f64();
+        is_complete
+    }
+
+    /// The reference, with the light of the pixels that were lit.
+    pub(crate) fn finish(mut self, tracer: &Tracer) -> ReferenceFrame {
+        let start = Instant::now();
+        self.frame.store_lit(tracer, &self.open, self.lights.iter().flatten());
+        self.frame.secs = self.secs + start.elapsed().as_secs_f64();
+        self.frame
+    }
+}
+
 impl ReferenceFrame {
     /// Traces a reference whose pixels are lit only where `known` does not know their light well.
     /// Returns `None` after a stop.
@@ -34,30 +91,8 @@ impl ReferenceFrame {
         known: &LookupSet<'_>,
         stop: Stop<'_>,
     ) -> Option<Self> {
-        let start = Instant::now();
-        let view = View::new(camera, &tracer.scene().frame, size);
-        let tiles = hit_tiles(tracer, &view, known);
-        let open = open_pixels(&tiles, &view);
-        let mut frame = Self::empty(tracer, camera, view, settings);
-        tiles.iter().for_each(|tile| tile.store_hits(&mut frame, tracer));
-        frame.forget_ill_conditioned(tracer);
-        let mut lights: Vec<Option<ArrivingLight>> = Vec::new();
-        let (rays, complete) = trace_pixels(&open, &mut lights, stop, |pixel, rays| {
-            let ray = Tracer::primary_ray(&view, pixel);
-            let hit = tracer.hit_on_triangle(&ray, frame.triangle()[pixel as usize]);
-            let seed = PointSeed::of_pixel(settings.seed, pixel, size[0], settings.samples);
-            let footprint = hit.map_or(0.0, |hit| view.footprint(ray.direction, hit.t));
-            let lighting = known.light_settings(settings, footprint);
-            tracer.shade_hit(&ray, hit, &lighting, seed, rays).0.light
-        });
-        if !complete {
-            return None;
-        }
-        frame.store_lit(tracer, &open, lights.iter().flatten());
-        frame.rays = rays;
-        frame.rays.primary += view.pixel_count() as u64;
-        frame.secs = start.elapsed().as_secs_f64();
-        Some(frame)
+        let mut reference = UnfinishedReference::begin(tracer, camera, size, settings, known);
+        reference.light(tracer, known, stop).then(|| reference.finish(tracer))
     }
 
     /// Makes a reference of pixels that a frame has lit, with their light. `hits` holds the

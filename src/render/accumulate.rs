@@ -65,7 +65,7 @@ impl<'a> Pass<'a> {
     }
 }
 
-/// A tile of pixels and the sums of their passes. Takes 24 bytes a pixel.
+/// A tile of pixels and the sums of their passes. Takes 28 bytes a pixel.
 #[derive(Clone, Debug)]
 pub(super) struct PassTile {
     /// Top left pixel.
@@ -73,6 +73,8 @@ pub(super) struct PassTile {
     /// One bit per pixel that has had the current pass.
     done: u64,
     pub(super) sums: [Vec3; TILE_RAYS],
+    /// Sums of the squared radiance of the passes, over the channels.
+    squares: [f32; TILE_RAYS],
     /// Passes in which each pixel showed a surface.
     pub(super) hits: [u32; TILE_RAYS],
     /// Disparity and triangle of the first pass, through the pixels' centres.
@@ -86,6 +88,7 @@ impl PassTile {
             corner,
             done: 0,
             sums: [Vec3::ZERO; TILE_RAYS],
+            squares: [0.0; TILE_RAYS],
             hits: [0; TILE_RAYS],
             disparity: [0.0; TILE_RAYS],
             triangle: [NO_TRIANGLE; TILE_RAYS],
@@ -126,6 +129,7 @@ impl PassTile {
         self.hits[i] += u32::from(traced.hit.is_some());
         if traced.hit.is_some() || pass.background == Background::Shown {
             self.sums[i] += traced.radiance;
+            self.squares[i] += traced.radiance.length_squared();
         }
         self.done |= 1 << i;
     }
@@ -195,11 +199,34 @@ impl Accumulation {
         RefineState { pass: self.pass, of: self.passes, is_complete: self.pass >= self.passes }
     }
 
+    /// Passes that every pixel has had.
+    pub(super) fn passes_done(&self) -> u32 {
+        self.pass
+    }
+
+    /// The mean of each pixel's passes, and the variance of that mean, summed over the channels;
+    /// `None` for pixels that have had fewer than two.
+    pub(super) fn means(&self) -> Vec<Option<(Vec3, f32)>> {
+        let mut means = vec![None; self.view.pixel_count()];
+        for tile in &self.tiles {
+            for (i, pixel) in pixels_of_tile(tile.corner, self.view.size) {
+                let count = (self.pass + (tile.done >> i & 1) as u32) as f32;
+                if count >= 2.0 {
+                    let mean = tile.sums[i] / count;
+                    let variance = (tile.squares[i] / count - mean.length_squared()).max(0.0);
+                    means[pixel] = Some((mean, variance / (count - 1.0)));
+                }
+            }
+        }
+        means
+    }
+
     /// Takes a complete frame of mode `full` as the first pass, which has the same bits.
     pub(super) fn take_first_pass(&mut self, full: &Frame) {
         for tile in &mut self.tiles {
             for (i, pixel) in pixels_of_tile(tile.corner, full.view.size) {
                 tile.sums[i] = full.radiance[pixel];
+                tile.squares[i] = full.radiance[pixel].length_squared();
                 tile.disparity[i] = full.disparity[pixel];
                 tile.triangle[i] = full.triangle[pixel];
             }
@@ -209,9 +236,14 @@ impl Accumulation {
 
     /// Traces until all passes are done or `stop` is true. What is done then is kept.
     pub(super) fn run(&mut self, tracer: &Tracer, stop: Stop<'_>) {
+        self.run_until(self.passes, tracer, stop);
+    }
+
+    /// Traces until this many passes are done or `stop` is true. What is done then is kept.
+    pub(super) fn run_until(&mut self, passes: u32, tracer: &Tracer, stop: Stop<'_>) {
         let is_stopped = AtomicBool::new(false);
         let stop = latched(stop, &is_stopped);
-        while self.pass < self.passes {
+        while self.pass < passes.min(self.passes) {
             let number = (self.pass, self.passes);
             let pass = Pass::new(tracer, &self.view, &self.trace, number, Background::Shown);
             self.rays += trace_tiles(&mut self.tiles, |tile| tile.trace(&pass, &stop));
@@ -270,7 +302,7 @@ fn dispersed_tiles([width, height]: [u32; 2]) -> Vec<PassTile> {
 /// Source: the steps are multiples of the powers of the plastic number (Roberts 2018, the "R2"
 /// sequence). We differ: they are rounded to whole parts of a pixel, because the mean of sixteen
 /// points of R2 is a tenth of a pixel off the centre.
-fn offset_of_pass(pass: u32, passes: u32) -> [f64; 2] {
+pub(super) fn offset_of_pass(pass: u32, passes: u32) -> [f64; 2] {
     const STEPS: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
     let count = passes.max(1);
     STEPS.map(|step| {

@@ -17,6 +17,7 @@ mod prefetch;
 mod reference_job;
 mod renderer;
 mod request;
+mod rest;
 pub mod schedule;
 mod settings;
 mod still_view;

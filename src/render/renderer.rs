@@ -14,7 +14,6 @@ use super::placeholders::{Placeholders, Unfinished};
 use super::request::{FrameRequest, Source};
 use super::worklist::{Dispersal, WorkList};
 use super::{frame::Frame, paper_pixels::WarpedPixels, settings::RenderSettings};
-use crate::camera::View;
 use crate::lookup::{
     BandLookup, CheckedPixel, Guess, LookupQuality, LookupSet, MAX_POINTS_PER_PIXEL, OpenPixels, PointCache, Tally,
     TracedPoint,
@@ -110,9 +109,9 @@ impl Renderer {
     /// Where a reference to be warped belongs to another epoch.
     pub fn render(&mut self, request: &FrameRequest<'_>) -> &Frame {
         let start = Instant::now();
-        let FrameRequest { tracer, camera, size, .. } = *request;
+        let FrameRequest { tracer, camera, .. } = *request;
         let source = request.source();
-        self.frame.reset(camera, &View::new(camera, &tracer.scene().frame, size));
+        self.frame.reset(camera, &request.view());
         match &source {
             Source::LookUp(lookup, quality) => self.look_up(tracer, lookup, *quality),
             Source::Warp(references) => self.reproject(tracer, references),

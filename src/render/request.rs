@@ -37,6 +37,8 @@ pub struct FrameRequest<'a> {
     pub settings: &'a RenderSettings,
     /// What may be reused.
     pub references: References<'a>,
+    /// The point of each pixel that is sampled, in pixels from its centre.
+    pub offset: [f64; 2],
     /// Asked before each pixel whether to stop early.
     pub stop: Stop<'a>,
 }
@@ -44,7 +46,7 @@ pub struct FrameRequest<'a> {
 impl<'a> FrameRequest<'a> {
     /// A request that reuses nothing and never stops early.
     pub fn new(tracer: &'a Tracer, camera: &'a Camera, size: [u32; 2], settings: &'a RenderSettings) -> Self {
-        Self { tracer, camera, size, settings, references: References::None, stop: NEVER }
+        Self { tracer, camera, size, settings, references: References::None, offset: [0.0; 2], stop: NEVER }
     }
 
     /// The same request with frames that mode `paper` warps.
@@ -57,6 +59,18 @@ impl<'a> FrameRequest<'a> {
     #[must_use]
     pub fn reusing(self, cache: &'a ReferenceCache) -> Self {
         Self { references: References::Cached(cache), ..self }
+    }
+
+    /// The same request for another point of each pixel, in pixels from its centre.
+    #[must_use]
+    pub fn shifted(self, offset: [f64; 2]) -> Self {
+        Self { offset, ..self }
+    }
+
+    /// The view of the request.
+    pub(super) fn view(&self) -> View {
+        let view = View::new(self.camera, &self.tracer.scene().frame, self.size);
+        if self.offset == [0.0; 2] { view } else { view.shifted(self.offset) }
     }
 
     /// The same request with another stop condition.

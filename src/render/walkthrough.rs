@@ -8,6 +8,7 @@ use super::accumulate::{Accumulation, CONVERGED_PASSES};
 use super::audit::{Audited, Auditor};
 use super::frame::{Frame, RefineState};
 use super::request::{FrameRequest, References};
+use super::rest::RestPicture;
 use super::settings::{Mode, RenderSettings};
 use super::{
     prefetch::Prefetch, reference_job::ReferenceJob, renderer::Renderer,
@@ -54,6 +55,45 @@ impl Default for WalkthroughSettings {
     }
 }
 
+/// A picture on its way to convergence.
+#[derive(Debug)]
+enum Refinement {
+    /// Of the full tracer.
+    Full(Accumulation),
+    /// Of a mode that looks smooth light up.
+    Rest(Box<RestPicture>),
+}
+
+impl Refinement {
+    fn is_of(&self, request: &FrameRequest<'_>) -> bool {
+        match self {
+            Self::Full(full) => full.is_of(request),
+            Self::Rest(rest) => rest.is_of(request),
+        }
+    }
+
+    fn run(&mut self, tracer: &Tracer, cache: &mut ReferenceCache, stop: Stop<'_>) {
+        match self {
+            Self::Full(full) => full.run(tracer, stop),
+            Self::Rest(rest) => rest.run(tracer, cache, stop),
+        }
+    }
+
+    fn write_to(&self, frame: &mut Frame) {
+        match self {
+            Self::Full(full) => full.write_to(frame),
+            Self::Rest(rest) => rest.write_to(frame),
+        }
+    }
+
+    fn state(&self) -> RefineState {
+        match self {
+            Self::Full(full) => full.state(),
+            Self::Rest(rest) => rest.state(),
+        }
+    }
+}
+
 /// The state of a walk.
 #[derive(Debug)]
 pub struct Walkthrough {
@@ -79,7 +119,7 @@ pub struct Walkthrough {
     /// `None` while stability is not measured.
     stability: Option<TemporalStabilityMeter>,
     /// The picture of the last frame's pose, once [`Self::refine`] has begun it.
-    refinement: Option<Accumulation>,
+    refinement: Option<Refinement>,
 }
 
 impl Walkthrough {
@@ -227,7 +267,8 @@ impl Walkthrough {
             _ => References::Cached(&self.cache),
         };
         let (tracer, settings) = (&*self.tracer, &self.rendered);
-        render(&mut self.renderer, &FrameRequest { tracer, camera, size, settings, references, stop });
+        let request = FrameRequest::new(tracer, camera, size, settings).with_stop(stop);
+        render(&mut self.renderer, &FrameRequest { references, ..request });
     }
 
     /// Updates the cache after a frame, decides whether a reference is wanted, and measures the
@@ -315,13 +356,16 @@ impl Walkthrough {
         let is_first_pass = render.mode == Mode::Full && self.rendered == render && is_unrefined;
         let refinement = self.refinement.get_or_insert_with(|| {
             let request = FrameRequest::new(&self.tracer, &camera, size, &render);
+            if render.mode.looks_up() && render.trace.bounces > 0 {
+                return Refinement::Rest(Box::new(RestPicture::new(&request)));
+            }
             let mut new = Accumulation::new(&request, CONVERGED_PASSES);
             if is_first_pass {
                 new.take_first_pass(self.renderer.frame());
             }
-            new
+            Refinement::Full(new)
         });
-        refinement.run(&self.tracer, stop);
+        refinement.run(&self.tracer, &mut self.cache, stop);
         refinement.write_to(self.renderer.frame_mut());
         refinement.state()
     }
