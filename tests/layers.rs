@@ -10,11 +10,12 @@ use std::process::Command;
 
 /// Layers of the engine from top to bottom. A layer may use those on lower lines, not those on its
 /// own line.
-const LEVELS: [&[&str]; 9] = [
+const LEVELS: [&[&str]; 10] = [
     &["experiment"],
     &["render"],
     &["warp", "lookup"],
     &["reference"],
+    &["cells"],
     &["trace"],
     &["bsdf", "import"],
     &["scene"],

@@ -56,10 +56,11 @@ fn a_reference_warped_onto_its_own_camera_has_no_hole_and_the_same_light() {
         let full = tracer.pixel(&frame.view, pixel, &TRACE, &mut Default::default());
         let albedo = tracer.scene().material_of(full.hit.unwrap().triangle).diffuse;
         // The last term is the rounding of the product itself.
-        let allowed = albedo * full.light.max_element() * PACKING + full.radiance * (2.0 * f32::EPSILON);
+        let allowed =
+            albedo * full.light.total().max_element() * PACKING + full.radiance * (2.0 * f32::EPSILON);
         let off = (*shown - full.radiance).abs();
         assert!(off.cmple(allowed).all(), "pixel {pixel}: {off} of {}", full.radiance);
-        lit += u32::from(full.light.max_element() > 0.0);
+        lit += u32::from(full.light.total().max_element() > 0.0);
     }
     assert!(lit > SIZE[0] * SIZE[1] / 2, "{lit} lit pixels");
 }

@@ -1,6 +1,6 @@
 //! The light of one cell, a function of the scene and the key alone.
 
-use super::CellKey;
+use super::key::CellKey;
 use crate::bsdf::Diffuse;
 use crate::math::{Ray, key::Key, sequence::Sequence};
 use crate::trace::{LightKinds, RayCounts, SmoothSettings, SurfacePoint, Tracer};
@@ -66,7 +66,8 @@ fn power(exponent: i32) -> f32 {
 
 /// Traces the light of a cell, with up to `bounces` diffuse surfaces on the way.
 pub(super) fn compute(tracer: &Tracer, key: &CellKey, bounces: u32, seed: u64) -> Cell {
-    let sequence = Sequence::of_key(Key::of_pixel(seed, 0).with(key.hash() as u32).with((key.hash() >> 32) as u32));
+    let sequence =
+        Sequence::of_key(Key::of_pixel(seed, 0).with(key.hash() as u32).with((key.hash() >> 32) as u32));
     let points = points_in(tracer, key, &sequence);
     if points.is_empty() || !see_each_other(tracer, &points, key.length() * LIFT) {
         return Cell::Divided;

@@ -27,7 +27,10 @@ impl Table {
     /// An empty table of at most this many bytes.
     pub(super) fn new(bytes: usize) -> Self {
         let count = bytes / size_of::<Slot>();
-        Self { slots: std::iter::repeat_with(Slot::default).take(count).collect(), filled: AtomicUsize::new(0) }
+        Self {
+            slots: std::iter::repeat_with(Slot::default).take(count).collect(),
+            filled: AtomicUsize::new(0),
+        }
     }
 
     /// Number of keys.

@@ -205,7 +205,14 @@ impl<S: Simd> Gathered<S> {
     fn nothing(simd: S, valid: mask32x8<S>) -> Self {
         let zero = f32x8::splat(simd, 0.0);
         let least = f32x8::splat(simd, f32::INFINITY);
-        Self { sum: [zero; 3], smooth: [zero; 3], total: zero, least, most: zero, brightness: [(valid, zero); 4] }
+        Self {
+            sum: [zero; 3],
+            smooth: [zero; 3],
+            total: zero,
+            least,
+            most: zero,
+            brightness: [(valid, zero); 4],
+        }
     }
 
     #[inline(always)]
@@ -343,12 +350,8 @@ struct Taps {
 impl Taps {
     #[inline(always)]
     fn load(r: &LookupReference<'_>, x0: [f32; 8], y0: [f32; 8], triangle: &[u32]) -> Self {
-        let mut taps = Self {
-            disparity: [[0.0; 8]; 4],
-            light: [[0; 8]; 4],
-            smooth: [[0; 8]; 4],
-            alike: [0; 4],
-        };
+        let mut taps =
+            Self { disparity: [[0.0; 8]; 4], light: [[0; 8]; 4], smooth: [[0; 8]; 4], alike: [0; 4] };
         let width = r.size[0] as usize;
         for lane in 0..8 {
             let at = y0[lane] as usize * width + x0[lane] as usize;

@@ -76,8 +76,13 @@ const REPLACED_GUESS: u8 = 0x40;
 const COUNT: u8 = 0x3f;
 
 impl Entry {
-    const NONE: Self =
-        Self { position: Vec3::ZERO, light: Vec3::ZERO, smooth: rgbe::NONE, normal: PackedNormal::ZERO, samples: 0 };
+    const NONE: Self = Self {
+        position: Vec3::ZERO,
+        light: Vec3::ZERO,
+        smooth: rgbe::NONE,
+        normal: PackedNormal::ZERO,
+        samples: 0,
+    };
 }
 
 /// The tags of a bucket. A tag holds upper hash bits of the cell of each point in the bucket, to
@@ -134,7 +139,8 @@ impl PointCache {
         }
         // A frame that was stopped and resumed lists them in another order.
         points.sort_by_key(|p| p.pixel);
-        for point in points.drain(..).filter(|p| p.light.is_finite() && p.smooth.is_none_or(Vec3::is_finite)) {
+        for point in points.drain(..).filter(|p| p.light.is_finite() && p.smooth.is_none_or(Vec3::is_finite))
+        {
             self.insert_one(&point);
         }
     }

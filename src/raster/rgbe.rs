@@ -55,7 +55,7 @@ mod tests {
             }
         }
         assert_eq!(unpack(pack(Vec3::ZERO)), Some(Vec3::ZERO));
-        assert_eq!(unpack(pack(Vec3::splat(f32::MAX))).unwrap().is_finite(), true);
+        assert!(unpack(pack(Vec3::splat(f32::MAX))).unwrap().is_finite());
         assert_eq!(unpack(NONE), None);
     }
 }

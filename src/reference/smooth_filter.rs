@@ -183,10 +183,7 @@ impl Filter {
 }
 
 /// What the kernels average.
-trait Value:
-    Copy + Default + Send + Sync + Mul<f32, Output = Self> + Add<Output = Self>
-{
-}
+trait Value: Copy + Default + Send + Sync + Mul<f32, Output = Self> + Add<Output = Self> {}
 
 impl Value for f32 {}
 

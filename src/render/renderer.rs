@@ -15,8 +15,8 @@ use super::request::{FrameRequest, Source};
 use super::worklist::{Dispersal, WorkList};
 use super::{frame::Frame, paper_pixels::WarpedPixels, settings::RenderSettings};
 use crate::lookup::{
-    BandLookup, CheckedPixel, Guess, LookupQuality, LookupSet, MAX_POINTS_PER_PIXEL, OpenPixels, PointCache, Tally,
-    TracedPoint,
+    BandLookup, CheckedPixel, Guess, LookupQuality, LookupSet, MAX_POINTS_PER_PIXEL, OpenPixels, PointCache,
+    Tally, TracedPoint,
 };
 use crate::raster::pixel_types::{NO_SUPPLIER, PixelType, TypeCounts};
 use crate::reference::ReferenceFrame;

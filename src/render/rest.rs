@@ -12,8 +12,8 @@
 
 use super::accumulate::{Accumulation, offset_of_pass};
 use super::frame::{Frame, RefineState};
-use super::request::FrameRequest;
 use super::renderer::Renderer;
+use super::request::FrameRequest;
 use super::settings::RenderSettings;
 use crate::camera::Camera;
 use crate::lookup::{LookupSet, UnfinishedReference};

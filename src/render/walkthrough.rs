@@ -59,7 +59,7 @@ impl Default for WalkthroughSettings {
 #[derive(Debug)]
 enum Refinement {
     /// Of the full tracer.
-    Full(Accumulation),
+    Full(Box<Accumulation>),
     /// Of a mode that looks smooth light up.
     Rest(Box<RestPicture>),
 }
@@ -363,7 +363,7 @@ impl Walkthrough {
             if is_first_pass {
                 new.take_first_pass(self.renderer.frame());
             }
-            Refinement::Full(new)
+            Refinement::Full(Box::new(new))
         });
         refinement.run(&self.tracer, &mut self.cache, stop);
         refinement.write_to(self.renderer.frame_mut());

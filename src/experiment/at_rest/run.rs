@@ -104,13 +104,13 @@ pub(super) fn picture_name(seconds: f64) -> String {
     format!("at-{seconds}s")
 }
 
+/// The time of the first picture, and what is shown at each checkpoint.
+type Watched = (Option<Duration>, Vec<Option<Rc<Shown>>>);
+
 /// Renders until the last checkpoint. Returns the time of the first picture, and what is shown at
 /// each checkpoint; pictures are compared afterwards, so that the clock counts rendering alone.
 /// `None` after a stop.
-fn shown_at_checkpoints(
-    context: &ExperimentContext<'_>,
-    camera: &Camera,
-) -> Option<(Option<Duration>, Vec<Option<Rc<Shown>>>)> {
+fn shown_at_checkpoints(context: &ExperimentContext<'_>, camera: &Camera) -> Option<Watched> {
     // A tracer that nothing was traced with: what it has cached would be missing in a new window.
     let scene = Arc::clone(context.tracer.scene());
     let tracer = Arc::new(context.tracer.with_same_geometry(scene));

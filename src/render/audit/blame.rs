@@ -103,7 +103,8 @@ fn is_at_fault(tracer: &Tracer, reference: &ReferenceFrame, corner: [u32; 2], tr
     let (mut off, mut off_squared, mut all) = (0.0, 0.0, 0.0);
     let mut count = 0.0;
     for &pixel in lit.iter().step_by(step).take(RETRACED) {
-        let right = tracer.reference_pixel(&reference.view, pixel, trace, &mut RayCounts::default()).light.total();
+        let right =
+            tracer.reference_pixel(&reference.view, pixel, trace, &mut RayCounts::default()).light.total();
         let difference = f64::from((reference.light(pixel) - right).element_sum());
         (off, off_squared) = (off + difference, off_squared + difference * difference);
         (all, count) = (all + f64::from(right.element_sum()), count + 1.0);

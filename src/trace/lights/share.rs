@@ -12,7 +12,6 @@
 //! of all lights at equal distances along the sum of their shares. We differ: shares are limited to
 //! one light's own samples, and the estimates contain the visibility of the light from the cell.
 
-
 /// Number of lights that get all their samples; more lights in a cell share the samples of this
 /// many. No scene of the embedded ones and no real model at hand has a cell with more, so pictures
 /// of these do not depend on it.

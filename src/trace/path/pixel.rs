@@ -103,7 +103,10 @@ impl Tracer {
     ) -> (PixelTrace, Option<SurfacePoint>) {
         let Some(hit) = hit else {
             let sky = self.sky(ray.direction);
-            return (PixelTrace { light: ArrivingLight::default(), radiance: sky, hit: None, reflections: 0 }, None);
+            return (
+                PixelTrace { light: ArrivingLight::default(), radiance: sky, hit: None, reflections: 0 },
+                None,
+            );
         };
         let point = self.surface(ray, &hit);
         let light = self.arriving_light(&point, 1.0, settings, seed, rays);

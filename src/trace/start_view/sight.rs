@@ -29,7 +29,7 @@ impl Sight {
         let aspect = f64::from(RAYS[0]) / f64::from(RAYS[1]);
         let met = |i: i32| {
             let [x, y] = [unit(i % RAYS[0], RAYS[0]) * aspect, unit(i / RAYS[0], RAYS[1])];
-            let direction = (axes * DVec3::new(x * tan, y * tan, -1.0)).normalize();
+            let direction = (axes * DVec3::new(x * tan, y * tan, -1.0)).normalize_or(DVec3::NEG_Z);
             Some((x.abs() <= 1.0, building.probe(camera.eye, direction)?))
         };
         let met: Vec<_> = (0..RAYS[0] * RAYS[1]).into_par_iter().filter_map(met).collect();
