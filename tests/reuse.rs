@@ -212,7 +212,7 @@ fn the_cache_keeps_its_budget_and_evicts_what_contributes_least() {
     assert_eq!(cache.bytes(), 3 * one);
     assert!(cache.entries().iter().all(|e| e.id != ids[1]), "the idle reference is still there");
     assert_eq!(cache.evicted(), 1);
-    const { assert!(ReferenceFrame::BYTES_PER_PIXEL <= 16) };
+    const { assert!(ReferenceFrame::BYTES_PER_PIXEL <= 20) };
 }
 
 #[test]
