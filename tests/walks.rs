@@ -32,8 +32,9 @@ fn walk(name: &str, tracer: &Tracer, path: &CameraPath) {
         reused += frame.stats.types.reused + frame.stats.types.secondary;
         pixels += frame.radiance.len();
     }
-    // A house lit through small windows with one shadow ray per light is mostly black.
-    assert!(lit * 20 > pixels, "{name}: {lit} of {pixels} pixels are lit");
+    // A house lit through small windows is mostly black with one sample: the light of the sky is
+    // found by the one path of a pixel, not by a shadow ray of its own.
+    assert!(lit * 40 > pixels, "{name}: {lit} of {pixels} pixels are lit");
     assert!(reused * 4 > pixels, "{name}: {reused} of {pixels} pixels are reused");
 }
 

@@ -24,7 +24,8 @@ pub(super) const CASES: &[Case] = &[
     case("H2 a sun of 1e30", "bad values, all modes", 0.0, |_| sunny(1e30)),
     case("H2 a sky picture with a sun of 1e9", "bad values, all modes", 0.0, pictured_bad),
     case("H2 a sky picture with a sun of 1e3", "% of difference from the closed form", 1.0, pictured),
-    case("H3 a single triangle under a white sky", "% of difference from its albedo", 0.1, single_triangle),
+    // Light is stored with an error of up to 2^-9 of its largest channel.
+    case("H3 a single triangle under a white sky", "% of difference from its albedo", 0.2, single_triangle),
     case(
         "H3 surfaces that only emit",
         "pixels unlike their emission, rays towards lights",
@@ -37,7 +38,8 @@ pub(super) const CASES: &[Case] = &[
     case("H5 1, 2, 3, 5, 7 and 12 samples", "% of difference from the closed form", 3.0, odd_counts),
     case("H5 one sample against 64", "% of difference of the mean, all modes", 10.0, one_sample),
     case("H6 1, 2, 3 and 8 threads", "pixels that differ in a bit, all modes", 0.0, threads),
-    case("H6 another seed", "pixels that differ in no bit from it, of full", 0.0, seeds),
+    // A few pixels may be equal by chance.
+    case("H6 another seed", "% of lit pixels that differ in no bit from it, of full", 1.0, seeds),
 ];
 
 const MODES: [Mode; 3] = [Mode::Full, Mode::Exact, Mode::Fast];
@@ -296,5 +298,8 @@ fn seeds(_: &Trial) -> Outcome {
         walks(b, &poses(Room::PLAIN), trace)
     };
     let [a, b] = [of(1)?, of(2)?].map(|frames| frames[0].radiance.clone());
-    Ok(a.iter().zip(&b).filter(|(a, b)| a == b && **a != Vec3::ZERO).count().into())
+    let lit = || a.iter().zip(&b).filter(|(a, b)| **a != Vec3::ZERO || **b != Vec3::ZERO);
+    let equal = lit().filter(|(a, b)| a == b).count();
+    // NaN, which fails, where no pixel is lit.
+    Ok((100.0 * equal as f64 / lit().count() as f64).into())
 }

@@ -33,10 +33,6 @@ const MIN_BACKS: f64 = 0.4;
 /// blank, but 3.1 and 2.4 in the FZK house.
 const MIN_RICHER: f64 = 2.0;
 
-/// Smallest share of the picture that shows building in a start view, as counted by 576 rays. That
-/// leaves a hundredth of the picture for what lies between them: it is at least 0.3.
-const MIN_BUILDING: f64 = 0.31;
-
 impl Tracer {
     /// Chooses the start view of a model that brings no view.
     ///

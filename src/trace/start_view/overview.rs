@@ -1,9 +1,8 @@
 //! A view of the whole building from outside.
 
-use super::MIN_BUILDING;
 use super::building::Building;
 use super::ranking::first_largest;
-use super::sight::Sight;
+use super::sight::{MIN_BUILDING, Sight};
 use crate::camera::Camera;
 use crate::scene::{USUAL_RISE, overview};
 use crate::trace::Tracer;

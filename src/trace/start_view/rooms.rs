@@ -1,10 +1,9 @@
 //! The view from inside the room with the most space. From outside one would see the backs of its
 //! walls, or nothing where all light is inside.
 
-use super::MIN_BUILDING;
 use super::building::Building;
 use super::ranking::{first_largest, largest};
-use super::sight::Sight;
+use super::sight::{MIN_BUILDING, Sight};
 use crate::camera::Camera;
 use crate::trace::Tracer;
 use glam::{DQuat, DVec3};

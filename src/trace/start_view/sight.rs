@@ -12,6 +12,10 @@ const RAYS: [i32; 2] = [32, 18];
 /// bit.
 const NEAR_M: f64 = 1.0;
 
+/// Smallest share of the picture that shows building in a start view, as counted by 576 rays. That
+/// leaves a hundredth of the picture for what lies between them: it is at least 0.3.
+pub(super) const MIN_BUILDING: f64 = 0.31;
+
 /// The surfaces that a view shows.
 pub(super) struct Sight {
     /// The surfaces of the building, one for each ray that meets the building first.

@@ -30,7 +30,7 @@ fn render_answers_with_the_contract_and_writes_every_file() {
     let secs = ["load", "build", "references", "warp", "secondary", "trace", "frame"];
     assert_eq!(keys(&answer["secs"]), secs);
     assert!(number(&answer, "/secs/references") > 0.0);
-    assert_eq!(keys(&answer["rays"]), ["primary", "shadow", "secondary", "indirect", "clamped"]);
+    assert_eq!(keys(&answer["rays"]), ["primary", "shadow", "secondary", "indirect", "clamped", "bounded"]);
     assert_types(&answer["types"]);
     let colors = pixels(&bench.path("t.png"));
     let share = |c: [u8; 3]| 100.0 * colors.iter().filter(|p| **p == c).count() as f64 / colors.len() as f64;
@@ -50,7 +50,7 @@ fn models_have_the_automatic_exposure_unless_one_is_given() {
     let bench = Bench::new();
     let ev = |flags: &str| {
         let answer =
-            bench.json(&format!("render room.obj {POSE} --size 8x6 --samples 1 --json -o a.png {flags}"));
+            bench.json(&format!("render room.obj {POSE} --size 8x6 --json -o a.png {flags}"));
         number(&answer, "/exposure_ev")
     };
     let automatic = ev("");

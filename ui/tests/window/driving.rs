@@ -266,10 +266,12 @@ fn a_model_opens_with_the_exposure_that_it_has_without_a_window() {
         (state.quality.exposure, state.exposure_ev())
     };
     assert_eq!(shown(&harness), (Exposure::Auto, expected));
-    assert!(harness.query_by_label(&format!("auto: {expected:+.1} EV")).is_some());
+    let text = format!("{expected:+.1} EV");
+    assert!(harness.query_by_label(&text).is_some());
     harness.key_press(Key::Equals);
     harness.run_steps(2);
     assert_eq!(shown(&harness), (Exposure::Stops(expected + 0.5), expected + 0.5));
+    assert!(harness.query_by_label(&text).is_none(), "no longer automatic");
     harness.key_press(Key::Num0);
     harness.run_steps(2);
     assert_eq!(shown(&harness), (Exposure::Auto, expected));

@@ -110,7 +110,11 @@ fn a_dropped_sky_picture_is_shown_and_one_that_is_no_sky_leaves_the_old_one() {
     std::fs::write(&square, picture("-Y 4 +X 4")).expect("a file");
     let sky = Some(SkyChoice::Model(SkyKind::Overcast));
     let daylight = DaylightOptions { sky, ..DaylightOptions::default() };
-    let mut harness = open(LaunchOptions { daylight, ..request() }, false);
+    // A file, because a scene in memory keeps its own daylight.
+    let model = folder.path().join("wall.obj");
+    std::fs::write(&model, "v -1 0 0\nv 1 0 0\nv 1 2 0\nv -1 2 0\nf 1 2 3 4\n").expect("a file");
+    let scene = Some(SceneSource::file(&model));
+    let mut harness = open(LaunchOptions { scene, daylight, ..request() }, false);
     let kind = |app: &App| edits(app).now().daylight.sky.as_ref().map(Sky::kind);
     assert_eq!(
         (kind(harness.state()), edits(harness.state()).is_unsaved()),

@@ -1,6 +1,6 @@
 //! A fluted column.
 
-use super::Materials;
+use super::materials::Materials;
 use crate::scene::SceneBuilder;
 use crate::scene::builtin::shapes::{Faces, Local, block, fluted_shaft, lathe};
 use glam::DVec3;

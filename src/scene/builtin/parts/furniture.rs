@@ -1,6 +1,6 @@
 //! Plinths, framed panels and benches.
 
-use super::Materials;
+use super::materials::Materials;
 use crate::scene::builtin::shapes::{Faces, Local, block};
 use crate::scene::{MaterialId, SceneBuilder};
 use glam::{DVec3, Vec2};

@@ -1,6 +1,6 @@
 //! The edge of a raised platform: stairs, and a railing of thin balusters.
 
-use super::Materials;
+use super::materials::Materials;
 use crate::scene::SceneBuilder;
 use crate::scene::builtin::shapes::{Closing, Grid, Local, bar, lathe, on_circle, stairs};
 use glam::DVec3;

@@ -1,6 +1,6 @@
 //! A glass case on a table.
 
-use super::Materials;
+use super::materials::Materials;
 use crate::scene::SceneBuilder;
 use crate::scene::builtin::shapes::{Faces, Local, bar, block, gear, torus, torus_knot};
 use glam::DVec3;

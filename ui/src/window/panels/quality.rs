@@ -156,8 +156,15 @@ fn exposure_rows(ui: &mut Ui, state: &AppState, q: &mut Quality) {
     let help =
         "Chooses the exposure from the light in the scene: the same wherever you are, and without a window.";
     row(ui, "Auto exposure", help, &mut is_auto, default == Exposure::Auto, |ui, v| {
-        let metered = state.metered.filter(|_| *v).map(|m| format!("auto: {:+.1} EV", m.ev()));
-        ui.checkbox(v, metered.unwrap_or_else(|| "auto".to_owned()))
+        let control = |ui: &mut Ui| {
+            let response = ui.checkbox(v, "auto");
+            // A text of its own: screen readers replace that of the checkbox by the row's name.
+            if let Some(metered) = state.metered.filter(|_| *v) {
+                ui.label(format!("{:+.1} EV", metered.ev()));
+            }
+            response
+        };
+        ui.horizontal(control).inner
     });
     if is_auto != (q.exposure == Exposure::Auto) {
         q.exposure = if is_auto { Exposure::Auto } else { Exposure::Stops(state.exposure_ev()) };
