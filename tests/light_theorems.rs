@@ -116,7 +116,8 @@ fn an_integrating_sphere_has_its_closed_form_in_every_mode() {
     let bounced = intensity / (RADIUS * RADIUS) as f32 * albedo * series(albedo, BOUNCES - 1);
     let expected = |point: DVec3| {
         let (to_lamp, normal) = (lamp - point, -point.normalize_or(DVec3::Y));
-        let direct = normal.dot(to_lamp.normalize_or(DVec3::Y)) / to_lamp.length_squared() * f64::from(intensity);
+        let direct =
+            normal.dot(to_lamp.normalize_or(DVec3::Y)) / to_lamp.length_squared() * f64::from(intensity);
         albedo * (direct as f32 + bounced) / PI as f32
     };
     for mode in MODES {
@@ -158,7 +159,8 @@ fn a_sphere_under_a_sky_has_the_integral_of_its_radiance_in_every_mode() {
         // So near that the sphere fills the picture.
         let pose = |x: f64| Camera::look_at(dvec(x, 0.2, 1.1), dvec(0.2, 0.1, 0.0), 60.0);
         let stage = Stage::new(b, &[pose(0.25), pose(0.2)], [32, 24]);
-        let expected = |point: DVec3| albedo * (irradiance(&sky, point.normalize_or(DVec3::Y)) / PI).as_vec3();
+        let expected =
+            |point: DVec3| albedo * (irradiance(&sky, point.normalize_or(DVec3::Y)) / PI).as_vec3();
         for mode in MODES {
             let frame = stage.last_frame(mode, 256, BOUNCES);
             stage.check(&frame, expected, [0.01, 0.02], &format!("{:?}, {mode:?}", sky.kind()));

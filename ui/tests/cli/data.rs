@@ -49,8 +49,7 @@ fn render_answers_with_the_contract_and_writes_every_file() {
 fn models_have_the_automatic_exposure_unless_one_is_given() {
     let bench = Bench::new();
     let ev = |flags: &str| {
-        let answer =
-            bench.json(&format!("render room.obj {POSE} --size 8x6 --json -o a.png {flags}"));
+        let answer = bench.json(&format!("render room.obj {POSE} --size 8x6 --json -o a.png {flags}"));
         number(&answer, "/exposure_ev")
     };
     let automatic = ev("");
