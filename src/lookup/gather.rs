@@ -5,7 +5,9 @@
 //! on a pixel's surface is decided in disparity, which is linear in picture coordinates over a
 //! plane.
 
-use super::policy::{DEPTH_ROUNDING, EDGE_GAP, MAX_MAGNIFICATION, MIN_WEIGHT, PLANE_TOLERANCE};
+use super::policy::{
+    DEPTH_ROUNDING, EDGE_GAP, MAX_MAGNIFICATION, MAX_SMOOTH_SPREAD, MIN_WEIGHT, PLANE_TOLERANCE,
+};
 use super::{
     point::LookupReference,
     tile::{TileLight, TilePoints},
@@ -194,6 +196,8 @@ struct Footprint<S: Simd> {
 struct Gathered<S: Simd> {
     sum: [f32x8<S>; 3],
     smooth: [f32x8<S>; 3],
+    /// Least and most brightness of the samples' smooth light.
+    smooth_range: [f32x8<S>; 2],
     total: f32x8<S>,
     least: f32x8<S>,
     most: f32x8<S>,
@@ -208,6 +212,7 @@ impl<S: Simd> Gathered<S> {
         Self {
             sum: [zero; 3],
             smooth: [zero; 3],
+            smooth_range: [least, zero],
             total: zero,
             least,
             most: zero,
@@ -234,6 +239,10 @@ impl<S: Simd> Gathered<S> {
         for (sum, light) in self.smooth.iter_mut().zip(light) {
             *sum += agrees.select(light, zero) * weight;
         }
+        let brightest = light[0].max(light[1]).max(light[2]);
+        let [least, most] = self.smooth_range;
+        self.smooth_range =
+            [agrees.select(least.min(brightest), least), agrees.select(most.max(brightest), most)];
     }
 
     /// Adds the sums to a tile's light, weighted so that interpolated light outweighs extrapolated
@@ -250,7 +259,9 @@ impl<S: Simd> Gathered<S> {
         let (zero, one) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
         // Weight by coverage and density, squared.
         let total = self.total;
-        let enough = total.simd_ge(f32x8::splat(simd, MIN_WEIGHT));
+        let [least, most] = self.smooth_range;
+        let is_smooth = (most - least).simd_le(most * MAX_SMOOTH_SPREAD);
+        let enough = total.simd_ge(f32x8::splat(simd, MIN_WEIGHT)) & is_smooth;
         let fine = density.min(one);
         let scale = enough.select(fine * fine * total * total * reference.quality, zero);
         for c in 0..3 {

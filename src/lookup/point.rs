@@ -8,7 +8,7 @@
 
 use super::point_cache::SurfaceKey;
 use super::policy::{
-    DEPTH_ROUNDING, EDGE_GAP, MAX_AVERAGED_REFERENCES, MAX_FOUND, MAX_JUMP, MAX_LOSS, MAX_NOISE_SPREAD,
+    DEPTH_ROUNDING, EDGE_GAP, MAX_AVERAGED_REFERENCES, MAX_FOUND, MAX_JUMP, MAX_LOSS, MAX_NOISE_SPREAD, MAX_SMOOTH_SPREAD,
     MIN_COVERAGE, MIN_WEIGHT, PLANE_TOLERANCE,
 };
 use crate::camera::NEAREST_DEPTH;
@@ -128,6 +128,7 @@ impl<'a> LookupReference<'a> {
         let ([x0, wx], [y0, wy]) = (corner(x, self.size[0]), corner(y, self.size[1]));
         let base = y0 as usize * self.size[0] as usize + x0 as usize;
         let ([mut sum, mut smooth], mut total) = ([Vec3::ZERO; 2], 0.0);
+        let (mut least, mut most) = (f32::INFINITY, 0.0f32);
         let mut brightness = ArrayVec::<f32, 4>::new();
         for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
             let at = base + dy * self.size[0] as usize + dx;
@@ -138,13 +139,18 @@ impl<'a> LookupReference<'a> {
                 let light = self.scale.unpack(self.light[at]);
                 sum += weight * light;
                 if let Some(&word) = self.smooth.get(at) {
-                    smooth += weight * self.smooth_scale.unpack(word);
+                    let light = self.smooth_scale.unpack(word);
+                    smooth += weight * light;
+                    (least, most) = (least.min(light.max_element()), most.max(light.max_element()));
                 }
                 total += weight;
                 if CHECKS {
                     brightness.push(light.max_element());
                 }
             }
+        }
+        if most - least > most * MAX_SMOOTH_SPREAD {
+            return ([Vec3::ZERO; 2], 0.0, [0.0; 2]);
         }
         let beside = smooth.max_element() / f32::max(total, f32::MIN_POSITIVE);
         ([sum, smooth], total, spread_and_jump(&mut brightness, self.wide, beside))

@@ -69,6 +69,11 @@ pub(super) const MAX_NOISE_SPREAD: f32 = 0.5;
 /// share of the brightest.
 pub(super) const MAX_JUMP: f32 = 0.25;
 
+/// A reference does not know the smooth light of a point where the samples around it differ by more
+/// than this share of the brightest: smooth light changes so fast only from one side of a wall to
+/// the other.
+pub(super) const MAX_SMOOTH_SPREAD: f32 = 0.5;
+
 /// Light is a guess where interpolation smooths away more than this share of the brightest sample.
 pub(super) const MAX_LOSS: f32 = 0.12;
 

@@ -125,8 +125,7 @@ impl ReferenceFrame {
         lights: impl Iterator<Item = &'l ArrivingLight> + Clone,
     ) {
         self.store_lights(pixels, lights.clone().map(ArrivingLight::direct));
-        let samples = |light: &ArrivingLight| SmoothSamples { sums: light.smooth_sums, count: light.paths };
-        self.store_filtered(tracer, pixels, &lights.map(samples).collect::<Vec<_>>());
+        self.store_filtered(tracer, pixels, &lights.map(SmoothSamples::from).collect::<Vec<_>>());
     }
 }
 

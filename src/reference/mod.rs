@@ -8,10 +8,11 @@ pub mod frame;
 pub mod light;
 pub mod placement;
 mod smooth_filter;
+mod smooth_samples;
 
 pub use cache::{CachedReference, ReferenceCache, ReferenceId, ReferenceSnapshot};
 pub use directory::Directory;
 pub use disparity_tiles::DisparityTiles;
 pub use frame::{ReferenceFrame, settings_of_reference};
 pub use placement::{Observation, PlacementPolicy, PlacementRule};
-pub(crate) use smooth_filter::SmoothSamples;
+pub(crate) use smooth_samples::SmoothSamples;

@@ -9,10 +9,12 @@
 //! Sources: an edge-avoiding à-trous wavelet (Dammertz et al., "Edge-Avoiding À-Trous Wavelet
 //! Transform for fast Global Illumination Filtering", HPG 2010); the choice of width by two halves
 //! (Rousselle, Knaus and Zwicker, "Adaptive Rendering with Non-Local Means Filtering", 2012). We
-//! differ: irradiance on surfaces is filtered, never the picture; weights come from geometry alone,
-//! so that noise cannot guide them.
+//! differ: irradiance on surfaces is filtered, never the picture; light weighs only where it differs
+//! by far more than its noise, as on both sides of a thin wall, so that noise cannot guide the
+//! filter.
 
 use super::ReferenceFrame;
+use super::smooth_samples::SmoothSamples;
 use crate::trace::{NO_TRIANGLE, SurfacePoint, Tracer};
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
@@ -33,15 +35,6 @@ const MAX_SINE: f32 = 0.3;
 /// Cosine of the angle between the normals of neighbours beyond which they share no light: 37
 /// degrees.
 const MIN_COSINE: f32 = 0.8;
-
-/// Samples of the smooth light of a pixel.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct SmoothSamples {
-    /// Sums of the samples with even and with odd numbers, as radiance of a white surface.
-    pub(crate) sums: [Vec3; 2],
-    /// Number of samples of both together.
-    pub(crate) count: u32,
-}
 
 /// The surface of a pixel; its normal is zero where the pixel has no samples.
 #[derive(Clone, Copy)]
@@ -122,12 +115,13 @@ impl Filter {
         let mut layer = raw.clone();
         for level in 0..=LEVELS {
             if level > 0 {
-                layer = self.widened(&layer, 1 << (level - 1));
+                let light = self.light_and_noise(&layer);
+                layer = self.widened(&layer, 1 << (level - 1), |a, b| agreement(&light[a], &light[b]));
             }
             let mut error: Vec<f32> =
                 layer.par_iter().zip(&raw).map(|(layer, raw)| disagreement(layer, raw)).collect();
             for step in ERROR_STEPS {
-                error = self.widened(&error, step);
+                error = self.widened(&error, step, |_, _| 1.0);
             }
             best.par_iter_mut().zip(&error).zip(&layer).for_each(|((best, &error), layer)| {
                 if error < best.0 || best.0 == f32::INFINITY {
@@ -152,9 +146,29 @@ impl Filter {
         layer
     }
 
-    /// One step of the wavelet: each pixel becomes the mean of the nine around it, `step` apart.
-    fn widened<V: Value>(&self, values: &[V], step: usize) -> Vec<V> {
+    /// The light of each pixel in a layer, and the variance of that light around it, by how much the
+    /// halves differ.
+    fn light_and_noise(&self, layer: &[Halves]) -> Vec<(Vec3, f32)> {
+        let apart = |halves: &Halves| {
+            let [a, b] = halves.0;
+            let is_known = a.w > 0.0 && b.w > 0.0;
+            if is_known { 0.25 * (mean(a) - mean(b)).length_squared() } else { mean(a + b).length_squared() }
+        };
+        let noise: Vec<f32> = layer.par_iter().map(apart).collect();
+        let noise = self.widened(&noise, 1, |_, _| 1.0);
+        layer.par_iter().zip(noise).map(|(halves, noise)| (mean(halves.0[0] + halves.0[1]), noise)).collect()
+    }
+
+    /// One step of the wavelet: each pixel becomes the mean of the nine around it, `step` apart, as
+    /// far as their surfaces are alike and `agreement` (0..1) lets them.
+    fn widened<V: Value>(
+        &self,
+        values: &[V],
+        step: usize,
+        agreement: impl Fn(usize, usize) -> f32 + Sync,
+    ) -> Vec<V> {
         let (width, height) = (self.width, self.facets.len() / self.width.max(1));
+        let agreement = &agreement;
         let row = |y: usize| {
             (0..width).map(move |x| {
                 let at = y * width + x;
@@ -169,8 +183,9 @@ impl Filter {
                         continue;
                     }
                     let other = ny as usize * width + nx as usize;
-                    let weight = share * likeness(centre, &self.facets[other]);
-                    if weight > 0.0 {
+                    let likeness = share * likeness(centre, &self.facets[other]);
+                    if likeness > 0.0 {
+                        let weight = likeness * agreement(at, other);
                         sum = sum + values[other] * weight;
                         total += weight;
                     }
@@ -214,6 +229,18 @@ fn likeness(a: &Facet, b: &Facet) -> f32 {
     let flat = (1.0 - sine2 * (1.0 / (MAX_SINE * MAX_SINE))).max(0.0);
     let alike = (cosine - MIN_COSINE) * (1.0 / (1.0 - MIN_COSINE));
     flat * flat * alike
+}
+
+/// Differences of light, in standard deviations, beyond which neighbours share none: the edge of a
+/// wall, not noise.
+const MAX_DEVIATIONS: f32 = 4.0;
+
+/// How much of the light of two pixels is the same but for noise, 0..1.
+#[inline(always)]
+fn agreement(a: &(Vec3, f32), b: &(Vec3, f32)) -> f32 {
+    let apart = (a.0 - b.0).length_squared();
+    let most = MAX_DEVIATIONS * MAX_DEVIATIONS * (a.1 + b.1);
+    if apart <= 0.0 { 1.0 } else { (1.0 - apart / most.max(f32::MIN_POSITIVE)).max(0.0) }
 }
 
 /// The mean of sums with their count.

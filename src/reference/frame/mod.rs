@@ -14,6 +14,7 @@ use crate::bsdf::albedo;
 use crate::camera::{Camera, NEAREST_DEPTH, View};
 use crate::raster::rgb9e5::Rgb9e5Scale;
 use crate::reference::DisparityTiles;
+use crate::reference::smooth_samples::SmoothSamples;
 use crate::reference::light::{UNLIT, pack_light};
 use crate::trace::parallel::{Stop, tile_order, trace_pixels};
 use crate::trace::{
@@ -67,13 +68,37 @@ impl ReferenceFrame {
     /// Additional memory per pixel, in bytes, while a reference is traced.
     pub const TRACING_BYTES_PER_PIXEL: usize = size_of::<Option<PixelTrace>>() + size_of::<u32>();
 
-    /// Traces every pixel of a reference on the current thread pool. `None` after a stop.
+    /// Traces every pixel of a reference on the current thread pool, as the paper does. `None` after
+    /// a stop.
     pub fn trace(
         tracer: &Tracer,
         camera: &Camera,
         size: [u32; 2],
         settings: &TraceSettings,
         stop: Stop<'_>,
+    ) -> Option<Self> {
+        Self::trace_all(tracer, camera, size, settings, stop, false)
+    }
+
+    /// Traces every pixel of a reference for look-ups: its smooth light is shared between
+    /// neighbours. `None` after a stop.
+    pub fn trace_filtered(
+        tracer: &Tracer,
+        camera: &Camera,
+        size: [u32; 2],
+        settings: &TraceSettings,
+        stop: Stop<'_>,
+    ) -> Option<Self> {
+        Self::trace_all(tracer, camera, size, settings, stop, true)
+    }
+
+    fn trace_all(
+        tracer: &Tracer,
+        camera: &Camera,
+        size: [u32; 2],
+        settings: &TraceSettings,
+        stop: Stop<'_>,
+        is_filtered: bool,
     ) -> Option<Self> {
         let start = Instant::now();
         let view = View::new(camera, &tracer.scene().frame, size);
@@ -90,7 +115,12 @@ impl ReferenceFrame {
             frame.store_hit(pixel as usize, traced.hit.map(|hit| (hit.t, hit.triangle)), traced.reflections);
         }
         frame.store_lights(&order, traced.iter().flatten().map(|t| t.light.direct()));
-        frame.store_smooth(&order, traced.iter().flatten().map(|t| t.light.smooth()));
+        if is_filtered {
+            let samples = traced.iter().flatten().map(|t| SmoothSamples::from(&t.light));
+            frame.store_filtered(tracer, &order, &samples.collect::<Vec<_>>());
+        } else {
+            frame.store_smooth(&order, traced.iter().flatten().map(|t| t.light.smooth()));
+        }
         (frame.rays, frame.is_dense) = (rays, true);
         frame.forget_ill_conditioned(tracer);
         frame.bound_tiles();

@@ -217,8 +217,12 @@ fn trace_references(
         let seed = flags.seed.wrapping_add(number << 32);
         let settings = TraceSettings { seed, ..flags.trace() };
         let camera = Camera::look_at(*eye, *at, fov_y);
-        let stop = interrupt::is_cancelled;
-        ReferenceFrame::trace(&loaded.tracer, &camera, flags.size(), &settings, &stop).map(Arc::new)
+        let (tracer, size, stop) = (&loaded.tracer, flags.size(), &interrupt::is_cancelled);
+        let reference = match flags.mode.looks_up() {
+            true => ReferenceFrame::trace_filtered(tracer, &camera, size, &settings, stop),
+            false => ReferenceFrame::trace(tracer, &camera, size, &settings, stop),
+        };
+        reference.map(Arc::new)
     };
     (1..).zip(&args.references).map(trace).collect::<Option<Vec<_>>>().ok_or(Failure::Interrupted)
 }

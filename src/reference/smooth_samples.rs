@@ -1,0 +1,19 @@
+//! Samples of smooth light, before they are filtered.
+
+use crate::trace::ArrivingLight;
+use glam::Vec3;
+
+/// Samples of the smooth light of a pixel.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct SmoothSamples {
+    /// Sums of the samples with even and with odd numbers, as radiance of a white surface.
+    pub(crate) sums: [Vec3; 2],
+    /// Number of samples of both together.
+    pub(crate) count: u32,
+}
+
+impl From<&ArrivingLight> for SmoothSamples {
+    fn from(light: &ArrivingLight) -> Self {
+        Self { sums: light.smooth_sums, count: light.paths }
+    }
+}
