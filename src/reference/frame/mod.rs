@@ -14,8 +14,8 @@ use crate::bsdf::albedo;
 use crate::camera::{Camera, NEAREST_DEPTH, View};
 use crate::raster::rgb9e5::Rgb9e5Scale;
 use crate::reference::DisparityTiles;
-use crate::reference::smooth_samples::SmoothSamples;
 use crate::reference::light::{UNLIT, pack_light};
+use crate::reference::smooth_samples::SmoothSamples;
 use crate::trace::parallel::{Stop, tile_order, trace_pixels};
 use crate::trace::{
     ILL_CONDITIONED, NO_TRIANGLE, PixelTrace, RayCounts, SceneEpoch, SurfacePoint, TraceSettings, Tracer,
