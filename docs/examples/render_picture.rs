@@ -22,7 +22,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let camera = *scene.start();
     let tracer = Arc::new(Tracer::new(Arc::new(scene)));
 
-    // 16 shadow rays per light and pixel, and one diffuse bounce: the walls light each other.
+    // For each pixel, 16 shadow rays to each light and 16 paths of one diffuse bounce: the walls
+    // light each other.
     let mut settings = WalkthroughSettings::default();
     settings.render.trace.samples = 16;
     settings.render.trace.bounces = 1;

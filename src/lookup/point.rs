@@ -195,8 +195,8 @@ pub struct FoundLight {
     pub light: Vec3,
     /// Smooth light, as the radiance of a white surface; zero without bounces.
     pub smooth: Vec3,
-    /// True where the direct light is extrapolated beyond the samples, or interpolated between samples on
-    /// both sides of a shadow's edge.
+    /// True where the direct light is extrapolated beyond the samples, or interpolated between
+    /// samples on both sides of a shadow's edge.
     pub is_guess: bool,
 }
 
@@ -228,7 +228,7 @@ impl<'a> LookupSet<'a> {
         Self::from_parts(cache.directory(), cache.entries(), cache.cells(), epoch)
     }
 
-    /// No references, with the cells of a cache: for light that is to be traced anew.
+    /// No references, with the cells of a cache: for light that is to be traced again.
     pub(crate) fn without_references(cache: &'a ReferenceCache, epoch: SceneEpoch) -> Self {
         Self { usable: 0, ..Self::from_parts(cache.directory(), &[], cache.cells(), epoch) }
     }

@@ -192,8 +192,8 @@ pub(super) struct Choice {
 /// The light that arrives at a tile's surface points.
 #[derive(Clone, Debug)]
 pub struct TileLight {
-    /// Radiance of a white surface in light straight from the lights, by channel; undefined for pixels that are not
-    /// `known`.
+    /// Radiance of a white surface in light straight from the lights, by channel; undefined for
+    /// pixels that are not `known`.
     pub light: [[f32; TILE_RAYS]; 3],
     /// Smooth light in the same units; zero without bounces.
     pub smooth: [[f32; TILE_RAYS]; 3],

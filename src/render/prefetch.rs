@@ -11,7 +11,7 @@ use crate::trace::{SceneEpoch, Tracer};
 /// that frames turn out to need.
 const CACHE_SHARE: f64 = 0.75;
 
-/// Memory of a reference, bytes per pixel: an upper bound.
+/// Memory of a reference, bytes per pixel, with bounces and without mirrors or glass.
 const BYTES_PER_PIXEL: f64 = 16.0;
 
 /// Prefetched references at most, whatever the budget: three quarters of a cache's slots.

@@ -22,8 +22,9 @@ pub enum Mode {
 }
 
 impl Mode {
-    /// True where every pixel is shaded as in mode `full`, with the same bits. Without references
-    /// only `fast` differs: it shades with fewer samples.
+    /// True where every pixel is shaded as in mode `full`, with the same bits. Without references,
+    /// and so without a cache that paths may end in, only `fast` differs: it shades with fewer
+    /// samples.
     pub fn traces_all(self, has_no_references: bool) -> bool {
         self == Self::Full || has_no_references && self != Self::Fast
     }

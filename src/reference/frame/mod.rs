@@ -5,8 +5,9 @@
 //! / depth) along the pixel's ray, which is exact relative to the reference's own eye wherever the
 //! scene lies, and turns a sky pixel into a direction (disparity zero). The triangle is stored,
 //! which gives a pixel its normal and material. Of the diffuse radiance only the arriving light is
-//! stored, so that textures are never resampled. A reference may be sparse: pixels whose light
-//! older references hold are not lit again.
+//! stored, so that textures are never resampled, and light straight from the lights apart from
+//! smooth light. A reference may be sparse: pixels whose light older references hold are not lit
+//! again.
 
 mod damage;
 
@@ -174,8 +175,8 @@ impl ReferenceFrame {
         }
     }
 
-    /// Stores the light straight from the lights of the listed pixels. A pixel whose light is not finite must not be reused:
-    /// its disparity becomes NaN, which fails every comparison.
+    /// Stores the light straight from the lights of the listed pixels. A pixel whose light is not
+    /// finite must not be reused: its disparity becomes NaN, which fails every comparison.
     pub(crate) fn store_lights(&mut self, pixels: &[u32], lights: impl Iterator<Item = Vec3> + Clone) {
         let largest = lights.clone().filter(|l| l.is_finite()).map(Vec3::max_element).fold(0.0, f32::max);
         self.light_scale = Rgb9e5Scale::for_largest(largest);

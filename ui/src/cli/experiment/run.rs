@@ -74,8 +74,8 @@ fn run_one(experiment: &Experiment, args: &ExperimentArgs, flags: &Flags) -> Res
     verdict(&report, Some(&loaded), flags)
 }
 
-/// The recorded camera path, or a stationary camera if a pose is given or the experiment has a single
-/// view, or the scene's own path.
+/// The recorded camera path, or a stationary camera if a pose is given or the experiment has a
+/// single view, or the scene's own path.
 fn walk(
     experiment: &Experiment,
     recorded: Option<CameraPath>,

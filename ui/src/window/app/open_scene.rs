@@ -201,8 +201,8 @@ fn show_scene(app: &mut Parts, source: SceneSource, tracer: Arc<Tracer>) {
     }
 }
 
-/// Sets the exposure as it suits the scene; a reset of the quality restores it. `exposure` is that of
-/// the scene.
+/// Sets the exposure as it suits the scene; a reset of the quality restores it. `exposure` is that
+/// of the scene.
 fn reset_exposure(app: &mut Parts, arrival: &Arrival, exposure: Exposure) {
     let launch = &app.services.launch;
     app.state.default_quality.exposure = launch.exposure.unwrap_or(exposure);
