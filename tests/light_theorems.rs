@@ -95,7 +95,7 @@ fn a_room_whose_walls_glow_is_a_furnace_in_every_mode() {
     for mode in MODES {
         // The standard error of the mean is 0.3 %: light from a wall next to a corner is noisy.
         let frame = stage.last_frame(mode, 64, BOUNCES);
-        stage.check(&frame, |_| expected, [0.012, 0.1], &format!("{mode:?}"));
+        stage.check(&frame, |_| expected, [0.015, 0.15], &format!("{mode:?}"));
     }
 }
 
@@ -122,7 +122,9 @@ fn an_integrating_sphere_has_its_closed_form_in_every_mode() {
     };
     for mode in MODES {
         let frame = stage.last_frame(mode, 16, BOUNCES);
-        stage.check(&frame, expected, [0.01, 0.03], &format!("{mode:?}"));
+        // Roulette ends paths at random: a block has a standard error of 1.5 %. Cells hold the mean of
+        // sixteen paths, whose noise their readers share.
+        stage.check(&frame, expected, [0.01, 0.06], &format!("{mode:?}"));
     }
 }
 
@@ -220,7 +222,7 @@ fn reused_light_has_the_mean_of_full_everywhere_in_a_furnished_room() {
         let (here, there) = (means(&frame), means(&right));
         let off = here.iter().zip(&there).map(|(a, b)| (*a / *b - 1.0).abs().max_element());
         let worst = off.fold(0.0, f32::max);
-        assert!(worst <= 0.06, "{mode:?}: the mean of a block differs by {:.1} %", 100.0 * worst);
+        assert!(worst <= 0.08, "{mode:?}: the mean of a block differs by {:.1} %", 100.0 * worst);
         let [all, right] = [here, there].map(|blocks| blocks.iter().sum::<Vec3>());
         let off = (all / right - 1.0).abs().max_element();
         assert!(off <= 0.01, "{mode:?}: the mean differs by {:.2} %", 100.0 * off);

@@ -8,7 +8,7 @@ use arrayvec::ArrayVec;
 use glam::Vec3;
 
 /// Points of a cell whose light is traced. Each takes one ray to every light and one path.
-const POINTS: usize = 12;
+const POINTS: usize = 16;
 
 /// Surfaces, one behind the other, that one line through a cell may find.
 const MAX_LAYERS: usize = 4;

@@ -1,7 +1,7 @@
 //! Completes the pixels that the look-up left open: mirrors and glass, guesses, and surfaces that
 //! no reference saw.
 
-use super::policy::{BAD_GUESS, HYSTERESIS, LookupQuality, MAX_POINTS_PER_PIXEL};
+use super::policy::{BAD_GUESS, HYSTERESIS, LookupQuality, MAX_POINTS_PER_PIXEL, OTHER_SIDE};
 use super::{CachedLight, LookupSet, PointCache, SurfaceKey, TracedPoint};
 use crate::bsdf::Diffuse;
 use crate::camera::View;
@@ -112,9 +112,30 @@ impl PixelResolver<'_> {
         let point = self.tracer.surface(&ray, &hit);
         let key = Key::of_pixel(self.trace.seed, pixel);
         let end = PathEnd { pixel, distance: length(&ray, &hit), share: 1.0, key };
-        let diffuse = self.check_point(guess, &point, &end, tally);
+        let mut diffuse = self.check_point(guess, &point, &end, tally);
+        if diffuse.is_traced && self.is_elsewhere(guess, diffuse.radiance) {
+            diffuse.radiance += self.smooth_instead(guess, &point, &end, tally);
+        }
         let specular = self.specular(&point, &ray, &hit, pixel, tally);
         CheckedPixel { radiance: diffuse.radiance + specular, ..diffuse }
+    }
+
+    /// True where direct light is so far from the guess that the light was looked up at the other
+    /// side of an edge, and the smooth light with it.
+    fn is_elsewhere(&self, guess: Guess, traced: Vec3) -> bool {
+        let direct = guess.radiance - guess.beside;
+        let left = (traced - guess.beside).max_element();
+        self.trace.bounces > 0 && left < OTHER_SIDE * direct.max_element()
+    }
+
+    /// What traced smooth light adds to a pixel in place of the looked-up.
+    fn smooth_instead(&self, guess: Guess, point: &SurfacePoint, end: &PathEnd, tally: &mut Tally) -> Vec3 {
+        let settings = self.lookup.light_settings(&self.trace, self.surface_key(point, end).footprint);
+        let (samples, seed) = (self.trace.samples.max(1), PointSeed::from(end.key));
+        let smooth = settings.smooth(samples);
+        let sums = self.tracer.smooth_light(point, 0..samples, seed.sequence, smooth, &mut tally.rays);
+        let light = (sums[0] + sums[1]) / samples as f32;
+        self.reflected(point, light) - guess.beside
     }
 
     /// The primary ray of a pixel, and its hit with the triangle that the pixel is known to show.

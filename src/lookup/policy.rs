@@ -121,6 +121,10 @@ pub(super) const MAX_STEP: f32 = 1.0 / 32.0;
 /// noise; with 0.06 noisy frames stay below the error of the full tracer.
 pub(super) const BAD_GUESS: f32 = 0.06;
 
+/// Where traced direct light is below this share of the guess, the samples that the guess came from
+/// lie on the other side of an edge, and their smooth light is not used either.
+pub(super) const OTHER_SIDE: f32 = 0.1;
+
 /// A point keeps showing what it showed when it was traced, the guess or the traced light, until
 /// the guess is off by this factor more, or less, than [`BAD_GUESS`]. References come and go and
 /// guesses change with them; with a single threshold the colour would alternate.

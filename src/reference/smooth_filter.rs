@@ -15,7 +15,8 @@
 
 use super::ReferenceFrame;
 use super::smooth_samples::SmoothSamples;
-use crate::trace::{NO_TRIANGLE, SurfacePoint, Tracer};
+use crate::math::Ray;
+use crate::trace::{NO_TRIANGLE, SurfacePoint, Tracer, bvh::Occluder};
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 use std::ops::{Add, Mul};
@@ -74,7 +75,9 @@ impl ReferenceFrame {
             return;
         }
         let width = self.view.size[0] as usize;
-        let filter = Filter { width, facets: facets(self, tracer, pixels) };
+        let facets = facets(self, tracer, pixels);
+        let walls = Walls::between(&facets, width, self.view.eye, tracer);
+        let filter = Filter { width, facets, walls };
         let filtered = filter.run(pixels, samples);
         self.store_smooth(pixels, pixels.iter().map(|&pixel| filtered[pixel as usize]));
     }
@@ -101,10 +104,11 @@ fn facets(frame: &ReferenceFrame, tracer: &Tracer, pixels: &[u32]) -> Vec<Facet>
     facets
 }
 
-/// The surfaces of a picture, row-major.
+/// The surfaces of a picture, row-major, and the walls between them.
 struct Filter {
     width: usize,
     facets: Vec<Facet>,
+    walls: Walls,
 }
 
 impl Filter {
@@ -184,7 +188,7 @@ impl Filter {
                     }
                     let other = ny as usize * width + nx as usize;
                     let likeness = share * likeness(centre, &self.facets[other]);
-                    if likeness > 0.0 {
+                    if likeness > 0.0 && self.walls.are_absent([x, y], [nx as usize, ny as usize]) {
                         let weight = likeness * agreement(at, other);
                         sum = sum + values[other] * weight;
                         total += weight;
@@ -194,6 +198,58 @@ impl Filter {
             })
         };
         (0..height).into_par_iter().flat_map_iter(row).collect()
+    }
+}
+
+/// Height above the surfaces, as a share of the distance between two neighbours, at which they must
+/// see each other to share light.
+const LIFT: f32 = 0.25;
+
+/// Neighbours between which something stands, however thin: a wall that no pixel may show.
+struct Walls {
+    width: usize,
+    /// Walls to the left of each pixel in its row, up to its own left side.
+    along_rows: Vec<u32>,
+    /// Walls above each pixel in its column, up to its own upper side.
+    along_columns: Vec<u32>,
+}
+
+impl Walls {
+    /// Finds the walls by a ray between each two neighbours on one surface.
+    fn between(facets: &[Facet], width: usize, eye: Vec3, tracer: &Tracer) -> Self {
+        let is_wall = |at: usize, other: usize| {
+            let (a, b) = (&facets[at], &facets[other]);
+            if a.normal == Vec3::ZERO || b.normal == Vec3::ZERO || likeness(a, b) <= 0.0 {
+                return false;
+            }
+            let lift = LIFT * a.position.distance(b.position);
+            let [from, to] = [a, b].map(|f| eye + f.position + f.normal * lift);
+            let ray = Ray { t_max: 1.0, ..Ray::new(from, to - from) };
+            tracer.transmittance(&ray, &mut Occluder::default()) == Vec3::ZERO
+        };
+        let walls = |is_first: &(dyn Fn(usize) -> bool + Sync), step: usize| {
+            let wall = |at: usize| u32::from(!is_first(at) && is_wall(at - step, at));
+            (0..facets.len()).into_par_iter().map(wall).collect::<Vec<u32>>()
+        };
+        let mut along_rows = walls(&|at| at % width == 0, 1);
+        let mut along_columns = walls(&|at| at < width, width);
+        // Sums make the number of walls between any two pixels of a line a difference.
+        for at in (0..facets.len()).filter(|at| at % width != 0) {
+            along_rows[at] += along_rows[at - 1];
+        }
+        for at in width..facets.len() {
+            along_columns[at] += along_columns[at - width];
+        }
+        Self { width, along_rows, along_columns }
+    }
+
+    /// True where nothing stands between two pixels, along the row of the first and the column of
+    /// the second.
+    #[inline(always)]
+    fn are_absent(&self, [x, y]: [usize; 2], [nx, ny]: [usize; 2]) -> bool {
+        let (rows, columns) = (&self.along_rows, &self.along_columns);
+        rows[y * self.width + x] == rows[y * self.width + nx]
+            && columns[y * self.width + nx] == columns[ny * self.width + nx]
     }
 }
 

@@ -12,7 +12,7 @@ use crate::trace::{SceneEpoch, Tracer};
 const CACHE_SHARE: f64 = 0.75;
 
 /// Memory of a reference, bytes per pixel, with bounces and without mirrors or glass.
-const BYTES_PER_PIXEL: f64 = 16.0;
+const BYTES_PER_PIXEL: f64 = 17.0;
 
 /// Prefetched references at most, whatever the budget: three quarters of a cache's slots.
 const MAX_PREFETCHED: usize = 96;

@@ -127,9 +127,9 @@ impl TimedPicture {
         }
         self.finished_passes += new;
         self.round += 1;
-        // Passes use the bits of the seed from 48 up, and a round has at most sixteen.
+        // Passes use the bits of the seed from 48 up, and a round has at most 64.
         let trace = self.settings.render.trace;
-        let seed = trace.seed.wrapping_add(self.round << 52);
+        let seed = trace.seed.wrapping_add(self.round << 54);
         let render = RenderSettings { trace: TraceSettings { seed, ..trace }, ..self.settings.render };
         self.view.restart(WalkthroughSettings { render, ..self.settings });
         true
