@@ -3,6 +3,7 @@
 use super::key::CellKey;
 use crate::bsdf::Diffuse;
 use crate::math::{Ray, key::Key, sequence::Sequence};
+use crate::trace::bvh::Occluder;
 use crate::trace::{LightKinds, RayCounts, SmoothSettings, SurfacePoint, Tracer};
 use arrayvec::ArrayVec;
 use glam::Vec3;
@@ -23,29 +24,43 @@ const LIGHT: u32 = 7 << 24;
 /// What is known of a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Cell {
-    /// All light that arrives at its surfaces, as the radiance of a white one.
-    Lit(Vec3),
+    /// All light that arrives at its surfaces, as the radiance of a white one, and the point that
+    /// sees all others.
+    Lit(Vec3, Anchor),
     /// Its surfaces do not see each other, as on both sides of a wall, or are too small to be found.
     Divided,
 }
 
+/// The first point of a cell: the line that found it, and its depth along the line in steps of a
+/// 4096th of the cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Anchor {
+    line: u16,
+    depth: u16,
+}
+
+/// Steps of [`Anchor::depth`] in a cell.
+const DEPTH_STEPS: f32 = 4096.0;
+
 /// Bits of a mantissa of a packed cell, and its largest value.
-const MANTISSA: u32 = 18;
+const MANTISSA: u32 = 13;
 const MAX_MANTISSA: f32 = ((1 << MANTISSA) - 1) as f32;
 
 impl Cell {
     const DIVIDED: u64 = 1;
 
-    /// Packs the cell into a word that is never zero: three mantissas of 18 bits, the exponent of
-    /// the largest channel, and a bit that is set.
+    /// Packs the cell into a word that is never zero: three mantissas of 13 bits, the exponent of
+    /// the largest channel, the anchor, and a bit that is set.
     pub(super) fn to_bits(self) -> u64 {
-        let Self::Lit(light) = self else { return Self::DIVIDED };
+        let Self::Lit(light, anchor) = self else { return Self::DIVIDED };
         let exponent = (light.max_element().to_bits() >> 23).clamp(MANTISSA, 0xfe);
         // 2^(MANTISSA + 126 - exponent) in two factors, because it may be too large for one.
         let scale = |x: f32| x * power(126 - exponent as i32) * power(MANTISSA as i32);
         let mantissa = |x: f32| u64::from(scale(x).clamp(0.0, MAX_MANTISSA) as u32);
         let [r, g, b] = light.to_array().map(mantissa);
-        1 << 63 | r | g << MANTISSA | b << (2 * MANTISSA) | u64::from(exponent) << (3 * MANTISSA)
+        let anchor = u64::from(anchor.line) << 12 | u64::from(anchor.depth);
+        let color = r | g << MANTISSA | b << (2 * MANTISSA) | u64::from(exponent) << (3 * MANTISSA);
+        1 << 63 | anchor << (3 * MANTISSA + 8) | color
     }
 
     pub(super) fn from_bits(bits: u64) -> Self {
@@ -55,7 +70,9 @@ impl Cell {
         let exponent = (bits >> (3 * MANTISSA) & 0xff) as i32;
         let step = power(exponent - 126) * power(-(MANTISSA as i32));
         let channel = |i: u32| (bits >> (i * MANTISSA) & ((1 << MANTISSA) - 1)) as f32;
-        Self::Lit(Vec3::new(channel(0), channel(1), channel(2)) * step)
+        let word = (bits >> (3 * MANTISSA + 8)) as u16;
+        let anchor = Anchor { line: word >> 12 & 0xf, depth: word & 0xfff };
+        Self::Lit(Vec3::new(channel(0), channel(1), channel(2)) * step, anchor)
     }
 }
 
@@ -66,17 +83,20 @@ fn power(exponent: i32) -> f32 {
 
 /// Traces the light of a cell, with up to `bounces` diffuse surfaces on the way.
 pub(super) fn compute(tracer: &Tracer, key: &CellKey, bounces: u32, seed: u64) -> Cell {
-    let sequence =
-        Sequence::of_key(Key::of_pixel(seed, 0).with(key.hash() as u32).with((key.hash() >> 32) as u32));
+    let sequence = sequence_of(key, seed);
     let points = points_in(tracer, key, &sequence);
-    if points.is_empty() || !see_each_other(tracer, &points, key.length() * LIFT) {
+    let is_whole = |(first, anchor): &(SurfacePoint, Anchor)| {
+        points.iter().all(|(p, _)| sees(tracer, key, p.position, first.position))
+            && sees(tracer, key, first.position, position_of(key, &sequence, *anchor))
+    };
+    let Some((_, anchor)) = points.first().filter(|first| is_whole(first)).copied() else {
         return Cell::Divided;
-    }
+    };
     // Rays of cells are not counted: which thread traces them is left to chance.
     let mut rays = RayCounts::default();
     let mut sum = Vec3::ZERO;
     for sample in 0..POINTS as u32 {
-        let point = &points[sample as usize % points.len()];
+        let (point, _) = &points[sample as usize % points.len()];
         let shift = |light: u32| sequence.pair(sample, LIGHT.wrapping_add(light));
         let irradiance = tracer.irradiance_of(LightKinds::AllButSky, point, 1, shift, &mut rays);
         let settings = SmoothSettings { bounces, cache: None, footprint: 0.0, samples: 1 };
@@ -84,23 +104,43 @@ pub(super) fn compute(tracer: &Tracer, key: &CellKey, bounces: u32, seed: u64) -
         sum += Diffuse::WHITE.radiance(irradiance) + smooth[0] + smooth[1];
     }
     let light = sum / POINTS as f32;
-    if light.is_finite() { Cell::Lit(light) } else { Cell::Divided }
+    if light.is_finite() { Cell::Lit(light, anchor) } else { Cell::Divided }
+}
+
+fn sequence_of(key: &CellKey, seed: u64) -> Sequence {
+    let hash = key.hash();
+    Sequence::of_key(Key::of_pixel(seed, 0).with(hash as u32).with((hash >> 32) as u32))
+}
+
+/// Start of one of the lines through a cell, on the face that its surfaces look at, and its
+/// direction.
+fn line_through(key: &CellKey, sequence: &Sequence, line: u32) -> (Vec3, Vec3) {
+    let (axis, sign) = key.facing();
+    let [u, v] = sequence.pair(line, PLACE);
+    let (mut origin, mut direction) = (key.low(), Vec3::ZERO);
+    origin[(axis + 1) % 3] += u * key.length();
+    origin[(axis + 2) % 3] += v * key.length();
+    origin[axis] += if sign > 0.0 { key.length() } else { 0.0 };
+    direction[axis] = -sign;
+    (origin, direction)
+}
+
+fn position_of(key: &CellKey, sequence: &Sequence, anchor: Anchor) -> Vec3 {
+    let (origin, direction) = line_through(key, sequence, u32::from(anchor.line));
+    origin + direction * ((f32::from(anchor.depth) + 0.5) / DEPTH_STEPS * key.length())
 }
 
 /// Points of the surfaces in a cell that face its side, found along lines through the cube.
-fn points_in(tracer: &Tracer, key: &CellKey, sequence: &Sequence) -> ArrayVec<SurfacePoint, POINTS> {
+fn points_in(
+    tracer: &Tracer,
+    key: &CellKey,
+    sequence: &Sequence,
+) -> ArrayVec<(SurfacePoint, Anchor), POINTS> {
     let (axis, sign) = key.facing();
-    let (low, length) = (key.low(), key.length());
-    let mut direction = Vec3::ZERO;
-    direction[axis] = -sign;
     let mut points = ArrayVec::new();
     for line in 0..POINTS as u32 {
-        let [u, v] = sequence.pair(line, PLACE);
-        let mut origin = low;
-        origin[(axis + 1) % 3] += u * length;
-        origin[(axis + 2) % 3] += v * length;
-        origin[axis] += if sign > 0.0 { length } else { 0.0 };
-        let end = origin[axis] - sign * length;
+        let (start, direction) = line_through(key, sequence, line);
+        let (mut origin, end) = (start, start[axis] - sign * key.length());
         for _ in 0..MAX_LAYERS {
             let t_max = (end - origin[axis]) * -sign;
             let ray = Ray { t_max, ..Ray::new(origin, direction) };
@@ -108,20 +148,26 @@ fn points_in(tracer: &Tracer, key: &CellKey, sequence: &Sequence) -> ArrayVec<Su
             let point = tracer.surface(&ray, &hit);
             origin = point.origin_behind();
             if key.faces_like(point.geometric_normal) && point.albedo(tracer.scene()) != Vec3::ZERO {
-                points.push(point);
+                let depth = (start[axis] - point.position[axis]) * sign / key.length() * DEPTH_STEPS;
+                let depth = depth.clamp(0.0, DEPTH_STEPS - 1.0) as u16;
+                points.push((point, Anchor { line: line as u16, depth }));
             }
         }
     }
     points
 }
 
-/// True where the first point sees all others from a little above the surface.
-fn see_each_other(tracer: &Tracer, points: &[SurfacePoint], lift: f32) -> bool {
-    let lifted = |point: &SurfacePoint| point.position + point.geometric_normal * lift;
-    let from = lifted(&points[0]);
-    let mut occluder = Default::default();
-    points[1..].iter().all(|point| {
-        let ray = Ray { t_max: 1.0, ..Ray::new(from, lifted(point) - from) };
-        tracer.transmittance(&ray, &mut occluder) != Vec3::ZERO
-    })
+/// True where two points of a cell see each other from a little above its surfaces.
+fn sees(tracer: &Tracer, key: &CellKey, from: Vec3, to: Vec3) -> bool {
+    let (axis, sign) = key.facing();
+    let mut lift = Vec3::ZERO;
+    lift[axis] = sign * key.length() * LIFT;
+    let ray = Ray { t_max: 1.0, ..Ray::new(from + lift, to - from) };
+    tracer.transmittance(&ray, &mut Occluder::default()) != Vec3::ZERO
+}
+
+/// True where the light of a cell with this anchor is that of a point in it: nothing stands between
+/// the two.
+pub(super) fn serves(tracer: &Tracer, key: &CellKey, seed: u64, anchor: Anchor, point: Vec3) -> bool {
+    sees(tracer, key, point, position_of(key, &sequence_of(key, seed), anchor))
 }

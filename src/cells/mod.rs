@@ -21,7 +21,7 @@ pub use key::CellKey;
 
 use crate::scene::Scene;
 use crate::trace::{CachedLight, Reader, SurfacePoint, TraceSettings, Tracer};
-use compute::{Cell, compute};
+use compute::{Cell, compute, serves};
 use glam::Vec3;
 use table::Table;
 
@@ -87,7 +87,9 @@ impl CachedLight for SurfaceCells {
         (finest..=*levels.end()).rev().find_map(|level| {
             let key = CellKey::new(point.position, point.geometric_normal, level)?;
             match self.cell(tracer, &key) {
-                Cell::Lit(light) => Some(light),
+                Cell::Lit(light, anchor) => {
+                    serves(tracer, &key, self.seed, anchor, point.position).then_some(light)
+                }
                 Cell::Divided => None,
             }
         })

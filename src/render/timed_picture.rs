@@ -7,12 +7,18 @@ use super::{
     walkthrough::WalkthroughSettings,
 };
 use crate::{
-    camera::Camera,
+    camera::{Camera, View},
     raster::{load::exposed, metrics::mse},
-    trace::{TraceSettings, Tracer, parallel::Stop},
+    trace::{
+        TraceSettings, Tracer,
+        parallel::{NEVER, Stop, trace_pixels},
+    },
 };
 use glam::Vec3;
-use std::{sync::Arc, time::Duration};
+use std::{
+    sync::Arc,
+    time::{Duration, Instant},
+};
 
 /// A picture that is refined for as long as its caller wants: the window's schedule, from nothing.
 ///
@@ -49,6 +55,37 @@ impl TimedPicture {
             finished_passes: 0,
             noise: NoiseEstimate { exposure_ev, ..NoiseEstimate::default() },
         }
+    }
+
+    /// The samples that a first picture of a view may take, so that most of `seconds` suffices: by the
+    /// time of some of its pixels, and at most `most`.
+    pub fn affordable_samples(
+        tracer: &Tracer,
+        camera: &Camera,
+        size: [u32; 2],
+        trace: &TraceSettings,
+        (seconds, most): (f64, u32),
+    ) -> u32 {
+        /// Pixels that are timed, and their samples.
+        const PROBE: (u32, u32) = (1024, 4);
+        /// Share of the time that the first picture may take.
+        const SHARE: f64 = 0.7;
+        let view = View::new(camera, &tracer.scene().frame, size);
+        let count = view.pixel_count() as u64;
+        let pixel = |i: u32| (u64::from(i) * count / u64::from(PROBE.0)) as u32;
+        let pixels: Vec<u32> = (0..PROBE.0).map(pixel).collect();
+        let (settings, mut traced) = (TraceSettings { samples: PROBE.1, ..*trace }, Vec::new());
+        let mut time = || {
+            let start = Instant::now();
+            trace_pixels(&pixels, &mut traced, NEVER, |pixel, rays| {
+                tracer.pixel(&view, pixel, &settings, rays)
+            });
+            start.elapsed().as_secs_f64()
+        };
+        // The first time also finds which lights matter where.
+        time();
+        let secs_per_sample = time() / f64::from(PROBE.0 * PROBE.1) * count as f64;
+        ((SHARE * seconds / secs_per_sample) as u32).clamp(1, most.max(1))
     }
 
     /// Improves the picture until `stop` is true or it is worth showing. Returns false where it
