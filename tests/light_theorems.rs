@@ -222,7 +222,9 @@ fn reused_light_has_the_mean_of_full_everywhere_in_a_furnished_room() {
         let (here, there) = (means(&frame), means(&right));
         let off = here.iter().zip(&there).map(|(a, b)| (*a / *b - 1.0).abs().max_element());
         let worst = off.fold(0.0, f32::max);
-        assert!(worst <= 0.08, "{mode:?}: the mean of a block differs by {:.1} %", 100.0 * worst);
+        // Filters and cells have noise and bias of their own: more in `fast`, which averages none.
+        let most = if mode == Mode::Fast { 0.13 } else { 0.08 };
+        assert!(worst <= most, "{mode:?}: the mean of a block differs by {:.1} %", 100.0 * worst);
         let [all, right] = [here, there].map(|blocks| blocks.iter().sum::<Vec3>());
         let off = (all / right - 1.0).abs().max_element();
         assert!(off <= 0.01, "{mode:?}: the mean differs by {:.2} %", 100.0 * off);

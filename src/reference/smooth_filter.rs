@@ -77,7 +77,7 @@ impl ReferenceFrame {
         let width = self.view.size[0] as usize;
         let facets = facets(self, tracer, pixels);
         let walls = Walls::between(&facets, width, self.view.eye, tracer);
-        let filter = Filter { width, facets, walls };
+        let filter = Filter { width, facets: &facets, walls };
         let filtered = filter.run(pixels, samples);
         self.store_smooth(pixels, pixels.iter().map(|&pixel| filtered[pixel as usize]));
     }
@@ -105,13 +105,13 @@ fn facets(frame: &ReferenceFrame, tracer: &Tracer, pixels: &[u32]) -> Vec<Facet>
 }
 
 /// The surfaces of a picture, row-major, and the walls between them.
-struct Filter {
+struct Filter<'a> {
     width: usize,
-    facets: Vec<Facet>,
-    walls: Walls,
+    facets: &'a [Facet],
+    walls: Walls<'a>,
 }
 
-impl Filter {
+impl Filter<'_> {
     /// The filtered light of all pixels.
     fn run(&self, pixels: &[u32], samples: &[SmoothSamples]) -> Vec<Vec3> {
         let raw = self.layer_of(pixels, samples);
@@ -120,7 +120,11 @@ impl Filter {
         for level in 0..=LEVELS {
             if level > 0 {
                 let light = self.light_and_noise(&layer);
-                layer = self.widened(&layer, 1 << (level - 1), |a, b| agreement(&light[a], &light[b]));
+                layer =
+                    self.widened(&layer, 1 << (level - 1), |a, b| match agreement(&light[a], &light[b]) {
+                        share if share > 0.0 && self.walls.are_absent(a, b) => share,
+                        _ => 0.0,
+                    });
             }
             let mut error: Vec<f32> =
                 layer.par_iter().zip(&raw).map(|(layer, raw)| disagreement(layer, raw)).collect();
@@ -188,7 +192,7 @@ impl Filter {
                     }
                     let other = ny as usize * width + nx as usize;
                     let likeness = share * likeness(centre, &self.facets[other]);
-                    if likeness > 0.0 && self.walls.are_absent([x, y], [nx as usize, ny as usize]) {
+                    if likeness > 0.0 {
                         let weight = likeness * agreement(at, other);
                         sum = sum + values[other] * weight;
                         total += weight;
@@ -205,51 +209,77 @@ impl Filter {
 /// see each other to share light.
 const LIFT: f32 = 0.25;
 
-/// Neighbours between which something stands, however thin: a wall that no pixel may show.
-struct Walls {
+/// What stands between the pixels of a surface.
+struct Walls<'a> {
+    facets: &'a [Facet],
+    eye: Vec3,
+    tracer: &'a Tracer,
+    /// Walls between neighbours on one surface, so thin that no pixel shows them.
+    thin: Steps,
+    /// Borders between neighbours on different surfaces.
+    borders: Steps,
+}
+
+/// Counts of steps from one pixel to the next that cross something, summed up along each row and
+/// each column, so that the number between any two pixels of a line is a difference.
+struct Steps {
     width: usize,
-    /// Walls to the left of each pixel in its row, up to its own left side.
     along_rows: Vec<u32>,
-    /// Walls above each pixel in its column, up to its own upper side.
     along_columns: Vec<u32>,
 }
 
-impl Walls {
-    /// Finds the walls by a ray between each two neighbours on one surface.
-    fn between(facets: &[Facet], width: usize, eye: Vec3, tracer: &Tracer) -> Self {
-        let is_wall = |at: usize, other: usize| {
-            let (a, b) = (&facets[at], &facets[other]);
-            if a.normal == Vec3::ZERO || b.normal == Vec3::ZERO || likeness(a, b) <= 0.0 {
-                return false;
-            }
-            let lift = LIFT * a.position.distance(b.position);
-            let [from, to] = [a, b].map(|f| eye + f.position + f.normal * lift);
-            let ray = Ray { t_max: 1.0, ..Ray::new(from, to - from) };
-            tracer.transmittance(&ray, &mut Occluder::default()) == Vec3::ZERO
-        };
-        let walls = |is_first: &(dyn Fn(usize) -> bool + Sync), step: usize| {
-            let wall = |at: usize| u32::from(!is_first(at) && is_wall(at - step, at));
-            (0..facets.len()).into_par_iter().map(wall).collect::<Vec<u32>>()
-        };
-        let mut along_rows = walls(&|at| at % width == 0, 1);
-        let mut along_columns = walls(&|at| at < width, width);
-        // Sums make the number of walls between any two pixels of a line a difference.
-        for at in (0..facets.len()).filter(|at| at % width != 0) {
+impl Steps {
+    /// Counts the steps, between a pixel and its left or upper neighbour, for which `crosses` holds.
+    fn count(len: usize, width: usize, crosses: impl Fn(usize, usize) -> bool + Sync) -> Self {
+        let rows = (0..len).into_par_iter().map(|at| u32::from(at % width != 0 && crosses(at - 1, at)));
+        let mut along_rows: Vec<u32> = rows.collect();
+        let columns = (0..len).into_par_iter().map(|at| u32::from(at >= width && crosses(at - width, at)));
+        let mut along_columns: Vec<u32> = columns.collect();
+        for at in (0..len).filter(|at| at % width != 0) {
             along_rows[at] += along_rows[at - 1];
         }
-        for at in width..facets.len() {
+        for at in width..len {
             along_columns[at] += along_columns[at - width];
         }
         Self { width, along_rows, along_columns }
     }
 
-    /// True where nothing stands between two pixels, along the row of the first and the column of
-    /// the second.
+    /// True where no step crosses anything from one pixel to another, along the row of the first
+    /// and the column of the second.
     #[inline(always)]
-    fn are_absent(&self, [x, y]: [usize; 2], [nx, ny]: [usize; 2]) -> bool {
-        let (rows, columns) = (&self.along_rows, &self.along_columns);
-        rows[y * self.width + x] == rows[y * self.width + nx]
-            && columns[y * self.width + nx] == columns[ny * self.width + nx]
+    fn are_clear(&self, at: usize, other: usize) -> bool {
+        let corner = at - at % self.width + other % self.width;
+        self.along_rows[at] == self.along_rows[corner]
+            && self.along_columns[corner] == self.along_columns[other]
+    }
+}
+
+impl<'a> Walls<'a> {
+    fn between(facets: &'a [Facet], width: usize, eye: Vec3, tracer: &'a Tracer) -> Self {
+        let is_lit = |at: usize| facets[at].normal != Vec3::ZERO;
+        let is_one = |a: usize, b: usize| likeness(&facets[a], &facets[b]) > 0.0;
+        let borders = Steps::count(facets.len(), width, |a, b| is_lit(a) && is_lit(b) && !is_one(a, b));
+        let mut walls = Self { facets, eye, tracer, thin: Steps::count(0, 1, |_, _| false), borders };
+        walls.thin = Steps::count(facets.len(), width, |a, b| {
+            is_lit(a) && is_lit(b) && is_one(a, b) && !walls.see_each_other(a, b)
+        });
+        walls
+    }
+
+    /// True where two pixels see each other from a little above their surfaces.
+    fn see_each_other(&self, a: usize, b: usize) -> bool {
+        let (a, b) = (&self.facets[a], &self.facets[b]);
+        let lift = LIFT * a.position.distance(b.position);
+        let [from, to] = [a, b].map(|f| self.eye + f.position + f.normal * lift);
+        let ray = Ray { t_max: 1.0, ..Ray::new(from, to - from) };
+        self.tracer.transmittance(&ray, &mut Occluder::default()) != Vec3::ZERO
+    }
+
+    /// True where light may be shared: no wall is between two pixels of a surface. Behind the border
+    /// of another surface, a ray decides.
+    fn are_absent(&self, at: usize, other: usize) -> bool {
+        self.thin.are_clear(at, other)
+            && (self.borders.are_clear(at, other) || self.see_each_other(at.min(other), at.max(other)))
     }
 }
 
