@@ -216,7 +216,7 @@ struct Walls<'a> {
     tracer: &'a Tracer,
     /// Walls between neighbours on one surface, so thin that no pixel shows them.
     thin: Steps,
-    /// Borders between neighbours on different surfaces.
+    /// Borders between neighbours on different surfaces, or of which one has no samples.
     borders: Steps,
 }
 
@@ -258,7 +258,7 @@ impl<'a> Walls<'a> {
     fn between(facets: &'a [Facet], width: usize, eye: Vec3, tracer: &'a Tracer) -> Self {
         let is_lit = |at: usize| facets[at].normal != Vec3::ZERO;
         let is_one = |a: usize, b: usize| likeness(&facets[a], &facets[b]) > 0.0;
-        let borders = Steps::count(facets.len(), width, |a, b| is_lit(a) && is_lit(b) && !is_one(a, b));
+        let borders = Steps::count(facets.len(), width, |a, b| !is_lit(a) || !is_lit(b) || !is_one(a, b));
         let mut walls = Self { facets, eye, tracer, thin: Steps::count(0, 1, |_, _| false), borders };
         walls.thin = Steps::count(facets.len(), width, |a, b| {
             is_lit(a) && is_lit(b) && is_one(a, b) && !walls.see_each_other(a, b)

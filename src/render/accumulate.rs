@@ -196,7 +196,8 @@ impl Accumulation {
     }
 
     pub(super) fn state(&self) -> RefineState {
-        RefineState { pass: self.pass, of: self.passes, is_complete: self.pass >= self.passes }
+        let is_complete = self.pass >= self.passes;
+        RefineState { pass: self.pass, of: self.passes, light_samples: 0, is_complete }
     }
 
     /// Passes that every pixel has had.

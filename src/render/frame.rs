@@ -59,6 +59,8 @@ pub struct RefineState {
     pub pass: u32,
     /// Passes in total; 0 where the picture is not refined.
     pub of: u32,
+    /// Paths per pixel of the smooth light that the picture looks up; 0 where it looks none up.
+    pub light_samples: u32,
     /// True where nothing is left to do.
     pub is_complete: bool,
 }

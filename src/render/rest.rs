@@ -88,7 +88,13 @@ impl RestPicture {
     }
 
     pub(super) fn state(&self) -> RefineState {
-        self.full.state()
+        let light_samples = self.samples_after(self.improved);
+        RefineState { light_samples, ..self.full.state() }
+    }
+
+    /// Paths per pixel of the references after some improvements.
+    fn samples_after(&self, improvements: usize) -> u32 {
+        self.settings.trace.samples.saturating_mul(MORE_SAMPLES.pow(improvements as u32))
     }
 
     fn task(&self) -> Option<Task> {
@@ -153,7 +159,7 @@ impl RestPicture {
     /// Settings of the next reference of this view.
     fn trace(&self) -> TraceSettings {
         let trace = self.settings.trace;
-        let samples = trace.samples.saturating_mul(MORE_SAMPLES.pow(self.improved as u32 + 1));
+        let samples = self.samples_after(self.improved + 1);
         settings_of_reference(&TraceSettings { samples, ..trace }, FIRST_NUMBER + self.improved as u64)
     }
 

@@ -123,7 +123,7 @@ impl TimedPicture {
         let (pass, radiance) = (self.passes(), self.radiance());
         let mut frame = self.finished.unwrap_or_else(|| self.view.frame().clone());
         frame.radiance = radiance;
-        frame.stats.refined = RefineState { pass, of: pass, is_complete: false };
+        frame.stats.refined = RefineState { pass, of: pass, ..RefineState::default() };
         frame.stats.secs.frame = self.view.spent().as_secs_f64();
         frame
     }

@@ -200,7 +200,7 @@ impl PictureJob {
 
     fn refined(&self) -> RefineState {
         let of = self.antialias.unwrap_or(0);
-        RefineState { pass: of, of, is_complete: of > 0 }
+        RefineState { pass: of, of, light_samples: 0, is_complete: of > 0 }
     }
 
     pub(super) fn metadata(&self, tracer: &Tracer, refined: RefineState) -> Vec<(&'static str, String)> {

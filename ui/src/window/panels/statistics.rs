@@ -77,6 +77,14 @@ fn frame_rows(ui: &mut Ui, state: &AppState) {
     line(ui, "references", format!("{used} used / {held} held"));
     let [bytes, limit] = frame.cache_bytes.map(|b| b as f64 / f64::from(1 << 20));
     line(ui, "cache", format!("{bytes:.0} of {limit:.0} MB"));
+    if frame.cell_bytes > 0 {
+        line(ui, "light cells", format!("{:.0} MB", frame.cell_bytes as f64 / f64::from(1 << 20)));
+    }
+    let refined = &frame.stats.refined;
+    if refined.light_samples > 0 {
+        let progress = if refined.is_complete { "done" } else { "improving" };
+        line(ui, "light", format!("{} samples here, {progress}", refined.light_samples));
+    }
     line(ui, "picture", format!("{} x {}", frame.size[0], frame.size[1]));
 }
 

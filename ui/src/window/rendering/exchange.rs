@@ -4,6 +4,7 @@ use super::locked;
 use crate::window::rendering::depth_ranges::DepthRanges;
 use afterimage::Camera;
 use afterimage::camera::SceneFrame;
+use afterimage::cells::SurfaceCells;
 use afterimage::raster::rgb9e5;
 use afterimage::reference::{ReferenceCache, ReferenceId};
 use afterimage::render::frame::{Frame, FrameStats, NO_SUPPLIER};
@@ -63,6 +64,8 @@ pub struct PublishedFrame {
     pub references: Vec<ReferenceInfo>,
     /// Memory that references use, and their limit, in bytes.
     pub cache_bytes: [usize; 2],
+    /// Memory of the cells in which paths of smooth light end, bytes.
+    pub cell_bytes: usize,
     /// Time at which it was finished.
     pub finished: Instant,
 }
@@ -83,6 +86,7 @@ impl PublishedFrame {
             is_refinement: false,
             references: Vec::new(),
             cache_bytes: [0, 0],
+            cell_bytes: 0,
             finished: Instant::now(),
         }
     }
@@ -107,6 +111,7 @@ impl PublishedFrame {
     /// Lists the references in the cache.
     pub fn list(&mut self, cache: &ReferenceCache, used: &[ReferenceId], added: &[(ReferenceId, Instant)]) {
         self.cache_bytes = [cache.bytes(), cache.budget_bytes()];
+        self.cell_bytes = cache.cells().map_or(0, SurfaceCells::bytes);
         self.references.clear();
         self.references.extend(cache.entries().iter().map(|entry| ReferenceInfo {
             id: entry.id,
