@@ -48,7 +48,7 @@ fn a_picture_refined_for_longer_is_the_mean_of_independent_rounds() {
         assert!(picture.step(NEVER));
     }
     assert!(picture.estimated_psnr_db().is_some_and(|db| db > 10.0));
-    let rounds = [TRACE.seed, TRACE.seed + (1 << 52)].map(|seed| antialiased(&tracer, seed));
+    let rounds = [TRACE.seed, TRACE.seed + (1 << 54)].map(|seed| antialiased(&tracer, seed));
     assert!(rounds[0] != rounds[1]);
     let frame = picture.into_frame();
     assert!(frame.stats.is_complete && frame.stats.refined.pass == 2 * CONVERGED_PASSES);
