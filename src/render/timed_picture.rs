@@ -69,7 +69,7 @@ impl TimedPicture {
         /// Pixels that are timed, and their samples.
         const PROBE: (u32, u32) = (1024, 4);
         /// Share of the time that the first picture may take.
-        const SHARE: f64 = 0.85;
+        const SHARE: f64 = 0.7;
         let view = View::new(camera, &tracer.scene().frame, size);
         let count = view.pixel_count() as u64;
         let pixel = |i: u32| (u64::from(i) * count / u64::from(PROBE.0)) as u32;
