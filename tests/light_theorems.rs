@@ -122,7 +122,7 @@ fn an_integrating_sphere_has_its_closed_form_in_every_mode() {
     };
     for mode in MODES {
         let frame = stage.last_frame(mode, 16, BOUNCES);
-        // Roulette ends paths at random: a block has a standard error of 1.5 %. Cells hold the mean of
+        // Roulette ends paths at random: blocks of `full` were up to 4 % off. Cells hold the mean of
         // sixteen paths, whose noise their readers share.
         stage.check(&frame, expected, [0.01, 0.06], &format!("{mode:?}"));
     }
@@ -195,8 +195,8 @@ fn the_ground_under_a_sky_has_its_closed_form_in_every_mode() {
 }
 
 /// Reused light, cells and filters may be smoother than the light of `full`, never brighter or
-/// darker: in a furnished room every block of pixels has its mean. The lamp is a point away from all
-/// surfaces, because the noise next to an area light would hide a bias of several percent.
+/// darker: in a furnished room every block of pixels has its mean. The lamp is a point away from
+/// all surfaces, because the noise next to an area light would hide a bias of several percent.
 #[test]
 fn reused_light_has_the_mean_of_full_everywhere_in_a_furnished_room() {
     let mut b = SceneBuilder::new("furnished room");
@@ -231,8 +231,8 @@ fn reused_light_has_the_mean_of_full_everywhere_in_a_furnished_room() {
     }
 }
 
-/// An open box of 6 x 3 x 6 m with a floor of one quad, a wall of 1 cm across its middle, and a lamp
-/// at one side of the wall. No straight line from the lit side reaches the dark one.
+/// An open box of 6 x 3 x 6 m with a floor of one quad, a wall of 1 cm across its middle, and a
+/// lamp at one side of the wall. No straight line from the lit side reaches the dark one.
 fn divided_box() -> SceneBuilder {
     let mut b = SceneBuilder::new("divided box");
     let white = b.add_material(Material::diffuse("white", Vec3::splat(0.7)));

@@ -21,13 +21,14 @@ const LIFT: f32 = 1.0 / 16.0;
 const PLACE: u32 = 3 << 26;
 const LIGHT: u32 = 7 << 24;
 
-/// What is known of a cell.
+/// The light of a cell, or that it has no light of its own.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Cell {
     /// All light that arrives at its surfaces, as the radiance of a white one, and the point that
     /// sees all others.
     Lit(Vec3, Anchor),
-    /// Its surfaces do not see each other, as on both sides of a wall, or are too small to be found.
+    /// Its surfaces do not see each other, as on both sides of a wall, or are too small to be
+    /// found.
     Divided,
 }
 

@@ -65,7 +65,8 @@ impl CellKey {
         (Vec3::from(self.at.map(|i| i as f32)) - BORDER) * self.length()
     }
 
-    /// Axis that the normals of the cell's surfaces are nearest to, 0 to 2, and their sign along it.
+    /// Axis that the normals of the cell's surfaces are nearest to, 0 to 2, and their sign along
+    /// it.
     pub(super) fn facing(&self) -> (usize, f32) {
         (usize::from(self.side % 3), if self.side < 3 { 1.0 } else { -1.0 })
     }

@@ -2,7 +2,7 @@
 //!
 //! A value is a function of its key, so whichever thread computes it, it is the same. A thread that
 //! finds a key whose value is still being computed computes it as well: that costs a little time,
-//! and nobody waits.
+//! and no thread waits.
 
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 

@@ -66,9 +66,9 @@ impl<'a> BandLookup<'a> {
         Self { tracer, view, lookup, checks_guesses: quality.checks_guesses }
     }
 
-    /// Fills the band that begins at row `y0`, and lists the pixels that it leaves open. `beside`
+    /// Fills the band that begins at row `y0`, and lists the pixels that it leaves open. `certain`
     /// receives the emission and the reflected smooth light of those whose direct light is a guess.
-    pub(crate) fn fill(&self, y0: u32, mut rows: FrameRows<'_>, beside: &mut [Vec3], open: &mut OpenPixels) {
+    pub(crate) fn fill(&self, y0: u32, mut rows: FrameRows<'_>, certain: &mut [Vec3], open: &mut OpenPixels) {
         open.clear();
         let first = y0 as usize * self.view.size[0] as usize;
         let (mut surfaces, mut light) = (TileSurfaces::new(self.view), TileLight::NONE);
@@ -78,7 +78,7 @@ impl<'a> BandLookup<'a> {
             for (ray, pixel) in pixels_of_tile([x0, y0], self.view.size) {
                 let kind = self.write_pixel(&surfaces, &light, ray, pixel - first, &mut rows);
                 if kind == PixelType::Uncertain {
-                    beside[pixel - first] = self.light_beside(&surfaces, &light, ray);
+                    certain[pixel - first] = self.certain_light(&surfaces, &light, ray);
                 }
                 open.push(kind, pixel as u32);
             }
@@ -86,7 +86,7 @@ impl<'a> BandLookup<'a> {
     }
 
     /// The emission and the reflected smooth light of a known pixel.
-    fn light_beside(&self, surfaces: &TileSurfaces, light: &TileLight, ray: usize) -> Vec3 {
+    fn certain_light(&self, surfaces: &TileSurfaces, light: &TileLight, ray: usize) -> Vec3 {
         let material = &self.tracer.scene().materials[surfaces.material[ray].0 as usize];
         material.emission + self.tracer.albedo(&surfaces.hit(ray)) * light.smooth_at(ray)
     }

@@ -44,7 +44,7 @@ pub(crate) struct Guess {
     /// All of it.
     pub(crate) radiance: Vec3,
     /// The part that is no guess: emission and reflected smooth light.
-    pub(crate) beside: Vec3,
+    pub(crate) certain: Vec3,
 }
 
 /// The outcome of checking a guess.
@@ -123,8 +123,8 @@ impl PixelResolver<'_> {
     /// True where direct light is so far from the guess that the light was looked up at the other
     /// side of an edge, and the smooth light with it.
     fn is_elsewhere(&self, guess: Guess, traced: Vec3) -> bool {
-        let direct = guess.radiance - guess.beside;
-        let left = (traced - guess.beside).max_element();
+        let direct = guess.radiance - guess.certain;
+        let left = (traced - guess.certain).max_element();
         self.trace.bounces > 0 && left < OTHER_SIDE * direct.max_element()
     }
 
@@ -135,7 +135,7 @@ impl PixelResolver<'_> {
         let smooth = settings.smooth(samples);
         let sums = self.tracer.smooth_light(point, 0..samples, seed.sequence, smooth, &mut tally.rays);
         let light = (sums[0] + sums[1]) / samples as f32;
-        self.reflected(point, light) - guess.beside
+        self.reflected(point, light) - guess.certain
     }
 
     /// The primary ray of a pixel, and its hit with the triangle that the pixel is known to show.
@@ -178,9 +178,9 @@ impl PixelResolver<'_> {
         };
         match found {
             Some(found) if found.is_guess => {
-                let beside = self.reflected(point, found.smooth);
+                let certain = self.reflected(point, found.smooth);
                 let radiance = self.reflected(point, found.light + found.smooth);
-                self.check_point(Guess { radiance, beside }, point, end, tally).radiance
+                self.check_point(Guess { radiance, certain }, point, end, tally).radiance
             }
             Some(found) => self.reflected(point, found.light + found.smooth),
             None => self.cached_or_traced(point, end, tally),
@@ -219,7 +219,7 @@ impl PixelResolver<'_> {
         tally: &mut Tally,
     ) -> CheckedPixel {
         let albedo = point.albedo(self.tracer.scene());
-        let lit = |light: Vec3| guess.beside + albedo * light;
+        let lit = |light: Vec3| guess.certain + albedo * light;
         let samples = self.trace.samples_for(end.share);
         let near = self.surface_key(point, end);
         let mut trace = |keys: &[SurfaceKey]| {
@@ -251,8 +251,8 @@ impl PixelResolver<'_> {
         self.emission(point) + light.reflected(point.albedo(self.tracer.scene()))
     }
 
-    /// Traces the direct light of a point where it was guessed, and stores it under all `keys`, with
-    /// a note whether it replaces the guess. Returns the diffuse radiance with that light.
+    /// Traces the direct light of a point where it was guessed, and stores it under all `keys`,
+    /// with a note whether it replaces the guess. Returns the diffuse radiance with that light.
     fn trace_guessed(
         &self,
         point: &SurfacePoint,
@@ -264,7 +264,7 @@ impl PixelResolver<'_> {
         let (samples, rays) = (self.trace.samples_for(end.share), &mut tally.rays);
         let irradiance = self.tracer.direct_irradiance(point, samples, &self.trace, end.key.into(), rays);
         let albedo = point.albedo(self.tracer.scene());
-        let radiance = guess.beside + Diffuse { albedo }.radiance(irradiance);
+        let radiance = guess.certain + Diffuse { albedo }.radiance(irradiance);
         let replaced_guess = self.is_bad(guess.radiance, radiance, 1.0);
         let light = Diffuse::WHITE.radiance(irradiance);
         let smooth = (self.trace.bounces == 0).then_some(Vec3::ZERO);
@@ -336,7 +336,7 @@ mod tests {
         let lookup = LookupSet::new(&cache, tracer.epoch());
         let (mut points, mut tally) = (PointCache::default(), Tally::default());
         let quality = LookupQuality::EXACT;
-        let plain = |radiance| Guess { radiance, beside: Vec3::ZERO };
+        let plain = |radiance| Guess { radiance, certain: Vec3::ZERO };
         let first =
             PixelResolver { tracer: &tracer, lookup: &lookup, view: &view, points: &points, trace, quality };
         let truth = first.check_guess(pixel, triangle, plain(Vec3::ZERO), &mut Tally::default()).radiance;

@@ -275,9 +275,9 @@ impl<S: Simd> Gathered<S> {
         store(enough.select(total.max(coverage), coverage), &mut found.coverage, at);
         // Differences of direct light are judged as a share of all light.
         let smallest = f32x8::splat(simd, f32::MIN_POSITIVE);
-        let beside = self.smooth[0].max(self.smooth[1]).max(self.smooth[2]) / total.max(smallest);
+        let smooth = self.smooth[0].max(self.smooth[1]).max(self.smooth[2]) / total.max(smallest);
         let range = self.most - self.least;
-        let spread = range / (self.most + beside).max(smallest);
+        let spread = range / (self.most + smooth).max(smallest);
         let smoothed = load(simd, &found.smoothed, at);
         let loss = smoothed.min(spread * (one - fine));
         store(enough.select(loss, smoothed), &mut found.smoothed, at);

@@ -152,8 +152,8 @@ impl<'a> LookupReference<'a> {
         if most - least > most * MAX_SMOOTH_SPREAD {
             return ([Vec3::ZERO; 2], 0.0, [0.0; 2]);
         }
-        let beside = smooth.max_element() / f32::max(total, f32::MIN_POSITIVE);
-        ([sum, smooth], total, spread_and_jump(&mut brightness, self.wide, beside))
+        let smooth_brightness = smooth.max_element() / f32::max(total, f32::MIN_POSITIVE);
+        ([sum, smooth], total, spread_and_jump(&mut brightness, self.wide, smooth_brightness))
     }
 }
 
@@ -175,16 +175,16 @@ pub(super) struct Sampled {
     jump: f32,
 }
 
-/// The spread of a few values as a share of the largest plus the smooth light `beside` it, and the
+/// The spread of a few values as a share of the largest plus the `smooth` light there, and the
 /// jump: the spread where one gap is most of the range, or where the range exceeds `wide` times the
 /// largest, else zero.
 #[inline]
-fn spread_and_jump(brightness: &mut [f32], wide: f32, beside: f32) -> [f32; 2] {
+fn spread_and_jump(brightness: &mut [f32], wide: f32, smooth: f32) -> [f32; 2] {
     brightness.sort_unstable_by(f32::total_cmp);
     let (Some(&least), Some(&most)) = (brightness.first(), brightness.last()) else { return [0.0; 2] };
     let range = most - least;
     let gap = brightness.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f32::max);
-    let spread = range / (most + beside).max(f32::MIN_POSITIVE);
+    let spread = range / (most + smooth).max(f32::MIN_POSITIVE);
     [spread, if gap >= EDGE_GAP * range || range > wide * most { spread } else { 0.0 }]
 }
 

@@ -1,7 +1,7 @@
 //! RGBE: a colour in four bytes, three mantissas of 8 bits with a shared exponent of 8 bits.
 //!
-//! Source: Ward, "Real Pixels", Graphics Gems II, 1991. It holds any scale, with an error of at most
-//! 2^-9 of the largest channel. We differ: one word is set aside for "no colour".
+//! Source: Ward, "Real Pixels", Graphics Gems II, 1991. It holds any scale, with an error of at
+//! most 2^-8 of the largest channel. We differ: one word is set aside for "no colour".
 
 use glam::Vec3;
 
@@ -44,7 +44,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn colours_of_any_scale_come_back_within_a_512th_of_the_largest_channel() {
+    fn colours_of_any_scale_come_back_within_a_256th_of_the_largest_channel() {
         for exponent in -110..120 {
             for i in 0..64 {
                 let scale = 2f32.powi(exponent);

@@ -9,9 +9,9 @@
 //! Sources: an edge-avoiding à-trous wavelet (Dammertz et al., "Edge-Avoiding À-Trous Wavelet
 //! Transform for fast Global Illumination Filtering", HPG 2010); the choice of width by two halves
 //! (Rousselle, Knaus and Zwicker, "Adaptive Rendering with Non-Local Means Filtering", 2012). We
-//! differ: irradiance on surfaces is filtered, never the picture; light weighs only where it differs
-//! by far more than its noise, as on both sides of a thin wall, so that noise cannot guide the
-//! filter.
+//! differ: irradiance on surfaces is filtered, never the picture; light weighs only where it
+//! differs by far more than its noise, as on both sides of a thin wall, so that noise cannot guide
+//! the filter.
 
 use super::ReferenceFrame;
 use super::smooth_samples::SmoothSamples;
@@ -25,8 +25,8 @@ use std::ops::{Add, Mul};
 const LEVELS: u32 = 6;
 
 /// Steps of the kernels that average the error of a width over a surface. In a daylit room, with
-/// four and sixteen samples, three steps lost 0.9 and 0.5 dB against five, which came within 0.8 and
-/// 0.3 dB of the best width for the whole picture and had less error in FLIP.
+/// four and sixteen samples, three steps lost 0.9 and 0.5 dB against five, which came within 0.8
+/// and 0.3 dB of the best width for the whole picture and had less error in FLIP.
 const ERROR_STEPS: [usize; 5] = [1, 2, 4, 8, 16];
 
 /// Sine of the angle between a surface and the line to a neighbour beyond which they are not the
@@ -140,8 +140,8 @@ impl Filter<'_> {
         best.into_iter().map(|(_, light)| light).collect()
     }
 
-    /// The samples of the listed pixels in an array of all pixels. The halves change places on every
-    /// other pixel, so that each has as many samples where the number is odd.
+    /// The samples of the listed pixels in an array of all pixels. The halves change places on
+    /// every other pixel, so that each has as many samples where the number is odd.
     fn layer_of(&self, pixels: &[u32], samples: &[SmoothSamples]) -> Vec<Halves> {
         let mut layer = vec![Halves::default(); self.facets.len()];
         for (&pixel, samples) in pixels.iter().zip(samples) {
@@ -154,8 +154,8 @@ impl Filter<'_> {
         layer
     }
 
-    /// The light of each pixel in a layer, and the variance of that light around it, by how much the
-    /// halves differ.
+    /// The light of each pixel in a layer, and the variance of that light around it, by how much
+    /// the halves differ.
     fn light_and_noise(&self, layer: &[Halves]) -> Vec<(Vec3, f32)> {
         let apart = |halves: &Halves| {
             let [a, b] = halves.0;
@@ -229,7 +229,8 @@ struct Steps {
 }
 
 impl Steps {
-    /// Counts the steps, between a pixel and its left or upper neighbour, for which `crosses` holds.
+    /// Counts the steps, between a pixel and its left or upper neighbour, for which `crosses`
+    /// holds.
     fn count(len: usize, width: usize, crosses: impl Fn(usize, usize) -> bool + Sync) -> Self {
         let rows = (0..len).into_par_iter().map(|at| u32::from(at % width != 0 && crosses(at - 1, at)));
         let mut along_rows: Vec<u32> = rows.collect();
@@ -275,15 +276,15 @@ impl<'a> Walls<'a> {
         self.tracer.transmittance(&ray, &mut Occluder::default()) != Vec3::ZERO
     }
 
-    /// True where light may be shared: no wall is between two pixels of a surface. Behind the border
-    /// of another surface, a ray decides.
+    /// True where light may be shared: no wall is between two pixels of a surface. Behind the
+    /// border of another surface, a ray decides.
     fn are_absent(&self, at: usize, other: usize) -> bool {
         self.thin.are_clear(at, other)
             && (self.borders.are_clear(at, other) || self.see_each_other(at.min(other), at.max(other)))
     }
 }
 
-/// What the kernels average.
+/// A value per pixel that the kernels of the filter average.
 trait Value: Copy + Default + Send + Sync + Mul<f32, Output = Self> + Add<Output = Self> {}
 
 impl Value for f32 {}
@@ -302,7 +303,8 @@ const NEIGHBOURS: [(i64, i64, f32); 8] = [
     (1, 1, 1.0),
 ];
 
-/// How much light two surfaces share, 0..1, by their normals and by how far each lies off the other.
+/// How much light two surfaces share, 0..1, by their normals and by how far each lies off the
+/// other.
 #[inline(always)]
 fn likeness(a: &Facet, b: &Facet) -> f32 {
     let cosine = a.normal.dot(b.normal);
@@ -335,8 +337,8 @@ fn mean(sums: Vec4) -> Vec3 {
     sums.truncate() / sums.w.max(f32::MIN_POSITIVE)
 }
 
-/// Squared distance between each half of filtered light and the other half of the samples, times the
-/// number of those samples.
+/// Squared distance between each half of filtered light and the other half of the samples, times
+/// the number of those samples.
 #[inline(always)]
 fn disagreement(filtered: &Halves, raw: &Halves) -> f32 {
     let against = |half: usize| {

@@ -120,8 +120,8 @@ impl BandedPicture<'_> {
         (0..count).map(pass).collect()
     }
 
-    /// Traces the tile around a pixel. Returns the pixels of the tile with their radiance, which has
-    /// the bits of [`Self::render`].
+    /// Traces the tile around a pixel. Returns the pixels of the tile with their radiance, which
+    /// has the bits of [`Self::render`].
     #[cfg(feature = "experiments")]
     pub(crate) fn tile_at(&self, pixel: [u32; 2]) -> impl Iterator<Item = (usize, Vec3)> + use<> {
         let view = View::new(self.camera, &self.tracer.scene().frame, self.size);

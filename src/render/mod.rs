@@ -2,8 +2,8 @@
 //! walk.
 //!
 //! [`Renderer`] renders one [`FrameRequest`], [`Walkthrough`] renders frame after frame from a
-//! cache of references, [`StillView`] brings one view to convergence, and [`render_antialiased`] and
-//! [`bands`] render pictures without references. [`schedule`] decides what is done next.
+//! cache of references, [`StillView`] brings one view to convergence, and [`render_antialiased`]
+//! and [`bands`] render pictures without references. [`schedule`] decides what is done next.
 
 mod accumulate;
 #[cfg(feature = "pictures")]

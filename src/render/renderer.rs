@@ -45,7 +45,7 @@ pub struct Renderer {
     /// that their mirror or glass shows is added.
     own: Vec<Vec3>,
     /// Emission and reflected smooth light of the pixels whose direct light is a guess.
-    beside: Vec<Vec3>,
+    certain: Vec<Vec3>,
     /// The open pixels of each band of rows, before they are collected in the lists.
     open: Vec<OpenPixels>,
     /// Light that earlier frames traced at single points.
@@ -137,12 +137,12 @@ impl Renderer {
         let view = self.frame.view;
         let band_lookup = BandLookup::new(tracer, &view, lookup, quality);
         self.open.resize_with((view.size[1] as usize).div_ceil(TILE_SIDE), OpenPixels::default);
-        self.beside.resize(view.pixel_count(), Vec3::ZERO);
-        let beside = self.beside.par_chunks_mut((view.size[0] as usize * TILE_SIDE).max(1));
-        let bands = self.frame.par_rows_mut(TILE_SIDE).zip(beside).zip(self.open.par_iter_mut()).enumerate();
+        self.certain.resize(view.pixel_count(), Vec3::ZERO);
+        let certain = self.certain.par_chunks_mut((view.size[0] as usize * TILE_SIDE).max(1));
+        let bands = self.frame.par_rows_mut(TILE_SIDE).zip(certain).zip(self.open.par_iter_mut()).enumerate();
         let fill = || {
-            bands.for_each(|(band, ((rows, beside), open))| {
-                band_lookup.fill((band * TILE_SIDE) as u32, rows, beside, open);
+            bands.for_each(|(band, ((rows, certain), open))| {
+                band_lookup.fill((band * TILE_SIDE) as u32, rows, certain, open);
             });
         };
         // The bands read no cached points, so one thread inserts those of the last frame meanwhile.
@@ -269,11 +269,11 @@ impl Renderer {
     /// Checks guesses. Only the look-up makes any.
     fn check_uncertain(&mut self, request: &FrameRequest<'_>, source: &Source<'_>) {
         let start = Instant::now();
-        let (frame, beside) = (&self.frame, &self.beside);
+        let (frame, certain) = (&self.frame, &self.certain);
         let Some(resolver) = source.resolver(request, &frame.view, &self.points) else { return };
         let checked = self.uncertain.run(1, request.stop, |pixel, tally: &mut Tally| {
             let at = pixel as usize;
-            let guess = Guess { radiance: frame.radiance[at], beside: beside[at] };
+            let guess = Guess { radiance: frame.radiance[at], certain: certain[at] };
             resolver.check_guess(pixel, frame.triangle[at], guess, tally)
         });
         for (pixel, checked) in self.uncertain.done() {

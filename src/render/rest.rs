@@ -31,7 +31,8 @@ const FRAMES: u32 = 16;
 /// Each time that the references of the view are improved, they get this many times the samples.
 const MORE_SAMPLES: u32 = 4;
 
-/// Times that the references of the view are improved, and the passes of the full tracer after each.
+/// Times that the references of the view are improved, and the passes of the full tracer after
+/// each.
 const PASSES_AFTER: [u32; 3] = [0, 8, PASSES];
 
 /// Number of the first reference that is traced for a view at rest: others count from 1.
@@ -59,7 +60,7 @@ pub(super) struct RestPicture {
     own: Option<ReferenceId>,
 }
 
-/// What is to be done next.
+/// The next step towards the picture at rest.
 enum Task {
     Frame,
     Light,

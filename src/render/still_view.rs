@@ -48,8 +48,8 @@ impl StillView {
         self
     }
 
-    /// Does the next step. Returns `None` where nothing is left to do. After a stop, the frame shows
-    /// what was done.
+    /// Does the next step. Returns `None` where nothing is left to do. After a stop, the frame
+    /// shows what was done.
     pub fn step(&mut self, stop: Stop<'_>) -> Option<StepOutcome> {
         let start = Instant::now();
         self.sharpen();

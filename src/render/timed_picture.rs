@@ -57,8 +57,8 @@ impl TimedPicture {
         }
     }
 
-    /// The samples that a first picture of a view may take, so that most of `seconds` suffices: by the
-    /// time of some of its pixels, and at most `most`.
+    /// The samples that a first picture of a view may take, so that most of `seconds` suffices: by
+    /// the time of some of its pixels, and at most `most`.
     pub fn affordable_samples(
         tracer: &Tracer,
         camera: &Camera,
@@ -175,10 +175,10 @@ impl TimedPicture {
 
 /// Estimates the noise of a mean of passes from how much the mean still changes.
 ///
-/// If a pass has the variance v, the mean of n passes has v / n, and the mean of the first m of them
-/// differs from it by the variance v / m - v / n. The estimate knows noise alone: an error that all
-/// passes have in common does not change the mean. Light that few paths find is noticed when the
-/// first of them is traced.
+/// If a pass has the variance v, the mean of n passes has v / n, and the mean of the first m of
+/// them differs from it by the variance v / m - v / n. The estimate knows noise alone: an error
+/// that all passes have in common does not change the mean. Light that few paths find is noticed
+/// when the first of them is traced.
 #[derive(Debug, Default)]
 struct NoiseEstimate {
     exposure_ev: f32,

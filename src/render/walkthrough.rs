@@ -58,9 +58,9 @@ impl Default for WalkthroughSettings {
 /// A picture on its way to convergence.
 #[derive(Debug)]
 enum Refinement {
-    /// Of the full tracer.
+    /// The mean of passes of the full tracer.
     Full(Box<Accumulation>),
-    /// Of a mode that looks smooth light up.
+    /// The picture at rest of a mode that looks smooth light up.
     Rest(Box<RestPicture>),
 }
 

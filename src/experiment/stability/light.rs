@@ -252,9 +252,9 @@ fn few_samples(_: &Trial) -> Outcome {
     })
 }
 
-/// In the middle of a closed sphere of radius 2 and reflectance 1/2, a light of intensity 4 pi gives
-/// every wall the radiance 1, whatever the number of samples. Sequences that are good at powers of
-/// two alone must not be biased at others.
+/// In the middle of a closed sphere of radius 2 and reflectance 1/2, a light of intensity 4 pi
+/// gives every wall the radiance 1, whatever the number of samples. Sequences that are good at
+/// powers of two alone must not be biased at others.
 fn odd_counts(_: &Trial) -> Outcome {
     let pose = |x: f64| Camera::look_at(dvec(x, 0.2, 0.3), dvec(1.0, 0.4, -0.7), 70.0);
     worst([1, 2, 3, 5, 7, 12], |samples| {

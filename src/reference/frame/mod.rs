@@ -69,8 +69,8 @@ impl ReferenceFrame {
     /// Additional memory per pixel, in bytes, while a reference is traced.
     pub const TRACING_BYTES_PER_PIXEL: usize = size_of::<Option<PixelTrace>>() + size_of::<u32>();
 
-    /// Traces every pixel of a reference on the current thread pool, as the paper does. `None` after
-    /// a stop.
+    /// Traces every pixel of a reference on the current thread pool, as the paper does. `None`
+    /// after a stop.
     pub fn trace(
         tracer: &Tracer,
         camera: &Camera,

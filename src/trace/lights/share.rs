@@ -27,7 +27,7 @@ const EQUAL_PART: f64 = 0.1;
 const ALL: u32 = 1 << SHARE_BITS;
 const SHARE_BITS: u32 = 25;
 
-/// Dimension of the offset that places shared samples, beside those of the lights.
+/// Dimension of the offset that places shared samples, in addition to those of the lights.
 pub(super) const SHARING: u32 = u32::MAX;
 
 /// The lights that matter in a cell, and their shares of the samples.

@@ -16,15 +16,15 @@ const MAX_CHAIN: u32 = 64;
 /// one path in half a million come so far where surfaces absorb nothing, and none elsewhere.
 pub const MAX_PATH: u32 = 256;
 
-/// First bounce that Russian roulette may end. In a daylit room and in a court, one over error times
-/// seconds was 400 and 132 with 2, against 355 and 127 with 1, and 224 and 130 with 5.
+/// First bounce that Russian roulette may end. In a daylit room and in a court, one over error
+/// times seconds was 400 and 132 with 2, against 355 and 127 with 1, and 224 and 130 with 5.
 const FIRST_ROULETTE: u32 = 2;
 
 /// Largest probability, 0..1, with which a path continues, so that it ends where surfaces absorb
 /// nothing.
 const MAX_SURVIVAL: f32 = 0.95;
 
-/// Where a ray of a path arrives.
+/// Where a diffusely scattered ray of a path ends.
 enum Next {
     /// A surface that scatters diffusely, the length of the way there in scene units, and whether a
     /// surface reflected the ray since it last scattered diffusely.

@@ -1,5 +1,5 @@
-//! The radiance of a pixel: light straight from the sources, smooth light by paths, and what mirrors
-//! and glass add.
+//! The radiance of a pixel: light straight from the sources, smooth light by paths, and what
+//! mirrors and glass add.
 
 mod bounces;
 mod cached_light;

@@ -58,8 +58,8 @@ impl<'a> Building<'a> {
         point_m.cmpge(self.low - margin).all() && point_m.cmple(self.high + margin).all()
     }
 
-    /// True for a level triangle that sticks out of the box sideways. From outside it would hide what
-    /// lies below ground.
+    /// True for a level triangle that sticks out of the box sideways. From outside it would hide
+    /// what lies below ground.
     fn is_ground(&self, triangle: u32) -> bool {
         let scene = self.tracer.scene();
         let [a, b, c] = scene.corners(triangle).map(|p| scene.frame.world_from_scene(p));

@@ -37,9 +37,9 @@ impl Tracer {
     /// Chooses the start view of a model that brings no view.
     ///
     /// It is a view from outside of the whole building; or one from inside a room, where the
-    /// building is dark from outside, shows its back faces, or shows much more from inside. The view
-    /// from outside is then the second. Where the model brings no camera path, the path turns around
-    /// in the room or leads once around the building.
+    /// building is dark from outside, shows its back faces, or shows much more from inside. The
+    /// view from outside is then the second. Where the model brings no camera path, the path turns
+    /// around in the room or leads once around the building.
     #[must_use]
     pub fn with_start_view(mut self) -> Self {
         if self.scene().brings_view {
@@ -62,8 +62,8 @@ impl Tracer {
         self
     }
 
-    /// Returns the share of a view's picture, 0..1, that shows building and neither the ground around
-    /// it nor the sky. Counted by 32 x 18 rays; the picture is 16:9.
+    /// Returns the share of a view's picture, 0..1, that shows building and neither the ground
+    /// around it nor the sky. Counted by 32 x 18 rays; the picture is 16:9.
     pub fn building_share(&self, camera: &Camera) -> f64 {
         Sight::of(&Building::of(self), camera).building()
     }

@@ -13,8 +13,8 @@ use std::path::{Path, PathBuf};
 pub(crate) struct CompareArgs {
     /// Picture to measure: PNG or EXR.
     a: PathBuf,
-    /// Ground-truth picture: PNG or EXR. Linear pictures are shown at --exposure [default: 0]; `auto`
-    /// is chosen for this one.
+    /// Ground-truth picture: PNG or EXR. Linear pictures are shown at --exposure [default: 0];
+    /// `auto` is chosen for this one.
     b: PathBuf,
     /// Exit with code 1 if the PSNR is below this, dB.
     #[arg(long, value_name = "X")]

@@ -30,8 +30,8 @@ const MAX_STEPS: u32 = 10;
 /// Time that the frames of the tour may take together, seconds.
 const TOUR_SECS: f64 = 40.0;
 
-/// Time of a frame with its part of the references, over that of a frame in mode `full`: measured on
-/// the gallery's walk of 300 frames, 640x360 pixels, 4 samples. With fewer frames it is higher.
+/// Time of a frame with its part of the references, over that of a frame in mode `full`: measured
+/// on the gallery's walk of 300 frames, 640x360 pixels, 4 samples. With fewer frames it is higher.
 const FRAME_SHARE: f64 = 0.6;
 
 /// Flies the camera path, and writes pictures, records and the page. What is there when it is

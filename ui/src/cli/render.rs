@@ -38,8 +38,8 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "N", conflicts_with = "references")]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=4096))]
     antialias: Option<u32>,
-    /// Render the best picture that this time allows, instead of one with a fixed number of samples;
-    /// importing the scene is not counted, Ctrl+C keeps the picture so far, seconds.
+    /// Render the best picture that this time allows, instead of one with a fixed number of
+    /// samples; importing the scene is not counted, Ctrl+C keeps the picture so far, seconds.
     #[arg(long, value_name = "S", conflicts_with_all = ["antialias", "no_background", "references"])]
     #[arg(value_parser = number_in(0.001..=604_800.0, " seconds"))]
     seconds: Option<f64>,
@@ -106,7 +106,8 @@ pub(crate) fn run(args: &RenderArgs, flags: &Flags) -> Result<(), Failure> {
     if made.stats.is_complete { loaded.verdict(flags) } else { Err(Failure::Interrupted) }
 }
 
-/// Samples of the first picture of those that a time allows; passes follow as long as there is time.
+/// Samples of the first picture of those that a time allows; passes follow as long as there is
+/// time.
 fn first_samples(loaded: &Loaded, flags: &Flags, camera: &Camera, seconds: f64) -> u32 {
     /// Most samples of the first picture: a picture soon is worth more than one with few grains.
     const MOST: u32 = 16;
