@@ -266,7 +266,12 @@ impl<S: Simd> Gathered<S> {
         let scale = enough.select(fine * fine * total * total * reference.quality, zero);
         for c in 0..3 {
             store(load(simd, &found.light[c], at) + self.sum[c] * scale, &mut found.light[c], at);
-            store(load(simd, &found.smooth[c], at) + self.smooth[c] * scale, &mut found.smooth[c], at);
+        }
+        if !reference.smooth.is_empty() {
+            for c in 0..3 {
+                let smooth = load(simd, &found.smooth[c], at) + self.smooth[c] * scale;
+                store(smooth, &mut found.smooth[c], at);
+            }
         }
         let weight = scale * total;
         store(load(simd, &found.weight, at) + weight, &mut found.weight, at);

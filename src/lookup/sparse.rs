@@ -71,7 +71,7 @@ impl UnfinishedReference {
         is_complete
     }
 
-    /// The reference, with the light of the pixels that were lit.
+    /// The reference. To be called once [`Self::light`] has left no pixel.
     pub(crate) fn finish(mut self, tracer: &Tracer) -> ReferenceFrame {
         let start = Instant::now();
         self.frame.store_lit(tracer, &self.open, self.lights.iter().flatten());

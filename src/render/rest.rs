@@ -52,6 +52,9 @@ pub(super) struct RestPicture {
     /// Sums of the looked-up frames since the references were improved, and their number.
     sums: Vec<Vec3>,
     frames: u32,
+    /// The mean of the looked-up frames that is shown: the last one through all points of the
+    /// pixels, or, before there is any, that of the frames so far.
+    looked_up: Vec<Vec3>,
     /// Times that the references of the view were improved.
     improved: usize,
     /// The reference that is being lit.
@@ -77,6 +80,7 @@ impl RestPicture {
             renderer: Renderer::default(),
             sums: Vec::new(),
             frames: 0,
+            looked_up: Vec::new(),
             improved: 0,
             lighting: None,
             own: None,
@@ -136,6 +140,12 @@ impl RestPicture {
             *sum = if self.frames == 0 { *radiance } else { *sum + *radiance };
         }
         self.frames += 1;
+        // Frames through few points have jagged edges: they do not take the place of smooth ones.
+        if self.frames == FRAMES || self.improved == 0 {
+            let count = self.frames as f32;
+            self.looked_up.clear();
+            self.looked_up.extend(self.sums.iter().map(|sum| *sum / count));
+        }
     }
 
     /// Lights a reference of this view with more samples than before; it takes the place of the
@@ -166,11 +176,11 @@ impl RestPicture {
 
     /// Shows in a frame of the same size what is done.
     pub(super) fn write_to(&self, frame: &mut Frame) {
-        if self.frames > 0 {
-            let looked_up = self.sums.iter().map(|sum| *sum / self.frames as f32);
-            frame.radiance.clear();
-            frame.radiance.extend(looked_up);
+        if self.looked_up.is_empty() {
+            frame.stats.refined = self.state();
+            return;
         }
+        frame.radiance.clone_from(&self.looked_up);
         if self.full.passes_done() >= 2 {
             mix(&mut frame.radiance, &self.full.means(), self.size[0] as usize);
         }
@@ -187,10 +197,12 @@ fn mix(shown: &mut [Vec3], full: &[Option<(Vec3, f32)>], width: usize) {
     let (columns, rows) = (width.div_ceil(BLOCK), (shown.len() / width.max(1)).div_ceil(BLOCK));
     let block_of = |pixel: usize| pixel / width / BLOCK * columns + pixel % width / BLOCK;
     let mut errors = vec![[0.0f64; 2]; columns * rows];
+    let energy = full.iter().flatten().map(|(mean, _)| f64::from(mean.length_squared())).sum::<f64>();
+    let usual = energy / full.len().max(1) as f64;
     for (pixel, (shown, full)) in shown.iter().zip(full).enumerate() {
         if let Some((mean, variance)) = full {
-            // Errors count as they are seen: relative to the light of the pixel.
-            let weight = 1.0 / f64::from(1.0 + mean.length_squared());
+            // Errors count as they are seen: less in pixels brighter than the picture.
+            let weight = 1.0 / (usual + f64::from(mean.length_squared())).max(f64::MIN_POSITIVE);
             let error = &mut errors[block_of(pixel)];
             error[0] += weight * f64::from((*shown - *mean).length_squared());
             error[1] += weight * f64::from(*variance);
