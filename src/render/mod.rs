@@ -15,6 +15,7 @@ mod paper_pixels;
 mod placeholders;
 mod prefetch;
 mod reference_job;
+mod refinement;
 mod renderer;
 mod request;
 mod rest;
@@ -33,8 +34,8 @@ pub use frame::{Frame, FrameStats, RefineState, StageSecs, TemporalStability};
 pub use reference_job::ReferenceJob;
 pub use renderer::Renderer;
 pub use request::{FrameRequest, References};
-pub use settings::{Mode, RenderSettings};
+pub use settings::{Mode, RenderSettings, WalkthroughSettings};
 pub use still_view::StillView;
 #[cfg(feature = "pictures")]
 pub use timed_picture::TimedPicture;
-pub use walkthrough::{Walkthrough, WalkthroughSettings};
+pub use walkthrough::Walkthrough;

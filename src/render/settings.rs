@@ -1,6 +1,8 @@
-//! The settings of a frame: the mode, and what the tracer is run with.
+//! The settings of a frame, which are the mode and what the tracer is run with, and those of a
+//! walk.
 
 use crate::lookup::LookupQuality;
+use crate::reference::PlacementPolicy;
 use crate::trace::TraceSettings;
 use serde::{Deserialize, Serialize};
 
@@ -73,5 +75,36 @@ impl RenderSettings {
     /// The trace settings for shading the pixels that no reference knows.
     pub(super) fn unseen_trace(&self) -> TraceSettings {
         self.mode.lookup_quality().map_or(self.trace, |quality| quality.unseen_trace(&self.trace))
+    }
+}
+
+/// The settings of a walk.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WalkthroughSettings {
+    /// Mode, sample count, bounces and seed.
+    pub render: RenderSettings,
+    /// The policy that decides where references are added.
+    pub placement: PlacementPolicy,
+    /// References that a frame of mode `paper` warps at most.
+    pub max_references: usize,
+    /// Memory for references, bytes.
+    pub cache_bytes: usize,
+    /// Whether a few pixels of every looked-up frame are audited: traced in full as well, to
+    /// estimate the error and to find references that are wrong. How many depends on the clock.
+    pub audits: bool,
+    /// Whether every frame is compared with the previous one, to measure flicker.
+    pub measures_stability: bool,
+}
+
+impl Default for WalkthroughSettings {
+    fn default() -> Self {
+        Self {
+            render: RenderSettings::default(),
+            placement: PlacementPolicy::default(),
+            max_references: 8,
+            cache_bytes: 1024 << 20,
+            audits: false,
+            measures_stability: false,
+        }
     }
 }

@@ -4,7 +4,8 @@ use super::{
     frame::Frame,
     schedule::{FRAME_BUDGET, MOTION_TIME, RENDER_SCALE, SLICE_TIME, Schedule, Step, StepOutcome},
     schedule::{is_sharp, scaled_edge},
-    walkthrough::{Walkthrough, WalkthroughSettings},
+    settings::WalkthroughSettings,
+    walkthrough::Walkthrough,
 };
 use crate::{
     camera::Camera,

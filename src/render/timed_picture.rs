@@ -2,9 +2,8 @@
 
 use super::{
     frame::{Frame, RefineState},
-    settings::{Mode, RenderSettings},
+    settings::{Mode, RenderSettings, WalkthroughSettings},
     still_view::StillView,
-    walkthrough::WalkthroughSettings,
 };
 use crate::{
     camera::{Camera, View},

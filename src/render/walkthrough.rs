@@ -4,12 +4,11 @@
 //! The window and the headless tour run the same walk. They differ only in when a requested
 //! reference is traced.
 
-use super::accumulate::{Accumulation, CONVERGED_PASSES};
 use super::audit::{Audited, Auditor};
 use super::frame::{Frame, RefineState};
+use super::refinement::Refinement;
 use super::request::{FrameRequest, References};
-use super::rest::RestPicture;
-use super::settings::{Mode, RenderSettings};
+use super::settings::{Mode, RenderSettings, WalkthroughSettings};
 use super::{
     prefetch::Prefetch, reference_job::ReferenceJob, renderer::Renderer,
     temporal_stability::TemporalStabilityMeter,
@@ -17,82 +16,11 @@ use super::{
 use crate::camera::{Camera, View};
 use crate::lookup::{LookupSet, open_percent};
 use crate::reference::{
-    Observation, PlacementPolicy, ReferenceCache, ReferenceFrame, ReferenceId, cache::CachedReference,
-    settings_of_reference,
+    Observation, ReferenceCache, ReferenceFrame, ReferenceId, cache::CachedReference, settings_of_reference,
 };
 use crate::trace::{Tracer, parallel::Stop};
 use crate::warp::ReferenceSelector;
 use std::{sync::Arc, time::Instant};
-
-/// The settings of a walk.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WalkthroughSettings {
-    /// Mode, sample count, bounces and seed.
-    pub render: RenderSettings,
-    /// The policy that decides where references are added.
-    pub placement: PlacementPolicy,
-    /// References that a frame of mode `paper` warps at most.
-    pub max_references: usize,
-    /// Memory for references, bytes.
-    pub cache_bytes: usize,
-    /// Whether a few pixels of every looked-up frame are audited: traced in full as well, to
-    /// estimate the error and to find references that are wrong. How many depends on the clock.
-    pub audits: bool,
-    /// Whether every frame is compared with the previous one, to measure flicker.
-    pub measures_stability: bool,
-}
-
-impl Default for WalkthroughSettings {
-    fn default() -> Self {
-        Self {
-            render: RenderSettings::default(),
-            placement: PlacementPolicy::default(),
-            max_references: 8,
-            cache_bytes: 1024 << 20,
-            audits: false,
-            measures_stability: false,
-        }
-    }
-}
-
-/// A picture on its way to convergence.
-#[derive(Debug)]
-enum Refinement {
-    /// The mean of passes of the full tracer.
-    Full(Box<Accumulation>),
-    /// The picture at rest of a mode that looks smooth light up.
-    Rest(Box<RestPicture>),
-}
-
-impl Refinement {
-    fn is_of(&self, request: &FrameRequest<'_>) -> bool {
-        match self {
-            Self::Full(full) => full.is_of(request),
-            Self::Rest(rest) => rest.is_of(request),
-        }
-    }
-
-    fn run(&mut self, tracer: &Tracer, cache: &mut ReferenceCache, stop: Stop<'_>) {
-        match self {
-            Self::Full(full) => full.run(tracer, stop),
-            Self::Rest(rest) => rest.run(tracer, cache, stop),
-        }
-    }
-
-    fn write_to(&self, frame: &mut Frame) {
-        match self {
-            Self::Full(full) => full.write_to(frame),
-            Self::Rest(rest) => rest.write_to(frame),
-        }
-    }
-
-    fn state(&self) -> RefineState {
-        match self {
-            Self::Full(full) => full.state(),
-            Self::Rest(rest) => rest.state(),
-        }
-    }
-}
 
 /// The state of a walk.
 #[derive(Debug)]
@@ -354,16 +282,9 @@ impl Walkthrough {
         self.keep_refinement(&camera, size);
         let is_unrefined = stats.is_complete && stats.refined == RefineState::default();
         let is_first_pass = render.mode == Mode::Full && self.rendered == render && is_unrefined;
+        let first_pass = is_first_pass.then(|| self.renderer.frame());
         let refinement = self.refinement.get_or_insert_with(|| {
-            let request = FrameRequest::new(&self.tracer, &camera, size, &render);
-            if render.mode.looks_up() && render.trace.bounces > 0 {
-                return Refinement::Rest(Box::new(RestPicture::new(&request)));
-            }
-            let mut new = Accumulation::new(&request, CONVERGED_PASSES);
-            if is_first_pass {
-                new.take_first_pass(self.renderer.frame());
-            }
-            Refinement::Full(Box::new(new))
+            Refinement::new(&FrameRequest::new(&self.tracer, &camera, size, &render), first_pass)
         });
         refinement.run(&self.tracer, &mut self.cache, stop);
         refinement.write_to(self.renderer.frame_mut());

@@ -37,7 +37,7 @@ fn still(context: &ExperimentContext<'_>, count: usize, trace: TraceSettings) ->
             let Some(found) = trial.measure(context, &truth, &mut Renderer::default())? else {
                 return Ok(None);
             };
-            let spread = spread_secs(references.secs(), count, context.settings.frames);
+            let spread = spread_secs(references.secs(mode), count, context.settings.frames);
             records.extend(found.into_iter().map(|r| {
                 r.with("mode", mode.name()).with("view", view).with("spread_reference_secs", spread)
             }));

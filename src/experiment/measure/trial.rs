@@ -33,7 +33,7 @@ impl Trial<'_> {
         let settings = RenderSettings { mode: self.mode, trace: self.trace };
         let size = context.settings.size;
         let request = FrameRequest::new(context.tracer, &self.camera, size, &settings);
-        renderer.render(&request.reusing(self.references.cache()).with_stop(context.stop));
+        renderer.render(&request.reusing(self.references.cache(self.mode)).with_stop(context.stop));
         let frame = renderer.frame();
         frame.stats.is_complete.then_some(frame)
     }
@@ -64,7 +64,7 @@ impl Trial<'_> {
                     .with("type1_secs", stats.secs.visibility_and_lookup)
                     .with("type2_secs", stats.secs.secondary)
                     .with("type3_secs", stats.secs.trace)
-                    .with("reference_secs", self.references.secs())
+                    .with("reference_secs", self.references.secs(self.mode))
                     .with("pixels", stats.types.total())
                     .with_fields(&stats.types.percentages())
                     .with_fields(&serde_json::json!({ "rays": stats.rays })),

@@ -110,7 +110,7 @@ fn time(context: &ExperimentContext<'_>, target: &Camera, count: u32, trace: &Tr
                     .with("repetition", repetition)
                     .with("is_warm_up", repetition == 0)
                     .with("frame_secs", frame.stats.secs.frame)
-                    .with("reference_secs", references.secs())
+                    .with("reference_secs", references.secs(mode))
                     .with("triangles", context.tracer.scene().triangles.len())
                     .with("build_secs", context.tracer.build_secs())
                     .with("mean_radiance", sum / frame.radiance.len().max(1) as f64)

@@ -31,6 +31,13 @@ pub fn settings_of_reference(settings: &TraceSettings, number: u64) -> TraceSett
     TraceSettings { seed: settings.seed.wrapping_add(number << 32), ..*settings }
 }
 
+/// The samples of smooth light of every pixel of a reference; none without bounces.
+#[derive(Debug)]
+pub(crate) struct DenseSamples {
+    pixels: Vec<u32>,
+    samples: Vec<SmoothSamples>,
+}
+
 /// A traced picture whose pixels are reused in other views. Structure of arrays, row-major.
 #[derive(Clone, Debug)]
 pub struct ReferenceFrame {
@@ -78,29 +85,18 @@ impl ReferenceFrame {
         settings: &TraceSettings,
         stop: Stop<'_>,
     ) -> Option<Self> {
-        Self::trace_all(tracer, camera, size, settings, stop, false)
+        Self::trace_samples(tracer, camera, size, settings, stop).map(|(frame, _)| frame)
     }
 
-    /// Traces every pixel of a reference for look-ups: its smooth light is shared between
-    /// neighbours. `None` after a stop.
-    pub fn trace_filtered(
+    /// Traces [`Self::trace`], and in addition the samples of its smooth light, from which
+    /// [`Self::filtered`] makes the reference that look-ups read.
+    pub(crate) fn trace_samples(
         tracer: &Tracer,
         camera: &Camera,
         size: [u32; 2],
         settings: &TraceSettings,
         stop: Stop<'_>,
-    ) -> Option<Self> {
-        Self::trace_all(tracer, camera, size, settings, stop, true)
-    }
-
-    fn trace_all(
-        tracer: &Tracer,
-        camera: &Camera,
-        size: [u32; 2],
-        settings: &TraceSettings,
-        stop: Stop<'_>,
-        is_filtered: bool,
-    ) -> Option<Self> {
+    ) -> Option<(Self, DenseSamples)> {
         let start = Instant::now();
         let view = View::new(camera, &tracer.scene().frame, size);
         let order = tile_order(size);
@@ -116,17 +112,38 @@ impl ReferenceFrame {
             frame.store_hit(pixel as usize, traced.hit.map(|hit| (hit.t, hit.triangle)), traced.reflections);
         }
         frame.store_lights(&order, traced.iter().flatten().map(|t| t.light.direct()));
-        if is_filtered {
-            let samples = traced.iter().flatten().map(|t| SmoothSamples::from(&t.light));
-            frame.store_filtered(tracer, &order, &samples.collect::<Vec<_>>());
-        } else {
-            frame.store_smooth(&order, traced.iter().flatten().map(|t| t.light.smooth()));
-        }
+        frame.store_smooth(&order, traced.iter().flatten().map(|t| t.light.smooth()));
         (frame.rays, frame.is_dense) = (rays, true);
         frame.forget_ill_conditioned(tracer);
         frame.bound_tiles();
+        let samples = match settings.bounces {
+            0 => Vec::new(),
+            _ => traced.iter().flatten().map(|t| SmoothSamples::from(&t.light)).collect(),
+        };
         frame.secs = start.elapsed().as_secs_f64();
-        Some(frame)
+        Some((frame, DenseSamples { pixels: order, samples }))
+    }
+
+    /// The same reference for look-ups: its smooth light is shared between neighbours.
+    #[must_use]
+    pub(crate) fn filtered(mut self, tracer: &Tracer, dense: &DenseSamples) -> Self {
+        let start = Instant::now();
+        self.store_filtered(tracer, &dense.pixels, &dense.samples);
+        self.secs += start.elapsed().as_secs_f64();
+        self
+    }
+
+    /// Traces every pixel of a reference for look-ups: its smooth light is shared between
+    /// neighbours. `None` after a stop.
+    pub fn trace_filtered(
+        tracer: &Tracer,
+        camera: &Camera,
+        size: [u32; 2],
+        settings: &TraceSettings,
+        stop: Stop<'_>,
+    ) -> Option<Self> {
+        let (frame, samples) = Self::trace_samples(tracer, camera, size, settings, stop)?;
+        Some(frame.filtered(tracer, &samples))
     }
 
     /// Creates a reference whose pixels hold nothing yet.

@@ -1,0 +1,66 @@
+//! The refinement of a picture while the camera is stationary: which of the two ways a mode takes.
+
+use super::accumulate::{Accumulation, CONVERGED_PASSES};
+use super::frame::{Frame, RefineState};
+use super::request::FrameRequest;
+use super::rest::RestPicture;
+use super::settings::RenderSettings;
+use crate::reference::ReferenceCache;
+use crate::trace::{Tracer, parallel::Stop};
+
+/// A picture on its way to convergence.
+#[derive(Debug)]
+pub(super) enum Refinement {
+    /// The mean of passes of the full tracer.
+    Full(Box<Accumulation>),
+    /// The picture at rest of a mode that looks smooth light up.
+    Rest(Box<RestPicture>),
+}
+
+impl Refinement {
+    /// Begins the picture of a request: of the full tracer, from `first_pass` where there is one, or
+    /// of the mode where it looks smooth light up.
+    pub(super) fn new(request: &FrameRequest<'_>, first_pass: Option<&Frame>) -> Self {
+        let RenderSettings { mode, trace } = *request.settings;
+        if mode.looks_up() && trace.bounces > 0 {
+            return Self::Rest(Box::new(RestPicture::new(request)));
+        }
+        let mut full = Accumulation::new(request, CONVERGED_PASSES);
+        if let Some(frame) = first_pass {
+            full.take_first_pass(frame);
+        }
+        Self::Full(Box::new(full))
+    }
+
+    /// True where this is the picture of a request.
+    pub(super) fn is_of(&self, request: &FrameRequest<'_>) -> bool {
+        match self {
+            Self::Full(full) => full.is_of(request),
+            Self::Rest(rest) => rest.is_of(request),
+        }
+    }
+
+    /// Works on the picture until it has converged or `stop` is true. What is done then is kept.
+    pub(super) fn run(&mut self, tracer: &Tracer, cache: &mut ReferenceCache, stop: Stop<'_>) {
+        match self {
+            Self::Full(full) => full.run(tracer, stop),
+            Self::Rest(rest) => rest.run(tracer, cache, stop),
+        }
+    }
+
+    /// Shows in a frame of the same size what is done.
+    pub(super) fn write_to(&self, frame: &mut Frame) {
+        match self {
+            Self::Full(full) => full.write_to(frame),
+            Self::Rest(rest) => rest.write_to(frame),
+        }
+    }
+
+    /// How far the picture has come.
+    pub(super) fn state(&self) -> RefineState {
+        match self {
+            Self::Full(full) => full.state(),
+            Self::Rest(rest) => rest.state(),
+        }
+    }
+}
