@@ -53,6 +53,7 @@ pub(crate) struct BandLookup<'a> {
     view: &'a View,
     lookup: ViewLookup<'a>,
     checks_guesses: bool,
+    leaves_out_hidden: bool,
 }
 
 impl<'a> BandLookup<'a> {
@@ -63,7 +64,9 @@ impl<'a> BandLookup<'a> {
         quality: LookupQuality,
     ) -> Self {
         let lookup = ViewLookup::new(set, view, quality.max_averaged);
-        Self { tracer, view, lookup, checks_guesses: quality.checks_guesses }
+        // A check finds direct light of the other side of an edge, and with it smooth light.
+        let leaves_out_hidden = !quality.checks_guesses && set.holds_smooth();
+        Self { tracer, view, lookup, checks_guesses: quality.checks_guesses, leaves_out_hidden }
     }
 
     /// Fills the band that begins at row `y0`, and lists the pixels that it leaves open. `certain`
@@ -75,6 +78,9 @@ impl<'a> BandLookup<'a> {
         for x0 in (0..self.view.size[0]).step_by(TILE_SIDE) {
             surfaces.trace(self.tracer, self.view, [x0, y0]);
             self.lookup.gather(&surfaces.points, &mut light);
+            if self.leaves_out_hidden {
+                self.lookup.leave_out_hidden(self.tracer, &surfaces.points, &mut light);
+            }
             for (ray, pixel) in pixels_of_tile([x0, y0], self.view.size) {
                 let kind = self.write_pixel(&surfaces, &light, ray, pixel - first, &mut rows);
                 if kind == PixelType::Uncertain {

@@ -174,7 +174,7 @@ impl PixelResolver<'_> {
         let key = self.surface_key(point, end);
         let found = match self.quality.checks_guesses {
             true => self.lookup.light_at(&key, point.triangle),
-            false => self.lookup.unchecked_light_at(&key, point.triangle),
+            false => self.lookup.unchecked_light_at(self.tracer, &key, point.triangle),
         };
         match found {
             Some(found) if found.is_guess => {

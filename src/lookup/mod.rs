@@ -10,6 +10,7 @@
 //! | `tile` | the surfaces of 8 x 8 pixels, and the light found for them |
 //! | `view` | [`ViewLookup`] chooses the best references for a tile |
 //! | `gather` | gathers the light of one reference for a row of a tile |
+//! | `sides` | mode `fast`: leaves out light from the other side of a wall |
 //! | `exact` | `PixelResolver` completes the open pixels |
 //! | `point_cache` | light that earlier frames traced at single points |
 //! | `sparse` | sparse references, which light only what older references do not know well |
@@ -21,6 +22,7 @@ mod gather;
 mod point;
 mod point_cache;
 mod policy;
+mod sides;
 mod sparse;
 mod tile;
 mod view;

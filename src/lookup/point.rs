@@ -17,7 +17,7 @@ use crate::math::rounding::floor;
 use crate::raster::rgb9e5::Rgb9e5Scale;
 use crate::reference::directory::{Directory, MAX_SLOTS, PackedNormal, SlotMask};
 use crate::reference::{CachedReference, ReferenceCache, ReferenceFrame, ReferenceSnapshot, light::UNLIT};
-use crate::trace::{CachedLight, LightSettings, SceneEpoch, TraceSettings};
+use crate::trace::{CachedLight, LightSettings, SceneEpoch, TraceSettings, Tracer};
 use arrayvec::ArrayVec;
 use glam::{Mat3, Vec3};
 
@@ -85,12 +85,14 @@ impl<'a> LookupReference<'a> {
 
     /// The light at a point whose unit normal points to the side that is viewed. `None` where this
     /// reference does not see that side of the point. Spread and jump are zero unless `CHECKS`.
+    /// Samples whose position `serves` refuses are left out.
     #[inline]
     pub(super) fn light_at<const CHECKS: bool>(
         &self,
         position: Vec3,
         normal: Vec3,
         triangle: u32,
+        serves: impl Fn(Vec3) -> bool,
     ) -> Option<Sampled> {
         let offset = position - self.eye;
         let height = normal.dot(offset);
@@ -104,38 +106,39 @@ impl<'a> LookupReference<'a> {
         }
         let tolerance = PLANE_TOLERANCE * self.step * q.z / -height + DEPTH_ROUNDING;
         let plane = self.scene_from_pixel.transpose() * (normal / height);
-        let ([sum, smooth], coverage, [spread, jump]) =
-            self.gather::<CHECKS>(x, y, plane, tolerance, triangle);
+        let sums = self.gather::<CHECKS>([x, y], plane, tolerance, triangle, serves);
+        let Sums { coverage, spread_and_jump: [spread, jump], open, .. } = sums;
         let density = -height / (self.step * self.step * q.z * q.z * q.z);
         let weight = coverage * density * density * self.quality;
-        let [light, smooth] = [sum, smooth].map(|sum| sum / coverage);
-        let sampled = Sampled { light, smooth, weight, density, coverage, spread, jump };
+        let [light, smooth] = [sums.light, sums.smooth].map(|sum| sum / coverage);
+        let sampled = Sampled { light, smooth, weight, density, coverage, spread, jump, open };
         (coverage >= MIN_WEIGHT).then_some(sampled)
     }
 
     /// Sums the direct and the smooth light of the samples around (x, y) that lie on a plane, given
-    /// as disparity by picture coordinates. Returns the sums, their bilinear weight, and [spread,
-    /// jump].
+    /// as disparity by picture coordinates.
     #[inline]
     fn gather<const CHECKS: bool>(
         &self,
-        x: f32,
-        y: f32,
+        [x, y]: [f32; 2],
         plane: Vec3,
         tolerance: f32,
         triangle: u32,
-    ) -> ([Vec3; 2], f32, [f32; 2]) {
+        serves: impl Fn(Vec3) -> bool,
+    ) -> Sums {
         let ([x0, wx], [y0, wy]) = (corner(x, self.size[0]), corner(y, self.size[1]));
         let base = y0 as usize * self.size[0] as usize + x0 as usize;
-        let ([mut sum, mut smooth], mut total) = ([Vec3::ZERO; 2], 0.0);
+        let ([mut sum, mut smooth], [mut total, mut open]) = ([Vec3::ZERO; 2], [0.0; 2]);
         let (mut least, mut most) = (f32::INFINITY, 0.0f32);
         let mut brightness = ArrayVec::<f32, 4>::new();
         for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
             let at = base + dy * self.size[0] as usize + dx;
-            let expected = plane.dot(Vec3::new(x0 + 0.5 + dx as f32, y0 + 0.5 + dy as f32, 1.0));
+            let in_picture = Vec3::new(x0 + 0.5 + dx as f32, y0 + 0.5 + dy as f32, 1.0);
+            let expected = plane.dot(in_picture);
             let agrees = (self.disparity[at] - expected).abs() <= tolerance * expected;
-            if agrees && self.light[at] != UNLIT && self.is_alike(at, triangle) {
-                let weight = (if dx == 0 { 1.0 - wx } else { wx }) * (if dy == 0 { 1.0 - wy } else { wy });
+            let place = || self.eye + self.scene_from_pixel * in_picture / self.disparity[at];
+            let weight = (if dx == 0 { 1.0 - wx } else { wx }) * (if dy == 0 { 1.0 - wy } else { wy });
+            if agrees && self.light[at] != UNLIT && self.is_alike(at, triangle) && serves(place()) {
                 let light = self.scale.unpack(self.light[at]);
                 sum += weight * light;
                 if let Some(&word) = self.smooth.get(at) {
@@ -147,14 +150,29 @@ impl<'a> LookupReference<'a> {
                 if CHECKS {
                     brightness.push(light.max_element());
                 }
+            } else if self.disparity[at] < expected && !agrees {
+                open += weight;
             }
         }
         if most - least > most * MAX_SMOOTH_SPREAD {
-            return ([Vec3::ZERO; 2], 0.0, [0.0; 2]);
+            return Sums::default();
         }
         let smooth_brightness = smooth.max_element() / f32::max(total, f32::MIN_POSITIVE);
-        ([sum, smooth], total, spread_and_jump(&mut brightness, self.wide, smooth_brightness))
+        let spread_and_jump = spread_and_jump(&mut brightness, self.wide, smooth_brightness);
+        Sums { light: sum, smooth, coverage: total, open, spread_and_jump }
     }
+}
+
+/// Sums over the samples around a point that lie on its plane.
+#[derive(Default)]
+struct Sums {
+    light: Vec3,
+    smooth: Vec3,
+    /// Sum of the bilinear weights.
+    coverage: f32,
+    /// Sum of the weights of samples behind the plane.
+    open: f32,
+    spread_and_jump: [f32; 2],
 }
 
 /// The light that one reference has for a point.
@@ -168,7 +186,9 @@ pub(super) struct Sampled {
     /// Samples per unit of surface area, scene units.
     density: f32,
     /// The share of bilinear weight that was found, 0..1.
-    coverage: f32,
+    pub(super) coverage: f32,
+    /// The share of bilinear weight of samples behind the surface, which ends before them, 0..1.
+    pub(super) open: f32,
     /// The difference between the samples' direct light, as a share of all light of the brightest.
     spread: f32,
     /// The spread where the samples lie on both sides of a shadow's edge, else zero.
@@ -266,6 +286,11 @@ impl<'a> LookupSet<'a> {
         LightSettings { trace: *trace, cache, footprint }
     }
 
+    /// True where a reference holds smooth light.
+    pub(super) fn holds_smooth(&self) -> bool {
+        self.references.iter().flatten().any(|reference| !reference.smooth.is_empty())
+    }
+
     /// The number of references.
     pub fn len(&self) -> usize {
         self.usable.count_ones() as usize
@@ -280,17 +305,31 @@ impl<'a> LookupSet<'a> {
     /// weighted by the square of their sample density. Three references are averaged, and more
     /// while none is as fine as the point's footprint. `None` where no reference sees it.
     pub fn light_at(&self, point: &SurfaceKey, triangle: u32) -> Option<FoundLight> {
-        self.find::<true>(point, triangle)
+        let SurfaceKey { position, normal, .. } = *point;
+        self.find::<true>(point, |reference| {
+            reference.light_at::<true>(position, normal, triangle, |_| true)
+        })
     }
 
-    /// The light as [`Self::light_at`] finds it in three references at most, never marked a guess.
-    pub fn unchecked_light_at(&self, point: &SurfaceKey, triangle: u32) -> Option<FoundLight> {
-        self.find::<false>(point, triangle)
+    /// The light as [`Self::light_at`] finds it in three references at most, never marked a guess,
+    /// and without that of samples that a wall hides from the point.
+    pub fn unchecked_light_at(
+        &self,
+        tracer: &Tracer,
+        point: &SurfaceKey,
+        triangle: u32,
+    ) -> Option<FoundLight> {
+        self.find::<false>(point, |reference| reference.light_seen_at(tracer, point, triangle))
     }
 
+    /// The mean of the light that `light_at` finds in the references of a point's cell.
     #[inline]
-    fn find<const CHECKS: bool>(&self, point: &SurfaceKey, triangle: u32) -> Option<FoundLight> {
-        let SurfaceKey { position, normal, footprint } = *point;
+    fn find<const CHECKS: bool>(
+        &self,
+        point: &SurfaceKey,
+        light_at: impl Fn(&LookupReference<'a>) -> Option<Sampled>,
+    ) -> Option<FoundLight> {
+        let SurfaceKey { position, footprint, .. } = *point;
         let mut mask = self.directory.mask(self.directory.cell_of(position)) & self.usable;
         let ([mut sum, mut smooth], mut total, mut found) = ([Vec3::ZERO; 2], 0.0, 0);
         let (mut coverage, mut jump, mut loss) = (0.0f32, 0.0f32, f32::INFINITY);
@@ -299,7 +338,7 @@ impl<'a> LookupSet<'a> {
             let slot = mask.trailing_zeros() as usize;
             mask &= mask - 1;
             let Some(reference) = &self.references[slot] else { continue };
-            if let Some(sampled) = reference.light_at::<CHECKS>(position, normal, triangle) {
+            if let Some(sampled) = light_at(reference) {
                 sum += sampled.weight * sampled.light;
                 smooth += sampled.weight * sampled.smooth;
                 total += sampled.weight;

@@ -56,6 +56,14 @@ pub(super) const MAX_MAGNIFICATION: f32 = 1024.0;
 /// 43.8 dB with 6 %, and 0.8 45.5 dB with 8 %.
 pub(super) const MIN_COVERAGE: f32 = 0.8;
 
+/// All samples around a point were found where bilinear weights sum to this, less than one by
+/// rounding alone.
+pub(super) const WHOLE_COVERAGE: f32 = 0.999;
+
+/// Height above its surface at which a point must see a sample, as a share of their distance: more
+/// than surfaces bend within [`PLANE_TOLERANCE`], less than the height of walls.
+pub(super) const LIFT: f32 = 1.0 / 16.0;
+
 /// Four samples fall into two groups, as on both sides of a shadow's edge, where one gap between
 /// them is at least this share of their range. Four samples that differ only by noise have such a
 /// gap once in eight times.

@@ -1,6 +1,6 @@
 //! A tile of eight by eight pixels: the surfaces it shows, and the light found for them.
 
-use super::policy::{MAX_AVERAGED_BEST, MAX_JUMP, MAX_LOSS, MAX_STEP, MIN_COVERAGE, ONE_PLANE};
+use super::policy::{MAX_AVERAGED_BEST, MAX_JUMP, MAX_LOSS, MAX_STEP, MIN_COVERAGE, ONE_PLANE, WHOLE_COVERAGE};
 use crate::camera::View;
 use crate::raster::pixel_types::NO_SUPPLIER;
 use crate::scene::{MaterialId, Scene};
@@ -245,6 +245,19 @@ impl TileLight {
             self.smooth.iter_mut().for_each(|channel| channel[pixel] *= inverse);
             self.known |= 1 << pixel;
         }
+    }
+
+    /// Sets the light of a pixel, which is known from then on.
+    pub(super) fn set(&mut self, pixel: usize, light: Vec3, smooth: Vec3) {
+        (self.light[0][pixel], self.light[1][pixel], self.light[2][pixel]) = light.into();
+        (self.smooth[0][pixel], self.smooth[1][pixel], self.smooth[2][pixel]) = smooth.into();
+        self.known |= 1 << pixel;
+    }
+
+    /// The pixels, one bit each, for which all samples around them were found.
+    pub(super) fn whole(&self) -> u64 {
+        let is_whole = |&pixel: &usize| self.coverage[pixel] >= WHOLE_COVERAGE;
+        (0..TILE_RAYS).filter(is_whole).fold(0, |pixels, pixel| pixels | 1 << pixel)
     }
 
     /// Interpolates the rows between [`ROWS_LOOKED_UP`] where those above and below agree.

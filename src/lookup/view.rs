@@ -19,7 +19,7 @@ use glam::Vec3;
 /// A look-up set prepared for the pixels of one view.
 #[derive(Debug)]
 pub struct ViewLookup<'a> {
-    set: &'a LookupSet<'a>,
+    pub(super) set: &'a LookupSet<'a>,
     view: View,
     max_averaged: usize,
     /// Projections into the references, by slot.
@@ -107,16 +107,19 @@ impl<'a> ViewLookup<'a> {
         while open != 0 {
             let pixel = open.trailing_zeros() as usize;
             open &= open - 1;
-            let key = SurfaceKey {
-                position: self.position(points, pixel),
-                normal: points.normal_at(pixel),
-                footprint: self.view.scene_from_pixel.x_axis.length() / points.disparity[pixel],
-            };
+            let key = self.key(points, pixel);
             if let Some(FoundLight { light, smooth, .. }) = self.set.light_at(&key, points.triangle[pixel]) {
-                (found.light[0][pixel], found.light[1][pixel], found.light[2][pixel]) = light.into();
-                (found.smooth[0][pixel], found.smooth[1][pixel], found.smooth[2][pixel]) = smooth.into();
-                found.known |= 1 << pixel;
+                found.set(pixel, light, smooth);
             }
+        }
+    }
+
+    /// The surface point that a pixel of a tile shows.
+    pub(super) fn key(&self, points: &TilePoints, pixel: usize) -> SurfaceKey {
+        SurfaceKey {
+            position: self.position(points, pixel),
+            normal: points.normal_at(pixel),
+            footprint: self.view.scene_from_pixel.x_axis.length() / points.disparity[pixel],
         }
     }
 
@@ -221,7 +224,7 @@ mod tests {
             for pixel in (0..TILE_RAYS).filter(|pixel| points.wanted >> pixel & 1 == 1) {
                 let position = lookup.position(points, pixel);
                 let alone =
-                    reference.light_at::<false>(position, points.normal_at(pixel), points.triangle[pixel]);
+                    reference.light_at::<false>(position, points.normal_at(pixel), points.triangle[pixel], |_| true);
                 let in_row = (found.known >> pixel & 1 == 1).then(|| found.at(pixel));
                 found_alone += u32::from(alone.is_some());
                 // Rows are not gathered where the tile's middle is not seen; such pixels are looked
