@@ -93,8 +93,11 @@ fn a_room_whose_walls_glow_is_a_furnace_in_every_mode() {
     let stage = Stage::new(b, &[pose(0.3), pose(0.1)], [48, 32]);
     let expected = emission * series(albedo, BOUNCES + 1);
     for mode in MODES {
-        // The standard error of the mean is 0.3 %: light from a wall next to a corner is noisy.
-        let frame = stage.last_frame(mode, 64, BOUNCES);
+        // Mode `fast` shades with a quarter of the samples. The means of the modes over many seeds are
+        // within 0.6 % of the theorem and one seed is off by up to 1.6 %, in `full` too: light from a
+        // wall next to a corner is noisy.
+        let samples = if mode == Mode::Fast { 256 } else { 64 };
+        let frame = stage.last_frame(mode, samples, BOUNCES);
         stage.check(&frame, |_| expected, [0.015, 0.15], &format!("{mode:?}"));
     }
 }
