@@ -306,9 +306,7 @@ impl<'a> LookupSet<'a> {
     /// while none is as fine as the point's footprint. `None` where no reference sees it.
     pub fn light_at(&self, point: &SurfaceKey, triangle: u32) -> Option<FoundLight> {
         let SurfaceKey { position, normal, .. } = *point;
-        self.find::<true>(point, |reference| {
-            reference.light_at::<true>(position, normal, triangle, |_| true)
-        })
+        self.find::<true>(point, |reference| reference.light_at::<true>(position, normal, triangle, |_| true))
     }
 
     /// The light as [`Self::light_at`] finds it in three references at most, never marked a guess,

@@ -22,7 +22,12 @@ use glam::Vec3;
 impl LookupReference<'_> {
     /// The light as [`Self::light_at`] finds it, without that of samples that a wall hides from the
     /// point.
-    pub(super) fn light_seen_at(&self, tracer: &Tracer, point: &SurfaceKey, triangle: u32) -> Option<Sampled> {
+    pub(super) fn light_seen_at(
+        &self,
+        tracer: &Tracer,
+        point: &SurfaceKey,
+        triangle: u32,
+    ) -> Option<Sampled> {
         let SurfaceKey { position, normal, .. } = *point;
         let all = self.light_at::<false>(position, normal, triangle, |_| true)?;
         if all.coverage + all.open >= WHOLE_COVERAGE || self.smooth.is_empty() {

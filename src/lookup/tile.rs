@@ -1,6 +1,8 @@
 //! A tile of eight by eight pixels: the surfaces it shows, and the light found for them.
 
-use super::policy::{MAX_AVERAGED_BEST, MAX_JUMP, MAX_LOSS, MAX_STEP, MIN_COVERAGE, ONE_PLANE, WHOLE_COVERAGE};
+use super::policy::{
+    MAX_AVERAGED_BEST, MAX_JUMP, MAX_LOSS, MAX_STEP, MIN_COVERAGE, ONE_PLANE, WHOLE_COVERAGE,
+};
 use crate::camera::View;
 use crate::raster::pixel_types::NO_SUPPLIER;
 use crate::scene::{MaterialId, Scene};

@@ -223,8 +223,12 @@ mod tests {
             lookup.gather_pixels(points, points.wanted, &mut found);
             for pixel in (0..TILE_RAYS).filter(|pixel| points.wanted >> pixel & 1 == 1) {
                 let position = lookup.position(points, pixel);
-                let alone =
-                    reference.light_at::<false>(position, points.normal_at(pixel), points.triangle[pixel], |_| true);
+                let alone = reference.light_at::<false>(
+                    position,
+                    points.normal_at(pixel),
+                    points.triangle[pixel],
+                    |_| true,
+                );
                 let in_row = (found.known >> pixel & 1 == 1).then(|| found.at(pixel));
                 found_alone += u32::from(alone.is_some());
                 // Rows are not gathered where the tile's middle is not seen; such pixels are looked
