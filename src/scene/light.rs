@@ -59,13 +59,115 @@ impl From<Sun> for Light {
     }
 }
 
+/// The fraction of the square root of two, times 2^32. No multiple by a small number is near a whole
+/// number, and none is near a multiple of the golden ratio, by which the second coordinate steps.
+const ROOT_OF_TWO: u32 = 0x6a09_e667;
+
 /// Maps a point `u` of the unit square to a point of a mesh, uniformly by area. Returns the point
 /// and the index of its triangle. `cumulative_area` is that of [`Light::Triangles`].
+///
+/// The first coordinate selects the triangle, and its place within the triangle's share is the first
+/// coordinate there. On a mesh of equal triangles, points in equal steps all have the same place, so
+/// it is rotated by a multiple of the square root of two for each triangle (a Weyl sequence): still
+/// uniform, and stratified where a triangle holds several points.
 pub(crate) fn point_on_mesh(corners: &[[Vec3; 3]], cumulative_area: &[f32], u: [f32; 2]) -> (Vec3, usize) {
     let chosen = cumulative_area.partition_point(|&c| c <= u[0]).min(corners.len() - 1);
     let below = if chosen == 0 { 0.0 } else { cumulative_area[chosen - 1] };
     let within = ((u[0] - below) / (cumulative_area[chosen] - below)).clamp(0.0, 1.0);
+    let turn = ((chosen as u32).wrapping_mul(ROOT_OF_TWO) >> 8) as f32 * (1.0 / 16_777_216.0);
+    let turned = within + turn;
     let [a, b, c] = corners[chosen];
-    let [b1, b2] = uniform_triangle([within, u[1]]);
+    let [b1, b2] = uniform_triangle([if turned >= 1.0 { turned - 1.0 } else { turned }, u[1]]);
     (a + (b - a) * b1 + (c - a) * b2, chosen)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::{key::Key, sampling::lattice, sequence::Sequence};
+    use std::f32::consts::{PI, TAU};
+
+    /// A polygon around the origin, a triangle from there to each side, and its cumulative areas.
+    fn polygon(angles: &[f32]) -> (Vec<[Vec3; 3]>, Vec<f32>) {
+        let rim = |angle: f32| Vec3::new(angle.cos(), angle.sin(), 0.0);
+        let corners: Vec<_> = angles.windows(2).map(|a| [Vec3::ZERO, rim(a[0]), rim(a[1])]).collect();
+        let area = |[a, b, c]: &[Vec3; 3]| f64::from((b - a).cross(c - a).length());
+        let total: f64 = corners.iter().map(area).sum();
+        let mut sum = 0.0;
+        let mut share = |triangle: &[Vec3; 3]| {
+            sum += area(triangle);
+            (sum / total) as f32
+        };
+        let cumulative = corners.iter().map(&mut share).collect();
+        (corners, cumulative)
+    }
+
+    fn regular(sides: u32) -> (Vec<[Vec3; 3]>, Vec<f32>) {
+        polygon(&(0..=sides).map(|i| i as f32 / sides as f32 * TAU).collect::<Vec<_>>())
+    }
+
+    /// Root mean square error, over many shifts, of the means of some functions over the points of
+    /// a mesh: both coordinates, the squared distance from the middle, and a disk to one side.
+    fn errors(mesh: &(Vec<[Vec3; 3]>, Vec<f32>), count: u32, u: impl Fn(u32, u32) -> [f32; 2]) -> [f64; 4] {
+        const SHIFTS: u32 = 1000;
+        let functions = |p: Vec3| {
+            let is_in_disk = (p - Vec3::X * 0.3).length() < 0.5;
+            [p.x, p.y, p.length_squared(), f32::from(u8::from(is_in_disk))].map(f64::from)
+        };
+        let means: Vec<[f64; 4]> = (0..SHIFTS)
+            .map(|shift| {
+                let points = (0..count).map(|i| functions(point_on_mesh(&mesh.0, &mesh.1, u(shift, i)).0));
+                points.fold([0.0; 4], |s, f| [0, 1, 2, 3].map(|k| s[k] + f[k] / f64::from(count)))
+            })
+            .collect();
+        // The polygons are nearly the unit disk.
+        let expected = [0.0, 0.0, 0.5, 0.25];
+        [0, 1, 2, 3].map(|k| {
+            (means.iter().map(|m| (m[k] - expected[k]).powi(2)).sum::<f64>() / f64::from(SHIFTS)).sqrt()
+        })
+    }
+
+    #[test]
+    fn points_in_equal_steps_and_of_sobols_sequence_are_never_worse_spread_than_random_ones() {
+        for (sides, count) in [(64, 16), (64, 64), (64, 4), (48, 16), (32, 16), (1000, 16)] {
+            let mesh = regular(sides);
+            let key = |shift: u32| Key::of_pixel(9, shift).with(sides);
+            let random = errors(&mesh, count, |shift, i| key(shift).with(i).pair());
+            let steps = errors(&mesh, count, |shift, i| lattice(i, count, key(shift).pair()));
+            let sobol = errors(&mesh, count, |shift, i| Sequence::of_key(key(shift)).pair(i, 3));
+            for k in 0..4 {
+                // Twice the standard error of both.
+                let most = random[k] * 1.07;
+                assert!(steps[k] <= most, "{sides} sides, {count}: {steps:.4?}, random {random:.4?}");
+                assert!(sobol[k] <= most, "{sides} sides, {count}: {sobol:.4?}, random {random:.4?}");
+            }
+        }
+    }
+
+    /// Pearson's chi-square of points counted in the four quarters of each triangle, by area.
+    #[test]
+    fn points_are_uniform_by_area() {
+        let unequal: Vec<f32> = (0..=20u8).map(|i| (f32::from(i) / 20.0).powi(2) * PI).collect();
+        for mesh in [regular(64), polygon(&unequal)] {
+            const COUNT: u32 = 1 << 16;
+            let mut counts = vec![[0u32; 4]; mesh.0.len()];
+            for i in 0..COUNT {
+                let (point, chosen) = point_on_mesh(&mesh.0, &mesh.1, Key::of_pixel(3, i).pair());
+                let [a, b, c] = mesh.0[chosen];
+                let whole = (b - a).cross(c - a).z;
+                let weights = [(c - b).cross(point - b), (a - c).cross(point - c), (b - a).cross(point - a)];
+                let quarter = weights.iter().position(|w| w.z > 0.5 * whole).unwrap_or(3);
+                counts[chosen][quarter] += 1;
+            }
+            let mut chi_square = 0.0;
+            for (triangle, counts) in counts.iter().enumerate() {
+                let below = if triangle == 0 { 0.0 } else { mesh.1[triangle - 1] };
+                let expected = f64::from((mesh.1[triangle] - below) * COUNT as f32 / 4.0);
+                chi_square += counts.iter().map(|&n| (f64::from(n) - expected).powi(2) / expected).sum::<f64>();
+            }
+            // Mean and four standard deviations of the chi-square distribution.
+            let freedom = (4 * mesh.0.len() - 1) as f64;
+            assert!(chi_square < freedom + 4.0 * (2.0 * freedom).sqrt(), "{chi_square} for {freedom}");
+        }
+    }
 }
