@@ -163,7 +163,8 @@ mod tests {
             for (triangle, counts) in counts.iter().enumerate() {
                 let below = if triangle == 0 { 0.0 } else { mesh.1[triangle - 1] };
                 let expected = f64::from((mesh.1[triangle] - below) * COUNT as f32 / 4.0);
-                chi_square += counts.iter().map(|&n| (f64::from(n) - expected).powi(2) / expected).sum::<f64>();
+                chi_square +=
+                    counts.iter().map(|&n| (f64::from(n) - expected).powi(2) / expected).sum::<f64>();
             }
             // Mean and four standard deviations of the chi-square distribution.
             let freedom = (4 * mesh.0.len() - 1) as f64;
