@@ -5,16 +5,12 @@
 //! on a pixel's surface is decided in disparity, which is linear in picture coordinates over a
 //! plane.
 
-use super::policy::{
-    DEPTH_ROUNDING, EDGE_GAP, MAX_MAGNIFICATION, MAX_SMOOTH_SPREAD, MIN_WEIGHT, PLANE_TOLERANCE,
-};
-use super::{
-    point::LookupReference,
-    tile::{TileLight, TilePoints},
-};
+use super::policy::{DEPTH_ROUNDING, MAX_MAGNIFICATION, MIN_WEIGHT, PLANE_TOLERANCE};
+use super::tile::{TileLight, TilePoints};
+use super::{point::LookupReference, rows::load, sums::Gathered, taps::Taps};
 use crate::camera::{NEAREST_DEPTH, PixelWarp};
 use crate::reference::light::UNLIT;
-use crate::trace::{TILE_RAYS, TILE_SIDE};
+use crate::trace::TILE_SIDE;
 use fearless_simd::{Simd, SimdBase, SimdMask, f32x8, mask32x8, prelude::*, u32x8};
 use glam::Vec3;
 
@@ -155,21 +151,22 @@ impl ReferenceProjection<'_> {
         let expected = [p00, p00 + px, p00 + py, p00 + px + py];
         let (ux, uy) = (one - wx, one - wy);
         let weights = [ux * uy, wx * uy, ux * wy, wx * wy];
-        let taps = Taps::load(r, x0.to_array(), y0.to_array(), triangle);
-        let has_smooth = !r.smooth.is_empty();
+        let taps = Taps::load(simd, r, x0, y0);
         let mut g = Gathered::nothing(simd, f.valid);
+        let mut agree = [f.valid; 4];
         for k in 0..4 {
             // Accept samples whose disparity and normal agree with the plane.
-            let off = (f32x8::load_array_ref(simd, &taps.disparity[k]) - expected[k]).abs();
-            let alike = mask32x8::from_bitmask(simd, taps.alike[k]);
-            let agrees = f.valid & alike & off.simd_le(f.tolerance * expected[k]);
-            let word = u32x8::load_array_ref(simd, &taps.light[k]);
-            let light = unpack(simd, word, r.scale.exponent_offset);
-            let weight = agrees.select(weights[k], zero);
-            g.take(k, agrees, light, weight, simd);
-            if has_smooth {
-                let word = u32x8::load_array_ref(simd, &taps.smooth[k]);
-                g.take_smooth(agrees, unpack(simd, word, r.smooth_scale.exponent_offset), weight, simd);
+            let off = (taps.disparity[k] - expected[k]).abs();
+            let on_plane = f.valid & off.simd_le(f.tolerance * expected[k]);
+            agree[k] = taps.alike(simd, k, r, triangle, on_plane);
+            let light = unpack(simd, taps.light[k], r.scale.exponent_offset);
+            g.take(k, agree[k], light, agree[k].select(weights[k], zero), simd);
+        }
+        if !r.smooth.is_empty() {
+            let smooth = taps.smooth(simd, r);
+            for k in 0..4 {
+                let light = unpack(simd, smooth[k], r.smooth_scale.exponent_offset);
+                g.take_smooth(agree[k], light, agree[k].select(weights[k], zero), simd);
             }
         }
         g
@@ -192,140 +189,6 @@ struct Footprint<S: Simd> {
     tolerance: f32x8<S>,
 }
 
-/// Sums over the samples around eight pixels.
-struct Gathered<S: Simd> {
-    sum: [f32x8<S>; 3],
-    smooth: [f32x8<S>; 3],
-    /// Least and most brightness of the samples' smooth light.
-    smooth_range: [f32x8<S>; 2],
-    total: f32x8<S>,
-    least: f32x8<S>,
-    most: f32x8<S>,
-    brightness: [(mask32x8<S>, f32x8<S>); 4],
-}
-
-impl<S: Simd> Gathered<S> {
-    #[inline(always)]
-    fn nothing(simd: S, valid: mask32x8<S>) -> Self {
-        let zero = f32x8::splat(simd, 0.0);
-        let least = f32x8::splat(simd, f32::INFINITY);
-        Self {
-            sum: [zero; 3],
-            smooth: [zero; 3],
-            smooth_range: [least, zero],
-            total: zero,
-            least,
-            most: zero,
-            brightness: [(valid, zero); 4],
-        }
-    }
-
-    #[inline(always)]
-    fn take(&mut self, k: usize, agrees: mask32x8<S>, light: [f32x8<S>; 3], weight: f32x8<S>, simd: S) {
-        let zero = f32x8::splat(simd, 0.0);
-        for (sum, light) in self.sum.iter_mut().zip(light) {
-            *sum += agrees.select(light, zero) * weight;
-        }
-        self.total += weight;
-        let brightest = light[0].max(light[1]).max(light[2]);
-        self.least = agrees.select(self.least.min(brightest), self.least);
-        self.most = agrees.select(self.most.max(brightest), self.most);
-        self.brightness[k] = (agrees, brightest);
-    }
-
-    #[inline(always)]
-    fn take_smooth(&mut self, agrees: mask32x8<S>, light: [f32x8<S>; 3], weight: f32x8<S>, simd: S) {
-        let zero = f32x8::splat(simd, 0.0);
-        for (sum, light) in self.smooth.iter_mut().zip(light) {
-            *sum += agrees.select(light, zero) * weight;
-        }
-        let brightest = light[0].max(light[1]).max(light[2]);
-        let [least, most] = self.smooth_range;
-        self.smooth_range =
-            [agrees.select(least.min(brightest), least), agrees.select(most.max(brightest), most)];
-    }
-
-    /// Adds the sums to a tile's light, weighted so that interpolated light outweighs extrapolated
-    /// light, and fine references outweigh coarse ones.
-    #[inline(always)]
-    fn add_to(
-        &self,
-        simd: S,
-        (slot, reference): (u8, &LookupReference<'_>),
-        at: usize,
-        density: f32x8<S>,
-        found: &mut TileLight,
-    ) {
-        let (zero, one) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
-        // Weight by coverage and density, squared.
-        let total = self.total;
-        let [least, most] = self.smooth_range;
-        let is_smooth = (most - least).simd_le(most * MAX_SMOOTH_SPREAD);
-        let enough = total.simd_ge(f32x8::splat(simd, MIN_WEIGHT)) & is_smooth;
-        let fine = density.min(one);
-        let scale = enough.select(fine * fine * total * total * reference.quality, zero);
-        for c in 0..3 {
-            store(load(simd, &found.light[c], at) + self.sum[c] * scale, &mut found.light[c], at);
-        }
-        if !reference.smooth.is_empty() {
-            for c in 0..3 {
-                let smooth = load(simd, &found.smooth[c], at) + self.smooth[c] * scale;
-                store(smooth, &mut found.smooth[c], at);
-            }
-        }
-        let weight = scale * total;
-        store(load(simd, &found.weight, at) + weight, &mut found.weight, at);
-        // Keep the largest coverage and the smallest loss of any reference.
-        let coverage = load(simd, &found.coverage, at);
-        store(enough.select(total.max(coverage), coverage), &mut found.coverage, at);
-        // Differences of direct light are judged as a share of all light.
-        let smallest = f32x8::splat(simd, f32::MIN_POSITIVE);
-        let smooth = self.smooth[0].max(self.smooth[1]).max(self.smooth[2]) / total.max(smallest);
-        let range = self.most - self.least;
-        let spread = range / (self.most + smooth).max(smallest);
-        let smoothed = load(simd, &found.smoothed, at);
-        let loss = smoothed.min(spread * (one - fine));
-        store(enough.select(loss, smoothed), &mut found.smoothed, at);
-        // Remember the reference with the largest weight.
-        let best = load(simd, &found.best_weight, at);
-        let better = weight.simd_gt(best);
-        store(better.select(weight, best), &mut found.best_weight, at);
-        // Detect the edge of a shadow between the samples.
-        let is_wide = range.simd_gt(self.most * reference.wide);
-        let jump = (self.has_gap() | is_wide).select(spread, zero);
-        store(load(simd, &found.jump, at).max(enough.select(jump, zero)), &mut found.jump, at);
-        let mut bits = better.to_bitmask();
-        while bits != 0 {
-            found.slot[at + bits.trailing_zeros() as usize] = slot;
-            bits &= bits - 1;
-        }
-    }
-
-    /// True where the samples fall into two groups, as on both sides of a shadow's edge.
-    #[inline(always)]
-    fn has_gap(&self) -> mask32x8<S> {
-        let [a, b, c, d] = &self.brightness;
-        let most = self.most;
-        largest_gap([
-            a.0.select(a.1, most),
-            b.0.select(b.1, most),
-            c.0.select(c.1, most),
-            d.0.select(d.1, most),
-        ])
-        .simd_ge((self.most - self.least) * EDGE_GAP)
-    }
-}
-
-#[inline(always)]
-fn load<S: Simd>(simd: S, from: &[f32; TILE_RAYS], at: usize) -> f32x8<S> {
-    f32x8::from_slice(simd, &from[at..at + TILE_SIDE])
-}
-
-#[inline(always)]
-fn store<S: Simd>(value: f32x8<S>, to: &mut [f32; TILE_RAYS], at: usize) {
-    value.store_slice(&mut to[at..at + TILE_SIDE]);
-}
-
 #[inline(always)]
 fn along<S: Simd>(normal: &[f32x8<S>; 3], v: Vec3) -> f32x8<S> {
     normal[0] * v.x + normal[1] * v.y + normal[2] * v.z
@@ -338,51 +201,6 @@ fn corners<S: Simd>(simd: S, at: f32x8<S>, size: f32) -> [f32x8<S>; 2] {
     let at = (at - f32x8::splat(simd, 0.5)).max(f32x8::splat(simd, 0.0)).min(f32x8::splat(simd, size - 1.0));
     let first = at.floor().min(f32x8::splat(simd, size - 2.0));
     [first, at - first]
-}
-
-/// The largest step from one of four values to the next larger.
-#[inline(always)]
-fn largest_gap<S: Simd>([a, b, c, d]: [f32x8<S>; 4]) -> f32x8<S> {
-    let (low, high) = ((a.min(b), c.min(d)), (a.max(b), c.max(d)));
-    let (first, last) = (low.0.min(low.1), high.0.max(high.1));
-    let (x, y) = (low.0.max(low.1), high.0.min(high.1));
-    let (second, third) = (x.min(y), x.max(y));
-    (second - first).max(third - second).max(last - third)
-}
-
-/// The four samples of a reference around each of eight points, read from memory into lanes: first
-/// by sample, in the order left and right of the upper row, then of the lower, then by point.
-struct Taps {
-    /// 1 / depth of the samples along the reference's viewing axis.
-    disparity: [[f32; 8]; 4],
-    /// Packed light of the samples.
-    light: [[u32; 8]; 4],
-    /// Packed smooth light of the samples, where the reference holds any.
-    smooth: [[u32; 8]; 4],
-    /// One bit per lane whose sample is lit and has nearly the normal of the point.
-    alike: [u64; 4],
-}
-
-impl Taps {
-    #[inline(always)]
-    fn load(r: &LookupReference<'_>, x0: [f32; 8], y0: [f32; 8], triangle: &[u32]) -> Self {
-        let mut taps =
-            Self { disparity: [[0.0; 8]; 4], light: [[0; 8]; 4], smooth: [[0; 8]; 4], alike: [0; 4] };
-        let width = r.size[0] as usize;
-        for lane in 0..8 {
-            let at = y0[lane] as usize * width + x0[lane] as usize;
-            for (k, at) in [at, at + 1, at + width, at + width + 1].into_iter().enumerate() {
-                taps.disparity[k][lane] = r.disparity[at];
-                taps.light[k][lane] = r.light[at];
-                if let Some(&word) = r.smooth.get(at) {
-                    taps.smooth[k][lane] = word;
-                }
-                let alike = r.light[at] != UNLIT && r.is_alike(at, triangle[lane]);
-                taps.alike[k] |= u64::from(alike) << lane;
-            }
-        }
-        taps
-    }
 }
 
 /// Unpacks eight words as [`crate::raster::rgb9e5::Rgb9e5Scale::unpack`] does one.

@@ -9,7 +9,10 @@
 //! | `band` | `BandLookup` fills eight rows of a frame and lists the pixels that it leaves open |
 //! | `tile` | the surfaces of 8 x 8 pixels, and the light found for them |
 //! | `view` | [`ViewLookup`] chooses the best references for a tile |
+//! | `rows` | a tile's light row by row: means, and rows interpolated between others |
 //! | `gather` | gathers the light of one reference for a row of a tile |
+//! | `taps` | reads the samples around the points of a row |
+//! | `sums` | sums over these samples |
 //! | `sides` | mode `fast`: leaves out light from the other side of a wall |
 //! | `exact` | `PixelResolver` completes the open pixels |
 //! | `point_cache` | light that earlier frames traced at single points |
@@ -22,8 +25,11 @@ mod gather;
 mod point;
 mod point_cache;
 mod policy;
+mod rows;
 mod sides;
 mod sparse;
+mod sums;
+mod taps;
 mod tile;
 mod view;
 

@@ -29,7 +29,7 @@ pub(super) struct LookupReference<'a> {
     pub(super) light: &'a [u32],
     /// Smooth light; empty where the reference holds none.
     pub(super) smooth: &'a [u32],
-    triangle: &'a [u32],
+    pub(super) triangle: &'a [u32],
     normals: &'a [PackedNormal],
     pub(super) scale: Rgb9e5Scale,
     pub(super) smooth_scale: Rgb9e5Scale,

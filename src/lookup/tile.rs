@@ -1,22 +1,12 @@
 //! A tile of eight by eight pixels: the surfaces it shows, and the light found for them.
 
-use super::policy::{
-    MAX_AVERAGED_BEST, MAX_JUMP, MAX_LOSS, MAX_STEP, MIN_COVERAGE, ONE_PLANE, WHOLE_COVERAGE,
-};
+use super::policy::{MAX_AVERAGED_BEST, MAX_JUMP, MAX_LOSS, MIN_COVERAGE, WHOLE_COVERAGE};
 use crate::camera::View;
 use crate::raster::pixel_types::NO_SUPPLIER;
 use crate::scene::{MaterialId, Scene};
 use crate::trace::{Hit, NO_TRIANGLE, RayTile, TILE_RAYS, TILE_SIDE, TileHits, Tracer, primary_tile};
 use arrayvec::ArrayVec;
 use glam::Vec3;
-
-/// The rows that are looked up in a tile that shows one plane; one bit per pixel.
-pub(super) const ROWS_LOOKED_UP: u64 = 0xff00_ff00_00ff_00ff;
-
-/// The other rows, each with the rows above and below that it is interpolated from, and the weight
-/// of the latter.
-const ROWS_BETWEEN: [(usize, usize, usize, f32); 4] =
-    [(1, 0, 2, 0.5), (3, 2, 5, 1.0 / 3.0), (4, 2, 5, 2.0 / 3.0), (6, 5, 7, 0.5)];
 
 /// The surface points of a tile's pixels.
 #[derive(Clone, Debug)]
@@ -45,16 +35,6 @@ impl TilePoints {
         height: [0.0; TILE_RAYS],
         wanted: 0,
     };
-
-    /// True where all pixels show the same plane, of however many triangles.
-    pub(super) fn is_one_plane(&self) -> bool {
-        let (normal, height) = (self.normal_at(0), self.height[0]);
-        let near = |values: &[f32; TILE_RAYS], value: f32, most: f32| {
-            values.iter().map(|v| (v - value).abs()).fold(0.0, f32::max) <= most
-        };
-        near(&self.height, height, ONE_PLANE * -height)
-            && (0..3).all(|axis| near(&self.normal[axis], normal[axis], ONE_PLANE))
-    }
 
     pub(super) fn normal_at(&self, pixel: usize) -> Vec3 {
         Vec3::new(self.normal[0][pixel], self.normal[1][pixel], self.normal[2][pixel])
@@ -239,16 +219,6 @@ impl TileLight {
         noise: 1.0,
     };
 
-    /// Turns the weighted sums of some pixels, one bit each, into means.
-    pub(super) fn divide_by_weight(&mut self, pixels: u64) {
-        for pixel in (0..TILE_RAYS).filter(|&i| pixels >> i & 1 == 1 && self.weight[i] > 0.0) {
-            let inverse = 1.0 / self.weight[pixel];
-            self.light.iter_mut().for_each(|channel| channel[pixel] *= inverse);
-            self.smooth.iter_mut().for_each(|channel| channel[pixel] *= inverse);
-            self.known |= 1 << pixel;
-        }
-    }
-
     /// Sets the light of a pixel, which is known from then on.
     pub(super) fn set(&mut self, pixel: usize, light: Vec3, smooth: Vec3) {
         (self.light[0][pixel], self.light[1][pixel], self.light[2][pixel]) = light.into();
@@ -260,34 +230,6 @@ impl TileLight {
     pub(super) fn whole(&self) -> u64 {
         let is_whole = |&pixel: &usize| self.coverage[pixel] >= WHOLE_COVERAGE;
         (0..TILE_RAYS).filter(is_whole).fold(0, |pixels, pixel| pixels | 1 << pixel)
-    }
-
-    /// Interpolates the rows between [`ROWS_LOOKED_UP`] where those above and below agree.
-    pub(super) fn interpolate_rows(&mut self) {
-        for (row, above, below, share) in ROWS_BETWEEN {
-            for column in 0..TILE_SIDE {
-                let [at, a, b] = [row, above, below].map(|row| row * TILE_SIDE + column);
-                if !self.agree(a, b) {
-                    continue;
-                }
-                for channel in self.light.iter_mut().chain(&mut self.smooth) {
-                    channel[at] = channel[a] + (channel[b] - channel[a]) * share;
-                }
-                self.coverage[at] = self.coverage[a].min(self.coverage[b]);
-                self.smoothed[at] = self.smoothed[a].max(self.smoothed[b]);
-                self.slot[at] = self.slot[if share < 0.5 { a } else { b }];
-                self.known |= 1 << at;
-            }
-        }
-    }
-
-    /// True where the light of two pixels is known, not a guess, and nearly equal.
-    #[inline(always)]
-    fn agree(&self, a: usize, b: usize) -> bool {
-        let is_good = |pixel: usize| self.known >> pixel & 1 == 1 && !self.is_guess(pixel);
-        let [light, other] = [a, b].map(|pixel| self.at(pixel) + self.smooth_at(pixel));
-        let step = (light - other).abs().max_element();
-        is_good(a) && is_good(b) && step <= MAX_STEP * light.max(other).max_element()
     }
 
     /// True where the light of a known pixel is a guess: extrapolated beyond the samples, or

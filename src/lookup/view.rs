@@ -3,7 +3,8 @@
 
 use super::point::{FoundLight, LookupReference, LookupSet};
 use super::point_cache::SurfaceKey;
-use super::tile::{Choice, ROWS_LOOKED_UP, TileLight, TilePoints};
+use super::rows::ROWS_LOOKED_UP;
+use super::tile::{Choice, TileLight, TilePoints};
 use super::{
     gather::ReferenceProjection,
     policy::{MAX_AVERAGED_BEST, MAX_ROUNDS},
@@ -11,7 +12,7 @@ use super::{
 use crate::camera::{PixelWarp, View};
 use crate::math::simd;
 use crate::reference::directory::{ALIKE_COSINE, MAX_SLOTS, SlotMask};
-use crate::trace::{TILE_RAYS, TILE_SIDE};
+use crate::trace::TILE_SIDE;
 use arrayvec::ArrayVec;
 use fearless_simd::{Simd, dispatch};
 use glam::Vec3;
@@ -43,7 +44,7 @@ impl<'a> ViewLookup<'a> {
     /// Finds the light of the wanted pixels of a tile. Where the tile shows one plane, four rows
     /// are looked up, and the others only where the rows around them differ.
     pub fn gather(&self, points: &TilePoints, found: &mut TileLight) {
-        *found = TileLight { choice: found.choice.take(), noise: self.set.noise, ..TileLight::NONE };
+        found.reset(self.set.noise);
         if self.set.usable == 0 || points.wanted == 0 {
             return;
         }
@@ -172,12 +173,8 @@ impl<'a> ViewLookup<'a> {
                 }
             }
         }
-        for pixel in (0..TILE_RAYS).filter(|pixel| open >> pixel & 1 == 1) {
-            // With one reference per pixel, extrapolated light is taken as it is.
-            let is_enough =
-                found.weight[pixel] > 0.0 && (self.max_averaged == 1 || !found.is_extrapolated(pixel));
-            found.covered |= u64::from(is_enough) << pixel;
-        }
+        // With one reference per pixel, extrapolated light is taken as it is.
+        found.cover(simd, open, self.max_averaged > 1);
     }
 }
 
@@ -197,7 +194,7 @@ mod tests {
     use crate::reference::{ReferenceCache, ReferenceFrame};
     use crate::scene::builtin;
     use crate::trace::parallel::NEVER;
-    use crate::trace::{TraceSettings, Tracer};
+    use crate::trace::{TILE_RAYS, TraceSettings, Tracer};
     use std::sync::Arc;
 
     const SIZE: [u32; 2] = [80, 48];
