@@ -26,6 +26,7 @@ mod settings;
 mod start_view;
 mod surface;
 mod tracer;
+mod visibility;
 
 pub use bounce_limit::{BounceLimit, NotABounceLimit};
 pub use bvh::{BUNDLE_RAYS, Bvh, Hit, NO_TRIANGLE, RayBundle, RayTile, TILE_RAYS, TILE_SIDE, TileHits};
@@ -41,3 +42,4 @@ pub use probe::Probe;
 pub use settings::{RayCounts, TraceSettings};
 pub use surface::{ILL_CONDITIONED, SurfacePoint};
 pub use tracer::{SceneEpoch, Tracer};
+pub use visibility::VisibilityBuffer;

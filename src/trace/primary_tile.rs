@@ -35,7 +35,7 @@ impl Tracer {
     }
 
     /// True for a triangle of glass without a diffuse part.
-    fn is_clear_glass(&self, triangle: u32) -> bool {
+    pub(super) fn is_clear_glass(&self, triangle: u32) -> bool {
         let material = self.scene().material_of(triangle);
         material.is_glass() && material.diffuse == Vec3::ZERO
     }
@@ -45,11 +45,17 @@ impl Tracer {
 pub fn primary_tile(view: &View, [x0, y0]: [u32; 2]) -> RayTile {
     let (x0, y0, side) = (x0 as f32, y0 as f32, TILE_SIDE as f32);
     let corner = |dx: f32, dy: f32| view.direction_of_point(x0 + dx * side, y0 + dy * side);
+    // The arithmetic of `View::direction_of_point`, written so that it is vectorised.
+    let m = view.scene_from_pixel;
     let mut directions = [[0.0; TILE_RAYS]; 3];
-    let [dx, dy, dz] = &mut directions;
-    for (ray, ((dx, dy), dz)) in dx.iter_mut().zip(dy).zip(dz).enumerate() {
-        let (x, y) = ((ray % TILE_SIDE) as f32, (ray / TILE_SIDE) as f32);
-        (*dx, *dy, *dz) = view.direction_of_point(x0 + x + 0.5, y0 + y + 0.5).into();
+    for (axis, of_axis) in directions.iter_mut().enumerate() {
+        for (row, of_row) in of_axis.as_chunks_mut::<TILE_SIDE>().0.iter_mut().enumerate() {
+            let (dx, dz) = (m.x_axis[axis], m.z_axis[axis]);
+            let along_y = m.y_axis[axis] * (y0 + row as f32 + 0.5);
+            for (column, d) in of_row.iter_mut().enumerate() {
+                *d = dx * (x0 + column as f32 + 0.5) + along_y + dz;
+            }
+        }
     }
     RayTile {
         origin: view.eye,

@@ -134,7 +134,7 @@ impl Tracer {
     }
 
     /// Alpha test: true where the surface is not cut out.
-    fn is_covered(&self, hit: &Hit) -> bool {
+    pub(super) fn is_covered(&self, hit: &Hit) -> bool {
         let Some(map) = self.scene.material_of(hit.triangle).alpha_texture else { return true };
         let uv = interpolate_uv(&self.scene, hit.triangle, [hit.b1, hit.b2]);
         self.scene.textures[map.texture.0 as usize].alpha(uv * map.scale + map.offset) >= 0.5

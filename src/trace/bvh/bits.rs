@@ -1,7 +1,7 @@
 //! The set bits of a mask.
 
 /// Iterates over the indices of the set bits, lowest first.
-pub(super) struct Bits(pub(super) u32);
+pub(in crate::trace) struct Bits(pub(in crate::trace) u32);
 
 impl Iterator for Bits {
     type Item = usize;

@@ -20,7 +20,7 @@ use super::cone::{Beam, Cone, Lanes};
 use super::node::{Child, Node};
 use super::packet::{ShearedRay, TrianglePacket};
 use super::ray_bundle::{MIN_RAYS, RayBundle, lane_values};
-use super::rays8::{LANES, SeenTriangle, Shear8};
+use super::rays::{LANES, SeenTriangle, Shear8};
 use super::traverse::{Occluder, STACK, any_in_packet};
 use super::{hit::Hit, slab::FAR_SLACK, tree::Bvh};
 use arrayvec::ArrayVec;
@@ -267,7 +267,7 @@ impl<'a, S: Simd> Walk<'a, S> {
         rays: u32,
         accept: &mut impl FnMut(usize, &Hit) -> bool,
     ) {
-        let seen = SeenTriangle::new(self.simd, corners, self.axis);
+        let seen = SeenTriangle::<f32x8<S>>::new(self.simd, corners, self.axis);
         let zero = f32x8::splat(self.simd, 0.0);
         for half in 0..2 {
             let open = (rays & self.open) >> (half * LANES) & 0xff;
@@ -275,7 +275,7 @@ impl<'a, S: Simd> Walk<'a, S> {
                 continue;
             }
             // Find the open rays that the triangle lies in front of.
-            let Some(hits) = seen.intersect(&self.shear[half]) else { continue };
+            let Some(hits) = seen.intersect(self.simd, &self.shear[half]) else { continue };
             let met = hits.inside & hits.t.simd_gt(zero) & hits.t.simd_lt(self.t_max[half]);
             let mut met = met.to_bitmask() as u32 & open;
             // Ask whether each hit counts.

@@ -2,7 +2,7 @@
 
 use super::node::Node;
 use super::ray_bundle::{RayBundle, lane_values};
-use super::rays8::{LANES, Shear8};
+use super::rays::{LANES, Shear8};
 use super::slab::{FAR_SLACK, TINY};
 use super::vectors::{cross, dot, sub};
 use fearless_simd::{Simd, SimdBase, SimdMask, f32x4, f32x8, mask32x8, prelude::*};

@@ -12,7 +12,7 @@
 //! | `tree`, `node`, `hit` | the data |
 //! | `build`, `cluster`, `fold` | building, in this order |
 //! | `slab`, `packet` | a ray against eight boxes; a ray against four triangles |
-//! | `rays8` | eight rays against a triangle |
+//! | `rays` | several rays against a triangle |
 //! | `traverse` | one ray |
 //! | `tile` | 64 primary rays |
 //! | `ray_bundle`, `cone`, `bundle` | up to 16 shadow rays: the data, their bounds, the traversal |
@@ -27,15 +27,22 @@ mod hit;
 mod node;
 mod packet;
 mod ray_bundle;
-mod rays8;
+mod rays;
 mod slab;
 mod tile;
 mod traverse;
 mod tree;
 mod vectors;
 
+pub(super) use bits::Bits;
 pub use hit::{Hit, NO_TRIANGLE};
+pub(super) use node::{Child, Node};
+pub(super) use packet::{TrianglePacket, intersect_triangle};
 pub use ray_bundle::{BUNDLE_RAYS, MIN_RAYS, RayBundle};
+pub(super) use rays::{RayShear, SeenTriangle};
 pub use tile::{RayTile, TILE_RAYS, TILE_SIDE, TileHits};
 pub use traverse::Occluder;
+pub(super) use slab::safe_component;
+pub(super) use traverse::{FARTHER, STACK, nearest_first};
 pub use tree::Bvh;
+pub(super) use vectors::{cross, dot, sub};

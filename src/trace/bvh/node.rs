@@ -13,10 +13,10 @@ pub(super) const MAX_DEPTH: usize = 80;
 /// Eight children: their boxes are transposed, so that one SIMD step tests them all.
 #[repr(C, align(32))]
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Node {
+pub(in crate::trace) struct Node {
     /// Lower x, upper x, lower y, upper y, lower z, upper z of each child, scene units; the box of
     /// an absent child is inverted.
-    pub(super) bounds: [[f32; WIDTH]; 6],
+    pub(in crate::trace) bounds: [[f32; WIDTH]; 6],
     /// The child of each lane.
     pub(super) children: [Child; WIDTH],
 }
@@ -43,13 +43,13 @@ impl Node {
 
 /// The index of an inner node, or with the top bit set the packet index of a leaf.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Child(pub(super) u32);
+pub(in crate::trace) struct Child(pub(in crate::trace) u32);
 
 impl Child {
     const LEAF: u32 = 1 << 31;
 
     /// The root of an empty hierarchy.
-    pub(super) const NONE: Self = Self(u32::MAX);
+    pub(in crate::trace) const NONE: Self = Self(u32::MAX);
 
     /// The child of an unused lane. No ray meets its box, but a ray of NaN may seem to: then a real
     /// leaf, which such a ray cannot hit, is harmless.
@@ -61,7 +61,7 @@ impl Child {
     }
 
     /// Packet index of a leaf; `None` for an inner node.
-    pub(super) fn packet(self) -> Option<usize> {
+    pub(in crate::trace) fn packet(self) -> Option<usize> {
         (self.0 & Self::LEAF != 0).then_some((self.0 & !Self::LEAF) as usize)
     }
 }

@@ -14,7 +14,7 @@ use glam::Vec3;
 /// Up to four triangles, with their corners transposed.
 #[repr(C, align(32))]
 #[derive(Clone, Copy, Debug)]
-pub(super) struct TrianglePacket {
+pub(in crate::trace) struct TrianglePacket {
     /// `[corner][axis][lane]`, scene space; NaN in unused lanes.
     corners: [[[f32; 4]; 3]; 3],
     /// Triangle index of each lane.
@@ -98,7 +98,7 @@ impl PacketHits {
 
 /// Intersects a ray with one triangle by the arithmetic of the hierarchy, with the same bits.
 #[inline(always)]
-pub(super) fn intersect_triangle(
+pub(in crate::trace) fn intersect_triangle(
     simd: impl Simd,
     ray: &Ray,
     triangle: u32,
@@ -125,12 +125,17 @@ impl TrianglePacket {
     }
 
     /// The corners as `[corner][axis][lane]`; NaN in unused lanes.
-    pub(super) fn corners(&self) -> &[[[f32; 4]; 3]; 3] {
+    pub(in crate::trace) fn corners(&self) -> &[[[f32; 4]; 3]; 3] {
         &self.corners
     }
 
+    /// The corners of the triangle of a lane.
+    pub(in crate::trace) fn triangle_corners(&self, lane: usize) -> [Vec3; 3] {
+        self.corners.map(|corner| Vec3::new(corner[0][lane], corner[1][lane], corner[2][lane]))
+    }
+
     /// Triangle index of a lane.
-    pub(super) fn triangle(&self, lane: usize) -> u32 {
+    pub(in crate::trace) fn triangle(&self, lane: usize) -> u32 {
         self.triangles[lane]
     }
 

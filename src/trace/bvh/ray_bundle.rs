@@ -1,6 +1,6 @@
 //! Rays from one origin, stored by component.
 
-use super::rays8::LANES;
+use super::rays::LANES;
 use crate::math::Ray;
 use fearless_simd::{Simd, SimdBase, f32x8};
 use glam::Vec3;

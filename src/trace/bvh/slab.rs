@@ -17,7 +17,7 @@ pub(super) const TINY: f32 = f32::from_bits((127 - 80) << 23);
 /// Returns a component of a direction whose inverse is finite. A zero would give 0 * inf = NaN for
 /// an origin in the plane; [`TINY`] bends the ray by less than any rounding.
 #[inline(always)]
-pub(super) fn safe_component(d: f32) -> f32 {
+pub(in crate::trace) fn safe_component(d: f32) -> f32 {
     if d.abs() < TINY { TINY.copysign(d) } else { d }
 }
 

@@ -13,7 +13,7 @@ use super::bits::Bits;
 use super::hit::{Hit, NO_TRIANGLE};
 use super::node::{Child, Node};
 use super::packet::{TrianglePacket, largest_axis};
-use super::rays8::{LANES, SeenTriangle, Shear8};
+use super::rays::{LANES, SeenTriangle, Shear8};
 use super::traverse::{STACK, nearest_first};
 use super::tree::Bvh;
 use super::vectors::{cross, dot, sub};
@@ -84,6 +84,13 @@ impl TileHits {
             b1: self.b1[ray],
             b2: self.b2[ray],
         })
+    }
+
+    /// Replaces the hit of one ray.
+    pub(in crate::trace) fn set(&mut self, ray: usize, hit: Option<Hit>) {
+        let Hit { t, triangle, b1, b2 } =
+            hit.unwrap_or(Hit { t: f32::INFINITY, triangle: NO_TRIANGLE, b1: 0.0, b2: 0.0 });
+        (self.t[ray], self.triangle[ray], self.b1[ray], self.b2[ray]) = (t, triangle, b1, b2);
     }
 }
 
@@ -324,7 +331,7 @@ impl<S: Simd> Walk<'_, S> {
         accept: &impl Fn(usize, &Hit) -> bool,
     ) -> bool {
         let simd = self.simd;
-        let seen = SeenTriangle::new(simd, corners, self.axis);
+        let seen = SeenTriangle::<f32x8<S>>::new(simd, corners, self.axis);
         let zero = f32x8::splat(simd, 0.0);
         let mut changed = false;
         for row in 0..TILE_RAYS / LANES {
@@ -332,7 +339,7 @@ impl<S: Simd> Walk<'_, S> {
             let load = |from: &[f32; TILE_RAYS]| f32x8::from_slice(simd, &from[at.clone()]);
             let shear = Shear8 { x: load(&self.shear.x), y: load(&self.shear.y), z: load(&self.shear.z) };
             // Intersect eight rays.
-            let Some(met) = seen.intersect(&shear) else { continue };
+            let Some(met) = seen.intersect(simd, &shear) else { continue };
             // Keep hits nearer than the best; at one distance the lower index wins.
             let t = met.t;
             let best = load(&self.hits.t);

@@ -11,12 +11,12 @@ use fearless_simd::{Simd, dispatch};
 use glam::Vec3;
 
 /// Size of the traversal stack: at every level all children of a node but one, and the root.
-pub(super) const STACK: usize = (WIDTH - 1) * MAX_DEPTH + 1;
+pub(in crate::trace) const STACK: usize = (WIDTH - 1) * MAX_DEPTH + 1;
 
 /// A box is skipped only where it begins beyond the nearest hit by this factor, far more than the
 /// rounding of either distance. Without it the shape of the tree would decide which of two
 /// triangles at one distance is found.
-pub(super) const FARTHER: f32 = 1.0 + 1e-5;
+pub(in crate::trace) const FARTHER: f32 = 1.0 + 1e-5;
 
 /// The packet of triangles that blocked the last of several similar rays.
 #[derive(Clone, Copy, Debug, Default)]
@@ -185,7 +185,7 @@ fn closest_in_packet(
 
 /// Returns the child that is entered first and pushes the others, the nearest on top.
 #[inline(always)]
-pub(super) fn nearest_first(
+pub(in crate::trace) fn nearest_first(
     node: &Node,
     mask: u32,
     enter: [f32; WIDTH],

@@ -7,11 +7,11 @@ use fearless_simd::Level;
 /// The hierarchy over the triangles of one scene.
 #[derive(Debug)]
 pub struct Bvh {
-    pub(super) nodes: Vec<Node>,
-    pub(super) packets: Vec<TrianglePacket>,
-    pub(super) root: Child,
+    pub(in crate::trace) nodes: Vec<Node>,
+    pub(in crate::trace) packets: Vec<TrianglePacket>,
+    pub(in crate::trace) root: Child,
     /// The SIMD instructions of this processor.
-    pub(super) level: Level,
+    pub(in crate::trace) level: Level,
 }
 
 impl Bvh {
@@ -20,6 +20,12 @@ impl Bvh {
     #[must_use]
     pub fn with_baseline_simd(self) -> Self {
         Self { level: Level::baseline(), ..self }
+    }
+
+    /// The triangle in a slot: four times the index of its packet, plus its lane.
+    #[inline(always)]
+    pub(in crate::trace) fn triangle_in_slot(&self, slot: u32) -> (&TrianglePacket, usize) {
+        (&self.packets[slot as usize / 4], slot as usize % 4)
     }
 
     /// Memory held, bytes.

@@ -1,63 +1,75 @@
-//! Intersects eight rays of one origin and one largest axis with one triangle.
+//! Intersects several rays of one origin and one largest axis with one triangle.
 //!
 //! The arithmetic is that of [`super::packet`] with rays and triangles exchanged, so the bits are
-//! the same.
+//! the same. `V` is a vector of as many numbers as there are rays.
 
-use fearless_simd::{Simd, SimdBase, SimdMask, f32x8, mask32x8};
+use fearless_simd::{Simd, SimdFloat, SimdMask, f32x8};
 
-/// Number of rays tested at once.
+/// Number of rays of a tile or a bundle that are tested at once.
 pub(super) const LANES: usize = 8;
 
-/// A triangle relative to the origin of eight rays, with the axes permuted so that the largest axis
-/// of the directions comes last.
+/// The shear of as many rays.
+pub(super) type Shear8<S> = RayShear<f32x8<S>>;
+
+/// A triangle relative to the origin of several rays, with the axes permuted so that the largest
+/// axis of the directions comes last.
 #[derive(Clone, Copy)]
-pub(super) struct SeenTriangle<S: Simd> {
-    corners: [[f32x8<S>; 3]; 3],
+pub(in crate::trace) struct SeenTriangle<V> {
+    corners: [[V; 3]; 3],
 }
 
-/// The shear of eight rays (Woop).
+/// The shear of several rays (Woop).
 #[derive(Clone, Copy)]
-pub(super) struct Shear8<S: Simd> {
+pub(in crate::trace) struct RayShear<V> {
     /// Shear of the first permuted axis.
-    pub(super) x: f32x8<S>,
+    pub(in crate::trace) x: V,
     /// Shear of the second permuted axis.
-    pub(super) y: f32x8<S>,
+    pub(in crate::trace) y: V,
     /// One over the component along the largest axis.
-    pub(super) z: f32x8<S>,
+    pub(in crate::trace) z: V,
 }
 
-/// The hits of eight rays with a triangle.
-pub(super) struct Hits8<S: Simd> {
+/// The hits of several rays with a triangle.
+pub(in crate::trace) struct RayHits<V, M> {
     /// Rays whose line passes through the triangle, in front of or behind their origin.
-    pub(super) inside: mask32x8<S>,
+    pub(in crate::trace) inside: M,
     /// Distance, in units of the direction.
-    pub(super) t: f32x8<S>,
-    v: f32x8<S>,
-    w: f32x8<S>,
-    inverse: f32x8<S>,
+    pub(in crate::trace) t: V,
+    /// Barycentric weights of the second and the third corner, times `1 / inverse`.
+    weights: [V; 2],
+    inverse: V,
 }
 
-impl<S: Simd> Hits8<S> {
+impl<V: Copy + std::ops::Mul<Output = V>, M> RayHits<V, M> {
     /// Barycentric weights of the second and the third corner.
     #[inline(always)]
-    pub(super) fn barycentrics(&self) -> [f32x8<S>; 2] {
-        [self.v * self.inverse, self.w * self.inverse]
+    pub(in crate::trace) fn barycentrics(&self) -> [V; 2] {
+        [self.weights[0] * self.inverse, self.weights[1] * self.inverse]
     }
 }
 
-impl<S: Simd> SeenTriangle<S> {
+impl<V> SeenTriangle<V> {
     /// A triangle given by its corners relative to the origin, in the scene's order of axes.
     #[inline(always)]
-    pub(super) fn new(simd: S, corners: [[f32; 3]; 3], axis: usize) -> Self {
+    pub(in crate::trace) fn new<S: Simd>(simd: S, corners: [[f32; 3]; 3], axis: usize) -> Self
+    where
+        V: SimdFloat<S, Element = f32>,
+    {
         let [a, b, c] = corners;
         Self { corners: [permuted(simd, a, axis), permuted(simd, b, axis), permuted(simd, c, axis)] }
     }
 
-    /// Intersects eight rays with the triangle; `None` where no line passes through it.
+    /// Intersects the rays with the triangle; `None` where no line passes through it.
     #[inline(always)]
-    pub(super) fn intersect(&self, shear: &Shear8<S>) -> Option<Hits8<S>> {
-        let simd = shear.x.simd;
-        let zero = f32x8::splat(simd, 0.0);
+    pub(in crate::trace) fn intersect<S: Simd>(
+        &self,
+        simd: S,
+        shear: &RayShear<V>,
+    ) -> Option<RayHits<V, V::Mask>>
+    where
+        V: SimdFloat<S, Element = f32>,
+    {
+        let zero = V::splat(simd, 0.0);
         // Compute the edge functions in the sheared space.
         let [a, b, c] = &self.corners;
         let (sx, sy) = (shear.x, shear.y);
@@ -82,26 +94,25 @@ impl<S: Simd> SeenTriangle<S> {
         if !inside.any_true() {
             return None;
         }
-        let inverse = f32x8::splat(simd, 1.0) / det;
+        let inverse = V::splat(simd, 1.0) / det;
         let t = (u * a[2] + v * b[2] + w * c[2]) * shear.z * inverse;
-        Some(Hits8 { inside, t, v, w, inverse })
+        Some(RayHits { inside, t, weights: [v, w], inverse })
     }
 }
 
 /// A point in the permuted axes, in all lanes. Not a closure: one that returns vectors would not be
 /// compiled for the SIMD level that is dispatched to.
 #[inline(always)]
-fn permuted<S: Simd>(simd: S, p: [f32; 3], axis: usize) -> [f32x8<S>; 3] {
+fn permuted<S: Simd, V: SimdFloat<S, Element = f32>>(simd: S, p: [f32; 3], axis: usize) -> [V; 3] {
     let (x, y, z) = (p[(axis + 1) % 3], p[(axis + 2) % 3], p[axis]);
-    [f32x8::splat(simd, x), f32x8::splat(simd, y), f32x8::splat(simd, z)]
+    [V::splat(simd, x), V::splat(simd, y), V::splat(simd, z)]
 }
 
 /// Computes `a * b - c * d` in f64 in lanes whose f32 result is zero, as for single rays.
 #[cold]
-fn decide_in_f64<S: Simd>(rounded: f32x8<S>, factors: [f32x8<S>; 4]) -> f32x8<S> {
-    let [a, b, c, d] = factors.map(f32x8::to_array);
+fn decide_in_f64<S: Simd, V: SimdFloat<S, Element = f32>>(rounded: V, [a, b, c, d]: [V; 4]) -> V {
     let mut decided = rounded;
-    for i in (0..LANES).filter(|&i| rounded[i] == 0.0) {
+    for i in (0..rounded.as_slice().len()).filter(|&i| rounded[i] == 0.0) {
         decided[i] = (f64::from(a[i]) * f64::from(b[i]) - f64::from(c[i]) * f64::from(d[i])) as f32;
     }
     decided
