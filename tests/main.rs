@@ -35,5 +35,6 @@ mod still_view;
 mod tiles;
 mod tour;
 mod tracing;
+mod visibility;
 mod walks;
 mod warp;

@@ -191,6 +191,7 @@ fn throughput_times_every_stage_and_dumps_its_rays() {
     let settings = ThroughputSettings { camera: room_camera(), size: [64, 48], trace };
     let (t, rays) = measure_throughput(&tracer, &settings, &|| false, |_| ()).unwrap();
     assert!(t.primary_mrays_per_sec > 0.0 && t.warp.warp_ns_per_reference_pixel > 0.0 && t.build_secs > 0.0);
+    assert!(t.visibility.visibility_ns_per_pixel_one_core > 0.0);
     assert!(t.warp.warp_ns_per_reference_pixel_one_core > 0.0 && t.warp.warp_over_memory_floor > 0.0);
     assert_eq!((rays.any.len(), rays.closest.len()), (t.shadow_rays, t.primary_rays + t.diffuse_rays));
     let bytes = rays.to_bytes(&tracer);

@@ -1,14 +1,14 @@
 //! Fills a band of eight rows of a frame: every pixel shows the surface that its primary ray meets,
 //! in light looked up in the references.
 //!
-//! Hits are found for tiles of pixels together, which costs a fifth of a single ray each, so
+//! The hits of the whole picture are found together, which costs a small part of a ray for each, so
 //! nothing about visibility is guessed; the references save the shading. Where the look-up is a
 //! guess, mode `exact` traces a few rays to check it, and mode `fast` shows it as it is.
 
 use super::{LookupQuality, LookupSet, TileLight, TileSurfaces, ViewLookup, pixels_of_tile};
 use crate::camera::View;
 use crate::raster::pixel_types::{NO_SUPPLIER, PixelType};
-use crate::trace::{NO_TRIANGLE, TILE_SIDE, Tracer};
+use crate::trace::{NO_TRIANGLE, TILE_SIDE, Tracer, VisibilityBuffer};
 use glam::Vec3;
 
 /// Some rows of a frame, to be written. Row-major.
@@ -51,6 +51,7 @@ impl OpenPixels {
 pub(crate) struct BandLookup<'a> {
     tracer: &'a Tracer,
     view: &'a View,
+    visible: &'a VisibilityBuffer,
     lookup: ViewLookup<'a>,
     checks_guesses: bool,
     leaves_out_hidden: bool,
@@ -60,13 +61,14 @@ impl<'a> BandLookup<'a> {
     pub(crate) fn new(
         tracer: &'a Tracer,
         view: &'a View,
+        visible: &'a VisibilityBuffer,
         set: &'a LookupSet<'a>,
         quality: LookupQuality,
     ) -> Self {
         let lookup = ViewLookup::new(set, view, quality.max_averaged);
         // A check finds direct light of the other side of an edge, and with it smooth light.
         let leaves_out_hidden = !quality.checks_guesses && set.holds_smooth();
-        Self { tracer, view, lookup, checks_guesses: quality.checks_guesses, leaves_out_hidden }
+        Self { tracer, view, visible, lookup, checks_guesses: quality.checks_guesses, leaves_out_hidden }
     }
 
     /// Fills the band that begins at row `y0`, and lists the pixels that it leaves open. `certain`
@@ -76,7 +78,7 @@ impl<'a> BandLookup<'a> {
         let first = y0 as usize * self.view.size[0] as usize;
         let (mut surfaces, mut light) = (TileSurfaces::new(self.view), TileLight::NONE);
         for x0 in (0..self.view.size[0]).step_by(TILE_SIDE) {
-            surfaces.trace(self.tracer, self.view, [x0, y0]);
+            surfaces.settle(self.tracer, self.visible, self.view, [x0, y0]);
             self.lookup.gather(&surfaces.points, &mut light);
             if self.leaves_out_hidden {
                 self.lookup.leave_out_hidden(self.tracer, &surfaces.points, &mut light);

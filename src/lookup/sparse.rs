@@ -8,7 +8,9 @@ use crate::camera::{Camera, View};
 use crate::math::sequence::PointSeed;
 use crate::reference::{ReferenceFrame, SmoothSamples, placement::OpenSpot};
 use crate::trace::parallel::{Stop, trace_missing};
-use crate::trace::{ArrivingLight, NO_TRIANGLE, RayCounts, TILE_RAYS, TILE_SIDE, TraceSettings, Tracer};
+use crate::trace::{
+    ArrivingLight, NO_TRIANGLE, RayCounts, TILE_RAYS, TILE_SIDE, TraceSettings, Tracer, VisibilityBuffer,
+};
 use glam::Vec2;
 use rayon::prelude::*;
 use std::time::Instant;
@@ -195,6 +197,10 @@ fn hit_tiles(tracer: &Tracer, view: &View, known: &LookupSet<'_>) -> Vec<HitTile
     let lookup = ViewLookup::new(known, view, 1);
     let side = TILE_SIDE as u32;
     let [columns, rows] = view.size.map(|s| s.div_ceil(side));
+    // Objects in a glass case are stored for viewers who look through it: leave clear glass out.
+    let mut visible = VisibilityBuffer::default();
+    visible.find(tracer, view, true);
+    let visible = &visible;
     (0..rows)
         .into_par_iter()
         .flat_map_iter(|row| {
@@ -202,7 +208,7 @@ fn hit_tiles(tracer: &Tracer, view: &View, known: &LookupSet<'_>) -> Vec<HitTile
             let lookup = &lookup;
             (0..columns).map(move |column| {
                 let corner = [column * side, row * side];
-                surfaces.trace_behind_glass(tracer, view, corner);
+                surfaces.settle(tracer, visible, view, corner);
                 lookup.gather(&surfaces.points, &mut light);
                 let bad = (0..TILE_RAYS).filter(|&i| light.smoothed[i] > MAX_SMOOTHED);
                 let bad = bad.fold(0u64, |mask, i| mask | 1 << i);

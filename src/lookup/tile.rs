@@ -4,7 +4,9 @@ use super::policy::{MAX_AVERAGED_BEST, MAX_JUMP, MAX_LOSS, MIN_COVERAGE, WHOLE_C
 use crate::camera::View;
 use crate::raster::pixel_types::NO_SUPPLIER;
 use crate::scene::{MaterialId, Scene};
-use crate::trace::{Hit, NO_TRIANGLE, RayTile, TILE_RAYS, TILE_SIDE, TileHits, Tracer, primary_tile};
+use crate::trace::{
+    Hit, NO_TRIANGLE, RayTile, TILE_RAYS, TILE_SIDE, TileHits, Tracer, VisibilityBuffer, primary_tile,
+};
 use arrayvec::ArrayVec;
 use glam::Vec3;
 
@@ -73,15 +75,15 @@ impl TileSurfaces {
         }
     }
 
-    /// Finds the surfaces of the tile whose top left pixel is `corner`. Pixels outside the picture
-    /// want no light.
-    pub fn trace(&mut self, tracer: &Tracer, view: &View, corner: [u32; 2]) {
-        tracer.closest_in_tile(view, corner, &mut self.rays, &mut self.hits);
+    /// Finds the surfaces of the tile whose top left pixel is `corner`, of a picture whose
+    /// visibility is known. Pixels outside the picture want no light.
+    pub fn settle(&mut self, tracer: &Tracer, visible: &VisibilityBuffer, view: &View, corner: [u32; 2]) {
+        visible.hits_of_tile(tracer, view, corner, &mut self.rays, &mut self.hits);
         self.describe(tracer, view, corner);
     }
 
-    /// Finds the surfaces as if clear glass were absent. A sparse reference stores these, so that
-    /// objects in a glass case are known to viewers who look through it.
+    /// Traces the surfaces of one tile as if clear glass were absent, for an estimate that needs
+    /// few tiles.
     pub fn trace_behind_glass(&mut self, tracer: &Tracer, view: &View, corner: [u32; 2]) {
         tracer.closest_behind_glass_in_tile(view, corner, &mut self.rays, &mut self.hits);
         self.describe(tracer, view, corner);

@@ -194,7 +194,7 @@ mod tests {
     use crate::reference::{ReferenceCache, ReferenceFrame};
     use crate::scene::builtin;
     use crate::trace::parallel::NEVER;
-    use crate::trace::{TILE_RAYS, TraceSettings, Tracer};
+    use crate::trace::{TILE_RAYS, TraceSettings, Tracer, VisibilityBuffer};
     use std::sync::Arc;
 
     const SIZE: [u32; 2] = [80, 48];
@@ -212,10 +212,12 @@ mod tests {
         let lookup = ViewLookup::new(&set, &view, 1);
         let reference = set.references.iter().flatten().next().unwrap();
         let mut surfaces = TileSurfaces::new(&view);
+        let mut visible = VisibilityBuffer::default();
+        visible.find(&tracer, &view, false);
         let [mut found_alone, mut found_in_rows, mut differ] = [0; 3];
         for corner in (0..SIZE[1]).step_by(8).flat_map(|y| (0..SIZE[0]).step_by(8).map(move |x| [x, y])) {
             let mut found = TileLight::NONE;
-            surfaces.trace(&tracer, &view, corner);
+            surfaces.settle(&tracer, &visible, &view, corner);
             let points = &surfaces.points;
             lookup.gather_pixels(points, points.wanted, &mut found);
             for pixel in (0..TILE_RAYS).filter(|pixel| points.wanted >> pixel & 1 == 1) {

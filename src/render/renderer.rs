@@ -20,7 +20,7 @@ use crate::lookup::{
 };
 use crate::raster::pixel_types::{NO_SUPPLIER, PixelType, TypeCounts};
 use crate::reference::ReferenceFrame;
-use crate::trace::{NO_TRIANGLE, PixelTrace, TILE_SIDE, Tracer, parallel::tile_order};
+use crate::trace::{NO_TRIANGLE, PixelTrace, TILE_SIDE, Tracer, VisibilityBuffer, parallel::tile_order};
 use crate::warp::WarpBuffer;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -53,6 +53,8 @@ pub struct Renderer {
     /// Points traced in this frame, for the next one.
     fresh_points: Vec<TracedPoint>,
     warped: WarpBuffer,
+    /// What every pixel shows, in mode `full` and in modes that look up.
+    visible: VisibilityBuffer,
     /// The pixels of a picture of `order_size`, tile by tile.
     order: Vec<u32>,
     order_size: [u32; 2],
@@ -71,7 +73,7 @@ impl Renderer {
         + Placeholders::BYTES_PER_PIXEL + size_of::<Vec3>() // own
         + (MAX_POINTS_PER_PIXEL + 1) * size_of::<TracedPoint>() // fresh points
         + size_of::<u64>() // warped
-        + 7 * size_of::<u32>() // order; secondary, unseen, uncertain, in the lists and in the bands
+        + 8 * size_of::<u32>() // visible; order; secondary, unseen, uncertain, in the lists and in the bands
         + 2 * size_of::<Vec3>() + size_of::<f32>() + size_of::<u32>() + 2; // the frame
 
     /// The last frame.
@@ -135,7 +137,8 @@ impl Renderer {
         self.looks_up = true;
         self.frame.stats.references_used = lookup.len();
         let view = self.frame.view;
-        let band_lookup = BandLookup::new(tracer, &view, lookup, quality);
+        self.visible.find(tracer, &view, false);
+        let band_lookup = BandLookup::new(tracer, &view, &self.visible, lookup, quality);
         self.open.resize_with((view.size[1] as usize).div_ceil(TILE_SIDE), OpenPixels::default);
         self.certain.resize(view.pixel_count(), Vec3::ZERO);
         let certain = self.certain.par_chunks_mut((view.size[0] as usize * TILE_SIDE).max(1));
@@ -161,6 +164,7 @@ impl Renderer {
         self.frame.stats.references_used = references.len();
         self.frame.stats.warped_pixels = references.iter().map(|r| r.view.pixel_count()).sum();
         if references.is_empty() {
+            self.visible.find(tracer, &self.frame.view, false);
             self.frame.types.fill(PixelType::Unseen);
             self.frame.supplier.fill(NO_SUPPLIER);
         } else {
@@ -227,10 +231,15 @@ impl Renderer {
     fn trace_unseen(&mut self, request: &FrameRequest<'_>, source: &Source<'_>, part: usize) {
         let start = Instant::now();
         let FrameRequest { tracer, settings, stop, .. } = *request;
-        let frame = &self.frame;
+        let (frame, visible) = (&self.frame, &self.visible);
+        let shows_all = source.warped().is_empty();
         let resolver = source.resolver(request, &frame.view, &self.points);
         let traced = self.unseen.run(part, stop, |pixel, tally: &mut Tally| match &resolver {
             Some(resolver) => resolver.shade_unseen(pixel, frame.triangle[pixel as usize], tally),
+            None if shows_all => {
+                let hit = visible.hit_of_pixel(tracer, &frame.view, pixel);
+                tracer.pixel_of_hit((&frame.view, pixel), hit, &settings.trace, &mut tally.rays)
+            }
             None => tracer.pixel(&frame.view, pixel, &settings.trace, &mut tally.rays),
         });
         for (pixel, traced) in self.unseen.done() {

@@ -7,6 +7,7 @@
 //! | `lights` | sampling of light sources and what passes on the way to them |
 //! | `path` | the radiance of a pixel: diffuse light, bounces, mirrors and glass |
 //! | `settings`, `bounce_limit` | how many rays a pixel takes |
+//! | `visibility` | the first hits of a whole picture by rasterised candidates |
 //! | `primary_tile`, `probe` | the primary rays of a tile, and rays that measure the model |
 //! | `exposure` | the light in the scene, measured for the automatic exposure |
 //! | `start_view` | the start view of a model that has none of its own |

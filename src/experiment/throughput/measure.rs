@@ -5,6 +5,7 @@ use super::ray_speed::{any_rate, build_secs, bundle_rate, closest_rate, shade_us
 use super::rays::{RayDump, diffuse_rays, first_hits, rays_of, shadow_bundles};
 use super::settings::ThroughputSettings;
 use super::stage_speed::{Floors, StageSpeed, stage_speed};
+use super::visibility_speed::{VisibilitySpeed, visibility_speed};
 use super::warp_speed::{WarpSpeed, warp_speed};
 use crate::camera::View;
 use crate::experiment::run::{CellOutcome, ExperimentContext, RunRecord};
@@ -26,8 +27,11 @@ pub struct Throughput {
     pub triangles: usize,
     pub threads: usize,
     pub primary_mrays_per_sec: f64,
-    /// Primary rays in tiles of 8 x 8 pixels, as the look-up modes trace them.
+    /// Primary rays in tiles of 8 x 8 pixels.
     pub primary_tile_mrays_per_sec: f64,
+    /// First hits by rasterised candidates, as all modes find them.
+    #[serde(flatten)]
+    pub visibility: VisibilitySpeed,
     pub shadow_mrays_per_sec: f64,
     /// Shadow rays in bundles toward one light, as shading traces them.
     pub shadow_bundle_mrays_per_sec: f64,
@@ -83,6 +87,8 @@ pub fn measure_throughput(
     result.primary_mrays_per_sec = closest_rate(bvh, &primary);
     begin("tiles of primary rays")?;
     result.primary_tile_mrays_per_sec = tile_rate(tracer, &view);
+    begin("visibility")?;
+    result.visibility = visibility_speed(tracer, &view);
     begin("shadow rays")?;
     result.shadow_mrays_per_sec = any_rate(bvh, &shadow);
     begin("bundles of shadow rays")?;
@@ -96,6 +102,7 @@ pub fn measure_throughput(
     let floors = Floors {
         primary_mrays_per_sec: result.primary_mrays_per_sec,
         primary_tile_mrays_per_sec: result.primary_tile_mrays_per_sec,
+        visibility_ns_per_pixel: result.visibility.visibility_ns_per_pixel,
         memory_gb_per_sec: result.warp.memory_gb_per_sec,
     };
     begin("the stages of a frame")?;

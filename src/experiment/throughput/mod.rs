@@ -12,6 +12,7 @@ mod report;
 mod settings;
 mod stage_speed;
 mod timing;
+mod visibility_speed;
 mod warp_speed;
 
 pub use feature_speed::FeatureSpeed;
@@ -22,4 +23,5 @@ pub(super) use report::report;
 pub use settings::ThroughputSettings;
 pub(super) use settings::{cells, settings};
 pub use stage_speed::StageSpeed;
+pub use visibility_speed::VisibilitySpeed;
 pub use warp_speed::WarpSpeed;

@@ -51,21 +51,26 @@ pub(super) fn bundle_rate(bvh: &Bvh, bundles: &[RayBundle], rays: usize) -> f64 
 /// Million primary rays per second in tiles. Cut-out texels are tested; rays beyond the edge of the
 /// picture are not counted.
 pub(super) fn tile_rate(tracer: &Tracer, view: &View) -> f64 {
-    let side = TILE_SIDE as u32;
-    let [columns, rows] = view.size.map(|s| s.div_ceil(side));
     let secs = median_secs(|| {
-        let hits = |row: u32| {
-            let (mut rays, mut hits) = (primary_tile(view, [0, 0]), TileHits::NONE);
-            (0..columns)
-                .filter(|column| {
-                    tracer.closest_in_tile(view, [column * side, row * side], &mut rays, &mut hits);
-                    hits.hit(0).is_some()
-                })
-                .count()
-        };
-        black_box((0..rows).into_par_iter().map(hits).sum::<usize>());
+        black_box(trace_tiles(tracer, view));
     });
     view.pixel_count() as f64 / secs / 1e6
+}
+
+/// Traces a picture in tiles. Returns the number of tiles whose first ray hits a surface.
+pub(super) fn trace_tiles(tracer: &Tracer, view: &View) -> usize {
+    let side = TILE_SIDE as u32;
+    let [columns, rows] = view.size.map(|s| s.div_ceil(side));
+    let hits = |row: u32| {
+        let (mut rays, mut hits) = (primary_tile(view, [0, 0]), TileHits::NONE);
+        (0..columns)
+            .filter(|column| {
+                tracer.closest_in_tile(view, [column * side, row * side], &mut rays, &mut hits);
+                hits.hit(0).is_some()
+            })
+            .count()
+    };
+    (0..rows).into_par_iter().map(hits).sum()
 }
 
 /// Microseconds of shading the diffuse light of one point.

@@ -24,7 +24,7 @@ const ENTERED_BYTES: f64 = 8.0;
 /// diagonal ahead of one reference and the same distance behind the other.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct StageSpeed {
-    /// Time of tiles of primary rays, their look-ups, and writing the pixels.
+    /// Time of first hits, their look-ups, and writing the pixels.
     pub resolve_ns_per_pixel: f64,
     /// Time of look-ups and writing the pixels.
     pub lookup_ns_per_pixel: f64,
@@ -63,6 +63,7 @@ pub struct StageSpeed {
 pub(crate) struct Floors {
     pub(crate) primary_mrays_per_sec: f64,
     pub(crate) primary_tile_mrays_per_sec: f64,
+    pub(crate) visibility_ns_per_pixel: f64,
     pub(crate) memory_gb_per_sec: f64,
 }
 
@@ -95,7 +96,7 @@ pub(crate) fn stage_speed(tracer: &Tracer, settings: &ThroughputSettings, floors
         foresight_floor_ms: tile_ns * pixels / 16.0 / 1e6,
         directory_ms: median(directory_secs).unwrap_or(f64::NAN) * 1e3,
         directory_floor_ms: read_ns(ENTERED_BYTES) * pixels / 1e6,
-        ..of_frames(&frames, pixels, tile_ns, floors.primary_mrays_per_sec)
+        ..of_frames(&frames, pixels, floors)
     }
 }
 
@@ -115,7 +116,7 @@ fn frames(
         .collect()
 }
 
-fn of_frames(frames: &[FrameStats], pixels: f64, tile_ns: f64, mrays_per_sec: f64) -> StageSpeed {
+fn of_frames(frames: &[FrameStats], pixels: f64, floors: &Floors) -> StageSpeed {
     let [first, later @ ..] = frames else { return StageSpeed::default() };
     let known = |secs: fn(&FrameStats) -> f64| median(later.iter().map(secs)).unwrap_or(f64::NAN);
     let types = first.types;
@@ -125,14 +126,14 @@ fn of_frames(frames: &[FrameStats], pixels: f64, tile_ns: f64, mrays_per_sec: f6
     let rays = first.rays.secondary as f64 / 1e6;
     StageSpeed {
         resolve_ns_per_pixel: resolve_ns,
-        lookup_ns_per_pixel: resolve_ns - tile_ns,
+        lookup_ns_per_pixel: resolve_ns - floors.visibility_ns_per_pixel,
         checked_pixels: checked,
         check_new_us_per_pixel: us(first.secs.trace, checked + types.unseen),
         check_known_us_per_pixel: us(known(|f| f.secs.trace), checked + types.unseen),
         secondary_pixels: secondary,
         secondary_new_us_per_pixel: us(first.secs.secondary, secondary),
         secondary_known_us_per_pixel: us(known(|f| f.secs.secondary), secondary),
-        secondary_floor_us_per_pixel: us(rays / mrays_per_sec, secondary),
+        secondary_floor_us_per_pixel: us(rays / floors.primary_mrays_per_sec, secondary),
         ..StageSpeed::default()
     }
 }

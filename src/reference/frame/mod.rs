@@ -20,6 +20,7 @@ use crate::reference::smooth_samples::SmoothSamples;
 use crate::trace::parallel::{Stop, tile_order, trace_pixels};
 use crate::trace::{
     ILL_CONDITIONED, NO_TRIANGLE, PixelTrace, RayCounts, SceneEpoch, SurfacePoint, TraceSettings, Tracer,
+    VisibilityBuffer,
 };
 use glam::Vec3;
 use std::time::Instant;
@@ -101,8 +102,11 @@ impl ReferenceFrame {
         let view = View::new(camera, &tracer.scene().frame, size);
         let order = tile_order(size);
         let mut traced = Vec::new();
+        let mut visible = VisibilityBuffer::default();
+        visible.find(tracer, &view, false);
         let (rays, complete) = trace_pixels(&order, &mut traced, stop, |pixel, rays| {
-            tracer.reference_pixel(&view, pixel, settings, rays)
+            let hit = visible.hit_of_pixel(tracer, &view, pixel);
+            tracer.reference_pixel_of_hit((&view, pixel), hit, settings, rays)
         });
         if !complete {
             return None;

@@ -130,8 +130,14 @@ impl TrianglePacket {
     }
 
     /// The corners of the triangle of a lane.
+    #[inline(always)]
     pub(in crate::trace) fn triangle_corners(&self, lane: usize) -> [Vec3; 3] {
-        self.corners.map(|corner| Vec3::new(corner[0][lane], corner[1][lane], corner[2][lane]))
+        let [a, b, c] = &self.corners;
+        [
+            Vec3::new(a[0][lane], a[1][lane], a[2][lane]),
+            Vec3::new(b[0][lane], b[1][lane], b[2][lane]),
+            Vec3::new(c[0][lane], c[1][lane], c[2][lane]),
+        ]
     }
 
     /// Triangle index of a lane.

@@ -53,6 +53,12 @@ impl Bvh {
         dispatch!(self.level, simd => intersect_triangle(simd, ray, triangle, corners))
     }
 
+    /// [`Self::on_triangle`] for the triangle in a slot.
+    pub(in crate::trace) fn hit_in_slot(&self, ray: &Ray, slot: u32) -> Option<Hit> {
+        let (packet, lane) = self.triangle_in_slot(slot);
+        self.on_triangle(ray, packet.triangle(lane), packet.triangle_corners(lane))
+    }
+
     /// [`Self::closest`] for one SIMD level.
     #[inline(always)]
     fn walk_closest<S: Simd>(&self, simd: S, ray: &Ray, accept: impl Fn(&Hit) -> bool) -> Option<Hit> {

@@ -30,7 +30,19 @@ impl Tracer {
         settings: &TraceSettings,
         rays: &mut RayCounts,
     ) -> PixelTrace {
-        self.pixel_with(view, pixel, settings, rays, |point, direction, key, rays| {
+        let hit = self.closest(&Self::primary_ray(view, pixel));
+        self.pixel_of_hit((view, pixel), hit, settings, rays)
+    }
+
+    /// [`Self::pixel`] of a view and a pixel whose first hit is known.
+    pub fn pixel_of_hit(
+        &self,
+        of: (&View, u32),
+        hit: Option<Hit>,
+        settings: &TraceSettings,
+        rays: &mut RayCounts,
+    ) -> PixelTrace {
+        self.pixel_with(of, hit, settings, rays, |point, direction, key, rays| {
             self.specular_radiance(point, direction, settings, key, rays)
         })
     }
@@ -44,7 +56,19 @@ impl Tracer {
         settings: &TraceSettings,
         rays: &mut RayCounts,
     ) -> PixelTrace {
-        self.pixel_with(view, pixel, settings, rays, |point, direction, key, rays| {
+        let hit = self.closest(&Self::primary_ray(view, pixel));
+        self.reference_pixel_of_hit((view, pixel), hit, settings, rays)
+    }
+
+    /// [`Self::reference_pixel`] of a view and a pixel whose first hit is known.
+    pub fn reference_pixel_of_hit(
+        &self,
+        of: (&View, u32),
+        hit: Option<Hit>,
+        settings: &TraceSettings,
+        rays: &mut RayCounts,
+    ) -> PixelTrace {
+        self.pixel_with(of, hit, settings, rays, |point, direction, key, rays| {
             let unshaded = |_: &SurfacePoint, _| Vec3::ZERO;
             (Vec3::ZERO, self.follow_specular(point, direction, key, &mut rays.secondary, unshaded).1)
         })
@@ -53,8 +77,8 @@ impl Tracer {
     /// Traces a pixel whose viewer-dependent radiance and number of bounces `specular` returns.
     fn pixel_with(
         &self,
-        view: &View,
-        pixel: u32,
+        (view, pixel): (&View, u32),
+        hit: Option<Hit>,
         settings: &TraceSettings,
         rays: &mut RayCounts,
         specular: impl FnOnce(&SurfacePoint, Vec3, Key, &mut RayCounts) -> (Vec3, u32),
@@ -63,7 +87,7 @@ impl Tracer {
         let key = seed.key;
         rays.primary += 1;
         let ray = Self::primary_ray(view, pixel);
-        let (mut traced, point) = self.shade_hit(&ray, self.closest(&ray), &(*settings).into(), seed, rays);
+        let (mut traced, point) = self.shade_hit(&ray, hit, &(*settings).into(), seed, rays);
         if let Some(point) = point.filter(|point| self.is_view_dependent(point)) {
             let (radiance, reflections) = specular(&point, ray.direction, key, rays);
             traced.radiance += radiance;

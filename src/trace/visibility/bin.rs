@@ -96,10 +96,29 @@ impl Bin {
         *farthest = 1.0 / least.reduce_min();
     }
 
-    /// Enters a triangle. One that is not `CERTAIN` becomes no pixel's candidate.
+    /// True where every tile of some columns and rows is covered at more than a disparity.
     #[inline(always)]
-    pub(super) fn fill<S: Simd, const CERTAIN: bool>(&mut self, simd: S, facet: &Facet, slot: u32) {
-        let [x, y] = [facet.columns, facet.rows].map(|of| of.map(usize::from));
+    pub(super) fn hides(&self, [x, y]: [[usize; 2]; 2], disparity: f32) -> bool {
+        for row in y[0] / TILE_SIDE..=y[1] / TILE_SIDE {
+            for tile in row * BIN_TILES + x[0] / TILE_SIDE..=row * BIN_TILES + x[1] / TILE_SIDE {
+                if self.covered[tile & (BIN_TILES * BIN_TILES - 1)] <= disparity {
+                    return false;
+                }
+            }
+        }
+        true
+    }
+
+    /// Enters a triangle in the columns and rows that it may cover. One that is not `CERTAIN`
+    /// becomes no pixel's candidate.
+    #[inline(always)]
+    pub(super) fn fill<S: Simd, const CERTAIN: bool>(
+        &mut self,
+        simd: S,
+        facet: &Facet,
+        [x, y]: [[usize; 2]; 2],
+        slot: u32,
+    ) {
         let middle = f32x4::load_array(simd, facet.middle);
         let (dx, dy) = (f32x4::load_array(simd, facet.dx), f32x4::load_array(simd, facet.dy));
         // Bound how far the functions rise within a tile.

@@ -29,15 +29,10 @@ pub(super) struct Facet {
     pub(super) lowest: f32,
     /// Lower bound of the disparity, as a share of the upper bound.
     pub(super) surely: f32,
-    /// First and last column and row that may be met.
-    pub(super) columns: [u8; 2],
-    pub(super) rows: [u8; 2],
 }
 
 /// The triangles of a packet, prepared.
 pub(super) struct Facets {
-    /// Bit per triangle that may be seen in the bin.
-    pub(super) seen: u32,
     /// Bit per triangle whose edge functions and disparity have useful bounds.
     pub(super) certain: u32,
     /// Bit per triangle whose hits must be checked where the scene has needles.
@@ -47,8 +42,6 @@ pub(super) struct Facets {
     dy: [[f32; 4]; 4],
     lowest: [f32; 4],
     surely: [f32; 4],
-    columns: [[f32; 4]; 2],
-    rows: [[f32; 4]; 2],
 }
 
 impl Facets {
@@ -62,8 +55,6 @@ impl Facets {
             dy: pick(&self.dy),
             lowest: self.lowest[lane],
             surely: self.surely[lane],
-            columns: self.columns.map(|of| of[lane] as u8),
-            rows: self.rows.map(|of| of[lane] as u8),
         }
     }
 }
@@ -172,20 +163,55 @@ impl<S: Simd> Functions<S> {
     }
 }
 
+/// Where the triangles of a packet may be seen in a bin.
+pub(super) struct Bounds<S: Simd> {
+    /// Bit per triangle that contains the centre of a pixel within its bounds.
+    pub(super) seen: u32,
+    /// Upper bounds of the disparity at which any ray meets them.
+    pub(super) nearest: [f32; 4],
+    corners: [Wide<S>; 3],
+    magnitude: f32x4<S>,
+    columns: [[f32; 4]; 2],
+    rows: [[f32; 4]; 2],
+}
+
+impl<S: Simd> Bounds<S> {
+    /// Bounds the triangles of a packet.
+    #[inline(always)]
+    pub(super) fn new(simd: S, view: &BinView, packet: &TrianglePacket) -> Self {
+        let eye = splat3(simd, view.eye);
+        let a = relative(simd, packet, 0, &eye);
+        let (b, c) = (relative(simd, packet, 1, &eye), relative(simd, packet, 2, &eye));
+        let corners = [a, b, c];
+        let magnitude = max_norm([&a, &b, &c]);
+        let extent = extent(simd, view, &corners, magnitude);
+        let is_there = a[0].simd_eq(a[0]);
+        Self {
+            seen: (extent.seen & is_there).to_bitmask() as u32,
+            nearest: nearest(simd, view, &corners).to_array(),
+            corners,
+            magnitude,
+            columns: [extent.first[0].to_array(), extent.last[0].to_array()],
+            rows: [extent.first[1].to_array(), extent.last[1].to_array()],
+        }
+    }
+
+    /// First and last column and row of a triangle.
+    #[inline(always)]
+    pub(super) fn pixels(&self, lane: usize) -> [[usize; 2]; 2] {
+        let [columns, rows] = [&self.columns, &self.rows];
+        [
+            [columns[0][lane] as u32 as usize, columns[1][lane] as u32 as usize],
+            [rows[0][lane] as u32 as usize, rows[1][lane] as u32 as usize],
+        ]
+    }
+}
+
 /// Prepares the triangles of a packet for a bin.
 #[inline(always)]
-pub(super) fn facets<S: Simd>(simd: S, view: &BinView, packet: &TrianglePacket) -> Option<Facets> {
-    let eye = splat3(simd, view.eye);
-    let corners = [relative(simd, packet, 0, &eye), relative(simd, packet, 1, &eye), relative(simd, packet, 2, &eye)];
-    let [a, b, c] = &corners;
-    let magnitude = max_norm([a, b, c]);
-    // Drop triangles that contain no pixel's centre within their bounds.
-    let extent = extent(simd, view, &corners, magnitude);
-    let is_there = a[0].simd_eq(a[0]);
-    let seen = (extent.seen & is_there).to_bitmask() as u32;
-    if seen == 0 {
-        return None;
-    }
+pub(super) fn facets<S: Simd>(simd: S, view: &BinView, bounds: &Bounds<S>) -> Facets {
+    let [a, b, c] = &bounds.corners;
+    let magnitude = bounds.magnitude;
     // Compute the planes through the eye and the edges, the plane of the triangle, and the volume.
     let (ab, ac, bc) = (sub(b, a), sub(c, a), sub(c, b));
     let length = max_norm([&ab, &ac, &bc]);
@@ -216,9 +242,8 @@ pub(super) fn facets<S: Simd>(simd: S, view: &BinView, packet: &TrianglePacket) 
     let (dx, dy) = (functions.along(simd, view.dx), functions.along(simd, view.dy));
     let [e0, e1, e2, disparity] = functions.along(simd, view.middle);
     let error = has_edges.select(edge_error, splat(simd, 0.0));
-    let disparity = certain.select(disparity, nearest(simd, view, &corners));
-    Some(Facets {
-        seen,
+    let disparity = certain.select(disparity, f32x4::load_array(simd, bounds.nearest));
+    Facets {
         certain: certain.to_bitmask() as u32,
         checked: depth_error.simd_gt(splat(simd, MAX_UNCHECKED_ERROR)).to_bitmask() as u32,
         middle: [
@@ -231,9 +256,7 @@ pub(super) fn facets<S: Simd>(simd: S, view: &BinView, packet: &TrianglePacket) 
         dy: [dy[0].to_array(), dy[1].to_array(), dy[2].to_array(), dy[3].to_array()],
         lowest: (error * splat(simd, -2.0)).to_array(),
         surely: (splat(simd, 1.0 - 8.0 * UNIT) - depth_error * splat(simd, 2.0)).to_array(),
-        columns: [extent.first[0].to_array(), extent.last[0].to_array()],
-        rows: [extent.first[1].to_array(), extent.last[1].to_array()],
-    })
+    }
 }
 
 /// Upper bounds of the disparity at which any ray of the bin meets triangles.

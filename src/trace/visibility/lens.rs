@@ -58,11 +58,11 @@ impl Lens {
             dx,
             dy,
             rows,
-            edge_error: UNIT * (24.0 * spread + 6.0 * self.magnitude + 52.0 * largest),
-            depth_error: UNIT * 1.1 * (17.0 + 14.0 * spread + 5.3 * self.magnitude),
+            edge_error: UNIT * (44.0 * spread + 6.0 * self.magnitude + 52.0 * largest),
+            depth_error: UNIT * 1.1 * (17.0 + 32.0 * spread + 5.3 * self.magnitude),
             pixel_error: UNIT * row * (32.0 + 8.0 * self.magnitude),
             sides: sides(&corners),
-            reaches: reaches(&corners),
+            reaches: reaches(&corners, 1.0 - UNIT * (16.0 + 6.0 * self.magnitude)),
         }
     }
 }
@@ -129,8 +129,8 @@ fn sides(corners: &[Vec3; 4]) -> [Vec3; 4] {
     })
 }
 
-/// One bound for each axis that may be the largest of a ray between the corners.
-fn reaches(corners: &[Vec3; 4]) -> ArrayVec<Reach, 3> {
+/// One bound for each axis that may be the largest of a ray between the corners, times `rounding`.
+fn reaches(corners: &[Vec3; 4], rounding: f32) -> ArrayVec<Reach, 3> {
     let low = corners.iter().copied().reduce(Vec3::min).unwrap_or_default();
     let high = corners.iter().copied().reduce(Vec3::max).unwrap_or_default();
     let most = low.abs().max(high.abs());
@@ -138,7 +138,7 @@ fn reaches(corners: &[Vec3; 4]) -> ArrayVec<Reach, 3> {
     let least = |axis: usize| if has_one_sign(axis) { low[axis].abs().min(high[axis].abs()) } else { 0.0 };
     let may_be_largest = |&axis: &usize| (0..3).all(|other| most[axis] >= least(other));
     let reach = |axis: usize| {
-        let scale = if has_one_sign(axis) { (1.0 / most[axis]).copysign(high[axis]) } else { 0.0 };
+        let scale = if has_one_sign(axis) { (rounding / most[axis]).copysign(high[axis]) } else { 0.0 };
         Reach { axis, scale }
     };
     (0..3).filter(may_be_largest).map(reach).collect()

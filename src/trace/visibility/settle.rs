@@ -87,8 +87,10 @@ impl<S: Simd> Seen<S> {
             return;
         }
         let (packet, lane) = bvh.triangle_in_slot(slot & !CHECKED);
-        let [a, b, c] = packet.triangle_corners(lane).map(|corner| (corner - tile.origin).to_array());
-        self.triangle = SeenTriangle::new(self.simd, [a, b, c], axis);
+        let [a, b, c] = packet.triangle_corners(lane);
+        let eye = tile.origin;
+        let corners = [(a - eye).to_array(), (b - eye).to_array(), (c - eye).to_array()];
+        self.triangle = SeenTriangle::new(self.simd, corners, axis);
         (self.slot, self.axis, self.index) = (slot, axis, packet.triangle(lane));
     }
 }

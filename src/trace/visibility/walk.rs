@@ -1,8 +1,8 @@
 //! Finds the candidates of a bin: traverses the hierarchy for its frustum, nearest nodes first.
 
 use super::bin::{BIN_PIXELS, Bin, CHECKED, NEEDS_RAY};
-use super::facet::facets;
-use super::lens::{BinView, Reach, UNIT};
+use super::facet::{Bounds, facets};
+use super::lens::{BinView, Reach};
 use crate::math::Ray;
 use crate::trace::bvh::{
     Bits, Bvh, Child, FARTHER, Hit, Node, STACK, intersect_triangle, nearest_first, safe_component,
@@ -91,17 +91,24 @@ fn enter<S: Simd>(
     is_seen: &impl Fn(u32) -> bool,
 ) {
     let triangles = &bvh.packets[packet];
-    let Some(facets) = facets(simd, view, triangles) else { return };
-    for lane in Bits(facets.seen) {
-        if !is_seen(triangles.triangle(lane)) {
-            continue;
-        }
-        let (facet, slot) = (facets.facet(lane), (4 * packet + lane) as u32);
+    // Drop triangles between the centres of pixels, and those behind what their tiles show.
+    let bounds = Bounds::new(simd, view, triangles);
+    let mut seen = 0;
+    for lane in Bits(bounds.seen) {
+        let is_hidden = bin.hides(bounds.pixels(lane), bounds.nearest[lane]);
+        seen |= u32::from(!is_hidden && is_seen(triangles.triangle(lane))) << lane;
+    }
+    if seen == 0 {
+        return;
+    }
+    let facets = facets(simd, view, &bounds);
+    for lane in Bits(seen) {
+        let (facet, pixels, slot) = (facets.facet(lane), bounds.pixels(lane), (4 * packet + lane) as u32);
         if facets.certain >> lane & 1 == 1 {
             let slot = if facets.checked >> lane & 1 == 1 { slot | CHECKED } else { slot };
-            bin.fill::<S, true>(simd, &facet, slot);
+            bin.fill::<S, true>(simd, &facet, pixels, slot);
         } else {
-            bin.fill::<S, false>(simd, &facet, slot);
+            bin.fill::<S, false>(simd, &facet, pixels, slot);
         }
     }
 }
@@ -143,7 +150,7 @@ fn nearest<S: Simd>(simd: S, node: &Node, origin: &[f32x8<S>; 3], reaches: &[Rea
     for reach in reaches {
         let bound = &node.bounds[2 * reach.axis + usize::from(reach.scale < 0.0)];
         let along = f32x8::load_array_ref(simd, bound) - origin[reach.axis];
-        near = near.min(along * f32x8::splat(simd, reach.scale * (1.0 - 16.0 * UNIT)));
+        near = near.min(along * f32x8::splat(simd, reach.scale));
     }
     near
 }

@@ -55,6 +55,16 @@ fn table(t: &Throughput) -> String {
         ("threads", t.threads.to_string()),
         ("primary", rate(t.primary_mrays_per_sec, t.primary_rays)),
         ("primary, tiles", rate(t.primary_tile_mrays_per_sec, t.primary_rays)),
+        (
+            "visibility",
+            format!(
+                "{:.1} ns per pixel; on one core {:.1}, by tiles {:.1}; {:.2} % by single rays",
+                t.visibility.visibility_ns_per_pixel,
+                t.visibility.visibility_ns_per_pixel_one_core,
+                t.visibility.primary_tile_ns_per_pixel_one_core,
+                t.visibility.visibility_fallback_percent
+            ),
+        ),
         ("shadow", rate(t.shadow_mrays_per_sec, t.shadow_rays)),
         ("shadow, in bundles", rate(t.shadow_bundle_mrays_per_sec, t.shadow_rays)),
         ("diffuse", rate(t.diffuse_mrays_per_sec, t.diffuse_rays)),
