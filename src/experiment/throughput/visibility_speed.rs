@@ -57,8 +57,7 @@ fn find_hits(tracer: &Tracer, view: &View, visible: &mut VisibilityBuffer) -> u3
     let row_of_tiles = |row: u32| {
         let (mut rays, mut hits) = (primary_tile(view, [0, 0]), TileHits::NONE);
         let corners = (0..columns).map(|column| [column * side, row * side]);
-        let settle =
-            |corner| visible.hits_of_tile(tracer, view, corner, &mut rays, &mut hits).count_ones();
+        let settle = |corner| visible.hits_of_tile(tracer, view, corner, &mut rays, &mut hits).count_ones();
         corners.map(settle).sum::<u32>()
     };
     (0..rows).into_par_iter().map(row_of_tiles).sum()

@@ -78,8 +78,8 @@ use crate::camera::View;
 use crate::math::Ray;
 use bin::{BIN_PIXELS, BIN_SIDE, BIN_TILES, Bin, CHECKED, NEEDS_RAY};
 use lens::Lens;
-use settle::Open;
 use rayon::prelude::*;
+use settle::Open;
 
 /// The triangle that each pixel of a picture shows, where it is certain: a visibility buffer (Burns,
 /// Hunt, JCGT 2013) of slots in the hierarchy.

@@ -1,7 +1,7 @@
 //! Settles the candidates of a tile by the watertight test.
 
 use super::bin::{CHECKED, NEEDS_RAY};
-use crate::trace::bvh::{Bvh, NO_TRIANGLE, RayTile, RayShear, SeenTriangle, TILE_RAYS, TileHits};
+use crate::trace::bvh::{Bvh, NO_TRIANGLE, RayShear, RayTile, SeenTriangle, TILE_RAYS, TileHits};
 use fearless_simd::{Simd, SimdBase, SimdMask, dispatch, f32x16, mask32x16, prelude::*, u32x16};
 
 /// Number of rays tested at once: two rows of a tile.
@@ -142,7 +142,8 @@ impl<S: Simd> RowHits<S> {
     fn meet(&mut self, seen: &Seen<S>, shear: &RayShear<f32x16<S>>, rays: u64) -> u64 {
         let simd = shear.x.simd;
         let Some(met) = seen.triangle.intersect(simd, shear) else { return rays };
-        let ahead = met.t.simd_gt(f32x16::splat(simd, 0.0)) & met.t.simd_lt(f32x16::splat(simd, f32::INFINITY));
+        let ahead =
+            met.t.simd_gt(f32x16::splat(simd, 0.0)) & met.t.simd_lt(f32x16::splat(simd, f32::INFINITY));
         let hit = met.inside & ahead & mask32x16::from_bitmask(simd, rays);
         let [b1, b2] = met.barycentrics();
         self.t = hit.select(met.t, self.t);
