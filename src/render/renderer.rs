@@ -327,4 +327,24 @@ impl Renderer {
         let (camera, size) = (&frame.camera, frame.view.size);
         ReferenceFrame::from_lit_pixels(tracer, camera, size, &trace, hits, self.unseen.pixels(), lights)
     }
+
+    /// Shows, in the pixels that the last frame shaded itself, the smooth light that a reference of
+    /// the same view and size holds near there, instead of their own: it was shared between
+    /// neighbours.
+    pub(super) fn show_shared_light(&mut self, tracer: &Tracer, reference: &ReferenceFrame) {
+        let view = self.frame.view;
+        for (pixel, traced) in self.unseen.done() {
+            let Some(hit) = traced.hit else { continue };
+            let ray = Tracer::primary_ray(&view, pixel as u32);
+            let Some(shared) = reference.smooth_light_near(tracer, pixel as u32, &tracer.surface(&ray, &hit))
+            else {
+                continue;
+            };
+            let change = tracer.albedo(&hit) * (shared - traced.light.smooth());
+            if change.is_finite() {
+                let radiance = &mut self.frame.radiance[pixel];
+                *radiance = (*radiance + change).max(Vec3::ZERO);
+            }
+        }
+    }
 }

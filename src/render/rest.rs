@@ -25,15 +25,25 @@ use std::sync::Arc;
 /// Passes of the full tracer until the picture counts as converged.
 const PASSES: u32 = 64;
 
-/// Points of each pixel through which looked-up frames are rendered.
-const FRAMES: u32 = 16;
+/// A stage of the picture: a reference of the view, and what follows it.
+struct Stage {
+    /// Pixels of the picture, along an edge, per pixel of the reference.
+    edge: u32,
+    /// Samples of the reference's pixels, as a multiple of those of a frame.
+    samples: u32,
+    /// Points of each pixel through which looked-up frames are rendered.
+    frames: u32,
+    /// Passes of the full tracer when the stage ends.
+    passes: u32,
+}
 
-/// Each time that the references of the view are improved, they get this many times the samples.
-const MORE_SAMPLES: u32 = 4;
-
-/// Times that the references of the view are improved, and the passes of the full tracer after
-/// each.
-const PASSES_AFTER: [u32; 3] = [0, 8, PASSES];
+/// The stages: light first, then edges, then what has no bias.
+const STAGES: [Stage; 4] = [
+    Stage { edge: 2, samples: 1, frames: 1, passes: 0 },
+    Stage { edge: 1, samples: 1, frames: 4, passes: 0 },
+    Stage { edge: 1, samples: 4, frames: 16, passes: 8 },
+    Stage { edge: 1, samples: 16, frames: 16, passes: PASSES },
+];
 
 /// Number of the first reference that is traced for a view at rest: others count from 1.
 const FIRST_NUMBER: u64 = 1 << 15;
@@ -52,11 +62,13 @@ pub(super) struct RestPicture {
     /// Sums of the looked-up frames since the references were improved, and their number.
     sums: Vec<Vec3>,
     frames: u32,
-    /// The mean of the looked-up frames that is shown: the last one through all points of the
-    /// pixels, or, before there is any, that of the frames so far.
+    /// The mean of looked-up frames that is shown, and the number of these frames.
     looked_up: Vec<Vec3>,
-    /// Times that the references of the view were improved.
-    improved: usize,
+    shown_points: u32,
+    /// The stage that is being worked on.
+    stage: usize,
+    /// True once the stage's reference is lit.
+    is_lit: bool,
     /// The reference that is being lit.
     lighting: Option<UnfinishedReference>,
     /// The reference of this view that was finished last.
@@ -65,8 +77,8 @@ pub(super) struct RestPicture {
 
 /// The next step towards the picture at rest.
 enum Task {
-    Frame,
-    Light,
+    Frame(&'static Stage),
+    Light(&'static Stage),
     Pass(u32),
 }
 
@@ -81,7 +93,9 @@ impl RestPicture {
             sums: Vec::new(),
             frames: 0,
             looked_up: Vec::new(),
-            improved: 0,
+            shown_points: 0,
+            stage: 0,
+            is_lit: false,
             lighting: None,
             own: None,
         }
@@ -93,69 +107,102 @@ impl RestPicture {
     }
 
     pub(super) fn state(&self) -> RefineState {
-        let light_samples = self.samples_after(self.improved);
+        let light_samples = self.trace().samples;
         RefineState { light_samples, ..self.full.state() }
     }
 
-    /// Paths per pixel of the references after some improvements.
-    fn samples_after(&self, improvements: usize) -> u32 {
-        self.settings.trace.samples.saturating_mul(MORE_SAMPLES.pow(improvements as u32))
+    /// Settings of the looked-up frames: those of the last reference, but for its seed.
+    fn trace(&self) -> TraceSettings {
+        let last = if self.is_lit { Some(self.stage) } else { self.stage.checked_sub(1) };
+        let more = last.and_then(|last| STAGES.get(last)).map_or(1, |stage| stage.samples);
+        self.trace_of(more)
     }
 
-    fn task(&self) -> Option<Task> {
-        let passes = self.full.passes_done();
-        let due = PASSES_AFTER[self.improved.min(PASSES_AFTER.len() - 1)];
-        if self.frames < FRAMES {
-            Some(Task::Frame)
-        } else if passes < due {
-            Some(Task::Pass(due))
-        } else {
-            (self.improved + 1 < PASSES_AFTER.len()).then_some(Task::Light)
+    fn trace_of(&self, more_samples: u32) -> TraceSettings {
+        let trace = self.settings.trace;
+        TraceSettings { samples: trace.samples.saturating_mul(more_samples), ..trace }
+    }
+
+    /// The next step; goes on to the next stage where one is finished.
+    fn task(&mut self, cache: &ReferenceCache) -> Option<Task> {
+        loop {
+            let stage = STAGES.get(self.stage)?;
+            if !self.is_lit && !self.is_known(stage, cache) {
+                return Some(Task::Light(stage));
+            } else if self.is_lit && self.frames < stage.frames {
+                return Some(Task::Frame(stage));
+            } else if self.is_lit && self.full.passes_done() < stage.passes {
+                return Some(Task::Pass(stage.passes));
+            }
+            (self.stage, self.is_lit) = (self.stage + 1, false);
         }
+    }
+
+    /// True where a reference of this view is as good as that of a stage.
+    fn is_known(&self, stage: &Stage, cache: &ReferenceCache) -> bool {
+        let (size, samples) = (self.size_of(stage), self.trace_of(stage.samples).samples);
+        cache.entries().iter().any(|entry| {
+            let frame = &entry.frame;
+            let is_fine = frame.view.size[0] >= size[0] && frame.settings.samples >= samples;
+            let is_whole = 2 * frame.lit() > frame.view.pixel_count();
+            entry.is_enabled && frame.camera == self.camera && is_fine && is_whole
+        })
+    }
+
+    fn size_of(&self, stage: &Stage) -> [u32; 2] {
+        self.size.map(|edge| edge.div_ceil(stage.edge))
     }
 
     /// Works on the picture until it has converged or `stop` is true. What is done then is kept.
     pub(super) fn run(&mut self, tracer: &Tracer, cache: &mut ReferenceCache, stop: Stop<'_>) {
         while !stop()
-            && let Some(task) = self.task()
+            && let Some(task) = self.task(cache)
         {
             match task {
-                Task::Frame => self.add_frame(tracer, cache, stop),
-                Task::Light => self.improve(tracer, cache, stop),
+                Task::Frame(stage) => self.add_frame(stage, tracer, cache, stop),
+                Task::Light(stage) => self.light(stage, tracer, cache, stop),
                 Task::Pass(until) => self.full.run_until(until, tracer, stop),
             }
         }
     }
 
     /// Adds a looked-up frame through the next point of the pixels.
-    fn add_frame(&mut self, tracer: &Tracer, cache: &ReferenceCache, stop: Stop<'_>) {
-        let request = FrameRequest::new(tracer, &self.camera, self.size, &self.settings);
-        let offset = offset_of_pass(self.frames, FRAMES);
+    fn add_frame(&mut self, stage: &Stage, tracer: &Tracer, cache: &ReferenceCache, stop: Stop<'_>) {
+        let settings = RenderSettings { trace: self.trace(), ..self.settings };
+        let request = FrameRequest::new(tracer, &self.camera, self.size, &settings);
+        let offset = offset_of_pass(self.frames, stage.frames);
         let frame = self.renderer.render(&request.reusing(cache).shifted(offset).with_stop(stop));
         if !frame.stats.is_complete {
             return;
         }
+        let own = cache.entries().iter().find(|entry| Some(entry.id) == self.own);
+        if let Some(own) = own.filter(|own| own.frame.view.size == self.size) {
+            self.renderer.show_shared_light(tracer, &own.frame);
+        }
+        let frame = self.renderer.frame();
         self.sums.resize(frame.radiance.len(), Vec3::ZERO);
         for (sum, radiance) in self.sums.iter_mut().zip(&frame.radiance) {
             *sum = if self.frames == 0 { *radiance } else { *sum + *radiance };
         }
         self.frames += 1;
         // Frames through few points have jagged edges: they do not take the place of smooth ones.
-        if self.frames == FRAMES || self.improved == 0 {
+        if self.frames >= self.shown_points {
             let count = self.frames as f32;
             self.looked_up.clear();
             self.looked_up.extend(self.sums.iter().map(|sum| *sum / count));
+            self.shown_points = self.frames;
         }
     }
 
-    /// Lights a reference of this view with more samples than before; it takes the place of the
-    /// last.
-    fn improve(&mut self, tracer: &Tracer, cache: &mut ReferenceCache, stop: Stop<'_>) {
-        let (camera, size, trace) = (self.camera, self.size, self.trace());
+    /// Lights the reference of a stage; it takes the place of the last.
+    fn light(&mut self, stage: &Stage, tracer: &Tracer, cache: &mut ReferenceCache, stop: Stop<'_>) {
+        let (camera, size) = (self.camera, self.size_of(stage));
+        let number = FIRST_NUMBER + self.stage as u64;
+        let settings = settings_of_reference(&self.trace_of(stage.samples), number);
         let known = LookupSet::without_references(cache, tracer.epoch());
         let lighting = self
             .lighting
-            .get_or_insert_with(|| UnfinishedReference::begin(tracer, &camera, size, &trace, &known));
+            .get_or_insert_with(|| UnfinishedReference::begin(tracer, &camera, size, &settings, &known));
         if !lighting.light(tracer, &known, stop) {
             return;
         }
@@ -164,14 +211,7 @@ impl RestPicture {
             cache.remove(last);
         }
         self.renderer.forget_points();
-        (self.improved, self.frames) = (self.improved + 1, 0);
-    }
-
-    /// Settings of the next reference of this view.
-    fn trace(&self) -> TraceSettings {
-        let trace = self.settings.trace;
-        let samples = self.samples_after(self.improved + 1);
-        settings_of_reference(&TraceSettings { samples, ..trace }, FIRST_NUMBER + self.improved as u64)
+        (self.is_lit, self.frames) = (true, 0);
     }
 
     /// Shows in a frame of the same size what is done.

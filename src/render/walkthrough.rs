@@ -22,6 +22,13 @@ use crate::trace::{Tracer, parallel::Stop};
 use crate::warp::ReferenceSelector;
 use std::{sync::Arc, time::Instant};
 
+/// A view of which at least this share of the pixels, in percent, has no known light is lit coarsely
+/// before its first frame.
+const PREVIEWED_PERCENT: f64 = 25.0;
+
+/// Pixels of a frame, along an edge, per pixel of its preview.
+const PREVIEW_EDGE: u32 = 4;
+
 /// The state of a walk.
 #[derive(Debug)]
 pub struct Walkthrough {
@@ -48,6 +55,7 @@ pub struct Walkthrough {
     stability: Option<TemporalStabilityMeter>,
     /// The picture of the last frame's pose, once [`Self::refine`] has begun it.
     refinement: Option<Refinement>,
+    has_previews: bool,
 }
 
 impl Walkthrough {
@@ -72,6 +80,7 @@ impl Walkthrough {
             auditor: None,
             stability: None,
             refinement: None,
+            has_previews: false,
         }
     }
 
@@ -118,6 +127,15 @@ impl Walkthrough {
         self
     }
 
+    /// The same walk with previews: a view that is mostly unknown is lit coarsely before its first
+    /// frame, which then shows coarse light instead of noise. For windows, where something must be
+    /// shown soon.
+    #[must_use]
+    pub fn with_previews(mut self) -> Self {
+        self.has_previews = true;
+        self
+    }
+
     /// The last frame.
     pub fn frame(&self) -> &Frame {
         self.renderer.frame()
@@ -135,6 +153,7 @@ impl Walkthrough {
         self.keep_refinement(camera, size);
         self.rendered = self.settings.render;
         self.prepare_cells();
+        self.preview(camera, size, stop);
         self.select(camera, size);
         let select_secs = start.elapsed().as_secs_f64();
         self.run(camera, size, stop, Renderer::render);
@@ -162,6 +181,25 @@ impl Walkthrough {
         let frame = self.renderer.frame();
         let is_same = self.rendered == self.settings.render && self.cache.version() == self.rendered_from;
         is_same && !frame.stats.is_complete && !frame.radiance.is_empty()
+    }
+
+    /// Lights a reference of few pixels where previews are wanted and the view is mostly unknown.
+    fn preview(&mut self, camera: &Camera, size: [u32; 2], stop: Stop<'_>) {
+        let render = &self.settings.render;
+        let applies = self.has_previews && render.mode.looks_up() && render.trace.bounces > 0;
+        let is_known = |e: &CachedReference| e.frame.camera == *camera;
+        if !applies || self.cache.entries().iter().any(is_known) {
+            return;
+        }
+        let view = View::new(camera, &self.tracer.scene().frame, size);
+        let lookup = LookupSet::new(&self.cache, self.tracer.epoch());
+        if open_percent(&self.tracer, &view, &lookup, None) < PREVIEWED_PERCENT {
+            return;
+        }
+        let job = self.reference_job(*camera, size.map(|edge| edge.div_ceil(PREVIEW_EDGE)));
+        if let Some(reference) = job.trace(stop) {
+            self.insert(reference);
+        }
     }
 
     /// Prepares the cells in which paths end, in the modes that reuse light by place.
@@ -232,6 +270,7 @@ impl Walkthrough {
             settings.mode.looks_up() && stats.is_complete && self.settings.placement.keeps(shaded);
         if self.has_kept {
             let reference = self.renderer.shaded_reference(&self.tracer, settings);
+            self.renderer.show_shared_light(&self.tracer, &reference);
             self.cache.insert(Arc::new(reference));
         }
     }

@@ -75,7 +75,7 @@ impl Worker {
             }
             Err(panic) => {
                 let settings = self.request.map_or(*walk.settings(), |r| r.settings);
-                *walk = Walkthrough::new(walk.tracer().clone(), settings).progressive();
+                *walk = Walkthrough::new(walk.tracer().clone(), settings).progressive().with_previews();
                 self.send(Message::Failed(format!("rendering failed: {}", panic_text(&*panic))));
                 None
             }

@@ -82,7 +82,7 @@ impl Worker {
                 let settings = self.request.map(|r| r.settings).unwrap_or_default();
                 // A new walkthrough: with another tracer in the old one, pixels that the first
                 // frame has not traced yet would show the old scene.
-                self.walk = Some(Walkthrough::new(tracer, settings).progressive());
+                self.walk = Some(Walkthrough::new(tracer, settings).progressive().with_previews());
                 self.added.clear();
                 self.schedule.forget_failures();
             }

@@ -1,0 +1,229 @@
+//! One step of the filter, row by row: each pixel becomes a weighted mean of the nine pixels around
+//! it, some pixels apart.
+//!
+//! A row and the row of a neighbour are runs of numbers, so that every loop works on vectors. No
+//! result depends on their width, because each pixel's sums are formed in the order of the
+//! neighbours.
+
+use super::surfaces::{Likenesses, Surfaces};
+use super::walls::Walls;
+use crate::math::simd;
+use fearless_simd::dispatch;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Differences of light, in standard deviations, beyond which neighbours share none: the edge of a
+/// wall, not noise.
+const MAX_DEVIATIONS: f32 = 4.0;
+
+/// Pixels whose walls are examined at a time.
+const LANES: usize = 16;
+
+/// Light of each half of the samples of a pixel: the sums of red, green and blue and the number of
+/// samples, all divided by the same weight, of the first half, then of the second.
+pub(super) type Halves = [f32; 8];
+
+/// The light of each pixel in a layer in planes: red, green, blue, and the variance of that light
+/// around the pixel.
+pub(super) type Light = [Vec<f32>; 4];
+
+/// A kernel: how pixels share light with the pixels a step away.
+pub(super) struct Kernel<'a> {
+    pub(super) surfaces: &'a Surfaces,
+    pub(super) likenesses: &'a Likenesses,
+    pub(super) walls: &'a Walls<'a>,
+}
+
+/// A run of pixels of one row, and their neighbours in one direction.
+struct Run<'a> {
+    /// Columns of the run.
+    columns: Range<usize>,
+    /// Index of the first pixel, and of its neighbour.
+    at: usize,
+    other: usize,
+    /// Index of the pixel in the row of the first pixel and the column of its neighbour.
+    corner: usize,
+    shares: &'a [u8],
+    /// Weight in the kernel of a full share, divided by 255.
+    weight: f32,
+}
+
+/// Buffers for a row.
+#[derive(Default)]
+struct Row {
+    /// Weights of the neighbours in each direction.
+    weights: [Vec<f32>; 8],
+    /// Distance from a pixel to its neighbour in each direction, in pixels of the picture.
+    offsets: [isize; 8],
+    total: Vec<f32>,
+    sum: Vec<f32>,
+}
+
+impl Row {
+    fn begin(&mut self, width: usize) {
+        for buffer in self.weights.iter_mut().chain([&mut self.sum]) {
+            buffer.clear();
+            buffer.resize(width, 0.0);
+        }
+        self.total.clear();
+        self.total.resize(width, 4.0);
+    }
+}
+
+impl Kernel<'_> {
+    /// Widens a layer: pixels share light as far as their surfaces are alike, their light is the
+    /// same but for noise, and no wall is between them.
+    pub(super) fn widen(&self, layer: &[Halves], light: &Light, wider: &mut [Halves]) {
+        let width = self.surfaces.size[0].max(1);
+        wider.par_chunks_mut(width).enumerate().for_each_init(Row::default, |row, (y, out)| {
+            let (span, first) = (self.surfaces.span(y), y * width);
+            out.copy_from_slice(&layer[first..first + width]);
+            row.begin(width);
+            for (direction, run) in self.runs(y).enumerate() {
+                row.offsets[direction] = run.other.cast_signed() - run.at.cast_signed();
+                let weights = &mut row.weights[direction][run.columns.clone()];
+                self.weigh(&run, light, weights);
+            }
+            let start = first + span.start;
+            dispatch!(simd::level(), _simd => blend(&mut out[span.clone()], layer, start, span.start, row));
+        });
+    }
+
+    /// The weights of the neighbours of a run.
+    fn weigh(&self, run: &Run<'_>, light: &Light, weights: &mut [f32]) {
+        let [here, there] = [run.at, run.other]
+            .map(|first| light.each_ref().map(|plane| &plane[first..first + weights.len()]));
+        dispatch!(simd::level(), _simd => agree(weights, run.shares, run.weight, &here, &there));
+        self.end_at_walls(run, weights);
+    }
+
+    /// Clears the weights of neighbours behind walls.
+    fn end_at_walls(&self, run: &Run<'_>, weights: &mut [f32]) {
+        for (group, weights) in weights.chunks_mut(LANES).enumerate() {
+            let shift = group * LANES;
+            let [at, other, corner] = [run.at, run.other, run.corner].map(|first| first + shift);
+            let crossed = self.walls.crossings(at, other, corner, weights.len());
+            if crossed == 0 {
+                continue;
+            }
+            for (lane, weight) in weights.iter_mut().enumerate().filter(|(_, weight)| **weight > 0.0) {
+                if crossed >> lane & 1 == 1 && !self.walls.are_absent(at + lane, other + lane, corner + lane)
+                {
+                    *weight = 0.0;
+                }
+            }
+        }
+    }
+
+    /// The mean of values over the nine pixels around each, as far as their surfaces are alike.
+    pub(super) fn average(&self, values: &[f32], averaged: &mut [f32]) {
+        let width = self.surfaces.size[0];
+        averaged.par_chunks_mut(width.max(1)).enumerate().for_each_init(Row::default, |row, (y, out)| {
+            let span = self.surfaces.span(y);
+            let start = &values[y * width..(y + 1) * width];
+            out.copy_from_slice(start);
+            if span.is_empty() {
+                return;
+            }
+            row.begin(width);
+            let Row { weights, sum, total, .. } = row;
+            sum.iter_mut().zip(start).for_each(|(sum, value)| *sum = value * 4.0);
+            for run in self.runs(y) {
+                let count = run.columns.len();
+                let weights = &mut weights[0][..count];
+                dispatch!(simd::level(), _simd => scale(weights, run.shares, run.weight));
+                let values = &values[run.other..run.other + count];
+                dispatch!(simd::level(), _simd => add_weighted(&mut sum[run.columns.clone()], values, weights));
+                dispatch!(simd::level(), _simd => sum_up(&mut total[run.columns.clone()], weights));
+            }
+            dispatch!(simd::level(), _simd => divide(&mut out[span.clone()], &sum[span.clone()], &total[span]));
+        });
+    }
+
+    /// The pixels of a row, with their neighbours in each of the eight directions.
+    fn runs(&self, y: usize) -> impl Iterator<Item = Run<'_>> {
+        let [width, height] = self.surfaces.size;
+        let span = self.surfaces.span(y);
+        let step = self.likenesses.step;
+        let neighbours = self.likenesses.shares.iter().zip(super::surfaces::DIRECTIONS);
+        let both = neighbours.flat_map(|(plane, (dx, dy))| {
+            [(plane, dx, dy.cast_signed(), true), (plane, -dx, -dy.cast_signed(), false)]
+        });
+        both.filter_map(move |(plane, dx, dy, is_ahead)| {
+            let [across, down] = [dx, dy].map(|d| d * step.cast_signed());
+            let row = y.checked_add_signed(down).filter(|&row| row < height)?;
+            let (left, right) = (across.min(0).unsigned_abs(), across.max(0).unsigned_abs());
+            let columns = span.start.max(left)..span.end.min(width.saturating_sub(right));
+            let (at, shifted) = (y * width + columns.start, columns.start.checked_add_signed(across)?);
+            let (other, corner) = (row * width + shifted, y * width + shifted);
+            if columns.is_empty() {
+                return None;
+            }
+            let from = if is_ahead { at } else { other };
+            let shares = &plane[from..from + columns.len()];
+            let weight = if dx == 0 || dy == 0 { 2.0 } else { 1.0 } / 255.0;
+            Some(Run { columns, at, other, corner, shares, weight })
+        })
+    }
+}
+
+/// The weighted means of pixels and their neighbours, from pixel `start` of the layer and `column` of
+/// the row on.
+#[inline(always)]
+fn blend(out: &mut [Halves], layer: &[Halves], start: usize, column: usize, row: &Row) {
+    let last = layer.len() - 1;
+    for (i, out) in out.iter_mut().enumerate() {
+        let at = start + i;
+        let (mut sum, mut total) = (layer[at].map(|value| value * 4.0), 4.0);
+        for (weights, offset) in row.weights.iter().zip(row.offsets) {
+            // Beyond the edges of the picture the weight is zero, whatever pixel is read.
+            let weight = weights[column + i];
+            let other = &layer[at.wrapping_add_signed(offset).min(last)];
+            sum.iter_mut().zip(other).for_each(|(sum, value)| *sum += value * weight);
+            total += weight;
+        }
+        let share = 1.0 / total;
+        *out = sum.map(|sum| sum * share);
+    }
+}
+
+/// Weights of neighbours by likeness of surface and agreement of light.
+#[inline(always)]
+fn agree(weights: &mut [f32], shares: &[u8], weight: f32, here: &[&[f32]; 4], there: &[&[f32]; 4]) {
+    let count = weights.len();
+    let ([r, g, b, v], [or, og, ob, ov]) = (here.map(|p| &p[..count]), there.map(|p| &p[..count]));
+    let shares = &shares[..count];
+    for i in 0..count {
+        let (dr, dg, db) = (r[i] - or[i], g[i] - og[i], b[i] - ob[i]);
+        let apart = dr * dr + dg * dg + db * db;
+        let most = MAX_DEVIATIONS * MAX_DEVIATIONS * (v[i] + ov[i]);
+        let differs = 1.0 - apart / most.max(f32::MIN_POSITIVE);
+        let agreement = if apart <= 0.0 { 1.0 } else { differs.max(0.0) };
+        weights[i] = weight * f32::from(shares[i]) * agreement;
+    }
+}
+
+/// Weights of neighbours by likeness of surface.
+#[inline(always)]
+fn scale(weights: &mut [f32], shares: &[u8], weight: f32) {
+    weights.iter_mut().zip(shares).for_each(|(w, &share)| *w = weight * f32::from(share));
+}
+
+#[inline(always)]
+fn add_weighted(sums: &mut [f32], values: &[f32], weights: &[f32]) {
+    for ((sum, value), weight) in sums.iter_mut().zip(values).zip(weights) {
+        *sum += value * weight;
+    }
+}
+
+#[inline(always)]
+fn sum_up(totals: &mut [f32], weights: &[f32]) {
+    totals.iter_mut().zip(weights).for_each(|(total, weight)| *total += weight);
+}
+
+#[inline(always)]
+fn divide(out: &mut [f32], sums: &[f32], totals: &[f32]) {
+    for ((out, sum), total) in out.iter_mut().zip(sums).zip(totals) {
+        *out = sum / total;
+    }
+}
