@@ -14,6 +14,7 @@ pub mod frame;
 mod paper_pixels;
 mod placeholders;
 mod prefetch;
+mod preview;
 mod reference_job;
 mod refinement;
 mod renderer;

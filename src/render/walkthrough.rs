@@ -10,7 +10,7 @@ use super::refinement::Refinement;
 use super::request::{FrameRequest, References};
 use super::settings::{Mode, RenderSettings, WalkthroughSettings};
 use super::{
-    prefetch::Prefetch, reference_job::ReferenceJob, renderer::Renderer,
+    prefetch::Prefetch, preview::preview_size, reference_job::ReferenceJob, renderer::Renderer,
     temporal_stability::TemporalStabilityMeter,
 };
 use crate::camera::{Camera, View};
@@ -18,16 +18,12 @@ use crate::lookup::{LookupSet, open_percent};
 use crate::reference::{
     Observation, ReferenceCache, ReferenceFrame, ReferenceId, cache::CachedReference, settings_of_reference,
 };
-use crate::trace::{Tracer, parallel::Stop};
+use crate::trace::{
+    Tracer,
+    parallel::{NEVER, Stop},
+};
 use crate::warp::ReferenceSelector;
 use std::{sync::Arc, time::Instant};
-
-/// A view of which at least this share of the pixels, in percent, has no known light is lit coarsely
-/// before its first frame.
-const PREVIEWED_PERCENT: f64 = 25.0;
-
-/// Pixels of a frame, along an edge, per pixel of its preview.
-const PREVIEW_EDGE: u32 = 4;
 
 /// The state of a walk.
 #[derive(Debug)]
@@ -153,7 +149,7 @@ impl Walkthrough {
         self.keep_refinement(camera, size);
         self.rendered = self.settings.render;
         self.prepare_cells();
-        self.preview(camera, size, stop);
+        self.preview(camera, size);
         self.select(camera, size);
         let select_secs = start.elapsed().as_secs_f64();
         self.run(camera, size, stop, Renderer::render);
@@ -183,22 +179,14 @@ impl Walkthrough {
         is_same && !frame.stats.is_complete && !frame.radiance.is_empty()
     }
 
-    /// Lights a reference of few pixels where previews are wanted and the view is mostly unknown.
-    fn preview(&mut self, camera: &Camera, size: [u32; 2], stop: Stop<'_>) {
+    /// Lights a reference of few pixels where previews are wanted and the view is mostly unknown. It
+    /// is not stopped: without it the frame would show noise.
+    fn preview(&mut self, camera: &Camera, size: [u32; 2]) {
         let render = &self.settings.render;
         let applies = self.has_previews && render.mode.looks_up() && render.trace.bounces > 0;
-        let is_known = |e: &CachedReference| e.frame.camera == *camera;
-        if !applies || self.cache.entries().iter().any(is_known) {
-            return;
-        }
-        let view = View::new(camera, &self.tracer.scene().frame, size);
-        let lookup = LookupSet::new(&self.cache, self.tracer.epoch());
-        if open_percent(&self.tracer, &view, &lookup, None) < PREVIEWED_PERCENT {
-            return;
-        }
-        let job = self.reference_job(*camera, size.map(|edge| edge.div_ceil(PREVIEW_EDGE)));
-        if let Some(reference) = job.trace(stop) {
-            self.insert(reference);
+        if applies && let Some(size) = preview_size(&self.tracer, &self.cache, camera, size) {
+            let reference = self.reference_job(*camera, size).trace(NEVER);
+            reference.map(|reference| self.insert(reference));
         }
     }
 
