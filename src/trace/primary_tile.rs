@@ -12,7 +12,7 @@ impl Tracer {
     /// The hits are those of [`Self::closest`], found several times as fast. Rays beyond the edge
     /// of the picture are traced too. `tile` is overwritten.
     pub fn closest_in_tile(&self, view: &View, corner: [u32; 2], tile: &mut RayTile, hits: &mut TileHits) {
-        *tile = primary_tile(view, corner);
+        aim(view, corner, tile);
         let stands = |ray: usize, hit: &Hit| self.stands(&tile.ray(ray), hit);
         self.bvh().closest_in_tile(tile, !self.scene().features.checks_hits(), stands, hits);
     }
@@ -28,7 +28,7 @@ impl Tracer {
         if !self.scene().features.glass {
             return self.closest_in_tile(view, corner, tile, hits);
         }
-        *tile = primary_tile(view, corner);
+        aim(view, corner, tile);
         let is_there =
             |ray: usize, hit: &Hit| !self.is_clear_glass(hit.triangle) && self.stands(&tile.ray(ray), hit);
         self.bvh().closest_in_tile(tile, false, is_there, hits);
@@ -41,14 +41,25 @@ impl Tracer {
     }
 }
 
-/// Returns the primary rays of the tile whose top left pixel is (x0, y0).
-pub fn primary_tile(view: &View, [x0, y0]: [u32; 2]) -> RayTile {
+/// Returns the primary rays of the tile whose top left pixel is `corner`.
+pub fn primary_tile(view: &View, corner: [u32; 2]) -> RayTile {
+    let directions = [[0.0; TILE_RAYS]; 3];
+    let mut tile =
+        RayTile { origin: Vec3::ZERO, forward: Vec3::ZERO, directions, corners: [Vec3::ZERO; 4] };
+    aim(view, corner, &mut tile);
+    tile
+}
+
+/// Makes a tile that of the primary rays whose top left pixel is (x0, y0).
+pub(super) fn aim(view: &View, [x0, y0]: [u32; 2], tile: &mut RayTile) {
     let (x0, y0, side) = (x0 as f32, y0 as f32, TILE_SIDE as f32);
     let corner = |dx: f32, dy: f32| view.direction_of_point(x0 + dx * side, y0 + dy * side);
+    tile.origin = view.eye;
+    tile.forward = view.scene_from_camera * Vec3::Z;
+    tile.corners = [corner(0.0, 0.0), corner(1.0, 0.0), corner(1.0, 1.0), corner(0.0, 1.0)];
     // The arithmetic of `View::direction_of_point`, written so that it is vectorised.
     let m = view.scene_from_pixel;
-    let mut directions = [[0.0; TILE_RAYS]; 3];
-    for (axis, of_axis) in directions.iter_mut().enumerate() {
+    for (axis, of_axis) in tile.directions.iter_mut().enumerate() {
         for (row, of_row) in of_axis.as_chunks_mut::<TILE_SIDE>().0.iter_mut().enumerate() {
             let (dx, dz) = (m.x_axis[axis], m.z_axis[axis]);
             let along_y = m.y_axis[axis] * (y0 + row as f32 + 0.5);
@@ -56,11 +67,5 @@ pub fn primary_tile(view: &View, [x0, y0]: [u32; 2]) -> RayTile {
                 *d = dx * (x0 + column as f32 + 0.5) + along_y + dz;
             }
         }
-    }
-    RayTile {
-        origin: view.eye,
-        forward: view.scene_from_camera * Vec3::Z,
-        directions,
-        corners: [corner(0.0, 0.0), corner(1.0, 0.0), corner(1.0, 1.0), corner(0.0, 1.0)],
     }
 }

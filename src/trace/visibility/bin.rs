@@ -137,11 +137,12 @@ impl Bin {
                 let mut base = from + dx * f32x4::splat(simd, from_middle(tile_x));
                 base += dy * f32x4::splat(simd, (2 * pairs[0]) as f32);
                 let columns = x.map(|x| x as f32 - (tile_x * TILE_SIDE) as f32);
+                let mut values = lanes.values(base.to_array());
                 let mut has_won = false;
                 for pair in pairs[0]..=pairs[1] {
                     let at = tile * TILE_RAYS + pair * LANES;
-                    has_won |= self.fill_rows::<S, CERTAIN>(at, base.to_array(), &lanes, columns, slot);
-                    base += dy + dy;
+                    has_won |= self.fill_rows::<S, CERTAIN>(at, &values, &lanes, columns, slot);
+                    lanes.step(&mut values);
                 }
                 self.changed |= u64::from(has_won) << tile;
             }
@@ -153,28 +154,23 @@ impl Bin {
     fn fill_rows<S: Simd, const CERTAIN: bool>(
         &mut self,
         at: usize,
-        base: [f32; 4],
+        values: &[f32x16<S>; 4],
         lanes: &Lanes<S>,
         columns: [f32; 2],
         slot: u32,
     ) -> bool {
         let simd = lanes.lowest.simd;
-        let e = [
-            lanes.offset[0] + f32x16::splat(simd, base[0]),
-            lanes.offset[1] + f32x16::splat(simd, base[1]),
-            lanes.offset[2] + f32x16::splat(simd, base[2]),
-        ];
-        let least = e[0].min(e[1]).min(e[2]);
+        let [e0, e1, e2, disparity] = *values;
+        let least = e0.min(e1).min(e2);
         let touched = if CERTAIN {
             least.simd_ge(lanes.lowest)
         } else {
-            lanes.doubtful(least, e[0].max(e[1]).max(e[2]), columns)
+            lanes.doubtful(least, e0.max(e1).max(e2), columns)
         };
         if !touched.any_true() {
             return false;
         }
         // Skip what lies behind the candidates: they are in the way of whatever replaces them, too.
-        let disparity = lanes.offset[3] + f32x16::splat(simd, base[3]);
         let sure = f32x16::from_slice(simd, &self.sure[at..][..LANES]);
         let live = touched & !disparity.simd_lt(sure);
         if !live.any_true() {
@@ -281,6 +277,8 @@ impl<S: Simd> Columns<S> {
 /// How the functions of a triangle change within two rows of a tile.
 struct Lanes<S: Simd> {
     offset: [f32x16<S>; 4],
+    /// Change from two rows to the next two.
+    step: [f32x16<S>; 4],
     lowest: f32x16<S>,
     surely: f32x16<S>,
 }
@@ -293,7 +291,28 @@ impl<S: Simd> Lanes<S> {
         let surely = f32x16::splat(simd, facet.surely);
         let [a, b, c, d] = facet.dx.map(|dx| f32x16::splat(simd, dx));
         let [e, f, g, h] = facet.dy.map(|dy| f32x16::splat(simd, dy));
-        Self { offset: [x * a + y * e, x * b + y * f, x * c + y * g, x * d + y * h], lowest, surely }
+        let offset = [x * a + y * e, x * b + y * f, x * c + y * g, x * d + y * h];
+        Self { offset, step: [e + e, f + f, g + g, h + h], lowest, surely }
+    }
+
+    /// The functions in two rows of a tile, from their values at the first pixel.
+    #[inline(always)]
+    fn values(&self, [a, b, c, d]: [f32; 4]) -> [f32x16<S>; 4] {
+        let simd = self.lowest.simd;
+        [
+            self.offset[0] + f32x16::splat(simd, a),
+            self.offset[1] + f32x16::splat(simd, b),
+            self.offset[2] + f32x16::splat(simd, c),
+            self.offset[3] + f32x16::splat(simd, d),
+        ]
+    }
+
+    /// Moves on to the next two rows.
+    #[inline(always)]
+    fn step(&self, values: &mut [f32x16<S>; 4]) {
+        for (value, step) in values.iter_mut().zip(self.step) {
+            *value += step;
+        }
     }
 
     /// Pixels that an uncertain triangle may cover, whichever way it faces.

@@ -122,7 +122,7 @@ impl VisibilityBuffer {
         tile: &mut RayTile,
         hits: &mut TileHits,
     ) -> u64 {
-        *tile = primary_tile(view, corner);
+        primary_tile::aim(view, corner, tile);
         let Open { missed, checked } = settle::settle(tracer.bvh(), tile, self.slots_of(corner), hits);
         let features = tracer.scene().features;
         let mut open = missed;
