@@ -44,8 +44,7 @@ impl Tracer {
 /// Returns the primary rays of the tile whose top left pixel is `corner`.
 pub fn primary_tile(view: &View, corner: [u32; 2]) -> RayTile {
     let directions = [[0.0; TILE_RAYS]; 3];
-    let mut tile =
-        RayTile { origin: Vec3::ZERO, forward: Vec3::ZERO, directions, corners: [Vec3::ZERO; 4] };
+    let mut tile = RayTile { origin: Vec3::ZERO, forward: Vec3::ZERO, directions, corners: [Vec3::ZERO; 4] };
     aim(view, corner, &mut tile);
     tile
 }
