@@ -73,7 +73,8 @@ impl Renderer {
         + Placeholders::BYTES_PER_PIXEL + size_of::<Vec3>() // own
         + (MAX_POINTS_PER_PIXEL + 1) * size_of::<TracedPoint>() // fresh points
         + size_of::<u64>() // warped
-        + 8 * size_of::<u32>() // visible; order; secondary, unseen, uncertain, in the lists and in the bands
+        + size_of::<u32>() // visible
+        + 7 * size_of::<u32>() // order; secondary, unseen, uncertain, in the lists and in the bands
         + 2 * size_of::<Vec3>() + size_of::<f32>() + size_of::<u32>() + 2; // the frame
 
     /// The last frame.

@@ -112,29 +112,40 @@ struct Extent<S: Simd> {
 fn extent<S: Simd>(simd: S, view: &BinView, corners: &[Wide<S>; 3], magnitude: f32x4<S>) -> Extent<S> {
     let (zero, half) = (splat(simd, 0.0), splat(simd, 0.5));
     let end = splat(simd, (BIN_SIDE - 1) as f32);
-    let rows = [splat3(simd, view.rows[0]), splat3(simd, view.rows[1]), splat3(simd, view.rows[2])];
+    let [x, y, z] = view.rows;
     // Project the corners.
-    let depth = [dot(&rows[2], &corners[0]), dot(&rows[2], &corners[1]), dot(&rows[2], &corners[2])];
+    let depth = along(simd, z, corners);
     let one = splat(simd, 1.0);
     let inverse = [one / depth[0], one / depth[1], one / depth[2]];
     let error = magnitude * max3(inverse) * splat(simd, view.pixel_error);
     // A triangle that reaches behind the eye may cover the whole bin.
     let is_ahead = min3(depth).simd_gt(zero) & error.simd_lt(splat(simd, 0.25));
-    let margin = error + half;
-    let mut result = Extent { first: [zero; 2], last: [end; 2], seen: is_ahead | !is_ahead };
-    for axis in 0..2 {
-        let at = [
-            dot(&rows[axis], &corners[0]) * inverse[0],
-            dot(&rows[axis], &corners[1]) * inverse[1],
-            dot(&rows[axis], &corners[2]) * inverse[2],
-        ];
-        let first = (min3(at) - margin).ceil().max(zero);
-        let last = (max3(at) + (error - half)).floor().min(end);
-        result.first[axis] = is_ahead.select(first, zero);
-        result.last[axis] = is_ahead.select(last, end);
-        result.seen &= result.first[axis].simd_le(result.last[axis]);
-    }
-    result
+    let [left, right] = range(along(simd, x, corners), inverse);
+    let [top, bottom] = range(along(simd, y, corners), inverse);
+    let (before, after) = (error + half, error - half);
+    let first = [
+        is_ahead.select((left - before).ceil().max(zero), zero),
+        is_ahead.select((top - before).ceil().max(zero), zero),
+    ];
+    let last = [
+        is_ahead.select((right + after).floor().min(end), end),
+        is_ahead.select((bottom + after).floor().min(end), end),
+    ];
+    Extent { first, last, seen: first[0].simd_le(last[0]) & first[1].simd_le(last[1]) }
+}
+
+/// The products of a vector with the corners.
+#[inline(always)]
+fn along<S: Simd>(simd: S, row: Vec3, corners: &[Wide<S>; 3]) -> [f32x4<S>; 3] {
+    let row = splat3(simd, row);
+    [dot(&row, &corners[0]), dot(&row, &corners[1]), dot(&row, &corners[2])]
+}
+
+/// The least and the largest of three quotients, given by numerators and inverse denominators.
+#[inline(always)]
+fn range<S: Simd>(a: [f32x4<S>; 3], inverse: [f32x4<S>; 3]) -> [f32x4<S>; 2] {
+    let at = [a[0] * inverse[0], a[1] * inverse[1], a[2] * inverse[2]];
+    [min3(at), max3(at)]
 }
 
 /// The edge functions and the disparity of triangles.

@@ -42,8 +42,8 @@ fn settle_with<S: Simd>(
         let is_sky = wide_slots.simd_eq(u32x16::splat(simd, NO_TRIANGLE)).to_bitmask();
         let candidates = !(missed | is_sky) & ALL;
         let axes = axes_of(simd, tile, at);
-        for axis in 0..3 {
-            let mut left = axes[axis] & candidates;
+        for (axis, of_axis) in axes.into_iter().enumerate() {
+            let mut left = of_axis & candidates;
             if left == 0 {
                 continue;
             }
@@ -102,7 +102,7 @@ fn load<S: Simd>(simd: S, from: &[f32; TILE_RAYS], at: usize) -> f32x16<S> {
 }
 
 /// Bits of the rays of a row whose direction is largest along each axis, as
-/// [`largest_axis`](crate::trace::bvh::largest_axis) chooses it.
+/// `bvh::packet` chooses it.
 #[inline(always)]
 fn axes_of<S: Simd>(simd: S, tile: &RayTile, at: usize) -> [u64; 3] {
     let [x, y, z] = &tile.directions;

@@ -131,7 +131,7 @@ fn hit_in_slot<S: Simd>(simd: S, bvh: &Bvh, ray: &Ray, slot: u32) -> Option<Hit>
     intersect_triangle(simd, ray, packet.triangle(lane), packet.triangle_corners(lane))
 }
 
-/// Distance at which a ray enters the box around a triangle, as [`SlabRay`] computes it.
+/// Distance at which a ray enters the box around a triangle, as `bvh::slab` computes it.
 fn entry(ray: &Ray, [a, b, c]: [Vec3; 3]) -> f32 {
     let (low, high) = (a.min(b).min(c), a.max(b).max(c));
     let mut enter = 0.0f32;
