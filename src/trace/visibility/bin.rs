@@ -1,17 +1,9 @@
 //! The pixels of a bin: the nearest candidate of each, and what may lie in front of it.
 
 use super::facet::Facet;
+use super::lens::{BIN_PIXELS, BIN_SIDE, BIN_TILES};
 use crate::trace::bvh::{Bits, NO_TRIANGLE, TILE_RAYS, TILE_SIDE};
 use fearless_simd::{Simd, SimdBase, SimdMask, f32x4, f32x8, f32x16, mask32x16, prelude::*, u32x16};
-
-/// Side of a bin in pixels.
-pub(super) const BIN_SIDE: usize = 64;
-
-/// Number of pixels of a bin.
-pub(super) const BIN_PIXELS: usize = BIN_SIDE * BIN_SIDE;
-
-/// Tiles in a row of a bin.
-pub(super) const BIN_TILES: usize = BIN_SIDE / TILE_SIDE;
 
 /// Slot of a pixel whose surface only a ray can find.
 pub(super) const NEEDS_RAY: u32 = u32::MAX - 1;

@@ -1,8 +1,7 @@
 //! Prepares the triangles of a packet for filling: where they may be seen in a bin, their edge
 //! functions, and their disparity.
 
-use super::bin::BIN_SIDE;
-use super::lens::{BinView, UNIT};
+use super::lens::{BIN_SIDE, BinView, UNIT};
 use crate::trace::bvh::{TrianglePacket, cross, dot, sub};
 use fearless_simd::{Simd, SimdBase, SimdMask, f32x4, mask32x4, prelude::*};
 use glam::Vec3;

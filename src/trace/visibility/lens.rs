@@ -2,12 +2,20 @@
 //!
 //! The bounds are derived in the documentation of [`super`]; `u` is [`UNIT`].
 
-use super::bin::{BIN_SIDE, BIN_TILES};
 use crate::camera::View;
 use crate::math::Ray;
 use crate::trace::bvh::{TILE_RAYS, TILE_SIDE};
 use arrayvec::ArrayVec;
 use glam::{DMat3, Mat3, Vec3};
+
+/// Side of a bin in pixels.
+pub(super) const BIN_SIDE: usize = 64;
+
+/// Number of pixels of a bin.
+pub(super) const BIN_PIXELS: usize = BIN_SIDE * BIN_SIDE;
+
+/// Tiles in a row of a bin.
+pub(super) const BIN_TILES: usize = BIN_SIDE / TILE_SIDE;
 
 /// Half the distance between one and the next number in f32: the largest relative rounding error.
 pub(super) const UNIT: f32 = f32::EPSILON / 2.0;

@@ -76,8 +76,8 @@ use super::bvh::{NO_TRIANGLE, RayTile, TILE_RAYS, TILE_SIDE, TileHits};
 use super::{Hit, Tracer, primary_tile};
 use crate::camera::View;
 use crate::math::Ray;
-use bin::{BIN_PIXELS, BIN_SIDE, BIN_TILES, Bin, CHECKED, NEEDS_RAY};
-use lens::Lens;
+use bin::{Bin, CHECKED, NEEDS_RAY};
+use lens::{BIN_PIXELS, BIN_SIDE, BIN_TILES, Lens};
 use rayon::prelude::*;
 use settle::Open;
 

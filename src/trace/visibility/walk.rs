@@ -1,8 +1,8 @@
 //! Finds the candidates of a bin: traverses the hierarchy for its frustum, nearest nodes first.
 
-use super::bin::{BIN_PIXELS, Bin, CHECKED, NEEDS_RAY};
+use super::bin::{Bin, CHECKED, NEEDS_RAY};
 use super::facet::{Bounds, facets};
-use super::lens::{BinView, Reach};
+use super::lens::{BIN_PIXELS, BinView, Reach};
 use crate::math::Ray;
 use crate::trace::bvh::{
     Bits, Bvh, Child, FARTHER, Hit, Node, STACK, intersect_triangle, nearest_first, safe_component,
