@@ -28,7 +28,22 @@ impl Stage {
 
     /// Returns the last frame of the walk. Modes that look light up must have reused some.
     fn last_frame(&self, mode: Mode, samples: u32, bounces: u32) -> Frame {
-        let render = RenderSettings { mode, trace: TraceSettings { samples, bounces, seed: 7 } };
+        self.frame_of_seed(mode, samples, bounces, 7)
+    }
+
+    /// Returns the last frame of the walk, with the mean radiance of four seeds.
+    fn mean_frame(&self, mode: Mode, samples: u32, bounces: u32) -> Frame {
+        let mut mean = self.frame_of_seed(mode, samples, bounces, 1);
+        for seed in 2..=4 {
+            let frame = self.frame_of_seed(mode, samples, bounces, seed);
+            mean.radiance.iter_mut().zip(&frame.radiance).for_each(|(sum, radiance)| *sum += *radiance);
+        }
+        mean.radiance.iter_mut().for_each(|sum| *sum /= 4.0);
+        mean
+    }
+
+    fn frame_of_seed(&self, mode: Mode, samples: u32, bounces: u32, seed: u64) -> Frame {
+        let render = RenderSettings { mode, trace: TraceSettings { samples, bounces, seed } };
         let settings = WalkthroughSettings { render, ..WalkthroughSettings::default() };
         let mut walk = Walkthrough::new(self.tracer.clone(), settings);
         for (number, pose) in self.poses.iter().enumerate() {
@@ -94,10 +109,10 @@ fn a_room_whose_walls_glow_is_a_furnace_in_every_mode() {
     let expected = emission * series(albedo, BOUNCES + 1);
     for mode in MODES {
         // Mode `fast` shades with a quarter of the samples. The means of the modes over many seeds are
-        // within 0.6 % of the theorem and one seed is off by up to 1.6 %, in `full` too: light from a
-        // wall next to a corner is noisy.
+        // within 0.7 % of the theorem, `full` included, and one seed is off by up to 2.8 %: light from
+        // a wall next to a corner is noisy.
         let samples = if mode == Mode::Fast { 256 } else { 64 };
-        let frame = stage.last_frame(mode, samples, BOUNCES);
+        let frame = stage.mean_frame(mode, samples, BOUNCES);
         stage.check(&frame, |_| expected, [0.015, 0.15], &format!("{mode:?}"));
     }
 }
