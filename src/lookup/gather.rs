@@ -153,15 +153,13 @@ impl ReferenceProjection<'_> {
         let weights = [ux * uy, wx * uy, ux * wy, wx * wy];
         let taps = Taps::load(simd, r, x0, y0);
         let mut g = Gathered::nothing(simd, f.valid);
-        let mut agree = [f.valid; 4];
-        for k in 0..4 {
-            // Accept samples whose disparity and normal agree with the plane.
-            let off = (taps.disparity[k] - expected[k]).abs();
-            let on_plane = f.valid & off.simd_le(f.tolerance * expected[k]);
-            agree[k] = taps.alike(simd, k, r, triangle, on_plane);
-            let light = unpack(simd, taps.light[k], r.scale.exponent_offset);
-            g.take(k, agree[k], light, agree[k].select(weights[k], zero), simd);
-        }
+        // One call for each sample: a loop would keep its sums in memory.
+        let agree = [
+            self.take::<S, 0>(simd, f, &taps, triangle, [expected[0], weights[0]], &mut g),
+            self.take::<S, 1>(simd, f, &taps, triangle, [expected[1], weights[1]], &mut g),
+            self.take::<S, 2>(simd, f, &taps, triangle, [expected[2], weights[2]], &mut g),
+            self.take::<S, 3>(simd, f, &taps, triangle, [expected[3], weights[3]], &mut g),
+        ];
         if !r.smooth.is_empty() {
             let smooth = taps.smooth(simd, r);
             for k in 0..4 {
@@ -170,6 +168,27 @@ impl ReferenceProjection<'_> {
             }
         }
         g
+    }
+
+    /// Takes the light of sample `K` of eight points, where its disparity and normal agree with
+    /// their planes. `expected` is the disparity of the plane there, `weight` the bilinear weight.
+    #[inline(always)]
+    fn take<S: Simd, const K: usize>(
+        &self,
+        simd: S,
+        f: &Footprint<S>,
+        taps: &Taps<S>,
+        triangle: &[u32],
+        [expected, weight]: [f32x8<S>; 2],
+        gathered: &mut Gathered<S>,
+    ) -> mask32x8<S> {
+        let r = self.reference;
+        let off = (taps.disparity[K] - expected).abs();
+        let on_plane = f.valid & off.simd_le(f.tolerance * expected);
+        let agrees = taps.alike(simd, K, r, triangle, on_plane);
+        let light = unpack(simd, taps.light[K], r.scale.exponent_offset);
+        gathered.take(K, agrees, light, agrees.select(weight, f32x8::splat(simd, 0.0)), simd);
+        agrees
     }
 }
 

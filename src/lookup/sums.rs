@@ -1,6 +1,6 @@
 //! Sums over the four samples around each of eight pixels, and how they are added to a tile's light.
 
-use super::policy::{EDGE_GAP, MAX_SMOOTH_SPREAD, MIN_WEIGHT};
+use super::policy::{EDGE_GAP, MAX_JUMP, MAX_SMOOTH_SPREAD, MIN_WEIGHT};
 use super::rows::{load, store};
 use super::{point::LookupReference, tile::TileLight};
 use fearless_simd::{Simd, SimdBase, SimdMask, f32x8, mask32x8, prelude::*};
@@ -107,9 +107,12 @@ impl<S: Simd> Gathered<S> {
         store(enough.select(total.max(coverage), coverage), &mut found.coverage, at);
         // Differences of direct light are judged as a share of all light.
         let smallest = f32x8::splat(simd, f32::MIN_POSITIVE);
-        let smooth = self.smooth[0].max(self.smooth[1]).max(self.smooth[2]) / total.max(smallest);
         let range = self.most - self.least;
-        let spread = range / (self.most + smooth).max(smallest);
+        let mut brightest = self.most;
+        if !reference.smooth.is_empty() {
+            brightest += self.smooth[0].max(self.smooth[1]).max(self.smooth[2]) / total.max(smallest);
+        }
+        let spread = range / brightest.max(smallest);
         let smoothed = load(simd, &found.smoothed, at);
         let loss = smoothed.min(spread * (one - fine));
         store(enough.select(loss, smoothed), &mut found.smoothed, at);
@@ -117,10 +120,13 @@ impl<S: Simd> Gathered<S> {
         let best = load(simd, &found.best_weight, at);
         let better = weight.simd_gt(best);
         store(better.select(weight, best), &mut found.best_weight, at);
-        // Detect the edge of a shadow between the samples.
-        let is_wide = range.simd_gt(self.most * reference.wide);
-        let jump = (self.has_gap() | is_wide).select(spread, zero);
-        store(load(simd, &found.jump, at).max(enough.select(jump, zero)), &mut found.jump, at);
+        // Detect the edge of a shadow between the samples, where it would make the light a guess.
+        let is_large = enough & spread.simd_gt(f32x8::splat(simd, MAX_JUMP));
+        if is_large.any_true() {
+            let is_wide = range.simd_gt(self.most * reference.wide);
+            let jump = (is_large & (self.has_gap() | is_wide)).select(spread, zero);
+            store(load(simd, &found.jump, at).max(jump), &mut found.jump, at);
+        }
         let mut bits = better.to_bitmask();
         while bits != 0 {
             found.slot[at + bits.trailing_zeros() as usize] = slot;

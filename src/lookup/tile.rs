@@ -119,7 +119,7 @@ impl TileSurfaces {
 
     /// The hit of a ray, without its distance.
     #[inline(always)]
-    pub(super) fn hit(&self, ray: usize) -> Hit {
+    pub(crate) fn hit(&self, ray: usize) -> Hit {
         let [b1, b2] = [self.hits.b1[ray], self.hits.b2[ray]];
         Hit { t: 0.0, triangle: self.hits.triangle[ray], b1, b2 }
     }
@@ -186,7 +186,8 @@ pub struct TileLight {
     /// an edge, where light is extrapolated.
     pub coverage: [f32; TILE_RAYS],
     /// By how much samples differ, as a share of the brightest, where they fall into two groups as
-    /// on both sides of a shadow's edge; zero where they vary smoothly, as in noise and penumbra.
+    /// on both sides of a shadow's edge; zero where they vary smoothly, as in noise and penumbra, or
+    /// by too little to matter.
     pub jump: [f32; TILE_RAYS],
     /// By how much samples differ times how much of that interpolation smooths away: the least of
     /// all references read.

@@ -5,6 +5,7 @@
 //! five rounds after one round that is not counted.
 
 mod feature_speed;
+mod lookup_speed;
 mod measure;
 mod ray_speed;
 mod rays;

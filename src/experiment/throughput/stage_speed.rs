@@ -1,10 +1,11 @@
 //! The stages of a frame in mode `exact`, each against its lower bound.
 
+use super::lookup_speed::one_core_ns_per_pixel;
 use super::settings::{ThroughputSettings, moved};
 use super::timing::{ROUNDS, median_secs};
 use crate::camera::{Camera, View};
 use crate::experiment::statistics::median;
-use crate::lookup::{LookupSet, open_percent};
+use crate::lookup::{LookupQuality, LookupSet, open_percent};
 use crate::reference::{ReferenceCache, ReferenceFrame};
 use crate::render::{FrameRequest, FrameStats, Mode, RenderSettings, Renderer};
 use crate::trace::{Tracer, parallel::NEVER};
@@ -28,6 +29,11 @@ pub struct StageSpeed {
     pub resolve_ns_per_pixel: f64,
     /// Time of look-ups and writing the pixels.
     pub lookup_ns_per_pixel: f64,
+    /// Time of a look-up in up to two references, the plane test and the texture, as mode `exact`
+    /// does it, on one core.
+    pub lookup_ns_per_pixel_one_core: f64,
+    /// The same in one reference, as mode `fast` does it.
+    pub lookup_fast_ns_per_pixel_one_core: f64,
     /// Lower bound: the time that the memory bandwidth takes to read each sample of two references
     /// once.
     pub lookup_floor_ns_per_pixel: f64,
@@ -87,10 +93,14 @@ pub(crate) fn stage_speed(tracer: &Tracer, settings: &ThroughputSettings, floors
     let prediction_secs = median_secs(|| {
         black_box(open_percent(tracer, &view, &lookup, None));
     });
+    let [exact, fast] = [LookupQuality::EXACT, LookupQuality::FAST]
+        .map(|quality| one_core_ns_per_pixel(tracer, &view, &lookup, quality));
     let pixels = view.pixel_count().max(1) as f64;
     let tile_ns = 1e3 / floors.primary_tile_mrays_per_sec;
     let read_ns = |bytes: f64| bytes / floors.memory_gb_per_sec;
     StageSpeed {
+        lookup_ns_per_pixel_one_core: exact,
+        lookup_fast_ns_per_pixel_one_core: fast,
         lookup_floor_ns_per_pixel: read_ns(LOOKED_UP_BYTES * REFERENCES as f64),
         foresight_ms: prediction_secs * 1e3,
         foresight_floor_ms: tile_ns * pixels / 16.0 / 1e6,
