@@ -1,16 +1,16 @@
-//! The speed of the look-up on one core, apart from the rays that find its points.
+//! The speed of the look-up on one core, apart from the visibility of its points.
 
 use crate::camera::View;
 use crate::experiment::statistics::median;
 use crate::experiment::throughput::timing::ROUNDS;
 use crate::lookup::{LookupQuality, LookupSet, TileLight, TileSurfaces, ViewLookup};
-use crate::trace::{TILE_RAYS, TILE_SIDE, Tracer};
+use crate::trace::{TILE_RAYS, TILE_SIDE, Tracer, VisibilityBuffer};
 use glam::Vec3;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 /// Returns the median time of the look-up of a view's pixels, with plane test and texture, in
-/// nanoseconds a pixel. Each tile is looked up right after its rays are traced, as in a frame; only
+/// nanoseconds a pixel. Each tile is looked up right after its hits are settled, as in a frame; only
 /// the look-up is timed.
 pub(super) fn one_core_ns_per_pixel(
     tracer: &Tracer,
@@ -28,9 +28,11 @@ pub(super) fn one_core_ns_per_pixel(
 fn look_up_all(tracer: &Tracer, view: &View, lookup: &ViewLookup<'_>) -> Duration {
     let (mut surfaces, mut light) = (TileSurfaces::new(view), TileLight::NONE);
     let (mut total, mut clock) = (Duration::ZERO, Duration::ZERO);
+    let mut visible = VisibilityBuffer::default();
+    visible.find(tracer, view, false);
     for y in (0..view.size[1]).step_by(TILE_SIDE) {
         for x in (0..view.size[0]).step_by(TILE_SIDE) {
-            surfaces.trace(tracer, view, [x, y]);
+            surfaces.settle(tracer, &visible, view, [x, y]);
             let start = Instant::now();
             lookup.gather(&surfaces.points, &mut light);
             black_box(reflected(tracer, &surfaces, &light));
