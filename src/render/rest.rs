@@ -25,6 +25,11 @@ use std::sync::Arc;
 /// Passes of the full tracer until the picture counts as converged.
 const PASSES: u32 = 64;
 
+/// Passes from which on the full tracer's picture is mixed in. With fewer, the variance of light that
+/// few paths find is underestimated: after 8 passes the mixture of a daylit room had 6 % more
+/// squared error than its looked-up picture alone.
+const MIXED_PASSES: u32 = 16;
+
 /// A stage of the picture: a reference of the view, and what follows it.
 struct Stage {
     /// Pixels of the picture, along an edge, per pixel of the reference.
@@ -41,7 +46,7 @@ struct Stage {
 const STAGES: [Stage; 4] = [
     Stage { edge: 2, samples: 1, frames: 1, passes: 0 },
     Stage { edge: 1, samples: 1, frames: 4, passes: 0 },
-    Stage { edge: 1, samples: 4, frames: 16, passes: 8 },
+    Stage { edge: 1, samples: 4, frames: 16, passes: 0 },
     Stage { edge: 1, samples: 16, frames: 16, passes: PASSES },
 ];
 
@@ -221,7 +226,7 @@ impl RestPicture {
             return;
         }
         frame.radiance.clone_from(&self.looked_up);
-        if self.full.passes_done() >= 2 {
+        if self.full.passes_done() >= MIXED_PASSES {
             mix(&mut frame.radiance, &self.full.means(), self.size[0] as usize);
         }
         frame.stats.refined = self.state();
