@@ -227,3 +227,108 @@ fn divide(out: &mut [f32], sums: &[f32], totals: &[f32]) {
         *out = sum / total;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::surfaces::{DIRECTIONS, Facet, Kind, surface_likeness};
+    use super::*;
+    use crate::math::key::Key;
+    use crate::scene::builtin;
+    use crate::trace::Tracer;
+    use glam::Vec3;
+    use std::sync::Arc;
+
+    const SIZE: [usize; 2] = [37, 11];
+
+    /// Pixels of a rough floor; some have no samples.
+    fn facets() -> Vec<Option<Facet>> {
+        (0..SIZE[0] * SIZE[1])
+            .map(|at| {
+                let [a, b] = Key::of_pixel(5, at as u32).pair();
+                let [c, d] = Key::of_pixel(6, at as u32).pair();
+                let place = Vec3::new((at % SIZE[0]) as f32, 0.1 * a, (at / SIZE[0]) as f32);
+                let normal = Vec3::new(0.5 * b - 0.25, 1.0, 0.5 * c - 0.25).normalize();
+                (d < 0.9).then_some(Facet { position: place, normal })
+            })
+            .collect()
+    }
+
+    fn surfaces(facets: &[Option<Facet>]) -> Surfaces {
+        let lit: Vec<u32> = (0..facets.len() as u32).filter(|&at| facets[at as usize].is_some()).collect();
+        let found: Vec<_> = lit.iter().map(|&at| facets[at as usize]).collect();
+        Surfaces::new(SIZE, &lit, &found)
+    }
+
+    /// Calls `visit` with the neighbours of a pixel and their weights, in the order of the kernel.
+    fn visit_neighbours(facets: &[Option<Facet>], at: usize, step: isize, mut visit: impl FnMut(usize, f32)) {
+        let place = [at % SIZE[0], at / SIZE[0]].map(usize::cast_signed);
+        for (dx, dy) in DIRECTIONS {
+            for sign in [1, -1] {
+                let there = [place[0] + sign * dx * step, place[1] + sign * dy.cast_signed() * step];
+                let [x, y] = there.map(|c| usize::try_from(c).unwrap_or(usize::MAX));
+                if x >= SIZE[0] || y >= SIZE[1] {
+                    continue;
+                }
+                let other = y * SIZE[0] + x;
+                let (Some(a), Some(b)) = (facets[at.min(other)], facets[at.max(other)]) else { continue };
+                let share = (surface_likeness(&a, &b) * 255.0).round_ties_even();
+                visit(other, if dx == 0 || dy == 0 { 2.0 / 255.0 } else { 1.0 / 255.0 } * share);
+            }
+        }
+    }
+
+    #[test]
+    fn averages_are_those_of_a_slow_twin_at_every_pixel_and_step() {
+        let facets = facets();
+        let surfaces = surfaces(&facets);
+        let tracer = Tracer::new(Arc::new(builtin::build("furnace").unwrap()));
+        let near = surfaces.likenesses(1, Kind::Surface);
+        let walls = Walls::between(&surfaces, &near, Vec3::splat(1e4), &tracer);
+        let values: Vec<f32> = (0..facets.len()).map(|at| Key::of_pixel(9, at as u32).pair()[0]).collect();
+        let mut shared = 0;
+        for step in [1, 2, 8, 32] {
+            let likenesses = surfaces.likenesses(step, Kind::Surface);
+            let kernel = Kernel { surfaces: &surfaces, likenesses: &likenesses, walls: &walls };
+            let mut averaged = vec![0.0; values.len()];
+            kernel.average(&values, &mut averaged);
+            for at in 0..values.len() {
+                let (mut sum, mut total) = (4.0 * values[at], 4.0);
+                visit_neighbours(&facets, at, step.cast_signed(), |other, weight| {
+                    sum += values[other] * weight;
+                    total += weight;
+                    shared += usize::from(weight > 0.0);
+                });
+                let expected = if facets[at].is_some() { sum / total } else { values[at] };
+                assert_eq!(averaged[at].to_bits(), expected.to_bits(), "pixel {at}, step {step}");
+            }
+        }
+        assert!(shared > 1000, "{shared} neighbours share values");
+    }
+
+    #[test]
+    fn light_without_noise_stays_where_it_differs_and_noise_is_averaged() {
+        let facets = facets();
+        let surfaces = surfaces(&facets);
+        let tracer = Tracer::new(Arc::new(builtin::build("furnace").unwrap()));
+        let likenesses = surfaces.likenesses(1, Kind::Surface);
+        let walls = Walls::between(&surfaces, &likenesses, Vec3::splat(1e4), &tracer);
+        let kernel = Kernel { surfaces: &surfaces, likenesses: &likenesses, walls: &walls };
+        let layer: Vec<Halves> = (0..facets.len())
+            .map(|at| {
+                if facets[at].is_none() {
+                    [0.0; 8]
+                } else {
+                    [(at % 3) as f32, 1.0, 2.0, 1.0, (at % 3) as f32, 1.0, 2.0, 1.0]
+                }
+            })
+            .collect();
+        let plane = |number: usize| layer.iter().map(|halves| halves[number]).collect::<Vec<f32>>();
+        let mut wider = vec![Halves::default(); layer.len()];
+        for (variance, is_kept) in [(0.0, true), (1e6, false)] {
+            let light = [plane(0), plane(1), plane(2), vec![variance; layer.len()]];
+            kernel.widen(&layer, &light, &mut wider);
+            let moved = wider.iter().zip(&layer).map(|(a, b)| (a[0] / a[3].max(1e-9) - b[0]).abs());
+            assert_eq!(moved.fold(0.0, f32::max) < 1e-6, is_kept, "variance {variance}");
+        }
+    }
+}

@@ -59,16 +59,20 @@ impl Surfaces {
     /// The surfaces of the listed pixels of a reference.
     pub(super) fn of(frame: &ReferenceFrame, tracer: &Tracer, pixels: &[u32]) -> Self {
         let found: Vec<Option<Facet>> = pixels.par_iter().map(|&pixel| facet(frame, tracer, pixel)).collect();
+        Self::new(frame.view.size.map(|side| side as usize), pixels, &found)
+    }
+
+    /// The surfaces of the listed pixels of a picture.
+    pub(super) fn new(size: [usize; 2], pixels: &[u32], found: &[Option<Facet>]) -> Self {
         let mut planes = [const { Vec::new() }; 6];
         planes.par_iter_mut().enumerate().for_each(|(axis, plane)| {
-            *plane = vec![0.0; frame.view.pixel_count()];
-            for (&pixel, facet) in pixels.iter().zip(&found) {
+            *plane = vec![0.0; size[0] * size[1]];
+            for (&pixel, facet) in pixels.iter().zip(found) {
                 if let Some(Facet { position, normal }) = facet {
                     plane[pixel as usize] = if axis < 3 { position[axis] } else { normal[axis - 3] };
                 }
             }
         });
-        let size = frame.view.size.map(|side| side as usize);
         let mut spans = vec![0..0; size[1]];
         for &pixel in pixels {
             let (x, y) = (pixel as usize % size[0], pixel as usize / size[0]);
@@ -93,7 +97,7 @@ impl Surfaces {
         Facet { position: Vec3::new(px, py, pz), normal: Vec3::new(nx, ny, nz) }
     }
 
-    /// Compares all pixels with their neighbours `step` pixels away, as parts of one surface or,
+    /// Compares all pixels with their neighbours `step` pixels away, as parts of one surface or
     /// of one place.
     pub(super) fn likenesses(&self, step: usize, kind: Kind) -> Likenesses {
         let [width, height] = self.size;
@@ -184,7 +188,7 @@ fn place_likeness(a: &Facet, b: &Facet, reach: f32) -> f32 {
 /// How much light two surfaces share, 0..1, by their normals and by how far each lies off the
 /// other. Zero where one has no normal.
 #[inline(always)]
-fn surface_likeness(a: &Facet, b: &Facet) -> f32 {
+pub(super) fn surface_likeness(a: &Facet, b: &Facet) -> f32 {
     let cosine = a.normal.dot(b.normal);
     let line = b.position - a.position;
     let off = a.normal.dot(line).abs().max(b.normal.dot(line).abs());
