@@ -247,7 +247,7 @@ mod tests {
                 let [a, b] = Key::of_pixel(5, at as u32).pair();
                 let [c, d] = Key::of_pixel(6, at as u32).pair();
                 let place = Vec3::new((at % SIZE[0]) as f32, 0.1 * a, (at / SIZE[0]) as f32);
-                let normal = Vec3::new(0.5 * b - 0.25, 1.0, 0.5 * c - 0.25).normalize();
+                let normal = Vec3::new(0.5 * b - 0.25, 1.0, 0.5 * c - 0.25).normalize_or(Vec3::Y);
                 (d < 0.9).then_some(Facet { position: place, normal })
             })
             .collect()
