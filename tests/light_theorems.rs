@@ -108,9 +108,9 @@ fn a_room_whose_walls_glow_is_a_furnace_in_every_mode() {
     let stage = Stage::new(b, &[pose(0.3), pose(0.1)], [48, 32]);
     let expected = emission * series(albedo, BOUNCES + 1);
     for mode in MODES {
-        // Mode `fast` shades with a quarter of the samples. The means of the modes over many seeds are
-        // within 0.7 % of the theorem, `full` included, and one seed is off by up to 2.8 %: light from
-        // a wall next to a corner is noisy.
+        // Mode `fast` shades with a quarter of the samples. The means of the modes over many seeds
+        // are within 0.7 % of the theorem, `full` included, and one seed is off by up to 2.8 %:
+        // light from a wall next to a corner is noisy.
         let samples = if mode == Mode::Fast { 256 } else { 64 };
         let frame = stage.mean_frame(mode, samples, BOUNCES);
         stage.check(&frame, |_| expected, [0.015, 0.15], &format!("{mode:?}"));
@@ -140,8 +140,8 @@ fn an_integrating_sphere_has_its_closed_form_in_every_mode() {
     };
     for mode in MODES {
         let frame = stage.last_frame(mode, 16, BOUNCES);
-        // Roulette ends paths at random: blocks of `full` were up to 4 % off. Cells hold the mean of
-        // sixteen paths, whose noise their readers share.
+        // Roulette ends paths at random: blocks of `full` were up to 4 % off. Cells hold the mean
+        // of sixteen paths, whose noise their readers share.
         stage.check(&frame, expected, [0.01, 0.06], &format!("{mode:?}"));
     }
 }

@@ -14,9 +14,8 @@
 use super::point::{FoundLight, LookupReference, Sampled};
 use super::policy::{LIFT, WHOLE_COVERAGE};
 use super::{SurfaceKey, TileLight, TilePoints, ViewLookup};
-use crate::math::Ray;
 use crate::raster::pixel_types::NO_SUPPLIER;
-use crate::trace::{Tracer, bvh::Occluder};
+use crate::trace::Tracer;
 use glam::Vec3;
 
 impl LookupReference<'_> {
@@ -39,10 +38,7 @@ impl LookupReference<'_> {
 
 /// True where a point and a sample on its plane see each other from a little above it.
 fn sees(tracer: &Tracer, point: &SurfaceKey, sample: Vec3) -> bool {
-    let to_sample = sample - point.position;
-    let lift = point.normal * (to_sample.length() * LIFT);
-    let ray = Ray { t_max: 1.0, ..Ray::new(point.position + lift, to_sample) };
-    tracer.transmittance(&ray, &mut Occluder::default()) != Vec3::ZERO
+    tracer.see_each_other((point.position, point.normal), (sample, point.normal), LIFT)
 }
 
 impl ViewLookup<'_> {

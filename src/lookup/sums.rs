@@ -1,4 +1,5 @@
-//! Sums over the four samples around each of eight pixels, and how they are added to a tile's light.
+//! Sums over the four samples around each of eight pixels, and how they are added to a tile's
+//! light.
 
 use super::policy::{EDGE_GAP, MAX_JUMP, MAX_SMOOTH_SPREAD, MIN_WEIGHT};
 use super::rows::{load, store};

@@ -186,8 +186,8 @@ pub struct TileLight {
     /// an edge, where light is extrapolated.
     pub coverage: [f32; TILE_RAYS],
     /// By how much samples differ, as a share of the brightest, where they fall into two groups as
-    /// on both sides of a shadow's edge; zero where they vary smoothly, as in noise and penumbra, or
-    /// by too little to matter.
+    /// on both sides of a shadow's edge; zero where they vary smoothly, as in noise and penumbra,
+    /// or by too little to matter.
     pub jump: [f32; TILE_RAYS],
     /// By how much samples differ times how much of that interpolation smooths away: the least of
     /// all references read.

@@ -12,6 +12,12 @@ pub(crate) struct SmoothSamples {
     pub(crate) count: u32,
 }
 
+impl SmoothSamples {
+    pub(crate) fn is_finite(&self) -> bool {
+        self.sums.iter().all(|sum| sum.is_finite())
+    }
+}
+
 impl From<&ArrivingLight> for SmoothSamples {
     fn from(light: &ArrivingLight) -> Self {
         Self { sums: light.smooth_sums, count: light.paths }

@@ -6,11 +6,16 @@ use crate::lookup::{LookupSet, open_percent};
 use crate::reference::ReferenceCache;
 use crate::trace::Tracer;
 
-/// A view is previewed where at least this share of its pixels, in percent, has no known light.
+/// A view is previewed where at least this share of its pixels, in percent, has no known light: a
+/// quarter of the picture would be noise, and a preview costs a sixteenth of a frame or less.
 const PREVIEWED_PERCENT: f64 = 25.0;
 
-/// Pixels of a frame, along an edge, per pixel of its preview.
+/// Pixels of a frame, along an edge, per pixel of its preview, at least.
 const PREVIEW_EDGE: u32 = 4;
+
+/// Pixels of a preview at most, so that it takes no longer for a large window: 65,536 paths with
+/// the four samples of a window.
+const MAX_PREVIEW_PIXELS: u32 = 1 << 14;
 
 /// The size in pixels of the preview of a frame; `None` where enough is known. A pose that has a
 /// reference is not previewed again.
@@ -26,5 +31,7 @@ pub(super) fn preview_size(
     let view = View::new(camera, &tracer.scene().frame, size);
     let lookup = LookupSet::new(cache, tracer.epoch());
     let is_unknown = open_percent(tracer, &view, &lookup, None) >= PREVIEWED_PERCENT;
-    is_unknown.then(|| size.map(|edge| edge.div_ceil(PREVIEW_EDGE)))
+    let too_large = view.pixel_count() as f64 / f64::from(MAX_PREVIEW_PIXELS);
+    let edge = PREVIEW_EDGE.max(too_large.sqrt().ceil() as u32);
+    is_unknown.then(|| size.map(|pixels| pixels.div_ceil(edge)))
 }

@@ -18,8 +18,8 @@ pub(super) enum Refinement {
 }
 
 impl Refinement {
-    /// Begins the picture of a request: of the full tracer, from `first_pass` where there is one, or
-    /// of the mode where it looks smooth light up.
+    /// Begins the picture of a request: of the full tracer, from `first_pass` where there is one,
+    /// or of the mode where it looks smooth light up.
     pub(super) fn new(request: &FrameRequest<'_>, first_pass: Option<&Frame>) -> Self {
         let RenderSettings { mode, trace } = *request.settings;
         if mode.looks_up() && trace.bounces > 0 {

@@ -333,6 +333,9 @@ impl Renderer {
     /// the same view and size holds near there, instead of their own: it was shared between
     /// neighbours.
     pub(super) fn show_shared_light(&mut self, tracer: &Tracer, reference: &ReferenceFrame) {
+        if !reference.has_smooth_light() {
+            return;
+        }
         let view = self.frame.view;
         for (pixel, traced) in self.unseen.done() {
             let Some(hit) = traced.hit else { continue };

@@ -1,14 +1,15 @@
 //! The picture of a camera at rest, in the modes that look smooth light up.
 //!
-//! Two pictures are made in turns. One is the mean of looked-up frames through different points of
-//! the pixels; its references get four times as many samples each time, so its noise is low and its
-//! bias shrinks. The other is the mean of passes of the full tracer, which has no bias. Each tile
-//! shows the mixture that has the least estimated error, which in the limit is the full tracer's
-//! picture.
+//! Two pictures are made, one after the other. The first is the mean of looked-up frames through
+//! different points of the pixels; its reference gets more pixels and samples from stage to stage,
+//! so its noise is low and its bias shrinks. The second is the mean of passes of the full tracer,
+//! which has no bias. Each block of pixels shows the mixture that has the least estimated error,
+//! which in the limit is the full tracer's picture.
 //!
 //! Source: James and Stein, "Estimation with Quadratic Loss", 1961, for mixing by estimated error;
 //! Gu et al., "Neural James-Stein Combiner for Unbiased and Biased Renderings", ACM TOG 2022, for
-//! doing so with renderings. We differ: the shares are computed per tile from the passes' variance.
+//! doing so with renderings. We differ: the shares are computed per block from the passes'
+//! variance.
 
 use super::accumulate::{Accumulation, offset_of_pass};
 use super::frame::{Frame, RefineState};
@@ -25,9 +26,9 @@ use std::sync::Arc;
 /// Passes of the full tracer until the picture counts as converged.
 const PASSES: u32 = 64;
 
-/// Passes from which on the full tracer's picture is mixed in. With fewer, the variance of light that
-/// few paths find is underestimated: after 8 passes the mixture of a daylit room had 6 % more
-/// squared error than its looked-up picture alone.
+/// Passes from which on the full tracer's picture is mixed in. With fewer, the variance of light
+/// that few paths find is underestimated: after 8 passes the mixture of a daylit room had 6 % more
+/// squared error than its looked-up picture alone (one run).
 const MIXED_PASSES: u32 = 16;
 
 /// A stage of the picture: a reference of the view, and what follows it.
@@ -128,7 +129,7 @@ impl RestPicture {
         TraceSettings { samples: trace.samples.saturating_mul(more_samples), ..trace }
     }
 
-    /// The next step; goes on to the next stage where one is finished.
+    /// The next step. Where a stage is finished, it is the first of the next stage.
     fn task(&mut self, cache: &ReferenceCache) -> Option<Task> {
         loop {
             let stage = STAGES.get(self.stage)?;
@@ -143,7 +144,7 @@ impl RestPicture {
         }
     }
 
-    /// True where a reference of this view is as good as that of a stage.
+    /// True where a reference of this view has at least the pixels and samples of a stage.
     fn is_known(&self, stage: &Stage, cache: &ReferenceCache) -> bool {
         let (size, samples) = (self.size_of(stage), self.trace_of(stage.samples).samples);
         cache.entries().iter().any(|entry| {

@@ -179,8 +179,8 @@ impl Walkthrough {
         is_same && !frame.stats.is_complete && !frame.radiance.is_empty()
     }
 
-    /// Lights a reference of few pixels where previews are wanted and the view is mostly unknown. It
-    /// is not stopped: without it the frame would show noise.
+    /// Lights a reference of few pixels where previews are wanted and the view is mostly unknown.
+    /// It is not stopped: without it the frame would show noise.
     fn preview(&mut self, camera: &Camera, size: [u32; 2]) {
         let render = &self.settings.render;
         let applies = self.has_previews && render.mode.looks_up() && render.trace.bounces > 0;

@@ -59,17 +59,18 @@ impl From<Sun> for Light {
     }
 }
 
-/// The fraction of the square root of two, times 2^32. No multiple by a small number is near a whole
-/// number, and none is near a multiple of the golden ratio, by which the second coordinate steps.
+/// The fraction of the square root of two, times 2^32. No multiple by a small number is near a
+/// whole number, and none is near a multiple of the golden ratio, by which the second coordinate
+/// steps.
 const ROOT_OF_TWO: u32 = 0x6a09_e667;
 
 /// Maps a point `u` of the unit square to a point of a mesh, uniformly by area. Returns the point
 /// and the index of its triangle. `cumulative_area` is that of [`Light::Triangles`].
 ///
-/// The first coordinate selects the triangle, and its place within the triangle's share is the first
-/// coordinate there. On a mesh of equal triangles, points in equal steps all have the same place, so
-/// it is rotated by a multiple of the square root of two for each triangle (a Weyl sequence): still
-/// uniform, and stratified where a triangle holds several points.
+/// The first coordinate selects the triangle, and its place within the triangle's share is the
+/// first coordinate there. On a mesh of equal triangles, points in equal steps all have the same
+/// place, so it is rotated by a multiple of the square root of two for each triangle (a Weyl
+/// sequence): still uniform, and stratified where a triangle holds several points.
 pub(crate) fn point_on_mesh(corners: &[[Vec3; 3]], cumulative_area: &[f32], u: [f32; 2]) -> (Vec3, usize) {
     let chosen = cumulative_area.partition_point(|&c| c <= u[0]).min(corners.len() - 1);
     let below = if chosen == 0 { 0.0 } else { cumulative_area[chosen - 1] };

@@ -10,8 +10,8 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 /// Returns the median time of the look-up of a view's pixels, with plane test and texture, in
-/// nanoseconds a pixel. Each tile is looked up right after its hits are settled, as in a frame; only
-/// the look-up is timed.
+/// nanoseconds a pixel. Each tile is looked up right after its hits are settled, as in a frame;
+/// only the look-up is timed.
 pub(super) fn one_core_ns_per_pixel(
     tracer: &Tracer,
     view: &View,

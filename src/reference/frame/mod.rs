@@ -13,12 +13,11 @@ mod damage;
 
 use crate::bsdf::albedo;
 use crate::camera::{Camera, NEAREST_DEPTH, View};
-use crate::math::Ray;
 use crate::raster::rgb9e5::Rgb9e5Scale;
 use crate::reference::DisparityTiles;
 use crate::reference::light::{UNLIT, pack_light};
+use crate::reference::smooth_filter::{LIFT, PLACE_REACH};
 use crate::reference::smooth_samples::SmoothSamples;
-use crate::trace::bvh::Occluder;
 use crate::trace::parallel::{Stop, tile_order, trace_pixels};
 use crate::trace::{
     ILL_CONDITIONED, NO_TRIANGLE, PixelTrace, RayCounts, SceneEpoch, SurfacePoint, TraceSettings, Tracer,
@@ -292,6 +291,11 @@ impl ReferenceFrame {
         self.smooth.get(pixel as usize).map_or(direct, |&word| direct + self.smooth_scale.unpack(word))
     }
 
+    /// True where smooth light is stored apart: with bounces.
+    pub(crate) fn has_smooth_light(&self) -> bool {
+        !self.smooth.is_empty()
+    }
+
     /// Smooth light of a pixel, as the radiance of a white diffuse surface, where it holds for a
     /// point that the pixel shows in another frame of this view: the pixel's surface is no farther
     /// from it than a few pixels, and faces a similar way.
@@ -301,8 +305,6 @@ impl ReferenceFrame {
         pixel: u32,
         point: &SurfacePoint,
     ) -> Option<Vec3> {
-        /// Pixels between two places that share light.
-        const REACH: f32 = 4.0;
         let triangle = self.triangle[pixel as usize];
         if !self.has_light(pixel) || triangle == NO_TRIANGLE {
             return None;
@@ -310,11 +312,11 @@ impl ReferenceFrame {
         let word = *self.smooth.get(pixel as usize)?;
         let offset = self.offset_from_eye(pixel);
         let own = SurfacePoint::from_position(tracer.scene(), triangle, self.view.eye + offset, offset);
-        let most = REACH * self.view.scene_from_pixel.x_axis.length() * offset.length();
+        let most = PLACE_REACH * self.view.scene_from_pixel.x_axis.length() * offset.length();
         let is_near = own.position.distance(point.position) <= most;
         let faces_alike = own.shading_normal.dot(point.shading_normal) > 0.0;
-        (is_near && faces_alike && see_each_other(tracer, &own, point))
-            .then(|| self.smooth_scale.unpack(word))
+        let [a, b] = [&own, point].map(|p| (p.position, p.shading_normal));
+        (is_near && faces_alike && tracer.see_each_other(a, b, LIFT)).then(|| self.smooth_scale.unpack(word))
     }
 
     /// Packed smooth light of all pixels, and the scale to unpack it; empty without bounces.
@@ -378,18 +380,4 @@ impl ReferenceFrame {
     pub fn offset_from_eye(&self, pixel: u32) -> Vec3 {
         self.view.direction_of_pixel(pixel) / self.disparity[pixel as usize]
     }
-}
-
-/// True where nothing stands between two points, a little above their surfaces.
-fn see_each_other(tracer: &Tracer, a: &SurfacePoint, b: &SurfacePoint) -> bool {
-    /// Height above the surfaces, as a share of the distance between the points.
-    const LIFT: f32 = 0.25;
-    let distance = a.position.distance(b.position);
-    if distance == 0.0 {
-        return true;
-    }
-    let lift = LIFT * distance;
-    let [from, to] = [a, b].map(|point| point.position + point.shading_normal * lift);
-    let ray = Ray { t_max: 1.0, ..Ray::new(from, to - from) };
-    tracer.transmittance(&ray, &mut Occluder::default()) != Vec3::ZERO
 }

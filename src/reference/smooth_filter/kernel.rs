@@ -167,8 +167,8 @@ impl Kernel<'_> {
     }
 }
 
-/// The weighted means of pixels and their neighbours, from pixel `start` of the layer and `column` of
-/// the row on.
+/// The weighted means of pixels and their neighbours, from pixel `start` of the layer and `column`
+/// of the row on.
 #[inline(always)]
 fn blend(out: &mut [Halves], layer: &[Halves], start: usize, column: usize, row: &Row) {
     let last = layer.len() - 1;

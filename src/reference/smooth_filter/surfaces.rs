@@ -43,7 +43,7 @@ pub(super) struct Likenesses {
     pub(super) shares: [Vec<u8>; 4],
 }
 
-/// What makes pixels alike.
+/// How pixels must be alike to share light.
 #[derive(Clone, Copy)]
 pub(super) enum Kind {
     /// They show one smooth surface.
@@ -174,8 +174,8 @@ fn compare_runs(
     }
 }
 
-/// How much light two places share, 0..1, by the distance between them, of which `reach` is the most
-/// relative to that from the eye, and by their normals. Zero where one has no normal.
+/// How much light two places share, 0..1, by the distance between them, of which `reach` is the
+/// most relative to that from the eye, and by their normals. Zero where one has no normal.
 #[inline(always)]
 fn place_likeness(a: &Facet, b: &Facet, reach: f32) -> f32 {
     let apart = (b.position - a.position).length_squared();

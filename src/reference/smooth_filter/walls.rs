@@ -1,14 +1,13 @@
 //! What stands between the pixels of a surface.
 
-use super::surfaces::{Likenesses, Surfaces};
-use crate::math::Ray;
-use crate::trace::{Tracer, bvh::Occluder};
+use super::surfaces::{Facet, Likenesses, Surfaces};
+use crate::trace::Tracer;
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// Height above the surfaces, as a share of the distance between two neighbours, at which they must
-/// see each other to share light.
-const LIFT: f32 = 0.25;
+/// Height above the surfaces, as a share of the distance between two places, at which they must see
+/// each other to share light. An arc that turns by 37 degrees from one to the other rises by 0.08.
+pub(crate) const LIFT: f32 = 0.25;
 
 /// What stands between the pixels of a surface.
 pub(super) struct Walls<'a> {
@@ -39,15 +38,14 @@ impl<'a> Walls<'a> {
 
     /// True where two pixels see each other from a little above their surfaces.
     fn see_each_other(&self, a: usize, b: usize) -> bool {
-        let (a, b) = (self.surfaces.facet(a), self.surfaces.facet(b));
-        let lift = LIFT * a.position.distance(b.position);
-        let [from, to] = [a, b].map(|f| self.eye + f.position + f.normal * lift);
-        let ray = Ray { t_max: 1.0, ..Ray::new(from, to - from) };
-        self.tracer.transmittance(&ray, &mut Occluder::default()) != Vec3::ZERO
+        let [a, b] = [a, b].map(|at| self.surfaces.facet(at));
+        let place = |facet: Facet| (self.eye + facet.position, facet.normal);
+        self.tracer.see_each_other(place(a), place(b), LIFT)
     }
 
-    /// The pixels from `at` on, one bit each, between which and the pixels from `other` on there may
-    /// be a wall: at most 32. `corner` is the pixel in the row of `at` and the column of `other`.
+    /// The pixels from `at` on, one bit each, between which and the pixels from `other` on there
+    /// may be a wall: at most 32. `corner` is the pixel in the row of `at` and the column of
+    /// `other`.
     #[inline(always)]
     pub(super) fn crossings(&self, at: usize, other: usize, corner: usize, count: usize) -> u32 {
         self.thin.crossed(at, other, corner, count) | self.borders.crossed(at, other, corner, count)
@@ -105,8 +103,8 @@ impl Steps {
             && self.along_columns[last_row..].iter().all(|&steps| steps == 0)
     }
 
-    /// The pixels from `at` on, one bit each, for which a step crosses something on the way to those
-    /// from `other` on, along the row of the first and the column of the second.
+    /// The pixels from `at` on, one bit each, for which a step crosses something on the way to
+    /// those from `other` on, along the row of the first and the column of the second.
     #[inline(always)]
     fn crossed(&self, at: usize, other: usize, corner: usize, count: usize) -> u32 {
         if self.along_rows.is_empty() {

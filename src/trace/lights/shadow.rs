@@ -48,6 +48,18 @@ impl Tracer {
         if blocked { Vec3::ZERO } else { passed }
     }
 
+    /// True where two points, each with the normal of its surface, see each other from above their
+    /// surfaces by the share `lift` of the distance between them. Glass does not hide.
+    pub fn see_each_other(&self, a: (Vec3, Vec3), b: (Vec3, Vec3), lift: f32) -> bool {
+        let height = lift * a.0.distance(b.0);
+        if height == 0.0 {
+            return true;
+        }
+        let [from, to] = [a, b].map(|(position, normal)| position + normal * height);
+        let ray = Ray { t_max: 1.0, ..Ray::new(from, to - from) };
+        self.transmittance(&ray, &mut Occluder::default()) != Vec3::ZERO
+    }
+
     /// True where every surface that a ray meets blocks it.
     fn is_any_hit_a_block(&self) -> bool {
         let features = self.scene().features;

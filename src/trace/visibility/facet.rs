@@ -13,6 +13,15 @@ const MAX_DEPTH_ERROR: f32 = 1.0 / 16.0;
 /// slack of that check, a thousandth, with the rounding of the check itself.
 const MAX_UNCHECKED_ERROR: f32 = 1.0 / 1200.0;
 
+/// Error of a projected corner, in pixels, from which on a triangle may cover the whole bin.
+const MAX_PIXEL_ERROR: f32 = 0.25;
+
+/// Least bound of an edge function's error, in scene units squared, and least volume, in scene
+/// units cubed, for which errors are relative: products are then so far above the least normal
+/// number that what underflow loses is below their rounding error.
+const LEAST_EDGE_ERROR: f32 = f32::MIN_POSITIVE * 1e12;
+const LEAST_VOLUME: f32 = f32::MIN_POSITIVE * 1e18;
+
 /// A vector in all lanes.
 type Wide<S> = [f32x4<S>; 3];
 
@@ -118,7 +127,7 @@ fn extent<S: Simd>(simd: S, view: &BinView, corners: &[Wide<S>; 3], magnitude: f
     let inverse = [one / depth[0], one / depth[1], one / depth[2]];
     let error = magnitude * max3(inverse) * splat(simd, view.pixel_error);
     // A triangle that reaches behind the eye may cover the whole bin.
-    let is_ahead = min3(depth).simd_gt(zero) & error.simd_lt(splat(simd, 0.25));
+    let is_ahead = min3(depth).simd_gt(zero) & error.simd_lt(splat(simd, MAX_PIXEL_ERROR));
     let [left, right] = range(along(simd, x, corners), inverse);
     let [top, bottom] = range(along(simd, y, corners), inverse);
     let (before, after) = (error + half, error - half);
@@ -237,12 +246,12 @@ pub(super) fn facets<S: Simd>(simd: S, view: &BinView, bounds: &Bounds<S>) -> Fa
         + splat(simd, 32.0 * UNIT);
     let size = volume.abs();
     let has_edges = length.simd_ge(magnitude * splat(simd, 400.0 * UNIT))
-        & edge_error.simd_gt(splat(simd, f32::MIN_POSITIVE * 1e12))
+        & edge_error.simd_gt(splat(simd, LEAST_EDGE_ERROR))
         & (magnitude * edge_error).simd_lt(splat(simd, f32::MAX));
     let certain = has_edges
         & depth_error.simd_le(splat(simd, MAX_DEPTH_ERROR))
         & size.simd_ge(magnitude * edge_error * splat(simd, 8.0))
-        & size.simd_gt(splat(simd, f32::MIN_POSITIVE * 1e18));
+        & size.simd_gt(splat(simd, LEAST_VOLUME));
     // Evaluate them in the middle of the bin, and by pixel.
     let sign = splat(simd, 1.0).copysign(volume);
     let sign = has_edges.select(sign, splat(simd, 0.0));

@@ -19,52 +19,55 @@
 //! Sources: edge functions without clipping as in Olano and Greer, "Triangle Scan Conversion using
 //! 2D Homogeneous Coordinates", 1997; through the eye and the edge as in Davidovic, Engelhardt,
 //! Georgiev, Slusallek, Dachsbacher, "3D Rasterization", GI 2012; the test by Woop, Benthin, Wald,
-//! JCGT 2013; hidden triangles are skipped by the depth of whole tiles, as in Hasselgren, Andersson,
-//! Akenine-Moeller, "Masked Software Occlusion Culling", HPG 2016. We differ: the result is that of
-//! the rays, bit for bit, because errors are bounded.
+//! JCGT 2013; hidden triangles are skipped by the depth of whole tiles, as in Hasselgren,
+//! Andersson, Akenine-Moeller, "Masked Software Occlusion Culling", HPG 2016. We differ: the result
+//! is that of the rays, bit for bit, because errors are bounded.
 //!
 //! # When a candidate is certain
-//! Let `A`, `B`, `C` be the corners relative to the eye, as both ways round them, and `d` the
-//! direction of a ray. `M` is the largest coordinate of the corners, `L` that of the edges, `u` =
-//! 2^-24. Norms are maximum norms, `|x|1` is the sum of magnitudes. The edge function `d . (A x (B -
-//! A))` is linear in the pixel; so are the others, and their sum is `d . N` with `N = (B - A) x (C -
-//! A)`. With the volume `V = A . N`, the disparity of the plane is `1 / t = d . N / V`, linear too.
+//! Let `A`, `B`, `C` be the corners relative to the eye, rounded as both computations round them,
+//! and `d` the direction of a ray. `M` is the largest coordinate of the corners, `L` that of the
+//! edges, `u` = 2^-24. Norms are maximum norms, `|x|1` is the sum of magnitudes. The edge function
+//! `d . (A x (B - A))` is linear in the pixel; so are the others, and their sum is `d . N` with
+//! `N = (B - A) x (C - A)`. With the volume `V = A . N`, the disparity of the plane is
+//! `1 / t = d . N / V`, linear too.
 //!
 //! **The test.** It shears the corners along the ray's largest axis and asks whether the origin
 //! lies in the triangle `a`, `b`, `c` of the plane. The signs of its products are exact, because
 //! rounding is monotonic and zeros are decided in f64. So it errs only by the rounding of `a`, `b`
-//! and `c`, at most `e = 6 u M` a coordinate. A sheared edge is at most `2 L` long. Where the origin
-//! lies in the triangle, exact or rounded, its corners are no farther than `2 L + 3 e`, so an edge
-//! function differs by at most `2 e (|a| + |b|) + 2 e^2 <= 50 u M L` if `L >= 400 u M`; times the
-//! largest component of `d`, that is its error in our scale.
+//! and `c`, at most `e = 6 u M` a coordinate. A sheared edge is at most `2 L` long. Where the
+//! origin lies in the triangle, exact or rounded, its corners are no farther than `2 L + 3 e`, so
+//! an edge function differs by at most `2 e (|a| + |b|) + 2 e^2 <= 50 u M L` if `L >= 400 u M`;
+//! times the largest component of `d`, that is its error in our scale.
 //!
-//! **Our edge functions.** The cross product errs by `6 u M L` a component, the dot product by `6 u
-//! M L |d|1`, and evaluating it at a pixel, fifteen roundings, by `30 u M L |d|1`. The direction
-//! itself errs by `3 u D`, where `D` sums the magnitudes of which it is made. Together: `u M L (44
-//! |d|1 + 6 D)`. With the test's share this is the bound `B`. If all edge functions, oriented by the
-//! sign of `V`, exceed `B`, the test hits. If one is below `-B`, it misses: either the signs differ,
-//! or all are negative, and then the hit would be behind the eye. The latter needs `|V| >= 8 M B`,
-//! since `V d` is the sum of the corners, each times the opposite edge function.
+//! **Our edge functions.** The cross product errs by `6 u M L` a component, the dot product by
+//! `6 u M L |d|1`, and evaluating it at a pixel, fifteen roundings, by `30 u M L |d|1`. The
+//! direction itself errs by `3 u D`, where `D` sums the magnitudes of which it is made. Together:
+//! `u M L (44 |d|1 + 6 D)`. With the test's share this is the bound `B`. If all edge functions,
+//! oriented by the sign of `V`, exceed `B`, the test hits. If one is below `-B`, it misses: either
+//! the signs differ, or all are negative, and then the hit would be behind the eye. The latter
+//! needs `|V| >= 8 M B`, since `V d` is the sum of the corners, each times the opposite edge
+//! function.
 //!
 //! **Distance.** The test's `t` is the mean of the corners' coordinates along the axis, weighted by
 //! its edge functions. Moving the sheared corners by `e` moves it by `e` times the slope of the
 //! plane, relative to `t` by `6 u M |N|1 / |V|`, whatever the triangle's shape. Rounded products
-//! change the weights by `24 u L^2` and so `t` by `24 u L^3 / |V|`; the final sums add `8 u M |N|1 /
-//! |V|` where corners lie on both sides of the eye. Our disparity errs likewise: `24 u L^3 / |V|` by
-//! `N`, `u M |N|1 (3 + 32 |d|1 + 5.3 D) / |V|` by the sums and the direction (a point of the triangle
-//! has `t <= sqrt(3) M`). A tenth more covers products of errors. Both distances lie between the
-//! bounds that a bin keeps; a triangle whose error exceeds a sixteenth settles nothing.
+//! change the weights by `24 u L^2` and so `t` by `24 u L^3 / |V|`; the final sums add
+//! `8 u M |N|1 / |V|` where corners lie on both sides of the eye. Our disparity errs likewise:
+//! `24 u L^3 / |V|` by `N`, `u M |N|1 (3 + 32 |d|1 + 5.3 D) / |V|` by the sums and the direction (a
+//! point of the triangle has `t <= sqrt(3) M`). A tenth more covers products of errors. Both
+//! distances lie between the bounds that a bin keeps; a triangle whose error exceeds a sixteenth
+//! settles nothing.
 //!
 //! **What a ray may see.** Let `s` be the least disparity of a pixel's nearest candidate, and let
 //! every other triangle be certainly missed or have a disparity below `s`. Then the test finds the
 //! candidate nearest. The traversal of a single ray reaches it: the ray passes through its boxes,
 //! and no triangle can end the ray before them. With two candidates above all else the test is run
-//! on both; the nearer, or at one distance the one with the lower index, is the ray's hit if the ray
-//! enters its box before that distance. Edge-on and tiny triangles have no useful bounds: they count
-//! as nearer than everything wherever they may be met, at the least distance that a mean of their
-//! corners' coordinates can give. For the same reason boxes are skipped by that distance and not by
-//! their depth. A cut-out texel, or a hit that lies off its needle, is found out when the pixel is
-//! settled, and traced.
+//! on both; the nearer, or at one distance the one with the lower index, is the ray's hit if the
+//! ray enters its box before that distance. Edge-on and tiny triangles have no useful bounds: they
+//! count as nearer than everything wherever they may be met, at the least distance that a mean of
+//! their corners' coordinates can give. For the same reason boxes are skipped by that distance and
+//! not by their depth. A cut-out texel, or a hit that lies off its needle, is found out when the
+//! pixel is settled, and traced.
 
 mod bin;
 mod facet;
@@ -81,8 +84,8 @@ use lens::{BIN_PIXELS, BIN_SIDE, BIN_TILES, Lens};
 use rayon::prelude::*;
 use settle::Open;
 
-/// The triangle that each pixel of a picture shows, where it is certain: a visibility buffer (Burns,
-/// Hunt, JCGT 2013) of slots in the hierarchy.
+/// The triangle that each pixel of a picture shows, where it is certain: a visibility buffer
+/// (Burns, Hunt, JCGT 2013) of slots in the hierarchy.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct VisibilityBuffer {
     /// Bin by bin, tile by tile: the slot of a triangle in the hierarchy.
@@ -113,7 +116,8 @@ impl VisibilityBuffer {
     }
 
     /// Writes the nearest hits through the pixel centres of the tile whose top left pixel is
-    /// `corner`. The hits are those of [`Tracer::closest`]. Returns a bit for each ray that was traced alone.
+    /// `corner`. The hits are those of [`Tracer::closest`]. Returns a bit for each ray that was
+    /// traced alone.
     pub fn hits_of_tile(
         &self,
         tracer: &Tracer,

@@ -98,10 +98,12 @@ fn stages(t: &Throughput) -> Vec<(&'static str, String)> {
         (
             "look-up",
             format!(
-                "{:.1} ns per pixel (lower bound {:.1}); with rays {:.1}",
+                "{:.1} ns per pixel (lower bound {:.1}); with visibility {:.1}; on one core {:.1}, mode fast {:.1}",
                 t.stages.lookup_ns_per_pixel,
                 t.stages.lookup_floor_ns_per_pixel,
-                t.stages.resolve_ns_per_pixel
+                t.stages.resolve_ns_per_pixel,
+                t.stages.lookup_ns_per_pixel_one_core,
+                t.stages.lookup_fast_ns_per_pixel_one_core
             ),
         ),
         (
