@@ -16,7 +16,6 @@ use crate::camera::{Camera, NEAREST_DEPTH, View};
 use crate::raster::rgb9e5::Rgb9e5Scale;
 use crate::reference::DisparityTiles;
 use crate::reference::light::{UNLIT, pack_light};
-use crate::reference::smooth_filter::{LIFT, PLACE_REACH};
 use crate::reference::smooth_samples::SmoothSamples;
 use crate::trace::parallel::{Stop, tile_order, trace_pixels};
 use crate::trace::{
@@ -294,29 +293,6 @@ impl ReferenceFrame {
     /// True where smooth light is stored apart: with bounces.
     pub(crate) fn has_smooth_light(&self) -> bool {
         !self.smooth.is_empty()
-    }
-
-    /// Smooth light of a pixel, as the radiance of a white diffuse surface, where it holds for a
-    /// point that the pixel shows in another frame of this view: the pixel's surface is no farther
-    /// from it than a few pixels, and faces a similar way.
-    pub(crate) fn smooth_light_near(
-        &self,
-        tracer: &Tracer,
-        pixel: u32,
-        point: &SurfacePoint,
-    ) -> Option<Vec3> {
-        let triangle = self.triangle[pixel as usize];
-        if !self.has_light(pixel) || triangle == NO_TRIANGLE {
-            return None;
-        }
-        let word = *self.smooth.get(pixel as usize)?;
-        let offset = self.offset_from_eye(pixel);
-        let own = SurfacePoint::from_position(tracer.scene(), triangle, self.view.eye + offset, offset);
-        let most = PLACE_REACH * self.view.scene_from_pixel.x_axis.length() * offset.length();
-        let is_near = own.position.distance(point.position) <= most;
-        let faces_alike = own.shading_normal.dot(point.shading_normal) > 0.0;
-        let [a, b] = [&own, point].map(|p| (p.position, p.shading_normal));
-        (is_near && faces_alike && tracer.see_each_other(a, b, LIFT)).then(|| self.smooth_scale.unpack(word))
     }
 
     /// Packed smooth light of all pixels, and the scale to unpack it; empty without bounces.

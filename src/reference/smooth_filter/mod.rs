@@ -19,8 +19,10 @@
 //! | `surfaces` | what the pixels show, and how alike neighbours are |
 //! | `walls` | what stands between them |
 //! | `kernel` | one step of the wavelet |
+//! | `near` | shared light where another frame of the view shows a place nearby |
 
 mod kernel;
+mod near;
 mod surfaces;
 mod walls;
 
@@ -31,7 +33,6 @@ use glam::Vec3;
 use kernel::{Halves, Kernel, Light};
 use rayon::prelude::*;
 use surfaces::{Kind, Likenesses, Surfaces};
-pub(super) use walls::LIFT;
 use walls::Walls;
 
 /// Widths tried on surfaces besides no filter: kernels reach up to one, two, four .. pixels further
@@ -48,7 +49,7 @@ const PLACE_LEVELS: usize = 3;
 
 /// Distance between places that share light, relative to that of neighbouring pixels on a surface
 /// that faces the viewer: a moulding's faces are seen at a slant. No other value was tried.
-pub(super) const PLACE_REACH: f32 = 4.0;
+const PLACE_REACH: f32 = 4.0;
 
 impl ReferenceFrame {
     /// Memory per pixel while smooth light is filtered, in bytes: surfaces, likenesses, steps

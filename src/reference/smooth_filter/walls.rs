@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 /// Height above the surfaces, as a share of the distance between two places, at which they must see
 /// each other to share light. An arc that turns by 37 degrees from one to the other rises by 0.08.
-pub(crate) const LIFT: f32 = 0.25;
+pub(super) const LIFT: f32 = 0.25;
 
 /// What stands between the pixels of a surface.
 pub(super) struct Walls<'a> {
