@@ -13,3 +13,11 @@ pub struct Audited<'a> {
     /// Sample count, bounces and seed of the frame.
     pub trace: &'a TraceSettings,
 }
+
+impl Audited<'_> {
+    /// Factor from radiance to display values before the display curve: the exposure of the scene,
+    /// and 1 while its automatic exposure is not known.
+    pub(super) fn exposure(&self) -> f32 {
+        self.tracer.stops(self.tracer.scene().exposure).unwrap_or_default().exp2()
+    }
+}

@@ -8,14 +8,13 @@
 //! so an audited walk may differ from run to run where a reference is at fault; otherwise a picture
 //! does not depend on being audited.
 
-use super::statistics::{AuditEstimate, FrameSums, Window, display_error, looks_wrong, visibly_brighter};
+use super::statistics::{AuditEstimate, FrameSums, Window, display_error, looks_wrong};
 use super::{
     audited::Audited,
     blame::{self, Blame},
 };
 use crate::math::key::Key;
 use crate::reference::ReferenceCache;
-use crate::render::frame::Frame;
 use crate::trace::{
     PixelTrace, TraceSettings,
     parallel::{NEVER, trace_pixels},
@@ -42,7 +41,7 @@ const NEWEST: f64 = 0.25;
 /// under noise has little effect.
 const CHECKING_SAMPLES: u32 = 4;
 
-/// Samples, relative to the frame's, of a pixel that looks wrong: a quarter of its noise.
+/// Samples, relative to the frame's, of each of two traces of a pixel that looks wrong.
 const CONFIRMING_SAMPLES: u32 = 16;
 
 /// Keeps the random numbers of audits apart from those of frames and references, whose seeds count
@@ -62,7 +61,7 @@ pub struct Auditor {
     blame: Blame,
     forgotten_blocks: usize,
     checks: Vec<Option<[Vec3; 2]>>,
-    confirmed: Vec<Option<PixelTrace>>,
+    confirmed: Vec<Option<[PixelTrace; 2]>>,
 }
 
 /// The time left for audits.
@@ -116,14 +115,16 @@ impl Auditor {
         let frame = audited.frame;
         self.frames += 1;
         let pixels = chosen_pixels(self.frames, frame.radiance.len(), count);
+        let exposure = audited.exposure();
         self.trace_twice(audited, &pixels);
-        let suspects = self.suspects(frame, &pixels);
+        let suspects = self.suspects(audited, &pixels);
         self.confirm(audited, &suspects);
         let mut sums = FrameSums { secs: frame.stats.secs.frame, ..FrameSums::default() };
-        let confirmed: BTreeMap<u32, Vec3> = self.confirmed_radiance(&suspects).collect();
-        for (&pixel, checks) in pixels.iter().zip(self.checks.iter().flatten()) {
-            let checks = confirmed.get(&pixel).map_or(*checks, |right| [*right; 2]);
-            sums.add(display_error(frame.radiance[pixel as usize], checks));
+        let confirmed: BTreeMap<u32, [Vec3; 2]> = self.confirmed_radiance(&suspects).collect();
+        for (pixel, checks) in pixels.iter().zip(self.checks.iter().flatten()) {
+            let checks = confirmed.get(pixel).unwrap_or(checks);
+            let shown = exposure * frame.radiance[*pixel as usize];
+            sums.add(display_error(shown, checks.map(|check| exposure * check)));
         }
         sums.wrong = self.judge(audited, cache, &suspects);
         self.window.push(sums);
@@ -145,36 +146,42 @@ impl Auditor {
     }
 
     /// The pixels that look wrong.
-    fn suspects(&self, frame: &Frame, pixels: &[u32]) -> Vec<u32> {
+    fn suspects(&self, audited: &Audited<'_>, pixels: &[u32]) -> Vec<u32> {
         let checked = pixels.iter().zip(self.checks.iter().flatten());
-        let wrong = checked.filter(|(pixel, checks)| looks_wrong(frame.radiance[**pixel as usize], **checks));
+        let wrong = checked.filter(|(pixel, checks)| is_wrong(audited, **pixel, **checks));
         wrong.map(|(pixel, _)| *pixel).collect()
     }
 
-    /// Traces the pixels that look wrong with many samples.
+    /// Traces the pixels that look wrong again with many samples, twice.
     fn confirm(&mut self, audited: &Audited<'_>, suspects: &[u32]) {
-        let (Audited { tracer, frame, .. }, settings) = (*audited, self.confirming(audited.trace));
+        let Audited { tracer, frame, trace } = *audited;
+        let settings = [2, 3].map(|which| self.confirming(trace, which));
         trace_pixels(suspects, &mut self.confirmed, NEVER, |pixel, rays| {
-            tracer.pixel(&frame.view, pixel, &settings, rays)
+            settings.map(|s| tracer.pixel(&frame.view, pixel, &s, rays))
         });
     }
 
-    fn confirmed_radiance<'a>(&'a self, suspects: &'a [u32]) -> impl Iterator<Item = (u32, Vec3)> + 'a {
-        suspects.iter().zip(self.confirmed.iter().flatten()).map(|(pixel, right)| (*pixel, right.radiance))
+    fn confirmed_radiance<'a>(&'a self, suspects: &'a [u32]) -> impl Iterator<Item = (u32, [Vec3; 2])> + 'a {
+        let confirmed = suspects.iter().zip(self.confirmed.iter().flatten());
+        confirmed.map(|(pixel, right)| (*pixel, right.map(|traced| traced.radiance)))
     }
 
-    fn confirming(&self, trace: &TraceSettings) -> TraceSettings {
+    fn confirming(&self, trace: &TraceSettings, which: u64) -> TraceSettings {
         let samples = trace.samples.saturating_mul(CONFIRMING_SAMPLES);
-        TraceSettings { samples, seed: trace.seed ^ AUDIT_SEED.wrapping_add(4 * self.frames + 2), ..*trace }
+        TraceSettings {
+            samples,
+            seed: trace.seed ^ AUDIT_SEED.wrapping_add(4 * self.frames + which),
+            ..*trace
+        }
     }
 
     /// Counts the pixels that are wrong, and makes blocks of references at fault forget their
     /// light.
     fn judge(&mut self, audited: &Audited<'_>, cache: &mut ReferenceCache, suspects: &[u32]) -> usize {
-        let (frame, settings) = (audited.frame, self.confirming(audited.trace));
+        let settings = self.confirming(audited.trace, 2);
         let mut wrong = 0;
         for (&pixel, right) in suspects.iter().zip(self.confirmed.iter().flatten()) {
-            if visibly_brighter(frame.radiance[pixel as usize], right.radiance).is_none() {
+            if !is_wrong(audited, pixel, right.map(|traced| traced.radiance)) {
                 continue;
             }
             wrong += 1;
@@ -185,6 +192,12 @@ impl Auditor {
         }
         wrong
     }
+}
+
+/// True where what a pixel shows is visibly off two independent traces of it, in the same direction.
+fn is_wrong(audited: &Audited<'_>, pixel: u32, right: [Vec3; 2]) -> bool {
+    let exposure = audited.exposure();
+    looks_wrong(exposure * audited.frame.radiance[pixel as usize], right.map(|right| exposure * right))
 }
 
 /// `count` pixels, one at a random position in each of `count` equal parts of the picture.

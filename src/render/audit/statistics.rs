@@ -6,8 +6,8 @@
 //! product is scaled by the square of the display curve's slope between s and (a + b) / 2. The mean
 //! over pixels, drawn evenly from the picture, and over the last frames estimates the mean squared
 //! error against a converged picture; its standard error follows from the variance of the products.
-//! For a pixel that looks wrong, the many samples that confirm it replace both a and b: clipped,
-//! their noise would hide how wrong the pixel is.
+//! For a pixel that looks wrong, two traces of many samples take the place of a and b: clipped,
+//! the noise of few would hide how wrong the pixel is.
 
 use crate::raster::color::srgb_from_linear;
 use glam::Vec3;
@@ -139,13 +139,13 @@ fn slope(a: f32, b: f32) -> f32 {
 
 /// By how much `shown` is brighter than `right` in the display value that differs most; `None`
 /// where the difference is not visible.
-pub(super) fn visibly_brighter(shown: Vec3, right: Vec3) -> Option<f32> {
+fn visibly_brighter(shown: Vec3, right: Vec3) -> Option<f32> {
     let off = |k: usize| display(shown[k]) - display(right[k]);
     let most = (0..3).map(off).max_by(|a, b| a.abs().total_cmp(&b.abs()))?;
     (most.abs() > VISIBLE).then_some(most)
 }
 
-/// True where both audits find a pixel visibly off in the same direction.
+/// True where two independent traces find a pixel visibly off in the same direction.
 pub(super) fn looks_wrong(shown: Vec3, [a, b]: [Vec3; 2]) -> bool {
     match (visibly_brighter(shown, a), visibly_brighter(shown, b)) {
         (Some(a), Some(b)) => a * b > 0.0,

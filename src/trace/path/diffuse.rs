@@ -33,6 +33,15 @@ impl ArrivingLight {
         (self.smooth_sums[0] + self.smooth_sums[1]) / self.paths.max(1) as f32
     }
 
+    /// Estimated variance of the smooth light of one path, its channels added up: from the
+    /// difference of the two halves, whose means have twice the variance of a path over half their
+    /// number.
+    pub(crate) fn path_variance(&self) -> f64 {
+        let [even, odd] = self.smooth_sums.map(|sum| f64::from(sum.element_sum()));
+        let difference = even - odd;
+        difference * difference / f64::from(self.paths.max(1))
+    }
+
     /// All light together, as the radiance of a white surface.
     pub fn total(&self) -> Vec3 {
         self.direct() + self.smooth()
