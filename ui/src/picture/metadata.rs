@@ -2,6 +2,7 @@
 
 use afterimage::raster::color::ToneMap;
 use afterimage::render::bands::Background;
+use afterimage::scene::{Sky, solar::SunPosition};
 use afterimage::{Camera, Mode, RefineState, RenderSettings, Scene};
 use glam::DVec3;
 
@@ -39,6 +40,7 @@ pub(crate) fn metadata(origin: &PictureOrigin<'_>) -> Vec<(&'static str, String)
         ("Scene", format!("{} {}", origin.scene_name, origin.scene.hash)),
         ("Pose", format!("--eye {} --look-at {} --fov-y {}", list(eye), list(at), c.fov_y.to_degrees())),
         ("Settings", settings(origin)),
+        ("Daylight", daylight(origin.scene)),
         ("Refined", format!("{} of {} passes", origin.refined.pass, origin.refined.of)),
         ("Tone map", format!("{} at {} EV", origin.tone_map.name(), origin.exposure_ev)),
     ]
@@ -58,4 +60,16 @@ fn settings(origin: &PictureOrigin<'_>) -> String {
         "--size {width}x{height} --mode {} --samples {samples} --bounces {bounces} --seed {seed}{antialias}{background}",
         mode.name()
     )
+}
+
+/// Sun and sky of a scene, in words: they may be those of the file, of `--sky` and `--sun-time`, or
+/// of the window's controls.
+fn daylight(scene: &Scene) -> String {
+    let sun = scene.sun.map(|sun| {
+        let SunPosition { azimuth_deg, height_deg } = SunPosition::of_direction(sun.direction);
+        format!("sun {height_deg:.1} degrees high, {azimuth_deg:.1} degrees from -Z towards +X")
+    });
+    let sky = scene.sky.as_ref().map(|sky: &Sky| format!("sky {}", sky.kind().name()));
+    let parts: Vec<String> = sun.into_iter().chain(sky).collect();
+    if parts.is_empty() { "none".to_owned() } else { parts.join(", ") }
 }

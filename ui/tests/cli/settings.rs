@@ -101,3 +101,12 @@ fn completions_and_manual_page_list_the_flags() {
     let licences = text("licences");
     assert!(licences.contains("| eframe |") && licences.contains("MIT OR Apache-2.0"));
 }
+
+#[test]
+fn a_picture_says_which_daylight_it_shows() {
+    let bench = Bench::new();
+    bench.run(&format!("render room.obj {TINY} --mode full --samples 1 --sky overcast -o a.png"));
+    let notes = afterimage::raster::load::read_notes(&bench.path("a.png")).unwrap();
+    let (_, daylight) = notes.iter().find(|(name, _)| name == "Daylight").unwrap();
+    assert!(daylight.ends_with("sky overcast"), "{daylight}");
+}
