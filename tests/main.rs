@@ -23,6 +23,7 @@ mod light_theorems;
 mod lights;
 mod lookup;
 mod metrics;
+mod moving;
 mod numbers;
 mod placement;
 mod refine;

@@ -29,6 +29,16 @@ pub(crate) struct OpenPixels {
     pub(crate) uncertain: Vec<u32>,
 }
 
+/// What is kept of the light of a band besides its colours.
+#[derive(Debug)]
+pub(crate) struct BandLight<'a> {
+    /// Receives the emission and the reflected smooth light of pixels whose direct light is a guess.
+    pub(crate) certain: &'a mut [Vec3],
+    /// Receives the light of each pixel that is known, as the radiance of a white surface; empty
+    /// where that is not wanted.
+    pub(crate) known: &'a mut [Vec3],
+}
+
 impl OpenPixels {
     pub(crate) fn clear(&mut self) {
         for list in [&mut self.secondary, &mut self.unseen, &mut self.uncertain] {
@@ -42,6 +52,24 @@ impl OpenPixels {
             PixelType::Unseen => self.unseen.push(pixel),
             PixelType::Uncertain => self.uncertain.push(pixel),
             PixelType::Reused => {}
+        }
+    }
+}
+
+/// Writes the surfaces of the band that begins at row `y0`, and nothing else.
+pub(crate) fn write_surfaces(
+    tracer: &Tracer,
+    visible: &VisibilityBuffer,
+    view: &View,
+    y0: u32,
+    rows: FrameRows<'_>,
+) {
+    let (mut surfaces, first) = (TileSurfaces::new(view), y0 as usize * view.size[0] as usize);
+    for x0 in (0..view.size[0]).step_by(TILE_SIDE) {
+        surfaces.settle(tracer, visible, view, [x0, y0]);
+        for (ray, pixel) in pixels_of_tile([x0, y0], view.size) {
+            rows.triangle[pixel - first] = surfaces.hits.triangle[ray];
+            rows.disparity[pixel - first] = surfaces.points.disparity[ray];
         }
     }
 }
@@ -71,9 +99,8 @@ impl<'a> BandLookup<'a> {
         Self { tracer, view, visible, lookup, checks_guesses: quality.checks_guesses, leaves_out_hidden }
     }
 
-    /// Fills the band that begins at row `y0`, and lists the pixels that it leaves open. `certain`
-    /// receives the emission and the reflected smooth light of those whose direct light is a guess.
-    pub(crate) fn fill(&self, y0: u32, mut rows: FrameRows<'_>, certain: &mut [Vec3], open: &mut OpenPixels) {
+    /// Fills the band that begins at row `y0`, and lists the pixels that it leaves open.
+    pub(crate) fn fill(&self, y0: u32, mut rows: FrameRows<'_>, kept: BandLight<'_>, open: &mut OpenPixels) {
         open.clear();
         let first = y0 as usize * self.view.size[0] as usize;
         let (mut surfaces, mut light) = (TileSurfaces::new(self.view), TileLight::NONE);
@@ -86,7 +113,12 @@ impl<'a> BandLookup<'a> {
             for (ray, pixel) in pixels_of_tile([x0, y0], self.view.size) {
                 let kind = self.write_pixel(&surfaces, &light, ray, pixel - first, &mut rows);
                 if kind == PixelType::Uncertain {
-                    certain[pixel - first] = self.certain_light(&surfaces, &light, ray);
+                    kept.certain[pixel - first] = self.certain_light(&surfaces, &light, ray);
+                }
+                if light.known >> ray & 1 == 1
+                    && let Some(known) = kept.known.get_mut(pixel - first)
+                {
+                    *known = light.at(ray) + light.smooth_at(ray);
                 }
                 open.push(kind, pixel as u32);
             }

@@ -82,6 +82,14 @@ impl PixelResolver<'_> {
         self.specular(&self.tracer.surface(&ray, &hit), &ray, &hit, pixel, tally)
     }
 
+    /// The light that references know at a point seen in a mirror or through glass, at a distance
+    /// along the path to it.
+    pub(crate) fn known_light(&self, point: &SurfacePoint, distance: f32) -> Option<Vec3> {
+        let footprint = self.view.scene_from_pixel.x_axis.length() * distance;
+        let key = SurfaceKey { position: point.position, normal: point.geometric_normal, footprint };
+        self.lookup.light_at(&key, point.triangle).map(|found| found.light + found.smooth)
+    }
+
     /// Shades a pixel that no reference knows. What its mirror or glass shows is looked up.
     pub(crate) fn shade_unseen(&self, pixel: u32, triangle: u32, tally: &mut Tally) -> PixelTrace {
         let resolver = Self { trace: self.quality.unseen_trace(&self.trace), ..*self };

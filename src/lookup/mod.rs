@@ -33,7 +33,7 @@ mod taps;
 mod tile;
 mod view;
 
-pub(crate) use band::{BandLookup, FrameRows, OpenPixels};
+pub(crate) use band::{BandLight, BandLookup, FrameRows, OpenPixels, write_surfaces};
 pub(crate) use exact::{CheckedPixel, Guess, PixelResolver, Tally};
 pub use point::{FoundLight, LookupSet};
 pub use point_cache::{CachedLight, PointCache, SurfaceKey, TracedPoint};

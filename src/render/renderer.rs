@@ -10,17 +10,19 @@
 //!
 //! Mode `paper` warps in step 2 (`warp`, `paper_pixels.rs`).
 
+use super::carried_light::CarriedLight;
 use super::placeholders::{Placeholders, Unfinished};
 use super::request::{FrameRequest, Source};
 use super::worklist::{Dispersal, WorkList};
 use super::{frame::Frame, paper_pixels::WarpedPixels, settings::RenderSettings};
 use crate::lookup::{
-    BandLookup, CheckedPixel, Guess, LookupQuality, LookupSet, MAX_POINTS_PER_PIXEL, OpenPixels, PointCache,
-    Tally, TracedPoint,
+    BandLight, BandLookup, CheckedPixel, Guess, LookupQuality, LookupSet, MAX_POINTS_PER_PIXEL, OpenPixels,
+    PointCache, Tally, TracedPoint, write_surfaces,
 };
 use crate::raster::pixel_types::{NO_SUPPLIER, PixelType, TypeCounts};
 use crate::reference::ReferenceFrame;
-use crate::trace::{NO_TRIANGLE, PixelTrace, TILE_SIDE, Tracer, VisibilityBuffer, parallel::tile_order};
+use crate::trace::parallel::{NEVER, tile_order};
+use crate::trace::{NO_TRIANGLE, PixelTrace, TILE_SIDE, Tracer, VisibilityBuffer};
 use crate::warp::WarpBuffer;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -30,6 +32,10 @@ use std::time::Instant;
 /// sixteenth of each list, then the first quarter, then all of it. Otherwise a slow mirror could
 /// leave the pixels that no reference knows untouched when the frame is stopped.
 const ROUNDS: [usize; 3] = [16, 4, 1];
+
+/// The part of the unseen pixels that is traced even in a frame that is stopped at once, where no
+/// light at all is known.
+const LEAST: usize = 256;
 
 /// Renders frames. Keeps its buffers from one to the next.
 #[derive(Debug, Default)]
@@ -60,9 +66,12 @@ pub struct Renderer {
     order_size: [u32; 2],
     dispersal: Dispersal,
     placeholders: Placeholders,
+    carried: CarriedLight,
     is_progressive: bool,
     /// True in modes that look up, which find the hits of all pixels first.
     looks_up: bool,
+    /// True where the surfaces of all pixels are known, though not all of their light.
+    shows_surfaces: bool,
 }
 
 impl Renderer {
@@ -70,7 +79,7 @@ impl Renderer {
     /// bound, so that a size can be refused before memory is allocated.
     pub const BYTES_PER_PIXEL: usize = size_of::<Option<PixelTrace>>() // unseen
         + size_of::<Option<CheckedPixel>>() // secondary or uncertain
-        + Placeholders::BYTES_PER_PIXEL + size_of::<Vec3>() // own
+        + Placeholders::BYTES_PER_PIXEL + CarriedLight::BYTES_PER_PIXEL + size_of::<Vec3>() // own
         + (MAX_POINTS_PER_PIXEL + 1) * size_of::<TracedPoint>() // fresh points
         + size_of::<u64>() // warped
         + size_of::<u32>() // visible
@@ -97,6 +106,7 @@ impl Renderer {
     pub fn forget_points(&mut self) {
         self.points.clear();
         self.fresh_points.clear();
+        self.carried.clear();
     }
 
     /// Sets whether frames may be shown before they are complete. The work is then spread over the
@@ -113,14 +123,15 @@ impl Renderer {
     pub fn render(&mut self, request: &FrameRequest<'_>) -> &Frame {
         let start = Instant::now();
         let FrameRequest { tracer, camera, .. } = *request;
-        let source = request.source();
-        self.frame.reset(camera, &request.view());
+        let (source, view) = (request.source(), request.view());
+        self.carried.begin(&mut self.frame, tracer.epoch(), self.is_progressive, view.pixel_count());
+        self.frame.reset(camera, &view);
         match &source {
             Source::LookUp(lookup, quality) => self.look_up(tracer, lookup, *quality),
             Source::Warp(references) => self.reproject(tracer, references),
         }
         self.trace_open(request, &source);
-        self.conclude(tracer, start)
+        self.conclude(request, &source, start)
     }
 
     /// Continues the last frame where a stop left it. The request must be the one that it was
@@ -128,31 +139,39 @@ impl Renderer {
     pub fn resume(&mut self, request: &FrameRequest<'_>) -> &Frame {
         let start = Instant::now();
         self.frame.stats.is_complete = true;
-        self.trace_open(request, &request.source());
-        self.conclude(request.tracer, start)
+        let source = request.source();
+        self.trace_open(request, &source);
+        if self.frame.stats.is_complete {
+            // Not in the next frame, which may be due soon.
+            self.points.insert(request.tracer.epoch(), &mut self.fresh_points);
+        }
+        self.conclude(request, &source, start)
     }
 
     /// Modes `fast` and `exact`: finds the hits of all pixels and looks up their light.
     fn look_up(&mut self, tracer: &Tracer, lookup: &LookupSet<'_>, quality: LookupQuality) {
         let start = Instant::now();
-        self.looks_up = true;
+        (self.looks_up, self.shows_surfaces) = (true, true);
         self.frame.stats.references_used = lookup.len();
         let view = self.frame.view;
         self.visible.find(tracer, &view, false);
         let band_lookup = BandLookup::new(tracer, &view, &self.visible, lookup, quality);
         self.open.resize_with((view.size[1] as usize).div_ceil(TILE_SIDE), OpenPixels::default);
         self.certain.resize(view.pixel_count(), Vec3::ZERO);
-        let certain = self.certain.par_chunks_mut((view.size[0] as usize * TILE_SIDE).max(1));
-        let bands = self.frame.par_rows_mut(TILE_SIDE).zip(certain).zip(self.open.par_iter_mut()).enumerate();
+        let in_band = (view.size[0] as usize * TILE_SIDE).max(1);
+        let mut known: Vec<&mut [Vec3]> = self.carried.light.chunks_mut(in_band).collect();
+        known.resize_with(self.open.len(), Default::default);
+        let kept = self.certain.par_chunks_mut(in_band).zip(known);
+        let bands = self.frame.par_rows_mut(TILE_SIDE).zip(kept).zip(self.open.par_iter_mut()).enumerate();
         let fill = || {
-            bands.for_each(|(band, ((rows, certain), open))| {
-                band_lookup.fill((band * TILE_SIDE) as u32, rows, certain, open);
+            bands.for_each(|(band, ((rows, (certain, known)), open))| {
+                band_lookup.fill((band * TILE_SIDE) as u32, rows, BandLight { certain, known }, open);
             });
         };
         // The bands read no cached points, so one thread inserts those of the last frame meanwhile.
         let (points, fresh) = (&mut self.points, &mut self.fresh_points);
         rayon::join(|| points.insert(tracer.epoch(), fresh), fill);
-        self.begin_lists();
+        self.begin_lists(tracer);
         self.frame.stats.rays.primary += view.pixel_count() as u64;
         self.frame.stats.secs.visibility_and_lookup = start.elapsed().as_secs_f64();
     }
@@ -161,22 +180,35 @@ impl Renderer {
     /// in mode `full`, every pixel is unseen.
     fn reproject(&mut self, tracer: &Tracer, references: &[&ReferenceFrame]) {
         let start = Instant::now();
-        self.looks_up = false;
+        (self.looks_up, self.shows_surfaces) = (false, false);
         self.frame.stats.references_used = references.len();
         self.frame.stats.warped_pixels = references.iter().map(|r| r.view.pixel_count()).sum();
         if references.is_empty() {
             self.visible.find(tracer, &self.frame.view, false);
             self.frame.types.fill(PixelType::Unseen);
             self.frame.supplier.fill(NO_SUPPLIER);
+            if self.is_progressive {
+                self.show_surfaces(tracer);
+            }
         } else {
             self.warped.warp(references, &self.frame.view);
             WarpedPixels { tracer, references, warped: &self.warped }.copy_to(&mut self.frame);
         }
         self.list_open_pixels();
-        self.begin_lists();
+        self.begin_lists(tracer);
         if !references.is_empty() {
             self.frame.stats.secs.visibility_and_lookup = start.elapsed().as_secs_f64();
         }
+    }
+
+    /// Settles the surfaces of all pixels, so that a frame that is stopped shows them.
+    fn show_surfaces(&mut self, tracer: &Tracer) {
+        self.shows_surfaces = true;
+        let (visible, view) = (&self.visible, self.frame.view);
+        let bands = self.frame.par_rows_mut(TILE_SIDE).enumerate();
+        bands.for_each(|(band, rows)| {
+            write_surfaces(tracer, visible, &view, (band * TILE_SIDE) as u32, rows);
+        });
     }
 
     /// Lists the pixels of Types 2 and 3, tile by tile.
@@ -194,18 +226,21 @@ impl Renderer {
     /// Collects the open pixels of all bands in the lists. In a progressive frame each sixteenth of
     /// a list is spread over the whole picture, so that a stopped frame is known evenly; not so in
     /// mode `paper`, which completes Type 2 first.
-    fn begin_lists(&mut self) {
-        let Self { unseen, secondary, uncertain, open, dispersal, frame, own, .. } = self;
+    fn begin_lists(&mut self, tracer: &Tracer) {
+        let Self { unseen, secondary, uncertain, open, dispersal, frame, own, carried, .. } = self;
         unseen.begin(open.iter().map(|o| &o.unseen[..]));
         secondary.begin(open.iter().map(|o| &o.secondary[..]));
         uncertain.begin(open.iter().map(|o| &o.uncertain[..]));
         let width = frame.view.size[0];
         if self.is_progressive {
-            unseen.disperse(dispersal, width);
+            if self.shows_surfaces {
+                carried.find(tracer, frame, unseen.pixels());
+            }
+            unseen.disperse(dispersal, width, |pixel| carried.is_known(pixel));
         }
         if self.is_progressive && self.looks_up {
-            secondary.disperse(dispersal, width);
-            uncertain.disperse(dispersal, width);
+            secondary.disperse(dispersal, width, |_| false);
+            uncertain.disperse(dispersal, width, |_| false);
         }
         own.clear();
         own.extend(secondary.pixels().iter().map(|&pixel| frame.radiance[pixel as usize]));
@@ -217,6 +252,9 @@ impl Renderer {
     fn trace_open(&mut self, request: &FrameRequest<'_>, source: &Source<'_>) {
         if !self.looks_up {
             self.trace_secondary(request, source, 1);
+        }
+        if self.is_progressive && self.shows_surfaces && self.carried.is_dark() {
+            self.trace_unseen(&FrameRequest { stop: NEVER, ..*request }, source, LEAST);
         }
         let rounds: &[usize] = if self.is_progressive { &ROUNDS } else { &[1] };
         for &part in rounds {
@@ -245,7 +283,7 @@ impl Renderer {
         });
         for (pixel, traced) in self.unseen.done() {
             self.frame.radiance[pixel] = traced.radiance;
-            if !self.looks_up {
+            if !self.shows_surfaces {
                 self.frame.disparity[pixel] = traced.hit.map_or(0.0, |hit| 1.0 / hit.t);
                 self.frame.triangle[pixel] = traced.hit.map_or(NO_TRIANGLE, |hit| hit.triangle);
             }
@@ -304,10 +342,18 @@ impl Renderer {
         self.fresh_points.append(&mut tally.points);
     }
 
-    fn conclude(&mut self, tracer: &Tracer, start: Instant) -> &Frame {
-        let Self { unseen, secondary, own, looks_up, .. } = self;
-        if !self.frame.stats.is_complete {
-            let unfinished = Unfinished { tracer, unseen, secondary, own, looks_up: *looks_up };
+    fn conclude(&mut self, request: &FrameRequest<'_>, source: &Source<'_>, start: Instant) -> &Frame {
+        let Self { unseen, secondary, own, carried, points, .. } = self;
+        let is_complete = self.frame.stats.is_complete;
+        if self.is_progressive || !is_complete {
+            let traced = unseen.done().map(|(pixel, traced)| (pixel, traced.light.total()));
+            carried.take(traced, self.frame.radiance.len());
+        }
+        if !is_complete {
+            let (view, light) = (self.frame.view, self.shows_surfaces.then_some(&*carried));
+            let (tracer, seed) = (request.tracer, request.settings.trace.seed);
+            let resolver = source.resolver(request, &view, points);
+            let unfinished = Unfinished { tracer, unseen, secondary, own, light, resolver, seed };
             self.placeholders.fill(&unfinished, &mut self.frame);
         }
         self.frame.stats.types = TypeCounts::of(&self.frame.types);

@@ -19,11 +19,13 @@ pub const SLICE_TIME: Duration = Duration::from_millis(200);
 /// events. Afterwards frames have every pixel of the window.
 pub const MOTION_TIME: Duration = Duration::from_millis(250);
 
-/// Rendered pixels per pixel of the window along an edge, while the view changes: the default.
+/// Rendered pixels per pixel of the window along an edge, in the first frame. While the view
+/// changes, [`super::Pace`] follows what the machine can do.
 pub const RENDER_SCALE: f32 = 0.5;
 
-/// Time after which a frame is shown, complete or not, while the view changes: the default.
-pub const FRAME_BUDGET: Duration = Duration::from_millis(100);
+/// Time after which a frame is shown, complete or not, while the view changes: the default. With
+/// the time to show it, a window without a graphics card keeps 15 frames per second.
+pub const FRAME_BUDGET: Duration = Duration::from_millis(45);
 
 /// Samples per light in the window: few, because motion must be fluid. Files are rendered with
 /// more.

@@ -46,7 +46,7 @@ impl StillView {
     #[must_use]
     pub fn in_window(mut self) -> Self {
         self.is_sharp = false;
-        self.walk = self.walk.with_previews();
+        self.walk.set_previews(true);
         self
     }
 

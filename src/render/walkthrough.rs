@@ -10,8 +10,8 @@ use super::refinement::Refinement;
 use super::request::{FrameRequest, References};
 use super::settings::{Mode, RenderSettings, WalkthroughSettings};
 use super::{
-    prefetch::Prefetch, preview::preview_size, reference_job::ReferenceJob, renderer::Renderer,
-    temporal_stability::TemporalStabilityMeter,
+    prefetch::Prefetch, preview::is_continued, preview::preview_size, reference_job::ReferenceJob,
+    renderer::Renderer, temporal_stability::TemporalStabilityMeter,
 };
 use crate::camera::{Camera, View};
 use crate::lookup::{LookupSet, open_percent};
@@ -123,13 +123,10 @@ impl Walkthrough {
         self
     }
 
-    /// The same walk with previews: a view that is mostly unknown is lit coarsely before its first
-    /// frame, which then shows coarse light instead of noise. For windows, where something must be
-    /// shown soon.
-    #[must_use]
-    pub fn with_previews(mut self) -> Self {
-        self.has_previews = true;
-        self
+    /// Sets whether a view that is mostly unknown is lit coarsely before its first frame, which then
+    /// shows coarse light instead of noise. For windows, where something must be shown soon.
+    pub fn set_previews(&mut self, has_previews: bool) {
+        self.has_previews = has_previews;
     }
 
     /// The last frame.
@@ -179,11 +176,12 @@ impl Walkthrough {
         is_same && !frame.stats.is_complete && !frame.radiance.is_empty()
     }
 
-    /// Lights a reference of few pixels where previews are wanted and the view is mostly unknown.
-    /// It is not stopped: without it the frame would show noise.
+    /// Lights a reference of few pixels, without stop, where previews are wanted and a view that the
+    /// last frame did not show is mostly unknown: without it the frame would show noise.
     fn preview(&mut self, camera: &Camera, size: [u32; 2]) {
         let render = &self.settings.render;
-        let applies = self.has_previews && render.mode.looks_up() && render.trace.bounces > 0;
+        let is_new = !is_continued(self.frame(), camera, &self.tracer.scene().frame);
+        let applies = is_new && self.has_previews && render.mode.looks_up() && render.trace.bounces > 0;
         if applies && let Some(size) = preview_size(&self.tracer, &self.cache, camera, size) {
             let reference = self.reference_job(*camera, size).trace(NEVER);
             reference.map(|reference| self.insert(reference));

@@ -11,10 +11,23 @@ pub(super) fn dispersed_pass(x: u32, y: u32) -> usize {
     DISPERSED[(4 * (y % 4) + x % 4) as usize]
 }
 
+/// Passes of a list: sixteen; the first is split into sixteen again, and all are there twice, for
+/// pixels that come first and for those that may wait.
+const PASSES: usize = 31;
+
 /// Scratch memory that brings lists of pixels into dispersed order, reused between frames.
 #[derive(Debug, Default)]
 pub(super) struct Dispersal {
-    passes: [Vec<u32>; 16],
+    passes: [[Vec<u32>; PASSES]; 2],
+}
+
+/// The pass of a pixel: those of the first sixteenth are dispersed over squares of sixteen pixels.
+fn pass_of(pixel: u32, width: u32) -> usize {
+    let (x, y) = (pixel % width, pixel / width);
+    match dispersed_pass(x, y) {
+        0 => dispersed_pass(x / 4, y / 4),
+        pass => pass + 15,
+    }
 }
 
 /// Pixels to be traced, each with its result once it is done. Keeps its memory between frames.
@@ -39,14 +52,14 @@ impl<R: Send> WorkList<R> {
         self.results.resize_with(self.pixels.len(), || None);
     }
 
-    /// Brings a list that was just begun into dispersed order.
-    pub(super) fn disperse(&mut self, dispersal: &mut Dispersal, width: u32) {
-        dispersal.passes.iter_mut().for_each(Vec::clear);
+    /// Brings a list that was just begun into dispersed order, with the pixels that may wait last.
+    pub(super) fn disperse(&mut self, dispersal: &mut Dispersal, width: u32, may_wait: impl Fn(u32) -> bool) {
+        dispersal.passes.iter_mut().flatten().for_each(Vec::clear);
         for &pixel in &self.pixels {
-            dispersal.passes[dispersed_pass(pixel % width, pixel / width)].push(pixel);
+            dispersal.passes[usize::from(may_wait(pixel))][pass_of(pixel, width)].push(pixel);
         }
         self.pixels.clear();
-        dispersal.passes.iter().for_each(|pass| self.pixels.extend_from_slice(pass));
+        dispersal.passes.iter().flatten().for_each(|pass| self.pixels.extend_from_slice(pass));
     }
 
     /// Traces what is missing in the first `1 / part` of the list. Returns what `trace` adds up in
