@@ -35,19 +35,19 @@ const MOVED: f64 = 0.02;
 const MOVED_AT_ALL: f64 = 1e-4;
 
 /// Prints a figure past the test runner.
-fn say(text: &str) {
+pub(super) fn say(text: &str) {
     writeln!(std::io::stderr(), "measured: {text}").expect("stderr");
 }
 
 /// Presses keys and reads the picture without another program in between: a look takes a
 /// millisecond.
-struct Person {
+pub(super) struct Person {
     connection: RustConnection,
     root: u32,
 }
 
 impl Person {
-    fn at(desk: &Desk) -> Self {
+    pub(super) fn at(desk: &Desk) -> Self {
         let (connection, screen) = x11rb::connect(Some(desk.display())).expect("the display");
         let root = connection.setup().roots[screen].root;
         Self { connection, root }
@@ -130,18 +130,24 @@ fn latencies(person: &Person, moved: f64) -> Vec<f64> {
     all
 }
 
-/// Returns the milliseconds between pictures while a key is held: the frame time of the display on
-/// this machine.
-fn frame_ms(person: &Person) -> f64 {
-    person.key(b'd', true);
+/// Returns the milliseconds between pictures that differ, over a time.
+pub(super) fn ms_between_pictures(person: &Person, time: Duration) -> f64 {
     let (start, mut last, mut pictures) = (Instant::now(), person.picture(), 0);
-    while start.elapsed() < Duration::from_secs(2) {
+    while start.elapsed() < time {
         let now = person.picture();
         pictures += u32::from(now != last);
         last = now;
     }
-    person.key(b'd', false);
     start.elapsed().as_secs_f64() * 1e3 / f64::from(pictures.max(1))
+}
+
+/// Returns the milliseconds between pictures while a key is held: the frame time of the display on
+/// this machine.
+pub(super) fn frame_ms(person: &Person) -> f64 {
+    person.key(b'd', true);
+    let ms = ms_between_pictures(person, Duration::from_secs(2));
+    person.key(b'd', false);
+    ms
 }
 
 fn say_latencies(what: &str, person: &Person, moved: f64) {
@@ -186,6 +192,20 @@ fn measured_million_triangles() {
     let Some(desk) = Desk::start(Some(&waves(708)), &arguments, &[]) else { return };
     desk.pose();
     say_latencies("a million triangles", &Person::at(&desk), MOVED_AT_ALL);
+}
+
+#[test]
+#[ignore = "a measurement, alone on the machine"]
+fn measured_flight() {
+    let Some(desk) = Desk::open_with(&["builtin:gallery"]) else { return };
+    desk.pose();
+    let person = Person::at(&desk);
+    sleep(Duration::from_secs(5));
+    // Space plays the walk of the scene.
+    person.key(b' ', true);
+    person.key(b' ', false);
+    let ms = ms_between_pictures(&person, Duration::from_secs(8));
+    say(&format!("flying through the gallery: {:.1} pictures per second", 1e3 / ms));
 }
 
 /// A wavy floor of `2 * side * side` triangles.

@@ -11,6 +11,7 @@ mod editing;
 mod inspect;
 mod keys;
 mod measured;
+mod moving;
 mod navigation;
 mod persistence;
 mod pictures;

@@ -67,6 +67,7 @@ impl Storm {
             size,
             settings,
             budget,
+            is_moving: false,
             is_paused: self.below(20) == 0,
             is_compared: self.below(10) == 0,
         }
@@ -113,6 +114,7 @@ impl Storm {
         self.thread.send(RenderCommand::SetTracer(self.tracers[0].clone()));
         let request = RenderRequest {
             size: [32, 24],
+            is_moving: false,
             is_paused: false,
             budget: Some(Duration::ZERO),
             ..self.request()
@@ -147,6 +149,7 @@ impl Storm {
     fn plain_request(&mut self) -> RenderRequest {
         let mut request = RenderRequest {
             size: [64, 48],
+            is_moving: false,
             is_paused: false,
             budget: Some(Duration::ZERO),
             ..self.request()

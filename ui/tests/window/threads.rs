@@ -44,6 +44,7 @@ impl Bench {
             size: [96, 64],
             settings,
             budget: Some(Duration::ZERO),
+            is_moving: false,
             is_paused: false,
             is_compared: false,
         }

@@ -6,6 +6,7 @@ use crate::window::gpu::viewport;
 use crate::window::panels::{self, statistics};
 use crate::window::state::AppState;
 use crate::window::state::Presentation;
+use egui_wgpu::RenderState;
 
 /// Colour of the viewport before the first frame.
 const EMPTY: egui::Color32 = egui::Color32::from_gray(24);
@@ -41,23 +42,28 @@ impl Canvas {
 
     /// Draws the newest frame as it is seen from the current pose. `first_generation` is that of
     /// the scene.
-    pub(super) fn draw(self, state: &AppState, has_graphics: bool, first_generation: u64) {
-        let shape = if has_graphics && state.frame.is_some() && self.rect.is_positive() {
-            let points_to_pixels = self.painter.ctx().pixels_per_point();
-            let presentation = Presentation { overlay: overlay(&state.comparison), ..state.presentation() };
-            viewport::shape(self.rect, points_to_pixels, presentation, reprojection(state, first_generation))
-        } else {
-            egui::Shape::rect_filled(self.rect, 0.0, EMPTY)
+    pub(super) fn draw(self, state: &AppState, graphics: Option<&RenderState>, first_generation: u64) {
+        let shape = match (graphics, &state.frame) {
+            (Some(graphics), Some(frame)) if self.rect.is_positive() => {
+                let points_to_pixels = self.painter.ctx().pixels_per_point();
+                let presentation =
+                    Presentation { overlay: overlay(&state.comparison), ..state.presentation() };
+                let reprojection = reprojection(state, first_generation);
+                viewport::upload_for(graphics, frame, &presentation, reprojection.as_ref());
+                viewport::shape(self.rect, points_to_pixels, presentation, reprojection)
+            }
+            _ => egui::Shape::rect_filled(self.rect, 0.0, EMPTY),
         };
         self.painter.set(self.shape, shape);
     }
 }
 
 /// Returns how the newest frame is reprojected to the camera; `None` where it has the same pose,
-/// and for frames of an older scene.
+/// for frames of an older scene, and while the next frame is soon there.
 fn reprojection(state: &AppState, first_generation: u64) -> Option<Reprojection> {
     let (frame, camera) = (state.frame.as_ref()?, state.navigation.fly.camera());
-    if frame.camera == *camera || frame.generation < first_generation {
+    let is_near = frame.camera == *camera || state.waits_for_frames();
+    if is_near || frame.generation < first_generation {
         return None;
     }
     let nearest = frame.depth_ranges.nearest();

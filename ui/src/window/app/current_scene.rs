@@ -4,6 +4,7 @@
 use super::{Autosave, SessionFile};
 use crate::window::input::Obstacles;
 use crate::window::rendering::RenderRequest;
+use afterimage::render::Pace;
 use afterimage::scene::SceneEdit;
 use afterimage::{Camera, Tracer};
 use std::path::PathBuf;
@@ -34,6 +35,8 @@ pub(super) struct CurrentScene {
     pub(super) sent: Option<RenderRequest>,
     /// Time of the last motion.
     pub(super) moved: Instant,
+    /// The scale of frames while the camera moves.
+    pub(super) pace: Pace,
 }
 
 /// Where to go when the scene that is being loaded is shown.
@@ -69,6 +72,7 @@ impl CurrentScene {
             autosave: Autosave::default(),
             sent: None,
             moved: Instant::now(),
+            pace: Pace::default(),
         }
     }
 

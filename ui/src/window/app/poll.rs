@@ -1,8 +1,9 @@
 //! Takes over everything that has happened in the background since the last update of the window.
 
 use super::{
-    AppEvent, Parts, go_to_picture, handle_answer, leave, open_path, poll_edit, poll_export, poll_loading,
-    poll_watch, save_from_references, show_reference, show_sky_picture, update_plan, update_thumbnails,
+    AppEvent, Parts, go_to_picture, handle_answer, leave, note_frame, open_path, poll_edit, poll_export,
+    poll_loading, poll_watch, save_from_references, show_reference, show_sky_picture, update_plan,
+    update_thumbnails,
 };
 use crate::window::gpu::viewport;
 use crate::window::rendering::{Message, TaskError, background_pool, locked, spawn_task, take_result};
@@ -95,8 +96,12 @@ fn saved(state: &mut AppState, path: &Path) {
 
 /// Shows the newest frame.
 fn poll_frame(app: &mut Parts) {
+    let before = app.state.frame.as_ref().map(|frame| frame.generation);
     if !app.services.render.take_frame(&mut app.state.frame) {
         return;
+    }
+    if app.state.frame.as_ref().map(|frame| frame.generation) != before {
+        note_frame(app);
     }
     let Some(frame) = &app.state.frame else { return };
     if let Some(graphics) = &app.services.graphics {

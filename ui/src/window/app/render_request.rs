@@ -1,8 +1,8 @@
 //! The request that is sent to the renderer, and what the renderer is doing.
 
-use super::{MOTION_TIME, Parts};
+use super::{MOTION_TIME, Parts, current_scene::CurrentScene};
 use crate::window::rendering::RenderRequest;
-use crate::window::state::Work;
+use crate::window::state::{Navigation, Quality, Work};
 use afterimage::render::schedule;
 use std::time::{Duration, Instant};
 
@@ -12,14 +12,17 @@ const MAX_EDGE: u32 = 8192;
 /// Sends the pose and the settings where they have changed.
 pub(super) fn send_request(app: &mut Parts) {
     let (is_sharp, q) = (is_sharp(app), &app.state.quality);
-    let scale = if is_sharp { 1.0 } else { q.render_scale };
-    let edge = |pixels: u32| schedule::scaled_edge(pixels, scale).min(MAX_EDGE);
+    let scale = if is_sharp { 1.0 } else { app.current.pace.scale(q.render_scale) };
+    let edge = |pixels: u32| edge_of(pixels, scale);
     let size = if app.state.viewport_size.contains(&0) { [0, 0] } else { app.state.viewport_size.map(edge) };
+    let camera = *app.state.navigation.fly.camera();
+    let sent = app.current.sent.filter(|sent| sent.camera == camera);
     let request = RenderRequest {
-        camera: *app.state.navigation.fly.camera(),
+        camera,
         size,
         settings: q.walk,
-        budget: (!is_sharp).then(|| Duration::from_secs_f32(q.budget_ms / 1000.0)),
+        budget: (!is_sharp).then(|| budget(q)),
+        is_moving: sent.map_or_else(|| is_moving(&app.current, &app.state.navigation), |sent| sent.is_moving),
         is_paused: app.state.options.is_paused,
         is_compared: app.state.comparison.is_wanted(),
     };
@@ -33,6 +36,30 @@ pub(super) fn send_request(app: &mut Parts) {
     }
 }
 
+/// Notes the newest frame, of a new generation, if it was rendered while the camera moved.
+pub(super) fn note_frame(app: &mut Parts) {
+    let (state, current) = (&mut app.state, &mut app.current);
+    let Some(frame) = state.frame.as_ref().filter(|_| is_moving(current, &state.navigation)) else { return };
+    state.frame_rate.note(frame.begun);
+    let most = state.quality.render_scale;
+    let expected = state.viewport_size.map(|edge| edge_of(edge, current.pace.scale(most)));
+    if frame.size == expected {
+        current.pace.note(&frame.stats, budget(&state.quality), most);
+    }
+}
+
+fn edge_of(pixels: u32, scale: f32) -> u32 {
+    schedule::scaled_edge(pixels, scale).min(MAX_EDGE)
+}
+
+fn budget(quality: &Quality) -> Duration {
+    Duration::from_secs_f32(quality.budget_ms / 1000.0)
+}
+
+fn is_moving(current: &CurrentScene, navigation: &Navigation) -> bool {
+    navigation.has_moved && current.moved.elapsed() < MOTION_TIME
+}
+
 /// True where nothing has changed since a frame at the render scale was complete: then a frame with
 /// every pixel of the viewport is requested. Only in modes that refine at rest.
 fn is_sharp(app: &Parts) -> bool {
@@ -42,7 +69,13 @@ fn is_sharp(app: &Parts) -> bool {
     let has_newest = has_newest(app) && !app.state.comparison.is_wanted();
     app.current.sent.as_ref().filter(|s| is_same(s)).is_some_and(|s| {
         let (mode, was_sharp) = (q.walk.render.mode, s.budget.is_none());
-        schedule::is_sharp(mode, q.render_scale, was_sharp, app.current.moved.elapsed(), has_newest)
+        schedule::is_sharp(
+            mode,
+            app.current.pace.scale(q.render_scale),
+            was_sharp,
+            app.current.moved.elapsed(),
+            has_newest,
+        )
     })
 }
 
@@ -58,7 +91,7 @@ pub(super) fn current_work(app: &Parts) -> Work {
         () if app.services.loading.is_some() => Work::Loading,
         () if app.state.scene.is_none() => Work::NoScene,
         () if app.state.options.is_paused => Work::Paused,
-        () if app.current.moved.elapsed() < MOTION_TIME && app.state.navigation.has_moved => Work::Moving,
+        () if is_moving(&app.current, &app.state.navigation) => Work::Moving,
         () if app.services.edit.is_some() => Work::Editing,
         () if !has_newest(app) => Work::Filling,
         () if app.services.render.is_adding_reference() => Work::AddingReference,

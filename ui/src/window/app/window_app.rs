@@ -171,7 +171,7 @@ impl eframe::App for App {
         update_comparison(&mut self.parts);
         canvas.draw(
             &self.parts.state,
-            self.parts.services.graphics.is_some(),
+            self.parts.services.graphics.as_ref(),
             self.parts.current.first_generation,
         );
         send_request(&mut self.parts);

@@ -47,8 +47,17 @@ struct ViewGpu {
     textures: Option<Textures>,
 }
 
+/// Parts of a frame that only some pictures need.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Parts {
+    types: bool,
+    depths: bool,
+}
+
 struct Textures {
     size: [u32; 2],
+    /// What of the newest frame is uploaded besides its colours.
+    uploaded: Parts,
     color: ToneMapped,
     types: wgpu::Texture,
     suppliers: wgpu::Texture,
@@ -64,7 +73,7 @@ pub fn install(state: &RenderState) {
     state.renderer.write().callback_resources.insert(gpu);
 }
 
-/// Uploads a frame to the graphics card.
+/// Uploads the colours of a frame to the graphics card.
 pub fn upload(state: &RenderState, frame: &PublishedFrame) {
     if frame.size.contains(&0) {
         return;
@@ -75,8 +84,29 @@ pub fn upload(state: &RenderState, frame: &PublishedFrame) {
         gpu.textures = Some(gpu.make_textures(&state.device, frame.size));
     }
     if let Some(textures) = &mut gpu.textures {
-        textures.write(&state.queue, frame);
+        textures.color.write(&state.queue, &frame.radiance);
+        textures.uploaded = Parts::default();
     }
+}
+
+/// Uploads what a picture of the frame needs besides its colours, unless it is there: its types for
+/// a heatmap, and its depths where it is reprojected.
+pub fn upload_for(
+    state: &RenderState,
+    frame: &PublishedFrame,
+    presentation: &Presentation,
+    reprojection: Option<&Reprojection>,
+) {
+    let mut renderer = state.renderer.write();
+    let textures = renderer.callback_resources.get_mut::<ViewGpu>().and_then(|gpu| gpu.textures.as_mut());
+    if let Some(textures) = textures.filter(|t| t.size == frame.size) {
+        let needed = Parts { types: shows_types(presentation), depths: reprojection.is_some() };
+        textures.complete(&state.queue, frame, needed);
+    }
+}
+
+fn shows_types(presentation: &Presentation) -> bool {
+    presentation.heatmap != Heatmap::Off || presentation.has_outline
 }
 
 /// Uploads the full tracer's picture of the frame's view; a picture of another size is ignored.
@@ -122,7 +152,7 @@ impl Show {
         let p = &self.presentation;
         ShaderFeatures {
             is_warped: has_map && self.reprojection.is_some(),
-            shows_types: p.heatmap != Heatmap::Off || p.has_outline,
+            shows_types: shows_types(p),
             is_overlaid: p.overlay != Overlay::None,
         }
     }
@@ -269,17 +299,24 @@ impl ViewGpu {
             resource(&errors_view),
         ];
         let bind_group = pass::bind(device, "viewport", &self.layout, resources);
-        Textures { size, color, types, suppliers, full, errors, warp, bind_group }
+        let uploaded = Parts::default();
+        Textures { size, uploaded, color, types, suppliers, full, errors, warp, bind_group }
     }
 }
 
 impl Textures {
-    fn write(&mut self, queue: &wgpu::Queue, frame: &PublishedFrame) {
-        self.color.write(queue, &frame.radiance);
-        pass::write(queue, &self.types, 0, self.size, &frame.types);
-        pass::write(queue, &self.suppliers, 0, self.size, &frame.suppliers);
-        if let Some(warp) = &self.warp {
+    fn complete(&mut self, queue: &wgpu::Queue, frame: &PublishedFrame, needed: Parts) {
+        if needed.types && !self.uploaded.types {
+            pass::write(queue, &self.types, 0, self.size, &frame.types);
+            pass::write(queue, &self.suppliers, 0, self.size, &frame.suppliers);
+            self.uploaded.types = true;
+        }
+        if needed.depths
+            && !self.uploaded.depths
+            && let Some(warp) = &self.warp
+        {
             warp.write(queue, &frame.depth_ranges);
+            self.uploaded.depths = true;
         }
     }
 }

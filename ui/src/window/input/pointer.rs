@@ -7,9 +7,18 @@ use crate::window::state::AppState;
 use egui::{
     Context, CursorGrab, Event, MouseWheelUnit, PointerButton, Pos2, Response, Vec2, ViewportCommand,
 };
+use std::time::Duration;
 
 /// A wheel that reports points instead of notches moves by this number of points per notch.
 const POINTS_PER_NOTCH: f32 = 50.0;
+
+/// Motion advances by at most this time, so that nobody flies through a wall while the window is
+/// busy.
+const LONGEST_UPDATE_SECS: f32 = 0.25;
+
+/// Time after which the window is drawn again without a new frame, where that takes its time from
+/// the renderer.
+const LONGEST_WAIT: Duration = Duration::from_millis(100);
 
 /// State of the keyboard and the pointer.
 #[derive(Default)]
@@ -19,6 +28,8 @@ pub(crate) struct Input {
     pub(crate) cursor: Option<[f64; 2]>,
     /// The pointer is held in the window.
     has_grab: bool,
+    /// The camera moved in the last update by itself, or by keys that are held.
+    is_moving: bool,
     /// The viewport's identity among egui's controls.
     pub(crate) viewport: Option<egui::Id>,
 }
@@ -38,7 +49,8 @@ pub(crate) fn steer(
         // A drag of the picture ends typing.
         ctx.memory_mut(|m| m.surrender_focus(id));
     }
-    let (secs, factor) = ctx.input(|i| (f64::from(i.stable_dt), speed_factor(i.modifiers)));
+    let factor = ctx.input(|i| speed_factor(i.modifiers));
+    let secs = secs_of_motion(input, ctx);
     state.comparison.is_held = input.keyboard.is_held(Action::ShowFull);
     let navigation = &mut state.navigation;
     if let Some(camera) = navigation.playback.advance(secs) {
@@ -59,10 +71,17 @@ pub(crate) fn steer(
     }
 }
 
+/// Returns the seconds by which motion advances: those since the last update, or those that an
+/// update usually takes where motion has just begun.
+fn secs_of_motion(input: &Input, ctx: &Context) -> f64 {
+    let (since_last, usual) = ctx.input(|i| (i.unstable_dt, i.predicted_dt));
+    f64::from(if input.is_moving { since_last.min(LONGEST_UPDATE_SECS) } else { usual })
+}
+
 /// Flies or walks by the keys that are held.
 fn fly(
     state: &mut AppState,
-    input: &Input,
+    input: &mut Input,
     obstacles: Option<&Obstacles>,
     ctx: &Context,
     [secs, factor]: [f64; 2],
@@ -80,8 +99,13 @@ fn fly(
         navigation.playback.is_playing = false;
     }
     navigation.fly.advance(&motion, secs, obstacles);
-    if is_flying || navigation.fly.is_easing() || navigation.playback.is_playing {
-        ctx.request_repaint();
+    input.is_moving = is_flying || navigation.fly.is_easing() || navigation.playback.is_playing;
+    match input.is_moving {
+        true if state.software_adapter.is_some() && !state.options.is_paused => {
+            ctx.request_repaint_after(LONGEST_WAIT);
+        }
+        true => ctx.request_repaint(),
+        false => {}
     }
 }
 

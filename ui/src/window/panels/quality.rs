@@ -106,15 +106,16 @@ fn sampling_rows(ui: &mut Ui, q: &mut Quality, d: &Quality) {
 }
 
 fn pace_rows(ui: &mut Ui, q: &mut Quality, d: &Quality) {
-    let help = "While the camera moves: rendered pixels per screen pixel, along each axis. When it is stationary, every \
-                mode but paper refines the picture to full resolution.";
+    let help = "While the camera moves: rendered pixels per screen pixel, along each axis, at most. There are fewer where \
+                more would not keep the rate. When it is stationary, every mode but paper refines the picture to full \
+                resolution.";
     let mut percent = q.render_scale * 100.0;
     row(ui, "Render scale", help, &mut percent, d.render_scale * 100.0, |ui, v| {
         ui.add(Slider::new(v, 25.0..=100.0).step_by(5.0).fixed_decimals(0).suffix(" %"))
     });
     q.render_scale = percent / 100.0;
-    let help = "While the camera moves, a frame ends after this time; pixels that are not traced by then are filled \
-                from their neighbours. When it is stationary, every frame is finished.";
+    let help = "While the camera moves, a frame ends after this time; where light is not known by then, it \
+                is filled from around. When it is stationary, every frame is finished.";
     row(ui, "Frame budget", help, &mut q.budget_ms, d.budget_ms, |ui, v| {
         ui.add(Slider::new(v, 16.0..=1000.0).logarithmic(true).fixed_decimals(0).suffix(" ms"))
     });

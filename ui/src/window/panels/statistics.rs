@@ -29,6 +29,9 @@ pub fn show(ui: &mut Ui, state: &AppState) {
                 line(ui, name, value);
             }
             line(ui, "window", format!("{:.0} ms", state.window_ms));
+            if let Some(per_sec) = state.frame_rate.per_sec() {
+                line(ui, "moving", format!("{per_sec:.1} frames/s"));
+            }
             let move_mode =
                 if state.navigation.fly.move_mode() == MoveMode::Walk { "walking" } else { "flying" };
             line(ui, move_mode, format!("{} m/s", three_digits(state.navigation.fly.speed_m_per_s())));

@@ -66,6 +66,8 @@ pub struct PublishedFrame {
     pub cache_bytes: [usize; 2],
     /// Memory of the cells in which paths of smooth light end, bytes.
     pub cell_bytes: usize,
+    /// Time at which the frame, or the step that refined it, was begun.
+    pub begun: Instant,
     /// Time at which it was finished.
     pub finished: Instant,
 }
@@ -87,6 +89,7 @@ impl PublishedFrame {
             references: Vec::new(),
             cache_bytes: [0, 0],
             cell_bytes: 0,
+            begun: Instant::now(),
             finished: Instant::now(),
         }
     }
@@ -96,15 +99,19 @@ impl PublishedFrame {
         (self.generation, self.is_refinement) = (generation, false);
         (self.camera, self.size, self.stats) = (frame.camera, frame.view.size, frame.stats);
         self.scene_frame = *scene;
-        self.depth_ranges.fill(&frame.disparity, self.size);
-        frame.radiance.par_iter().map(|&c| rgb9e5::pack(c)).collect_into_vec(&mut self.radiance);
-        self.types.clear();
-        self.types.extend(frame.types.iter().map(|&t| t as u8));
-        self.suppliers.clear();
-        self.suppliers.extend(frame.supplier.iter().map(|&slot| match used.get(slot as usize) {
+        let supplier = |&slot: &u8| match used.get(slot as usize) {
             Some(id) if slot != NO_SUPPLIER => supplier_byte(*id),
             _ => SUPPLIED_BY_NONE,
-        }));
+        };
+        let Self { depth_ranges, radiance, types, suppliers, size, .. } = self;
+        rayon::join(
+            || depth_ranges.fill(&frame.disparity, *size),
+            || {
+                frame.radiance.par_iter().map(|&c| rgb9e5::pack(c)).collect_into_vec(radiance);
+                frame.types.par_iter().map(|&t| t as u8).collect_into_vec(types);
+                frame.supplier.par_iter().map(supplier).collect_into_vec(suppliers);
+            },
+        );
         self.finished = Instant::now();
     }
 

@@ -19,6 +19,8 @@ pub struct RenderRequest {
     /// completed. With `None` it is shown when it is complete, and abandoned when a newer request
     /// arrives.
     pub budget: Option<Duration>,
+    /// The camera was moving before it came to this pose, so frames must not be late.
+    pub is_moving: bool,
     /// Nothing is rendered while this is set.
     pub is_paused: bool,
     /// The picture is being compared, so it is not refined beyond what its mode renders.

@@ -1,8 +1,8 @@
 //! Everything that panels read.
 
 use super::{
-    Appearance, Comparison, Edits, Leaving, Navigation, Notice, Options, Overlay, PictureState, Presentation,
-    Quality, Sample, SceneInfo, Selection, Severity, SunControls, Work, history, notices,
+    Appearance, Comparison, Edits, FrameRate, Leaving, Navigation, Notice, Options, Overlay, PictureState,
+    Presentation, Quality, Sample, SceneInfo, Selection, Severity, SunControls, Work, history, notices,
 };
 use crate::window::rendering::{Plan, PlanView, Progress, PublishedFrame, SceneSource, Thumbnails};
 use afterimage::raster::exposure::Metered;
@@ -31,6 +31,8 @@ pub struct AppState {
     pub frame: Option<PublishedFrame>,
     /// What the renderer is doing.
     pub work: Work,
+    /// How often frames are rendered while the camera moves.
+    pub frame_rate: FrameRate,
     /// The frames of the last minute, oldest first.
     pub history: VecDeque<Sample>,
     /// Messages over the viewport, oldest first.
@@ -159,6 +161,13 @@ impl AppState {
             let before = if self.window_ms > 0.0 { self.window_ms } else { secs * 1000.0 };
             self.window_ms = before * FADE + secs * 1000.0 * (1.0 - FADE);
         }
+    }
+
+    /// True where the window shows each frame as it was rendered, and is drawn again when the next
+    /// one is there. Drawing with a software rasteriser takes its time from the renderer, and
+    /// frames come soon enough.
+    pub fn waits_for_frames(&self) -> bool {
+        self.software_adapter.is_some() && !self.options.is_paused && !self.frame_rate.is_late()
     }
 
     /// True while a question is open: it receives all keys.

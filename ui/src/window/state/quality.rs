@@ -4,14 +4,14 @@ pub use afterimage::render::schedule::WINDOW_SAMPLES;
 
 use afterimage::WalkthroughSettings;
 use afterimage::raster::{color::ToneMap, exposure::Exposure};
-use afterimage::render::schedule::{FRAME_BUDGET, RENDER_SCALE};
+use afterimage::render::schedule::FRAME_BUDGET;
 
 /// Rendering settings that trade quality for time, and how frames are displayed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quality {
     /// Mode, samples, bounces, placement and cache.
     pub walk: WalkthroughSettings,
-    /// Rendered pixels per pixel of the viewport along an edge, while the camera moves.
+    /// Rendered pixels per pixel of the viewport along an edge, at most, while the camera moves.
     pub render_scale: f32,
     /// Time in milliseconds after which a frame is shown, complete or not.
     pub budget_ms: f32,
@@ -25,6 +25,6 @@ impl Default for Quality {
     fn default() -> Self {
         let (walk, tone_map) = (WalkthroughSettings::default(), ToneMap::default());
         let budget_ms = FRAME_BUDGET.as_secs_f32() * 1e3;
-        Self { walk, render_scale: RENDER_SCALE, budget_ms, exposure: Exposure::Auto, tone_map }
+        Self { walk, render_scale: 1.0, budget_ms, exposure: Exposure::Auto, tone_map }
     }
 }

@@ -16,6 +16,7 @@ impl Worker {
             walk.set_settings(request.settings);
             self.schedule.forget_failures();
         }
+        walk.set_previews(!request.is_moving);
         if request.is_compared {
             walk.drop_refinement();
         }
@@ -31,6 +32,7 @@ impl Worker {
             let is_shown = request.budget.is_some() || !shared.is_stale(generation);
             StepOutcome { is_shown, ..done }
         });
+        self.framed = Some(Instant::now());
     }
 
     /// Resumes or refines the last frame for a slice of time, and shows it unless it has become
@@ -57,6 +59,7 @@ impl Worker {
     ) -> Option<StepOutcome> {
         let (walk, added, pool) = (self.walk.as_mut()?, &self.added, &self.pool);
         let mut published = self.shared.exchange.spare();
+        published.begun = Instant::now();
         let done = catch_unwind(AssertUnwindSafe(|| {
             pool.install(|| {
                 let done = work(walk);
@@ -75,7 +78,7 @@ impl Worker {
             }
             Err(panic) => {
                 let settings = self.request.map_or(*walk.settings(), |r| r.settings);
-                *walk = Walkthrough::new(walk.tracer().clone(), settings).progressive().with_previews();
+                *walk = Walkthrough::new(walk.tracer().clone(), settings).progressive();
                 self.send(Message::Failed(format!("rendering failed: {}", panic_text(&*panic))));
                 None
             }

@@ -84,6 +84,7 @@ mod tests {
             size: [16, 16],
             settings,
             budget: Some(Duration::from_secs(3600)),
+            is_moving: false,
             is_paused: false,
             is_compared: false,
         };

@@ -6,6 +6,10 @@ use crate::picture::memory;
 use afterimage::{Walkthrough, render::schedule::Step};
 use std::sync::PoisonError;
 use std::sync::atomic::Ordering;
+use std::time::Duration;
+
+/// Time after a frame in which the next pose comes while the camera moves.
+const NEXT_POSE: Duration = Duration::from_millis(100);
 
 impl Worker {
     /// Renders until the window is closed.
@@ -44,6 +48,15 @@ impl Worker {
             // The settings of a new request are applied before an older frame is resumed or
             // refined.
             let can_continue = inbox.request.is_none() && self.next_step(generation) != Step::Rest;
+            if can_continue
+                && !is_due
+                && !has_mail
+                && let Some(pause) = self.pause_in_motion()
+            {
+                let waited = shared.bell.wait_timeout(inbox, pause);
+                inbox = waited.unwrap_or_else(PoisonError::into_inner).0;
+                continue;
+            }
             if is_due || has_mail || can_continue {
                 let is_new = inbox.request.take().is_some();
                 self.request = request;
@@ -65,6 +78,14 @@ impl Worker {
         }
     }
 
+    /// The time for which the next pose is awaited before a frame is continued: in motion, it comes as
+    /// soon as the frame is drawn.
+    fn pause_in_motion(&self) -> Option<Duration> {
+        let is_moving = self.request.is_some_and(|request| request.is_moving);
+        let left = NEXT_POSE.checked_sub(self.framed?.elapsed());
+        left.filter(|left| is_moving && !left.is_zero())
+    }
+
     /// Drops a request that does not fit into memory: a failed allocation would end the program.
     fn refuse_too_large(&mut self) {
         let Some([width, height]) = self.request.map(|r| r.size) else { return };
@@ -82,7 +103,7 @@ impl Worker {
                 let settings = self.request.map(|r| r.settings).unwrap_or_default();
                 // A new walkthrough: with another tracer in the old one, pixels that the first
                 // frame has not traced yet would show the old scene.
-                self.walk = Some(Walkthrough::new(tracer, settings).progressive().with_previews());
+                self.walk = Some(Walkthrough::new(tracer, settings).progressive());
                 self.added.clear();
                 self.schedule.forget_failures();
             }

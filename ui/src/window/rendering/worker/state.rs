@@ -19,6 +19,8 @@ pub(in crate::window::rendering) struct Worker {
     pub(super) walk: Option<Walkthrough>,
     pub(super) request: Option<RenderRequest>,
     pub(super) schedule: Schedule,
+    /// When the last frame was shown.
+    pub(super) framed: Option<Instant>,
     /// Cancels the reference that is being traced.
     pub(super) running: Option<Arc<AtomicBool>>,
     pub(super) wants_picture: bool,
@@ -44,6 +46,7 @@ impl Worker {
             walk: None,
             request: None,
             schedule: Schedule::default(),
+            framed: None,
             running: None,
             wants_picture: false,
             added: Vec::new(),
