@@ -5,10 +5,11 @@ use afterimage::render::{CONVERGED_PASSES, StillView, TimedPicture, render_antia
 use afterimage::trace::{TraceSettings, parallel::NEVER};
 use afterimage::{FrameRequest, Mode, RenderSettings, Tracer, WalkthroughSettings};
 use glam::Vec3;
-use std::sync::Arc;
+use std::{sync::Arc, time::Duration};
 
 /// Neither side is a multiple of a tile's, and half of it is not whole.
 const SIZE: [u32; 2] = [45, 27];
+const LIMIT: Duration = Duration::from_secs(3600);
 const TRACE: TraceSettings = TraceSettings { samples: 1, bounces: 0, seed: 9 };
 
 fn tracer() -> Arc<Tracer> {
@@ -43,7 +44,7 @@ fn a_view_at_rest_converges_to_the_antialiased_picture() {
 fn a_picture_refined_for_longer_is_the_mean_of_independent_rounds() {
     let tracer = tracer();
     let render = RenderSettings { mode: Mode::Full, trace: TRACE };
-    let mut picture = TimedPicture::new(tracer.clone(), render, &room_camera(), SIZE, 0.0);
+    let mut picture = TimedPicture::new(tracer.clone(), render, (&room_camera(), SIZE), LIMIT, 0.0);
     while picture.passes() < 2 * CONVERGED_PASSES {
         assert!(picture.step(NEVER));
     }
@@ -61,7 +62,24 @@ fn a_picture_refined_for_longer_is_the_mean_of_independent_rounds() {
 #[test]
 fn a_mode_that_is_not_refined_ends_with_its_frame() {
     let render = RenderSettings { mode: Mode::Paper, trace: TRACE };
-    let mut picture = TimedPicture::new(tracer(), render, &room_camera(), SIZE, 0.0);
+    let mut picture = TimedPicture::new(tracer(), render, (&room_camera(), SIZE), LIMIT, 0.0);
     while picture.step(NEVER) {}
     assert_eq!((picture.passes(), picture.estimated_psnr_db()), (1, None));
+}
+
+#[test]
+fn a_picture_with_bounces_is_complete_after_any_time() {
+    let render = RenderSettings { mode: Mode::Exact, trace: TraceSettings { bounces: 2, ..TRACE } };
+    for limit in [Duration::ZERO, LIMIT] {
+        let mut picture = TimedPicture::new(tracer(), render, (&room_camera(), SIZE), limit, 0.0);
+        assert!(picture.step(&|| limit.is_zero()));
+        while picture.passes() < 2 && !limit.is_zero() {
+            assert!(picture.step(NEVER));
+        }
+        picture.conclude();
+        let frame = picture.into_frame();
+        assert!(frame.stats.is_complete && frame.radiance.len() == frame.view.pixel_count());
+        let light = frame.radiance.iter().map(|radiance| radiance.element_sum()).sum::<f32>();
+        assert!(light.is_finite() && light > 0.0);
+    }
 }

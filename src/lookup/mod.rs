@@ -22,6 +22,8 @@
 mod band;
 mod exact;
 mod gather;
+mod growing;
+mod open_pixels;
 mod point;
 mod point_cache;
 mod policy;
@@ -35,11 +37,11 @@ mod view;
 
 pub(crate) use band::{BandLight, BandLookup, FrameRows, OpenPixels, write_surfaces};
 pub(crate) use exact::{CheckedPixel, Guess, PixelResolver, Tally};
+pub(crate) use growing::GrowingReference;
 pub use point::{FoundLight, LookupSet};
 pub use point_cache::{CachedLight, PointCache, SurfaceKey, TracedPoint};
 pub use policy::LookupQuality;
 pub(crate) use policy::MAX_POINTS_PER_PIXEL;
-pub(crate) use sparse::UnfinishedReference;
 pub use sparse::open_percent;
 pub(crate) use tile::pixels_of_tile;
 pub use tile::{TileLight, TilePoints, TileSurfaces};

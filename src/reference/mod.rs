@@ -7,6 +7,7 @@ pub mod disparity_tiles;
 pub mod frame;
 pub mod light;
 pub mod placement;
+mod sample_sums;
 mod smooth_filter;
 mod smooth_samples;
 
@@ -15,4 +16,6 @@ pub use directory::Directory;
 pub use disparity_tiles::DisparityTiles;
 pub use frame::{ReferenceFrame, settings_of_reference};
 pub use placement::{Observation, PlacementPolicy, PlacementRule};
+pub(crate) use sample_sums::SampleSums;
+pub(crate) use smooth_filter::SmoothFilter;
 pub(crate) use smooth_samples::SmoothSamples;

@@ -13,6 +13,14 @@ pub(crate) struct SmoothSamples {
 }
 
 impl SmoothSamples {
+    /// Adds the samples that follow.
+    pub(crate) fn add(&mut self, light: &ArrivingLight) {
+        for (sum, more) in self.sums.iter_mut().zip(light.smooth_sums) {
+            *sum += more;
+        }
+        self.count += light.paths;
+    }
+
     pub(crate) fn is_finite(&self) -> bool {
         self.sums.iter().all(|sum| sum.is_finite())
     }

@@ -11,8 +11,10 @@ pub mod aov;
 pub mod audit;
 pub mod bands;
 mod carried_light;
+mod deadline;
 pub mod frame;
 mod light_around;
+mod mixture;
 mod pace;
 mod paper_pixels;
 mod placeholders;
@@ -29,6 +31,8 @@ mod still_view;
 mod temporal_stability;
 #[cfg(feature = "pictures")]
 mod timed_picture;
+#[cfg(feature = "pictures")]
+mod timed_rest;
 mod walkthrough;
 mod worklist;
 

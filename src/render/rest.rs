@@ -12,16 +12,21 @@
 //! variance.
 
 use super::accumulate::{Accumulation, offset_of_pass};
+use super::deadline::Deadline;
 use super::frame::{Frame, RefineState};
+use super::mixture::mix;
 use super::renderer::Renderer;
 use super::request::FrameRequest;
 use super::settings::RenderSettings;
 use crate::camera::Camera;
-use crate::lookup::{LookupSet, UnfinishedReference};
-use crate::reference::{ReferenceCache, ReferenceId, settings_of_reference};
-use crate::trace::{TraceSettings, Tracer, parallel::Stop};
+use crate::lookup::{GrowingReference, LookupSet};
+use crate::reference::{ReferenceCache, ReferenceFrame, ReferenceId, settings_of_reference};
+use crate::trace::{
+    TraceSettings, Tracer,
+    parallel::{NEVER, Stop},
+};
 use glam::Vec3;
-use std::sync::Arc;
+use std::{sync::Arc, time::Instant};
 
 /// Passes of the full tracer until the picture counts as converged.
 const PASSES: u32 = 64;
@@ -32,6 +37,7 @@ const PASSES: u32 = 64;
 const MIXED_PASSES: u32 = 16;
 
 /// A stage of the picture: a reference of the view, and what follows it.
+#[derive(Debug)]
 struct Stage {
     /// Pixels of the picture, along an edge, per pixel of the reference.
     edge: u32,
@@ -43,19 +49,23 @@ struct Stage {
     passes: u32,
 }
 
-/// The stages: light first, then edges, then what has no bias.
-const STAGES: [Stage; 4] = [
+/// The stages: light first, then edges, then what has no bias. Samples double, so that half of the
+/// time of lighting shows in the picture after it.
+const STAGES: [Stage; 6] = [
     Stage { edge: 2, samples: 1, frames: 1, passes: 0 },
     Stage { edge: 1, samples: 1, frames: 4, passes: 0 },
+    Stage { edge: 1, samples: 2, frames: 4, passes: 0 },
     Stage { edge: 1, samples: 4, frames: 16, passes: 0 },
+    Stage { edge: 1, samples: 8, frames: 16, passes: 0 },
     Stage { edge: 1, samples: 16, frames: 16, passes: PASSES },
 ];
 
 /// Number of the first reference that is traced for a view at rest: others count from 1.
 const FIRST_NUMBER: u64 = 1 << 15;
 
-/// Side of the square of pixels whose errors are estimated together.
-const BLOCK: usize = 16;
+/// Looked-up frames that share the samples of the reference: with fewer samples, what a frame
+/// traces itself at edges would have more noise than what it looks up.
+const MIXED_FRAMES: u32 = 4;
 
 /// The picture of one pose at rest.
 #[derive(Debug)]
@@ -63,6 +73,7 @@ pub(super) struct RestPicture {
     camera: Camera,
     size: [u32; 2],
     settings: RenderSettings,
+    stages: &'static [Stage],
     full: Accumulation,
     renderer: Renderer,
     /// Sums of the looked-up frames since the references were improved, and their number.
@@ -75,15 +86,20 @@ pub(super) struct RestPicture {
     stage: usize,
     /// True once the stage's reference is lit.
     is_lit: bool,
-    /// The reference that is being lit.
-    lighting: Option<UnfinishedReference>,
-    /// The reference of this view that was finished last.
+    /// The reference of this view with the samples that it has had so far.
+    growing: Option<GrowingReference>,
+    /// The reference of this view that was finished last, and its samples.
     own: Option<ReferenceId>,
+    own_samples: u32,
+    /// The end of the time for the picture, where it is known.
+    deadline: Option<Deadline>,
+    /// Looked-up frames that show the light so far, unless the stage has fewer.
+    planned: u32,
 }
 
 /// The next step towards the picture at rest.
 enum Task {
-    Frame(&'static Stage),
+    Frame(u32),
     Light(&'static Stage),
     Pass(u32),
 }
@@ -94,6 +110,7 @@ impl RestPicture {
             camera: *request.camera,
             size: request.size,
             settings: *request.settings,
+            stages: &STAGES,
             full: Accumulation::new(request, PASSES),
             renderer: Renderer::default(),
             sums: Vec::new(),
@@ -102,8 +119,11 @@ impl RestPicture {
             shown_points: 0,
             stage: 0,
             is_lit: false,
-            lighting: None,
+            growing: None,
             own: None,
+            own_samples: 0,
+            deadline: None,
+            planned: u32::MAX,
         }
     }
 
@@ -113,30 +133,29 @@ impl RestPicture {
     }
 
     pub(super) fn state(&self) -> RefineState {
-        let light_samples = self.trace().samples;
+        let light_samples = self.own_samples.max(self.settings.trace.samples);
         RefineState { light_samples, ..self.full.state() }
     }
 
-    /// Settings of the looked-up frames: those of the last reference, but for its seed.
-    fn trace(&self) -> TraceSettings {
-        let last = if self.is_lit { Some(self.stage) } else { self.stage.checked_sub(1) };
-        let more = last.and_then(|last| STAGES.get(last)).map_or(1, |stage| stage.samples);
-        self.trace_of(more)
-    }
-
-    fn trace_of(&self, more_samples: u32) -> TraceSettings {
-        let trace = self.settings.trace;
-        TraceSettings { samples: trace.samples.saturating_mul(more_samples), ..trace }
+    /// True once a looked-up frame of the view is shown.
+    pub(super) fn is_shown(&self) -> bool {
+        !self.looked_up.is_empty()
     }
 
     /// The next step. Where a stage is finished, it is the first of the next stage.
     fn task(&mut self, cache: &ReferenceCache) -> Option<Task> {
         loop {
-            let stage = STAGES.get(self.stage)?;
-            if !self.is_lit && !self.is_known(stage, cache) {
+            let stage = self.stages.get(self.stage)?;
+            let is_last = self.stage + 1 == self.stages.len();
+            let is_known = !self.is_lit && self.is_known(stage, cache);
+            // What is known need not be lit, but the last stage has frames and passes of its own.
+            self.is_lit |= is_known && is_last;
+            self.is_lit &= !self.can_light_again();
+            let frames = self.planned.min(stage.frames);
+            if !self.is_lit && !is_known {
                 return Some(Task::Light(stage));
-            } else if self.is_lit && self.frames < stage.frames {
-                return Some(Task::Frame(stage));
+            } else if self.is_lit && self.frames < frames {
+                return Some(Task::Frame(frames));
             } else if self.is_lit && self.full.passes_done() < stage.passes {
                 return Some(Task::Pass(stage.passes));
             }
@@ -144,9 +163,21 @@ impl RestPicture {
         }
     }
 
+    /// True where the light so far is shown, and there is time to add to it and to show it again.
+    fn can_light_again(&self) -> bool {
+        let has_time = self.deadline.is_some_and(|deadline| deadline.has_time_for_more(self.planned));
+        let is_open = self.growing.as_ref().is_some_and(|growing| growing.samples() < self.most_samples());
+        self.is_lit && self.frames >= self.planned && has_time && is_open
+    }
+
+    /// Samples of the last stage.
+    fn most_samples(&self) -> u32 {
+        self.stages.last().map_or(1, |stage| self.samples_of(stage))
+    }
+
     /// True where a reference of this view has at least the pixels and samples of a stage.
     fn is_known(&self, stage: &Stage, cache: &ReferenceCache) -> bool {
-        let (size, samples) = (self.size_of(stage), self.trace_of(stage.samples).samples);
+        let (size, samples) = (self.size_of(stage), self.samples_of(stage));
         cache.entries().iter().any(|entry| {
             let frame = &entry.frame;
             let is_fine = frame.view.size[0] >= size[0] && frame.settings.samples >= samples;
@@ -159,31 +190,42 @@ impl RestPicture {
         self.size.map(|edge| edge.div_ceil(stage.edge))
     }
 
-    /// Works on the picture until it has converged or `stop` is true. What is done then is kept.
-    pub(super) fn run(&mut self, tracer: &Tracer, cache: &mut ReferenceCache, stop: Stop<'_>) {
-        while !stop()
-            && let Some(task) = self.task(cache)
-        {
-            match task {
-                Task::Frame(stage) => self.add_frame(stage, tracer, cache, stop),
-                Task::Light(stage) => self.light(stage, tracer, cache, stop),
-                Task::Pass(until) => self.full.run_until(until, tracer, stop),
-            }
-        }
+    fn samples_of(&self, stage: &Stage) -> u32 {
+        self.settings.trace.samples.max(1).saturating_mul(stage.samples)
     }
 
-    /// Adds a looked-up frame through the next point of the pixels.
-    fn add_frame(&mut self, stage: &Stage, tracer: &Tracer, cache: &ReferenceCache, stop: Stop<'_>) {
-        let settings = RenderSettings { trace: self.trace(), ..self.settings };
+    /// Works on the picture until it has converged or `stop` is true. What is done then is kept.
+    pub(super) fn run(&mut self, tracer: &Tracer, cache: &mut ReferenceCache, stop: Stop<'_>) {
+        while !stop() && self.step(tracer, cache, stop) {}
+    }
+
+    /// Does the next step, until `stop` is true. Returns false where nothing is left to do.
+    pub(super) fn step(&mut self, tracer: &Tracer, cache: &mut ReferenceCache, stop: Stop<'_>) -> bool {
+        match self.task(cache) {
+            // A stopped frame cannot be shown, and the first one must be.
+            Some(Task::Frame(of)) if self.deadline.is_some() && !self.is_shown() => {
+                self.add_frame(of, tracer, cache, NEVER);
+            }
+            Some(Task::Frame(of)) => self.add_frame(of, tracer, cache, stop),
+            Some(Task::Light(stage)) => self.light(stage, tracer, cache, stop),
+            Some(Task::Pass(until)) => self.full.run_until(until, tracer, stop),
+            None => return false,
+        }
+        true
+    }
+
+    /// Adds a looked-up frame through the next of some points of the pixels.
+    fn add_frame(&mut self, of: u32, tracer: &Tracer, cache: &ReferenceCache, stop: Stop<'_>) {
+        let start = Instant::now();
+        let settings = RenderSettings { trace: self.trace_of_frame(of), ..self.settings };
         let request = FrameRequest::new(tracer, &self.camera, self.size, &settings);
-        let offset = offset_of_pass(self.frames, stage.frames);
+        let offset = offset_of_pass(self.frames, of);
         let frame = self.renderer.render(&request.reusing(cache).shifted(offset).with_stop(stop));
         if !frame.stats.is_complete {
             return;
         }
-        let own = cache.entries().iter().find(|entry| Some(entry.id) == self.own);
-        if let Some(own) = own.filter(|own| own.frame.view.size == self.size) {
-            self.renderer.show_shared_light(tracer, &own.frame);
+        if let Some(own) = self.own(cache).filter(|own| own.view.size == self.size) {
+            self.renderer.show_shared_light(tracer, own);
         }
         let frame = self.renderer.frame();
         self.sums.resize(frame.radiance.len(), Vec3::ZERO);
@@ -191,6 +233,9 @@ impl RestPicture {
             *sum = if self.frames == 0 { *radiance } else { *sum + *radiance };
         }
         self.frames += 1;
+        if let Some(deadline) = &mut self.deadline {
+            deadline.frame_secs = start.elapsed().as_secs_f64();
+        }
         // Frames through few points have jagged edges: they do not take the place of smooth ones.
         if self.frames >= self.shown_points {
             let count = self.frames as f32;
@@ -200,24 +245,59 @@ impl RestPicture {
         }
     }
 
-    /// Lights the reference of a stage; it takes the place of the last.
+    /// The reference of this view that was finished last.
+    pub(super) fn own<'c>(&self, cache: &'c ReferenceCache) -> Option<&'c ReferenceFrame> {
+        cache.entries().iter().find(|entry| Some(entry.id) == self.own).map(|entry| &*entry.frame)
+    }
+
+    /// Settings of the next of some looked-up frames: together they have the samples of the
+    /// reference, but each at least those of the settings. Each has a seed of its own.
+    fn trace_of_frame(&self, of: u32) -> TraceSettings {
+        let trace = self.settings.trace;
+        let samples = self.own_samples.div_ceil(of.clamp(1, MIXED_FRAMES)).max(trace.samples);
+        // As passes of the full tracer use them.
+        let seed = trace.seed.wrapping_add(u64::from(self.frames) << 48);
+        TraceSettings { samples, seed, ..trace }
+    }
+
+    /// Lights the reference further, until it has the samples of a stage or the time left is needed
+    /// to show it; it takes the place of the last.
     fn light(&mut self, stage: &Stage, tracer: &Tracer, cache: &mut ReferenceCache, stop: Stop<'_>) {
-        let (camera, size) = (self.camera, self.size_of(stage));
-        let number = FIRST_NUMBER + self.stage as u64;
-        let settings = settings_of_reference(&self.trace_of(stage.samples), number);
         let known = LookupSet::without_references(cache, tracer.epoch());
-        let lighting = self
-            .lighting
-            .get_or_insert_with(|| UnfinishedReference::begin(tracer, &camera, size, &settings, &known));
-        if !lighting.light(tracer, &known, stop) {
-            return;
+        let last = self.growing.take().filter(|growing| growing.size() == self.size_of(stage));
+        let growing = last.unwrap_or_else(|| self.begin_light(stage.edge, tracer, &known));
+        let (samples, deadline) = (self.samples_of(stage), self.deadline);
+        let (first, planned) = (self.settings.trace.samples.max(1), self.planned);
+        let growing = self.growing.insert(growing);
+        let goal = deadline.map_or(samples, |_| growing.next_goal(first).min(samples));
+        let is_due = || deadline.is_some_and(|deadline| deadline.is_due(planned));
+        let is_complete = growing.light(tracer, &known, goal, &|| stop() || is_due());
+        if (is_complete && goal == samples) || is_due() {
+            self.show_light(cache);
         }
-        let Some(finished) = self.lighting.take().map(|lighting| lighting.finish(tracer)) else { return };
-        if let Some(last) = self.own.replace(cache.insert(Arc::new(finished))) {
+    }
+
+    fn begin_light(&self, edge: u32, tracer: &Tracer, known: &LookupSet<'_>) -> GrowingReference {
+        let settings = settings_of_reference(&self.settings.trace, FIRST_NUMBER + u64::from(edge));
+        let size = self.size.map(|pixels| pixels.div_ceil(edge));
+        GrowingReference::begin(tracer, &self.camera, size, &settings, known)
+    }
+
+    /// Makes the light so far the reference that frames look up.
+    fn show_light(&mut self, cache: &mut ReferenceCache) {
+        let start = Instant::now();
+        (self.is_lit, self.frames) = (true, 0);
+        let Some(growing) = self.growing.as_ref().filter(|growing| growing.samples() > 0) else { return };
+        let lit = growing.finish();
+        self.own_samples = lit.settings.samples;
+        if let Some(last) = self.own.replace(cache.insert(Arc::new(lit))) {
             cache.remove(last);
         }
         self.renderer.forget_points();
-        (self.is_lit, self.frames) = (true, 0);
+        if let Some(deadline) = &mut self.deadline {
+            deadline.filter_secs = start.elapsed().as_secs_f64();
+            self.planned = deadline.frames().max(self.shown_points);
+        }
     }
 
     /// Shows in a frame of the same size what is done.
@@ -234,32 +314,57 @@ impl RestPicture {
     }
 }
 
-/// Replaces each looked-up pixel by a mixture with the mean of the full tracer's passes.
-///
-/// Over a block, the squared distance of the two pictures is the error of the first plus the
-/// variance of the second. So the first's error is known, and the shares that minimize the error of
-/// the mixture are those of the inverse errors.
-fn mix(shown: &mut [Vec3], full: &[Option<(Vec3, f32)>], width: usize) {
-    let (columns, rows) = (width.div_ceil(BLOCK), (shown.len() / width.max(1)).div_ceil(BLOCK));
-    let block_of = |pixel: usize| pixel / width / BLOCK * columns + pixel % width / BLOCK;
-    let mut errors = vec![[0.0f64; 2]; columns * rows];
-    let energy = full.iter().flatten().map(|(mean, _)| f64::from(mean.length_squared())).sum::<f64>();
-    let usual = energy / full.len().max(1) as f64;
-    for (pixel, (shown, full)) in shown.iter().zip(full).enumerate() {
-        if let Some((mean, variance)) = full {
-            // Errors count as they are seen: less in pixels brighter than the picture.
-            let weight = 1.0 / (usual + f64::from(mean.length_squared())).max(f64::MIN_POSITIVE);
-            let error = &mut errors[block_of(pixel)];
-            error[0] += weight * f64::from((*shown - *mean).length_squared());
-            error[1] += weight * f64::from(*variance);
-        }
+/// Pictures for a time that is known.
+#[cfg(feature = "pictures")]
+impl RestPicture {
+    /// The same picture for a time that is known: it goes to one reference, without stages before
+    /// the last.
+    #[must_use]
+    pub(super) fn until(self, deadline: Deadline) -> Self {
+        let (stages, planned) = (&STAGES[STAGES.len() - 1..], deadline.frames());
+        Self { stages, deadline: Some(deadline), planned, ..self }
     }
-    for (pixel, (shown, full)) in shown.iter_mut().zip(full).enumerate() {
-        if let Some((mean, _)) = full {
-            let [distance, variance] = errors[block_of(pixel)];
-            let bias = (distance - variance).max(0.0);
-            let share = if bias + variance > 0.0 { bias / (bias + variance) } else { 1.0 };
-            *shown = shown.lerp(*mean, share as f32);
+
+    /// The last looked-up frame.
+    pub(super) fn frame(&self) -> &Frame {
+        self.renderer.frame()
+    }
+
+    /// Shows the light so far, however little: to be called where the work ends before a picture.
+    pub(super) fn conclude(&mut self, tracer: &Tracer, cache: &mut ReferenceCache) {
+        if !self.is_lit {
+            self.show_light(cache);
+        }
+        self.add_frame(1, tracer, cache, NEVER);
+    }
+
+    /// The deadline, and what is known about the time that it takes to show light.
+    pub(super) fn deadline(&self) -> Option<Deadline> {
+        self.deadline
+    }
+
+    /// Measures, by a small reference of the view, how long it will take to show light. Until there is
+    /// light of more pixels, that of the small reference is looked up.
+    pub(super) fn rehearse(&mut self, tracer: &Tracer, cache: &mut ReferenceCache) {
+        /// Pixels of the picture, along an edge, per pixel of the small one.
+        const EDGE: u32 = 4;
+        let known = LookupSet::without_references(cache, tracer.epoch());
+        let mut small = self.begin_light(EDGE, tracer, &known);
+        small.light(tracer, &known, 1, NEVER);
+        self.own = Some(cache.insert(Arc::new(small.finish())));
+        let request = FrameRequest::new(tracer, &self.camera, small.size(), &self.settings);
+        self.renderer.render(&request.reusing(cache));
+        // The first time also fills caches and allocates memory.
+        self.renderer.forget_points();
+        let start = Instant::now();
+        small.finish();
+        let filter_secs = start.elapsed().as_secs_f64();
+        let frame_secs = self.renderer.render(&request.reusing(cache)).stats.secs.frame;
+        self.renderer.forget_points();
+        if let Some(deadline) = &mut self.deadline {
+            let more = f64::from(EDGE * EDGE);
+            (deadline.filter_secs, deadline.frame_secs) = (filter_secs * more, frame_secs * more);
+            self.planned = deadline.frames();
         }
     }
 }

@@ -1,17 +1,16 @@
 //! The best picture of a view that a given time allows.
 
 use super::{
+    deadline::Deadline,
     frame::{Frame, RefineState},
     settings::{Mode, RenderSettings, WalkthroughSettings},
     still_view::StillView,
+    timed_rest::TimedRest,
 };
 use crate::{
-    camera::{Camera, View},
+    camera::Camera,
     raster::{load::exposed, metrics::mse},
-    trace::{
-        TraceSettings, Tracer,
-        parallel::{NEVER, Stop, trace_pixels},
-    },
+    trace::{TraceSettings, Tracer, parallel::Stop},
 };
 use glam::Vec3;
 use std::{
@@ -19,14 +18,17 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// A picture that is refined for as long as its caller wants: the window's schedule, from nothing.
+/// A picture that is refined for as long as its caller wants, from nothing: by the window's
+/// schedule, or, in modes that look smooth light up, with a reference that is lit until the time
+/// that is left is needed to show it.
 ///
-/// Where the schedule has converged, it begins again with another seed, and the picture is the mean
-/// of all passes.
+/// Where the picture has converged, it begins again with another seed, and is the mean of all
+/// passes.
 #[derive(Debug)]
 pub struct TimedPicture {
-    view: StillView,
-    settings: WalkthroughSettings,
+    view: TimedView,
+    render: RenderSettings,
+    spent: Duration,
     /// Number of the current round, from 0.
     round: u64,
     /// The converged picture of the first round; its radiance is the sum over the passes of all
@@ -37,18 +39,19 @@ pub struct TimedPicture {
 }
 
 impl TimedPicture {
-    /// A picture of which nothing is rendered. Its error is estimated at an exposure in stops.
+    /// A picture of which nothing is rendered, for a time of `limit` from now on. Its error is
+    /// estimated at an exposure in stops.
     pub fn new(
         tracer: Arc<Tracer>,
         render: RenderSettings,
-        camera: &Camera,
-        size: [u32; 2],
+        (camera, size): (&Camera, [u32; 2]),
+        limit: Duration,
         exposure_ev: f32,
     ) -> Self {
-        let settings = WalkthroughSettings { render, ..WalkthroughSettings::default() };
         Self {
-            view: StillView::new(tracer, settings, camera, size),
-            settings,
+            view: TimedView::new(tracer, render, (camera, size), Deadline::after(limit)),
+            render,
+            spent: Duration::ZERO,
             round: 0,
             finished: None,
             finished_passes: 0,
@@ -56,43 +59,13 @@ impl TimedPicture {
         }
     }
 
-    /// The samples that a first picture of a view may take, so that most of `seconds` suffices: by
-    /// the time of some of its pixels, and at most `most`.
-    pub fn affordable_samples(
-        tracer: &Tracer,
-        camera: &Camera,
-        size: [u32; 2],
-        trace: &TraceSettings,
-        (seconds, most): (f64, u32),
-    ) -> u32 {
-        /// Pixels that are timed, and their samples.
-        const PROBE: (u32, u32) = (1024, 4);
-        /// Share of the time that the first picture may take.
-        const SHARE: f64 = 0.7;
-        let view = View::new(camera, &tracer.scene().frame, size);
-        let count = view.pixel_count() as u64;
-        let pixel = |i: u32| (u64::from(i) * count / u64::from(PROBE.0)) as u32;
-        let pixels: Vec<u32> = (0..PROBE.0).map(pixel).collect();
-        let (settings, mut traced) = (TraceSettings { samples: PROBE.1, ..*trace }, Vec::new());
-        let mut time = || {
-            let start = Instant::now();
-            trace_pixels(&pixels, &mut traced, NEVER, |pixel, rays| {
-                tracer.pixel(&view, pixel, &settings, rays)
-            });
-            start.elapsed().as_secs_f64()
-        };
-        // The first time also finds which lights matter where.
-        time();
-        let secs_per_sample = time() / f64::from(PROBE.0 * PROBE.1) * count as f64;
-        ((SHARE * seconds / secs_per_sample) as u32).clamp(1, most.max(1))
-    }
-
     /// Improves the picture until `stop` is true or it is worth showing. Returns false where it
     /// cannot be improved.
     pub fn step(&mut self, stop: Stop<'_>) -> bool {
+        let start = Instant::now();
         // The first step of a round replaces the frame that the rounds before it contain already.
-        let can_improve =
-            self.view.step(stop).is_some() || (self.begin_round() && self.view.step(stop).is_some());
+        let can_improve = self.view.step(stop) || (self.begin_round() && self.view.step(stop));
+        self.spent += start.elapsed();
         let passes = self.passes();
         if self.noise.is_due(passes) {
             self.noise.note(&self.radiance(), passes);
@@ -106,6 +79,12 @@ impl TimedPicture {
         (self.finished_passes + self.current_passes()).max(u32::from(has_frame && self.has_pixels()))
     }
 
+    /// Samples of a pixel so far: of its light, or of all passes where they are more.
+    pub fn samples(&self) -> u64 {
+        let of_passes = u64::from(self.passes().max(1)) * u64::from(self.render.trace.samples);
+        of_passes.max(u64::from(self.view.frame().stats.refined.light_samples))
+    }
+
     /// Estimated PSNR in decibels against the picture that more passes converge to, from how much
     /// it has changed since half as many passes; `None` before the second pass.
     pub fn estimated_psnr_db(&self) -> Option<f64> {
@@ -114,16 +93,22 @@ impl TimedPicture {
 
     /// Time of rendering so far.
     pub fn spent(&self) -> Duration {
-        self.view.spent()
+        self.spent
+    }
+
+    /// Shows what there is, where the work ends before there is a picture.
+    pub fn conclude(&mut self) {
+        self.view.conclude();
     }
 
     /// The picture so far. It is complete where every pixel was rendered.
-    pub fn into_frame(self) -> Frame {
+    pub fn into_frame(mut self) -> Frame {
+        self.conclude();
         let (pass, radiance) = (self.passes(), self.radiance());
         let mut frame = self.finished.unwrap_or_else(|| self.view.frame().clone());
         frame.radiance = radiance;
         frame.stats.refined = RefineState { pass, of: pass, ..RefineState::default() };
-        frame.stats.secs.frame = self.view.spent().as_secs_f64();
+        frame.stats.secs.frame = self.spent.as_secs_f64();
         frame
     }
 
@@ -134,7 +119,7 @@ impl TimedPicture {
     /// Passes of the current round.
     fn current_passes(&self) -> u32 {
         let stats = &self.view.frame().stats;
-        let is_first = self.settings.render.mode == Mode::Full && stats.is_complete && self.has_pixels();
+        let is_first = self.render.mode == Mode::Full && stats.is_complete && self.has_pixels();
         stats.refined.pass.max(u32::from(is_first))
     }
 
@@ -151,7 +136,7 @@ impl TimedPicture {
     /// not refine.
     fn begin_round(&mut self) -> bool {
         let (shown, new) = (self.view.frame(), self.current_passes());
-        if new == 0 || !self.settings.render.mode.refines() {
+        if new == 0 || !self.render.mode.refines() {
             return false;
         }
         let finished = self.finished.get_or_insert_with(|| {
@@ -164,11 +149,63 @@ impl TimedPicture {
         self.finished_passes += new;
         self.round += 1;
         // Passes use the bits of the seed from 48 up, and a round has at most 64.
-        let trace = self.settings.render.trace;
+        let trace = self.render.trace;
         let seed = trace.seed.wrapping_add(self.round << 54);
-        let render = RenderSettings { trace: TraceSettings { seed, ..trace }, ..self.settings.render };
-        self.view.restart(WalkthroughSettings { render, ..self.settings });
+        self.view.restart(RenderSettings { trace: TraceSettings { seed, ..trace }, ..self.render });
         true
+    }
+}
+
+/// The two ways to a picture.
+#[derive(Debug)]
+enum TimedView {
+    /// The window's schedule.
+    Still(Box<StillView>),
+    /// A reference lit for as long as there is time.
+    Rest(Box<TimedRest>),
+}
+
+impl TimedView {
+    fn new(
+        tracer: Arc<Tracer>,
+        render: RenderSettings,
+        (camera, size): (&Camera, [u32; 2]),
+        deadline: Deadline,
+    ) -> Self {
+        if render.mode.looks_up() && render.trace.bounces > 0 {
+            return Self::Rest(Box::new(TimedRest::new(tracer, render, camera, size, deadline)));
+        }
+        let settings = WalkthroughSettings { render, ..WalkthroughSettings::default() };
+        Self::Still(Box::new(StillView::new(tracer, settings, camera, size)))
+    }
+
+    fn step(&mut self, stop: Stop<'_>) -> bool {
+        match self {
+            Self::Still(view) => view.step(stop).is_some(),
+            Self::Rest(view) => view.step(stop),
+        }
+    }
+
+    fn frame(&self) -> &Frame {
+        match self {
+            Self::Still(view) => view.frame(),
+            Self::Rest(view) => view.frame(),
+        }
+    }
+
+    fn conclude(&mut self) {
+        if let Self::Rest(view) = self {
+            view.conclude();
+        }
+    }
+
+    fn restart(&mut self, render: RenderSettings) {
+        match self {
+            Self::Still(view) => {
+                view.restart(WalkthroughSettings { render, ..WalkthroughSettings::default() });
+            }
+            Self::Rest(view) => view.restart(render),
+        }
     }
 }
 

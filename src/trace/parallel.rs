@@ -57,19 +57,34 @@ pub fn trace_missing<R: Send, G: Default + Send + AddAssign>(
     stop: Stop<'_>,
     trace: impl Fn(u32, &mut G) -> R + Sync,
 ) -> (G, bool) {
+    trace_open(pixels, traced, stop, Option::is_none, |pixel, result, gathered| {
+        *result = Some(trace(pixel, gathered));
+    })
+}
+
+/// Calls `trace` for the pixels of the list whose state `is_open`. The values that it adds to its
+/// last argument are summed in the list's order. Returns the sum, and whether no stop ended the
+/// work.
+pub fn trace_open<R: Send, G: Default + Send + AddAssign>(
+    pixels: &[u32],
+    states: &mut [R],
+    stop: Stop<'_>,
+    is_open: impl Fn(&R) -> bool + Sync,
+    trace: impl Fn(u32, &mut R, &mut G) + Sync,
+) -> (G, bool) {
     let stopped = AtomicBool::new(false);
     let gathered = pixels
         .par_chunks(CHUNK)
-        .zip(traced.par_chunks_mut(CHUNK))
-        .map(|(pixels, traced)| {
+        .zip(states.par_chunks_mut(CHUNK))
+        .map(|(pixels, states)| {
             let mut gathered = G::default();
-            let missing = traced.iter_mut().zip(pixels).filter(|(result, _)| result.is_none());
-            for (result, &pixel) in missing {
+            let open = states.iter_mut().zip(pixels).filter(|(state, _)| is_open(state));
+            for (state, &pixel) in open {
                 if stopped.load(Ordering::Relaxed) || stop() {
                     stopped.store(true, Ordering::Relaxed);
                     break;
                 }
-                *result = Some(trace(pixel, &mut gathered));
+                trace(pixel, state, &mut gathered);
             }
             gathered
         })

@@ -16,7 +16,7 @@ use crate::camera::{Camera, NEAREST_DEPTH, View};
 use crate::raster::rgb9e5::Rgb9e5Scale;
 use crate::reference::DisparityTiles;
 use crate::reference::light::{UNLIT, pack_light};
-use crate::reference::smooth_samples::SmoothSamples;
+use crate::reference::{sample_sums::SampleSums, smooth_samples::SmoothSamples};
 use crate::trace::parallel::{Stop, tile_order, trace_pixels};
 use crate::trace::{
     ILL_CONDITIONED, NO_TRIANGLE, PixelTrace, RayCounts, SceneEpoch, SurfacePoint, TraceSettings, Tracer,
@@ -74,9 +74,15 @@ impl ReferenceFrame {
     /// light, and in scenes with mirrors or glass a bounce count.
     pub const BYTES_PER_PIXEL: usize = size_of::<f32>() + 3 * size_of::<u32>() + size_of::<u8>();
 
-    /// Additional memory per pixel, in bytes, while a reference is traced.
-    pub const TRACING_BYTES_PER_PIXEL: usize =
-        size_of::<Option<PixelTrace>>() + size_of::<u32>() + Self::FILTER_BYTES_PER_PIXEL;
+    /// Additional memory per pixel, in bytes, while a reference is traced, or refined: its pixels,
+    /// what was traced for them, and the filter. One that is refined keeps the sums of its samples,
+    /// and its surfaces apart from the picture that frames read.
+    pub const TRACING_BYTES_PER_PIXEL: usize = {
+        const TRACED: usize = size_of::<Option<PixelTrace>>();
+        const REFINED: usize = size_of::<SampleSums>() + size_of::<f32>() + ReferenceFrame::BYTES_PER_PIXEL;
+        let samples = if TRACED > REFINED { TRACED } else { REFINED };
+        size_of::<u32>() + samples + ReferenceFrame::FILTER_BYTES_PER_PIXEL
+    };
 
     /// Traces every pixel of a reference on the current thread pool, as the paper does. `None`
     /// after a stop.

@@ -6,7 +6,6 @@
 //! neighbours.
 
 use super::surfaces::{Likenesses, Surfaces};
-use super::walls::Walls;
 use crate::math::simd;
 use fearless_simd::dispatch;
 use rayon::prelude::*;
@@ -15,9 +14,6 @@ use std::ops::Range;
 /// Differences of light, in standard deviations, beyond which neighbours share none: the edge of a
 /// wall, not noise.
 const MAX_DEVIATIONS: f32 = 4.0;
-
-/// Pixels whose walls are examined at a time.
-const LANES: usize = 16;
 
 /// Light of each half of the samples of a pixel: the sums of red, green and blue and the number of
 /// samples, all divided by the same weight, of the first half, then of the second.
@@ -31,7 +27,6 @@ pub(super) type Light = [Vec<f32>; 4];
 pub(super) struct Kernel<'a> {
     pub(super) surfaces: &'a Surfaces,
     pub(super) likenesses: &'a Likenesses,
-    pub(super) walls: &'a Walls<'a>,
 }
 
 /// A run of pixels of one row, and their neighbours in one direction.
@@ -41,8 +36,6 @@ struct Run<'a> {
     /// Index of the first pixel, and of its neighbour.
     at: usize,
     other: usize,
-    /// Index of the pixel in the row of the first pixel and the column of its neighbour.
-    corner: usize,
     shares: &'a [u8],
     /// Weight in the kernel of a full share, divided by 255.
     weight: f32,
@@ -71,8 +64,8 @@ impl Row {
 }
 
 impl Kernel<'_> {
-    /// Widens a layer: pixels share light as far as their surfaces are alike, their light is the
-    /// same but for noise, and no wall is between them.
+    /// Widens a layer: pixels share light as far as their surfaces are alike, and their light is the
+    /// same but for noise.
     pub(super) fn widen(&self, layer: &[Halves], light: &Light, wider: &mut [Halves]) {
         let width = self.surfaces.size[0].max(1);
         wider.par_chunks_mut(width).enumerate().for_each_init(Row::default, |row, (y, out)| {
@@ -82,7 +75,7 @@ impl Kernel<'_> {
             for (direction, run) in self.runs(y).enumerate() {
                 row.offsets[direction] = run.other.cast_signed() - run.at.cast_signed();
                 let weights = &mut row.weights[direction][run.columns.clone()];
-                self.weigh(&run, light, weights);
+                Self::weigh(&run, light, weights);
             }
             let start = first + span.start;
             dispatch!(simd::level(), _simd => blend(&mut out[span.clone()], layer, start, span.start, row));
@@ -90,29 +83,10 @@ impl Kernel<'_> {
     }
 
     /// The weights of the neighbours of a run.
-    fn weigh(&self, run: &Run<'_>, light: &Light, weights: &mut [f32]) {
+    fn weigh(run: &Run<'_>, light: &Light, weights: &mut [f32]) {
         let [here, there] = [run.at, run.other]
             .map(|first| light.each_ref().map(|plane| &plane[first..first + weights.len()]));
         dispatch!(simd::level(), _simd => agree(weights, run.shares, run.weight, &here, &there));
-        self.end_at_walls(run, weights);
-    }
-
-    /// Clears the weights of neighbours behind walls.
-    fn end_at_walls(&self, run: &Run<'_>, weights: &mut [f32]) {
-        for (group, weights) in weights.chunks_mut(LANES).enumerate() {
-            let shift = group * LANES;
-            let [at, other, corner] = [run.at, run.other, run.corner].map(|first| first + shift);
-            let crossed = self.walls.crossings(at, other, corner, weights.len());
-            if crossed == 0 {
-                continue;
-            }
-            for (lane, weight) in weights.iter_mut().enumerate().filter(|(_, weight)| **weight > 0.0) {
-                if crossed >> lane & 1 == 1 && !self.walls.are_absent(at + lane, other + lane, corner + lane)
-                {
-                    *weight = 0.0;
-                }
-            }
-        }
     }
 
     /// The mean of values over the nine pixels around each, as far as their surfaces are alike.
@@ -155,14 +129,14 @@ impl Kernel<'_> {
             let (left, right) = (across.min(0).unsigned_abs(), across.max(0).unsigned_abs());
             let columns = span.start.max(left)..span.end.min(width.saturating_sub(right));
             let (at, shifted) = (y * width + columns.start, columns.start.checked_add_signed(across)?);
-            let (other, corner) = (row * width + shifted, y * width + shifted);
+            let other = row * width + shifted;
             if columns.is_empty() {
                 return None;
             }
             let from = if is_ahead { at } else { other };
             let shares = &plane[from..from + columns.len()];
             let weight = if dx == 0 || dy == 0 { 2.0 } else { 1.0 } / 255.0;
-            Some(Run { columns, at, other, corner, shares, weight })
+            Some(Run { columns, at, other, shares, weight })
         })
     }
 }
@@ -233,10 +207,7 @@ mod tests {
     use super::super::surfaces::{DIRECTIONS, Facet, Kind, surface_likeness};
     use super::*;
     use crate::math::key::Key;
-    use crate::scene::builtin;
-    use crate::trace::Tracer;
     use glam::Vec3;
-    use std::sync::Arc;
 
     const SIZE: [usize; 2] = [37, 11];
 
@@ -281,14 +252,11 @@ mod tests {
     fn averages_are_those_of_a_slow_twin_at_every_pixel_and_step() {
         let facets = facets();
         let surfaces = surfaces(&facets);
-        let tracer = Tracer::new(Arc::new(builtin::build("furnace").unwrap()));
-        let near = surfaces.likenesses(1, Kind::Surface);
-        let walls = Walls::between(&surfaces, &near, Vec3::splat(1e4), &tracer);
         let values: Vec<f32> = (0..facets.len()).map(|at| Key::of_pixel(9, at as u32).pair()[0]).collect();
         let mut shared = 0;
         for step in [1, 2, 8, 32] {
             let likenesses = surfaces.likenesses(step, Kind::Surface);
-            let kernel = Kernel { surfaces: &surfaces, likenesses: &likenesses, walls: &walls };
+            let kernel = Kernel { surfaces: &surfaces, likenesses: &likenesses };
             let mut averaged = vec![0.0; values.len()];
             kernel.average(&values, &mut averaged);
             for at in 0..values.len() {
@@ -309,10 +277,8 @@ mod tests {
     fn light_without_noise_stays_where_it_differs_and_noise_is_averaged() {
         let facets = facets();
         let surfaces = surfaces(&facets);
-        let tracer = Tracer::new(Arc::new(builtin::build("furnace").unwrap()));
         let likenesses = surfaces.likenesses(1, Kind::Surface);
-        let walls = Walls::between(&surfaces, &likenesses, Vec3::splat(1e4), &tracer);
-        let kernel = Kernel { surfaces: &surfaces, likenesses: &likenesses, walls: &walls };
+        let kernel = Kernel { surfaces: &surfaces, likenesses: &likenesses };
         let layer: Vec<Halves> = (0..facets.len())
             .map(|at| {
                 if facets[at].is_none() {

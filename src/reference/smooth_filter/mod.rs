@@ -51,11 +51,55 @@ const PLACE_LEVELS: usize = 3;
 /// that faces the viewer: a moulding's faces are seen at a slant. No other value was tried.
 const PLACE_REACH: f32 = 4.0;
 
+/// The filter of a picture: which of its pixels share light, whatever samples they have.
+#[derive(Debug)]
+pub(crate) struct SmoothFilter {
+    surfaces: Surfaces,
+    /// On surfaces, pixels whose distance is 1, 2, 4 .. pixels.
+    on_surfaces: Vec<Likenesses>,
+    /// Among places near each other.
+    near: Vec<Likenesses>,
+}
+
+impl SmoothFilter {
+    /// The filter of the listed pixels of a reference, whose hits are stored.
+    pub(crate) fn new(frame: &ReferenceFrame, tracer: &Tracer, pixels: &[u32]) -> Self {
+        let surfaces = Surfaces::of(frame, tracer, pixels);
+        let reach = PLACE_REACH * frame.view.scene_from_pixel.x_axis.length();
+        let mut on_surfaces = likenesses(&surfaces, LEVELS, |_| Kind::Surface);
+        let mut near = likenesses(&surfaces, PLACE_LEVELS, |step| Kind::Place { reach: reach * step });
+        let walls = Walls::between(&surfaces, &on_surfaces[0], frame.view.eye, tracer);
+        on_surfaces.iter_mut().chain(&mut near).for_each(|likenesses| walls.end(likenesses));
+        drop(walls);
+        Self { surfaces, on_surfaces, near }
+    }
+
+    /// Filters samples of listed pixels, which the filter must know. Returns the smooth light of
+    /// each, not a number where its samples are not finite: such light may not be reused.
+    pub(crate) fn light(&self, pixels: &[u32], samples: &[SmoothSamples]) -> Vec<Vec3> {
+        let raw = layer_of(self.surfaces.size, pixels, samples);
+        let filter = |likenesses: &[Likenesses], error_steps: usize, start: Vec<Halves>| {
+            Filter { surfaces: &self.surfaces, likenesses, error_steps }.run(&raw, start)
+        };
+        let filtered = filter(&self.on_surfaces, ERROR_STEPS, raw.clone());
+        let filtered = filter(&self.near, PLACE_LEVELS, filtered);
+        let light = |(&pixel, samples): (&u32, &SmoothSamples)| {
+            if samples.is_finite() { light_of(&filtered[pixel as usize]) } else { Vec3::NAN }
+        };
+        pixels.iter().zip(samples).map(light).collect()
+    }
+}
+
+fn likenesses(surfaces: &Surfaces, levels: usize, kind: impl Fn(f32) -> Kind) -> Vec<Likenesses> {
+    let steps = (0..levels).map(|level| 1 << level);
+    steps.map(|step: usize| surfaces.likenesses(step, kind(step as f32))).collect()
+}
+
 impl ReferenceFrame {
     /// Memory per pixel while smooth light is filtered, in bytes: surfaces, likenesses, steps
     /// across walls, four layers, light and noise, errors.
     pub(super) const FILTER_BYTES_PER_PIXEL: usize = 6 * size_of::<f32>()
-        + LEVELS * 4
+        + (LEVELS + PLACE_LEVELS) * 4
         + 4 * size_of::<u32>()
         + 4 * size_of::<Halves>()
         + 4 * size_of::<f32>()
@@ -63,30 +107,10 @@ impl ReferenceFrame {
 
     /// Filters the samples of the listed pixels and stores the result as their smooth light.
     pub(crate) fn store_filtered(&mut self, tracer: &Tracer, pixels: &[u32], samples: &[SmoothSamples]) {
-        if self.settings.bounces == 0 || pixels.is_empty() {
-            return;
+        if self.settings.bounces > 0 && !pixels.is_empty() {
+            let light = SmoothFilter::new(self, tracer, pixels).light(pixels, samples);
+            self.store_smooth(pixels, light.iter().copied());
         }
-        let surfaces = Surfaces::of(self, tracer, pixels);
-        let pixel = PLACE_REACH * self.view.scene_from_pixel.x_axis.length();
-        let likenesses = |levels: usize, kind: fn(f32) -> Kind| -> Vec<Likenesses> {
-            let steps = (0..levels).map(|level| 1 << level);
-            steps.map(|step| surfaces.likenesses(step, kind(pixel * step as f32))).collect()
-        };
-        let on_surfaces = likenesses(LEVELS, |_| Kind::Surface);
-        let walls = Walls::between(&surfaces, &on_surfaces[0], self.view.eye, tracer);
-        let raw = layer_of(surfaces.size, pixels, samples);
-        let filter = |likenesses: Vec<Likenesses>, error_steps: usize, start: Vec<Halves>| {
-            let (surfaces, walls) = (&surfaces, &walls);
-            Filter { surfaces, likenesses: &likenesses, error_steps, walls }.run(&raw, start)
-        };
-        let filtered = filter(on_surfaces, ERROR_STEPS, raw.clone());
-        let near = likenesses(PLACE_LEVELS, |reach| Kind::Place { reach });
-        let filtered = filter(near, PLACE_LEVELS, filtered);
-        // A pixel whose samples are not finite has no light that may be reused.
-        let light = |(&pixel, samples): (&u32, &SmoothSamples)| {
-            if samples.is_finite() { light_of(&filtered[pixel as usize]) } else { Vec3::NAN }
-        };
-        self.store_smooth(pixels, pixels.iter().zip(samples).map(light));
     }
 }
 
@@ -97,7 +121,6 @@ struct Filter<'a> {
     likenesses: &'a [Likenesses],
     /// Kernels that average errors.
     error_steps: usize,
-    walls: &'a Walls<'a>,
 }
 
 impl Filter<'_> {
@@ -117,8 +140,7 @@ impl Filter<'_> {
     }
 
     fn kernel(&self, level: usize) -> Kernel<'_> {
-        let Self { surfaces, likenesses, walls, .. } = *self;
-        Kernel { surfaces, likenesses: &likenesses[level], walls }
+        Kernel { surfaces: self.surfaces, likenesses: &self.likenesses[level] }
     }
 
     /// The error of each pixel in a layer, by samples that took no part in it, averaged over the

@@ -26,6 +26,7 @@ pub(super) struct Facet {
 
 /// The surfaces of a picture, row-major: six planes of numbers, so that a row is compared with
 /// another in vectors.
+#[derive(Debug)]
 pub(super) struct Surfaces {
     pub(super) size: [usize; 2],
     /// Columns of each row between which its pixels with samples lie.
@@ -35,6 +36,7 @@ pub(super) struct Surfaces {
 }
 
 /// How much light the pixels of one step of a kernel share with their neighbours.
+#[derive(Debug)]
 pub(super) struct Likenesses {
     /// Pixels from one to the next, along a row or column.
     pub(super) step: usize,

@@ -1,6 +1,6 @@
 //! What stands between the pixels of a surface.
 
-use super::surfaces::{Facet, Likenesses, Surfaces};
+use super::surfaces::{DIRECTIONS, Facet, Likenesses, Surfaces};
 use crate::trace::Tracer;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -8,6 +8,9 @@ use rayon::prelude::*;
 /// Height above the surfaces, as a share of the distance between two places, at which they must see
 /// each other to share light. An arc that turns by 37 degrees from one to the other rises by 0.08.
 pub(super) const LIFT: f32 = 0.25;
+
+/// Pairs of pixels whose walls are examined at a time.
+const LANES: usize = 16;
 
 /// What stands between the pixels of a surface.
 pub(super) struct Walls<'a> {
@@ -43,20 +46,60 @@ impl<'a> Walls<'a> {
         self.tracer.see_each_other(place(a), place(b), LIFT)
     }
 
-    /// The pixels from `at` on, one bit each, between which and the pixels from `other` on there
-    /// may be a wall: at most 32. `corner` is the pixel in the row of `at` and the column of
-    /// `other`.
-    #[inline(always)]
-    pub(super) fn crossings(&self, at: usize, other: usize, corner: usize, count: usize) -> u32 {
-        self.thin.crossed(at, other, corner, count) | self.borders.crossed(at, other, corner, count)
+    /// Ends the likeness of neighbours at walls.
+    pub(super) fn end(&self, likenesses: &mut Likenesses) {
+        let ([width, height], step) = (self.surfaces.size, likenesses.step);
+        for (plane, (dx, dy)) in likenesses.shares.iter_mut().zip(DIRECTIONS) {
+            let (across, down) = (dx * step.cast_signed(), dy * step);
+            let columns = across.min(0).unsigned_abs()..width.saturating_sub(across.max(0).unsigned_abs());
+            let rows = plane.par_chunks_mut(width.max(1)).take(height.saturating_sub(down)).enumerate();
+            rows.filter(|_| !columns.is_empty()).for_each(|(y, row)| {
+                let first = y * width + columns.start;
+                let corner = first.wrapping_add_signed(across);
+                let pairs =
+                    Pairs { at: first, other: corner + down * width, corner, below: first + down * width };
+                self.end_row(pairs, &mut row[columns.clone()]);
+            });
+        }
     }
 
-    /// True where no wall is between two pixels of a surface. Behind the border of another surface,
-    /// a ray decides.
-    pub(super) fn are_absent(&self, at: usize, other: usize, corner: usize) -> bool {
-        self.thin.crossed(at, other, corner, 1) == 0
-            && (self.borders.crossed(at, other, corner, 1) == 0
-                || self.see_each_other(at.min(other), at.max(other)))
+    /// Ends the likeness of the pixels of a row and their neighbours at walls.
+    fn end_row(&self, first: Pairs, shares: &mut [u8]) {
+        for (group, shares) in shares.chunks_mut(LANES).enumerate() {
+            let pairs = first.ahead(group * LANES);
+            let (thin, borders) =
+                (self.thin.crossed(pairs, shares.len()), self.borders.crossed(pairs, shares.len()));
+            if thin | borders == 0 {
+                continue;
+            }
+            for (lane, share) in shares.iter_mut().enumerate().filter(|(_, share)| **share > 0) {
+                let pair = pairs.ahead(lane);
+                // Behind the border of another surface, a ray decides.
+                let is_behind = || borders >> lane & 1 == 1 && !self.see_each_other(pair.at, pair.other);
+                if thin >> lane & 1 == 1 || is_behind() {
+                    *share = 0;
+                }
+            }
+        }
+    }
+}
+
+/// Pixels, and those at the other corners of the rectangles that they span with their neighbours: a
+/// run of each, by its first.
+#[derive(Clone, Copy)]
+struct Pairs {
+    at: usize,
+    other: usize,
+    /// In the row of `at` and the column of `other`.
+    corner: usize,
+    /// In the row of `other` and the column of `at`.
+    below: usize,
+}
+
+impl Pairs {
+    fn ahead(self, by: usize) -> Self {
+        let Self { at, other, corner, below } = self;
+        Self { at: at + by, other: other + by, corner: corner + by, below: below + by }
     }
 }
 
@@ -103,17 +146,30 @@ impl Steps {
             && self.along_columns[last_row..].iter().all(|&steps| steps == 0)
     }
 
-    /// The pixels from `at` on, one bit each, for which a step crosses something on the way to
-    /// those from `other` on, along the row of the first and the column of the second.
+    /// The pairs of a run, at most 32, one bit each, for which a step crosses something on one of
+    /// the two ways between them along a row and a column.
     #[inline(always)]
-    fn crossed(&self, at: usize, other: usize, corner: usize, count: usize) -> u32 {
+    fn crossed(&self, first: Pairs, count: usize) -> u32 {
         if self.along_rows.is_empty() {
             return 0;
         }
-        let rows = self.along_rows[at..at + count].iter().zip(&self.along_rows[corner..corner + count]);
-        let columns =
-            self.along_columns[corner..corner + count].iter().zip(&self.along_columns[other..other + count]);
-        let steps = rows.zip(columns).map(|((a, b), (c, d))| (a ^ b) | (c ^ d));
-        steps.enumerate().fold(0, |bits, (lane, steps)| bits | u32::from(steps != 0) << lane)
+        let Pairs { at, other, corner, below } = first;
+        let run = |steps: &'_ [u32], first: usize| -> [u32; LANES] {
+            let mut run = [0; LANES];
+            run[..count].copy_from_slice(&steps[first..first + count]);
+            run
+        };
+        let apart = |steps: &[u32], a: usize, b: usize| {
+            let (a, b) = (run(steps, a), run(steps, b));
+            std::array::from_fn::<bool, LANES, _>(|lane| a[lane] != b[lane])
+        };
+        let (rows, columns) = (&self.along_rows, &self.along_columns);
+        let sides = [
+            apart(rows, at, corner),
+            apart(columns, corner, other),
+            apart(columns, at, below),
+            apart(rows, below, other),
+        ];
+        (0..LANES).fold(0, |bits, lane| bits | u32::from(sides.iter().any(|side| side[lane])) << lane)
     }
 }

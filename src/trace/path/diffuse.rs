@@ -3,11 +3,13 @@
 
 use super::bounces::SmoothSettings;
 use super::cached_light::CachedLight;
+use super::dimension::LATER;
 use crate::bsdf::Diffuse;
 use crate::math::sequence::PointSeed;
 use crate::trace::lights::LightKinds;
 use crate::trace::{RayCounts, SurfacePoint, TraceSettings, Tracer};
 use glam::Vec3;
+use std::ops::Range;
 
 /// Light that arrives at a surface point, linear Rec. 709.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -106,17 +108,40 @@ impl Tracer {
         seed: PointSeed,
         rays: &mut RayCounts,
     ) -> ArrivingLight {
+        self.light_of_samples(point, 0..settings.trace.samples_for(share), settings, seed, rays)
+    }
+
+    /// Returns the light that some of a point's samples bring. For a black surface no ray is
+    /// traced, and its light is zero.
+    ///
+    /// Paths continue the sequence of the point. The samples of a light are a lattice with a random
+    /// shift of its own in each call, the next point of a sequence: each mean is unbiased, so the
+    /// mean of several calls, weighted by their samples, is as well.
+    pub(crate) fn light_of_samples(
+        &self,
+        point: &SurfacePoint,
+        samples: Range<u32>,
+        settings: &LightSettings<'_>,
+        seed: PointSeed,
+        rays: &mut RayCounts,
+    ) -> ArrivingLight {
         if point.albedo(self.scene()) == Vec3::ZERO {
             return ArrivingLight::default();
         }
-        let samples = settings.trace.samples_for(share);
-        let direct_irradiance = self.direct_irradiance(point, samples, &settings.trace, seed, rays);
-        if settings.trace.bounces == 0 {
+        let (trace, count) = (&settings.trace, samples.end - samples.start);
+        let direct_irradiance = match samples.start {
+            0 => self.direct_irradiance(point, count, trace, seed, rays),
+            start => {
+                let shift = |light| seed.sequence.pair(start, LATER.wrapping_add(light));
+                self.irradiance_of(kinds_of(trace), point, count, shift, rays)
+            }
+        };
+        if trace.bounces == 0 {
             return ArrivingLight { direct_irradiance, ..ArrivingLight::default() };
         }
-        let smooth = settings.smooth(samples);
-        let smooth_sums = self.smooth_light(point, 0..samples, seed.sequence, smooth, rays);
-        ArrivingLight { direct_irradiance, smooth_sums, paths: samples }
+        let smooth = settings.smooth(samples.end);
+        let smooth_sums = self.smooth_light(point, samples, seed.sequence, smooth, rays);
+        ArrivingLight { direct_irradiance, smooth_sums, paths: count }
     }
 
     /// Returns the irradiance straight from the lights, without the sky where paths find it.
@@ -128,7 +153,11 @@ impl Tracer {
         seed: PointSeed,
         rays: &mut RayCounts,
     ) -> Vec3 {
-        let kinds = if trace.bounces > 0 { LightKinds::AllButSky } else { LightKinds::All };
-        self.irradiance_of(kinds, point, samples, |light| seed.key.with(light).pair(), rays)
+        self.irradiance_of(kinds_of(trace), point, samples, |light| seed.key.with(light).pair(), rays)
     }
+}
+
+/// The lights that shadow rays find: all but the sky where paths find it.
+fn kinds_of(trace: &TraceSettings) -> LightKinds {
+    if trace.bounces > 0 { LightKinds::AllButSky } else { LightKinds::All }
 }

@@ -6,6 +6,9 @@ pub(super) const SPECULAR: u32 = 2 << 24;
 /// Dimension of the sample of the viewer-dependent lobe.
 pub(super) const LOBE: u32 = 3 << 24;
 
+/// First dimension of the samples of lights that are added later to those of a point: one per light.
+pub(super) const LATER: u32 = 1 << 26;
+
 /// First dimension of the points of a [`Sequence`](crate::math::sequence::Sequence) that choose the
 /// directions of a path: one per bounce.
 pub(super) const DIRECTION: u32 = 0;

@@ -11,7 +11,7 @@ use super::{
 use crate::picture::{MadePicture, Output, PictureJob, Shows, TimedState, check_timed, memory};
 use afterimage::{
     Mode, camera::Camera, raster::exposure::decimal, raster::save::Target, reference::ReferenceFrame,
-    render::TimedPicture, render::aov::Aov, render::bands::Background, trace::TraceSettings,
+    render::aov::Aov, render::bands::Background, render::schedule::WINDOW_SAMPLES, trace::TraceSettings,
     warp::MAX_REFERENCES,
 };
 use clap::Args;
@@ -88,7 +88,7 @@ pub(crate) fn run(args: &RenderArgs, flags: &Flags) -> Result<(), Failure> {
     let loaded = load(args.scene.as_deref(), flags)?;
     let flags = &loaded.expose(flags)?;
     let camera = camera(flags, loaded.scene())?;
-    let samples = flags.samples.or(args.seconds.map(|s| first_samples(&loaded, flags, &camera, s)));
+    let samples = flags.samples.or(args.seconds.map(|_| WINDOW_SAMPLES));
     let flags = &Flags { samples, ..flags.clone() };
     let references = trace_references(args, flags, &loaded, camera.fov_y.to_degrees())?;
     let job = job(args, flags, &loaded, camera);
@@ -104,15 +104,6 @@ pub(crate) fn run(args: &RenderArgs, flags: &Flags) -> Result<(), Failure> {
     loaded.say_bounds();
     output::result(flags.json, &object, || table(args, flags, &made, &references));
     if made.stats.is_complete { loaded.verdict(flags) } else { Err(Failure::Interrupted) }
-}
-
-/// Samples of the first picture of those that a time allows; passes follow as long as there is
-/// time.
-fn first_samples(loaded: &Loaded, flags: &Flags, camera: &Camera, seconds: f64) -> u32 {
-    /// Most samples of the first picture: a picture soon is worth more than one with few grains.
-    const MOST: u32 = 16;
-    let (size, trace) = (flags.size(), flags.trace());
-    TimedPicture::affordable_samples(&loaded.tracer, camera, size, &trace, (seconds, MOST))
 }
 
 /// Renders for a time.

@@ -41,12 +41,13 @@ impl PictureJob {
         progress: &dyn Fn(&TimedState),
     ) -> Result<(MadePicture, TimedState), SaveError> {
         let start = Instant::now();
-        let mut picture =
-            TimedPicture::new(Arc::clone(tracer), self.settings, &self.camera, self.size, self.exposure_ev);
+        let view = (&self.camera, self.size);
+        let mut picture = TimedPicture::new(Arc::clone(tracer), self.settings, view, limit, self.exposure_ev);
         let is_over = || stop() || start.elapsed() >= limit;
         while !is_over() && picture.step(&is_over) {
             progress(&self.state(&picture));
         }
+        picture.conclude();
         let (state, frame) = (self.state(&picture), picture.into_frame());
         let stats = frame.stats;
         let mut metadata = self.metadata(tracer, stats.refined);
@@ -63,7 +64,7 @@ impl PictureJob {
         TimedState {
             secs: picture.spent().as_secs_f64(),
             passes,
-            samples: u64::from(passes.max(1)) * u64::from(self.settings.trace.samples),
+            samples: picture.samples(),
             estimated_psnr_db: picture.estimated_psnr_db(),
         }
     }

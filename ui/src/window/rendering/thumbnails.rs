@@ -2,17 +2,21 @@
 
 use super::{Task, TaskError, TaskHandle, Wake, background_pool, spawn_task, take_result};
 use afterimage::raster::color::{ToneMap, srgb8};
-use afterimage::trace::TraceSettings;
+use afterimage::reference::{ReferenceCache, ReferenceFrame};
+use afterimage::render::schedule::WINDOW_SAMPLES;
+use afterimage::trace::{TraceSettings, parallel::Stop};
 use afterimage::{Camera, FrameRequest, Mode, RenderSettings, Renderer, Tracer};
 use egui::{ColorImage, Context, TextureHandle, TextureOptions};
+use glam::Vec3;
 use std::collections::HashMap;
 use std::sync::Arc;
 
 /// Width and height of a thumbnail in pixels.
 pub const SIZE: [u32; 2] = [96, 60];
 
-/// One sample and one bounce: rooms that no lamp reaches are dark without a bounce.
-const TRACE: TraceSettings = TraceSettings { samples: 1, bounces: 1, seed: 0 };
+/// As the first picture of a view has it: few samples, which neighbours share.
+const TRACE: TraceSettings =
+    TraceSettings { samples: WINDOW_SAMPLES, bounces: TraceSettings::ALL_BOUNCES, seed: 0 };
 
 /// Number of pictures at which all are dropped: more than the references of a day.
 const MAX_PICTURES: usize = 512;
@@ -95,14 +99,22 @@ fn trace(
     task: &TaskHandle,
 ) -> Result<ColorImage, TaskError> {
     let pool = background_pool("thumbnails", 1).map_err(TaskError::failed)?;
-    let settings = RenderSettings { mode: Mode::Full, trace: TRACE };
-    let mut renderer = Renderer::default();
-    let stop = || task.is_cancelled();
-    let request = FrameRequest::new(tracer, camera, SIZE, &settings).with_stop(&stop);
-    let frame = pool.install(|| renderer.render(&request));
-    if !frame.stats.is_complete {
-        return Err(TaskError::Cancelled);
-    }
-    let rgb = frame.radiance.iter().flat_map(|&c| srgb8(c, exposure_ev, ToneMap::default()));
+    let radiance = pool.install(|| radiance(tracer, camera, &|| task.is_cancelled()));
+    let radiance = radiance.ok_or(TaskError::Cancelled)?;
+    let rgb = radiance.iter().flat_map(|&c| srgb8(c, exposure_ev, ToneMap::default()));
     Ok(ColorImage::from_rgb(SIZE.map(|s| s as usize), &rgb.collect::<Vec<u8>>()))
+}
+
+/// The radiance of a picture, whose light is that of a reference of the view: without a filter, so
+/// few samples would show noise. `None` after a stop.
+fn radiance(tracer: &Tracer, camera: &Camera, stop: Stop<'_>) -> Option<Vec<Vec3>> {
+    let reference = ReferenceFrame::trace_filtered(tracer, camera, SIZE, &TRACE, stop)?;
+    let mut references = ReferenceCache::new(tracer.scene(), reference.bytes());
+    references.insert(Arc::new(reference));
+    let settings = RenderSettings { mode: Mode::Exact, trace: TRACE };
+    let request = FrameRequest::new(tracer, camera, SIZE, &settings).reusing(&references).with_stop(stop);
+    let mut renderer = Renderer::default();
+    renderer.render(&request);
+    let frame = renderer.into_frame();
+    frame.stats.is_complete.then_some(frame.radiance)
 }
