@@ -87,12 +87,13 @@ impl GrowingReference {
         is_complete
     }
 
-    /// The number of samples to aim at next: `first`, then a quarter more each time.
-    pub(crate) fn next_goal(&self, first: u32) -> u32 {
+    /// The number of samples to aim at next: 1, 2, 4, then 2 or a quarter more each time, so that
+    /// pixels have similar numbers whenever the time is over.
+    pub(crate) fn next_goal(&self) -> u32 {
         match self.goal {
-            0 => first,
+            0 => 1,
             goal if self.sums.iter().any(|sums| sums.samples < goal) => goal,
-            goal => goal.saturating_add((goal / 4).max(2)),
+            goal => goal.saturating_add((goal / 4).max(2).min(goal)),
         }
     }
 

@@ -267,9 +267,9 @@ impl RestPicture {
         let last = self.growing.take().filter(|growing| growing.size() == self.size_of(stage));
         let growing = last.unwrap_or_else(|| self.begin_light(stage.edge, tracer, &known));
         let (samples, deadline) = (self.samples_of(stage), self.deadline);
-        let (first, planned) = (self.settings.trace.samples.max(1), self.planned);
+        let planned = self.planned;
         let growing = self.growing.insert(growing);
-        let goal = deadline.map_or(samples, |_| growing.next_goal(first).min(samples));
+        let goal = deadline.map_or(samples, |_| growing.next_goal().min(samples));
         let is_due = || deadline.is_some_and(|deadline| deadline.is_due(planned));
         let is_complete = growing.light(tracer, &known, goal, &|| stop() || is_due());
         if (is_complete && goal == samples) || is_due() {
