@@ -81,7 +81,7 @@ fn a_frame_that_is_stopped_at_once_shows_the_surfaces_of_its_pose() {
     }
 }
 
-/// The mean distance between two pictures, over pixels of matte surfaces, as a share of their light.
+/// The mean distance of two pictures over pixels of matte surfaces, as a share of their light.
 fn mean_error(shown: &[Vec3], whole: &[Vec3], is_matte: impl Fn(usize) -> bool) -> f32 {
     let matte = || (0..whole.len()).filter(|&i| is_matte(i) && whole[i].max_element() < 1.0);
     let off: f32 = matte().map(|i| (shown[i] - whole[i]).abs().element_sum()).sum();

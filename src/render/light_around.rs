@@ -3,8 +3,8 @@
 //!
 //! A cell of the pyramid keeps light apart by the side that its surfaces face, so that a floor does
 //! not brighten the wall above it. Light is summed from fine to coarse cells, and then filled from
-//! coarse to fine: a cell that knows little of a side takes the rest from the coarser ones around it.
-//! A point reads the four finest cells around it, for its sides and its depth.
+//! coarse to fine: a cell that knows little of a side takes the rest from coarser ones around it. A
+//! point reads the four finest cells around it, for its sides and its depth.
 //!
 //! Sources: pull-push over a pyramid as in Gortler et al., "The Lumigraph", SIGGRAPH 1996, section
 //! 3.5; six sides, weighted by the squared components of the normal, as in the ambient cube of

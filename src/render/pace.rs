@@ -29,7 +29,8 @@ const NEWEST: f32 = 0.25;
 
 /// The scale of frames while the view moves: rendered pixels per pixel of the window along an edge.
 ///
-/// It follows from the measured times of earlier frames, within bounds, one step at a time.
+/// It follows from the measured times of earlier frames, within bounds: at once to fewer pixels,
+/// one step at a time to more.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pace {
     scale: f32,
@@ -64,7 +65,9 @@ impl Pace {
         self.share += (share - self.share) * weight;
         let scale = self.scale(most);
         let next = match () {
-            () if self.share > MOST && self.frames >= FRAMES[0] => scale * STEP,
+            () if self.share > MOST && self.frames >= FRAMES[0] => {
+                scale * (MOST_AFTER_STEP / self.share).sqrt().min(STEP)
+            }
             () if self.share * GROWTH < MOST_AFTER_STEP && self.frames >= FRAMES[1] => scale / STEP,
             () => return,
         };

@@ -101,8 +101,7 @@ impl Renderer {
         &mut self.frame
     }
 
-    /// Forgets the light that earlier frames traced at single points, so that the next frame has
-    /// only its references, as a first frame does.
+    /// Forgets the light of earlier frames, so that the next has only its references.
     pub fn forget_points(&mut self) {
         self.points.clear();
         self.fresh_points.clear();
@@ -141,11 +140,12 @@ impl Renderer {
         self.frame.stats.is_complete = true;
         let source = request.source();
         self.trace_open(request, &source);
-        if self.frame.stats.is_complete {
-            // Not in the next frame, which may be due soon.
-            self.points.insert(request.tracer.epoch(), &mut self.fresh_points);
-        }
         self.conclude(request, &source, start)
+    }
+
+    /// Stores traced points now, not in the next frame, which may be due soon.
+    pub(super) fn store_points(&mut self, tracer: &Tracer) {
+        self.points.insert(tracer.epoch(), &mut self.fresh_points);
     }
 
     /// Modes `fast` and `exact`: finds the hits of all pixels and looks up their light.

@@ -25,7 +25,7 @@ pub const RENDER_SCALE: f32 = 0.5;
 
 /// Time after which a frame is shown, complete or not, while the view changes: the default. With
 /// the time to show it, a window without a graphics card keeps 15 frames per second.
-pub const FRAME_BUDGET: Duration = Duration::from_millis(45);
+pub const FRAME_BUDGET: Duration = Duration::from_millis(35);
 
 /// Samples per light in the window: few, because motion must be fluid. Files are rendered with
 /// more.

@@ -123,8 +123,7 @@ impl Walkthrough {
         self
     }
 
-    /// Sets whether a view that is mostly unknown is lit coarsely before its first frame, which then
-    /// shows coarse light instead of noise. For windows, where something must be shown soon.
+    /// Sets whether a view that is mostly unknown is lit coarsely before its first frame.
     pub fn set_previews(&mut self, has_previews: bool) {
         self.has_previews = has_previews;
     }
@@ -176,8 +175,8 @@ impl Walkthrough {
         is_same && !frame.stats.is_complete && !frame.radiance.is_empty()
     }
 
-    /// Lights a reference of few pixels, without stop, where previews are wanted and a view that the
-    /// last frame did not show is mostly unknown: without it the frame would show noise.
+    /// Lights a reference of few pixels, without stop, where previews are wanted and a view that
+    /// the last frame did not show is mostly unknown: the frame would show noise.
     fn preview(&mut self, camera: &Camera, size: [u32; 2]) {
         let render = &self.settings.render;
         let is_new = !is_continued(self.frame(), camera, &self.tracer.scene().frame);
@@ -303,6 +302,9 @@ impl Walkthrough {
         let (camera, size, stats) = (frame.camera, frame.view.size, frame.stats);
         if !render.mode.refines() || frame.radiance.is_empty() {
             return RefineState { is_complete: true, ..RefineState::default() };
+        }
+        if stats.is_complete {
+            self.renderer.store_points(&self.tracer);
         }
         self.keep_refinement(&camera, size);
         let is_unrefined = stats.is_complete && stats.refined == RefineState::default();

@@ -21,7 +21,7 @@ pub use floor_plan::{Plan, PlanView};
 pub(crate) use full_trace::{FullTrace, Subject};
 pub(crate) use lock::locked;
 pub use messages::{Message, Picture, ReferenceRadiance, RenderCommand, RenderRequest};
-pub(crate) use pool::{background_pool, lower_priority};
+pub(crate) use pool::{background_pool, lower_priority, reference_pool};
 use references::{Job, Outcome};
 pub use render_thread::RenderThread;
 pub(crate) use scene_loading::Loading;

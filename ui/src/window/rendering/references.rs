@@ -1,6 +1,6 @@
 //! The thread that traces references while frames are rendered.
 
-use super::{background_pool, panic_text};
+use super::{panic_text, reference_pool};
 use afterimage::ReferenceJob;
 use afterimage::reference::ReferenceFrame;
 use crossbeam_channel::{Receiver, Sender, unbounded};
@@ -34,7 +34,7 @@ pub(super) fn start(
     threads: usize,
     deliver: impl Fn(Outcome) + Send + 'static,
 ) -> io::Result<(Sender<Job>, JoinHandle<()>)> {
-    let pool = background_pool("reference", threads)?;
+    let pool = reference_pool(threads)?;
     let (sender, jobs) = unbounded();
     let name = "afterimage-reference".to_owned();
     let handle = std::thread::Builder::new().name(name).spawn(move || serve(&pool, &jobs, &deliver))?;

@@ -78,8 +78,8 @@ impl Worker {
         }
     }
 
-    /// The time for which the next pose is awaited before a frame is continued: in motion, it comes as
-    /// soon as the frame is drawn.
+    /// The time for which the next pose is awaited before a frame is continued: in motion, it comes
+    /// as soon as the frame is drawn.
     fn pause_in_motion(&self) -> Option<Duration> {
         let is_moving = self.request.is_some_and(|request| request.is_moving);
         let left = NEXT_POSE.checked_sub(self.framed?.elapsed());
