@@ -33,7 +33,8 @@ fn stepped(step: f64) -> Camera {
 /// A floor and two walls that form a corner, open to the sun, with a checkered texture.
 fn sunny_corner() -> Arc<Tracer> {
     let mut b = SceneBuilder::new("corner");
-    let texel = |i: u32| if (i % 8 + i / 8) % 2 == 0 { [230, 200, 60, 255] } else { [30, 60, 120, 255] };
+    let texel =
+        |i: u32| if (i % 8 + i / 8).is_multiple_of(2) { [230, 200, 60, 255] } else { [30, 60, 120, 255] };
     let texels = (0..64).map(texel).collect();
     let texture = b.add_texture(Texture { width: 8, height: 8, texels, encoding: Encoding::Srgb });
     let map = Some(TextureRef::plain(texture));

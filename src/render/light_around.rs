@@ -327,7 +327,8 @@ mod tests {
     fn a_surface_far_behind_counts_little() {
         let [near, far] = [0.25, 0.1];
         let pyramid = pyramid(|pixel| {
-            let (light, disparity) = if pixel / SIZE[0] % 2 == 0 { (1.0, near) } else { (9.0, far) };
+            let (light, disparity) =
+                if (pixel / SIZE[0]).is_multiple_of(2) { (1.0, near) } else { (9.0, far) };
             Some((KnownLight { light: Vec3::splat(light), weight: 1.0 }, Lie::new(Vec3::X, disparity)))
         });
         for (disparity, light) in [(near, 1.0), (far, 9.0)] {
