@@ -5,10 +5,13 @@
 //! nothing about visibility is guessed; the references save the shading. Where the look-up is a
 //! guess, mode `exact` traces a few rays to check it, and mode `fast` shows it as it is.
 
-use super::{LookupQuality, LookupSet, TileLight, TileSurfaces, ViewLookup, pixels_of_tile};
+use super::policy::{HYSTERESIS, OTHER_SIDE, is_bad_guess};
+use super::{
+    LookupQuality, LookupSet, PointCache, SurfaceKey, TileLight, TileSurfaces, ViewLookup, pixels_of_tile,
+};
 use crate::camera::View;
 use crate::raster::pixel_types::{NO_SUPPLIER, PixelType};
-use crate::trace::{NO_TRIANGLE, TILE_SIDE, Tracer, VisibilityBuffer};
+use crate::trace::{NO_TRIANGLE, TILE_SIDE, TraceSettings, Tracer, VisibilityBuffer};
 use glam::Vec3;
 
 /// Some rows of a frame, to be written. Row-major.
@@ -27,6 +30,9 @@ pub(crate) struct OpenPixels {
     pub(crate) secondary: Vec<u32>,
     pub(crate) unseen: Vec<u32>,
     pub(crate) uncertain: Vec<u32>,
+    /// Pixels whose guess is settled by light that an earlier frame traced, and that light, as the
+    /// radiance of a white surface.
+    pub(crate) settled: Vec<(u32, Vec3)>,
 }
 
 /// What is kept of the light of a band besides its colours.
@@ -44,6 +50,7 @@ impl OpenPixels {
         for list in [&mut self.secondary, &mut self.unseen, &mut self.uncertain] {
             list.clear();
         }
+        self.settled.clear();
     }
 
     pub(crate) fn push(&mut self, kind: PixelType, pixel: u32) {
@@ -74,6 +81,22 @@ pub(crate) fn write_surfaces(
     }
 }
 
+/// Light that earlier frames traced at single points, by which guesses are checked.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TracedPoints<'a> {
+    pub(crate) points: &'a PointCache,
+    /// How light is traced in this frame.
+    pub(crate) trace: TraceSettings,
+}
+
+/// What traced points say about a guess.
+struct Settled {
+    /// The traced light, as the radiance of a white surface.
+    traced: Vec3,
+    /// True where it is shown instead of the guess.
+    replaces_guess: bool,
+}
+
 /// Looks up the bands of one view.
 #[derive(Debug)]
 pub(crate) struct BandLookup<'a> {
@@ -81,6 +104,7 @@ pub(crate) struct BandLookup<'a> {
     view: &'a View,
     visible: &'a VisibilityBuffer,
     lookup: ViewLookup<'a>,
+    traced: TracedPoints<'a>,
     checks_guesses: bool,
     leaves_out_hidden: bool,
 }
@@ -92,11 +116,13 @@ impl<'a> BandLookup<'a> {
         visible: &'a VisibilityBuffer,
         set: &'a LookupSet<'a>,
         quality: LookupQuality,
+        traced: TracedPoints<'a>,
     ) -> Self {
         let lookup = ViewLookup::new(set, view, quality.max_averaged);
         // A check finds direct light of the other side of an edge, and with it smooth light.
         let leaves_out_hidden = !quality.checks_guesses && set.holds_smooth();
-        Self { tracer, view, visible, lookup, checks_guesses: quality.checks_guesses, leaves_out_hidden }
+        let checks_guesses = quality.checks_guesses;
+        Self { tracer, view, visible, lookup, traced, checks_guesses, leaves_out_hidden }
     }
 
     /// Fills the band that begins at row `y0`, and lists the pixels that it leaves open.
@@ -110,8 +136,20 @@ impl<'a> BandLookup<'a> {
             if self.leaves_out_hidden {
                 self.lookup.leave_out_hidden(self.tracer, &surfaces.points, &mut light);
             }
+            let mut guesses = if self.checks_guesses { light.guesses() } else { 0 };
             for (ray, pixel) in pixels_of_tile([x0, y0], self.view.size) {
-                let kind = self.write_pixel(&surfaces, &light, ray, pixel - first, &mut rows);
+                if guesses >> ray & 1 == 1
+                    && let Some(settled) = self.settle_guess(&surfaces, &light, ray)
+                {
+                    guesses &= !(1 << ray);
+                    open.settled.push((pixel as u32, settled.traced));
+                    if settled.replaces_guess {
+                        light.set(ray, settled.traced, light.smooth_at(ray));
+                        light.slot[ray] = NO_SUPPLIER;
+                    }
+                }
+                let is_guess = guesses >> ray & 1 == 1;
+                let kind = self.write_pixel(&surfaces, (&light, is_guess), ray, pixel - first, &mut rows);
                 if kind == PixelType::Uncertain {
                     kept.certain[pixel - first] = self.certain_light(&surfaces, &light, ray);
                 }
@@ -125,6 +163,29 @@ impl<'a> BandLookup<'a> {
         }
     }
 
+    /// Settles a guess by light that earlier frames traced, as `PixelResolver::check_guess` does,
+    /// while the tile is at hand: light traced within the pixel's footprint may confirm it where no
+    /// shadow's edge is near, light traced at the same point may replace it. `None` where rays are
+    /// needed.
+    fn settle_guess(&self, surfaces: &TileSurfaces, light: &TileLight, ray: usize) -> Option<Settled> {
+        let TracedPoints { points, trace } = self.traced;
+        let (guess, smooth, samples) = (light.at(ray), light.smooth_at(ray), trace.samples_for(1.0));
+        let key = self.lookup.key(&surfaces.points, ray);
+        let key = SurfaceKey { footprint: key.footprint * surfaces.direction(ray).length(), ..key };
+        let is_bad = |traced: Vec3, most| is_bad_guess(guess + smooth, traced + smooth, most, trace.noise());
+        let near = points.find(&key, samples)?;
+        let most = if near.replaced_guess { 1.0 / HYSTERESIS } else { 1.0 };
+        if !near.is_at_edge && !is_bad(near.light, most) {
+            return Some(Settled { traced: near.light, replaces_guess: false });
+        }
+        let same = points.find(&key.exact(), samples)?;
+        let most = if same.replaced_guess { 1.0 / HYSTERESIS } else { HYSTERESIS };
+        let replaces_guess = is_bad(same.light, most);
+        // Smooth light from the other side of an edge has to be traced again.
+        let is_elsewhere = trace.bounces > 0 && same.light.max_element() < OTHER_SIDE * guess.max_element();
+        (!replaces_guess || !is_elsewhere).then_some(Settled { traced: same.light, replaces_guess })
+    }
+
     /// The emission and the reflected smooth light of a known pixel.
     fn certain_light(&self, surfaces: &TileSurfaces, light: &TileLight, ray: usize) -> Vec3 {
         let material = &self.tracer.scene().materials[surfaces.material[ray].0 as usize];
@@ -136,7 +197,7 @@ impl<'a> BandLookup<'a> {
     fn write_pixel(
         &self,
         surfaces: &TileSurfaces,
-        light: &TileLight,
+        (light, is_guess): (&TileLight, bool),
         ray: usize,
         at: usize,
         rows: &mut FrameRows<'_>,
@@ -159,7 +220,7 @@ impl<'a> BandLookup<'a> {
             }
             if is_wanted && !is_known {
                 PixelType::Unseen
-            } else if is_known && self.checks_guesses && light.is_guess(ray) {
+            } else if is_guess {
                 PixelType::Uncertain
             } else if material.is_view_dependent() {
                 PixelType::Secondary

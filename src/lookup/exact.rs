@@ -1,13 +1,14 @@
 //! Completes the pixels that the look-up left open: mirrors and glass, guesses, and surfaces that
 //! no reference saw.
 
-use super::policy::{BAD_GUESS, HYSTERESIS, LookupQuality, MAX_POINTS_PER_PIXEL, OTHER_SIDE};
+use super::policy::{HYSTERESIS, LookupQuality, MAX_POINTS_PER_PIXEL, OTHER_SIDE, is_bad_guess};
 use super::{CachedLight, LookupSet, PointCache, SurfaceKey, TracedPoint};
 use crate::bsdf::Diffuse;
 use crate::camera::View;
 use crate::math::{Ray, key::Key, sequence::PointSeed};
 use crate::trace::{Hit, PixelTrace, RayCounts, SurfacePoint, TraceSettings, Tracer};
 use glam::Vec3;
+use std::f32::consts::PI;
 use std::ops::AddAssign;
 
 /// Rays traced and points to cache, summed over pixels.
@@ -45,12 +46,16 @@ pub(crate) struct Guess {
     pub(crate) radiance: Vec3,
     /// The part that is no guess: emission and reflected smooth light.
     pub(crate) certain: Vec3,
+    /// Irradiance straight from the lights, as the pixels around have it, where they have the same.
+    pub(crate) between: Option<Vec3>,
 }
 
 /// The outcome of checking a guess.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CheckedPixel {
     pub(crate) radiance: Vec3,
+    /// Irradiance straight from the lights, traced here or nearby.
+    pub(crate) irradiance: Option<Vec3>,
     /// True where traced light replaced the guess.
     pub(crate) is_traced: bool,
 }
@@ -115,12 +120,19 @@ impl PixelResolver<'_> {
         tally: &mut Tally,
     ) -> CheckedPixel {
         let (ray, Some(hit)) = self.hit(pixel, triangle) else {
-            return CheckedPixel { radiance: guess.radiance, is_traced: false };
+            return CheckedPixel { radiance: guess.radiance, irradiance: None, is_traced: false };
         };
         let point = self.tracer.surface(&ray, &hit);
         let key = Key::of_pixel(self.trace.seed, pixel);
         let end = PathEnd { pixel, distance: length(&ray, &hit), share: 1.0, key };
-        let mut diffuse = self.check_point(guess, &point, &end, tally);
+        let mut diffuse = match guess.between {
+            Some(irradiance) => {
+                let lit = guess.certain
+                    + Diffuse { albedo: point.albedo(self.tracer.scene()) }.radiance(irradiance);
+                self.better(guess.radiance, (lit, irradiance), 1.0)
+            }
+            None => self.check_point(guess, &point, &end, tally),
+        };
         if diffuse.is_traced && self.is_elsewhere(guess, diffuse.radiance) {
             diffuse.radiance += self.smooth_instead(guess, &point, &end, tally);
         }
@@ -177,7 +189,7 @@ impl PixelResolver<'_> {
     /// The diffuse radiance of a point seen in a mirror or through glass.
     fn diffuse(&self, point: &SurfacePoint, end: &PathEnd, tally: &mut Tally) -> Vec3 {
         if point.albedo(self.tracer.scene()) == Vec3::ZERO {
-            return self.cached_or_traced(point, end, tally);
+            return self.emission(point);
         }
         let key = self.surface_key(point, end);
         let found = match self.quality.checks_guesses {
@@ -188,7 +200,7 @@ impl PixelResolver<'_> {
             Some(found) if found.is_guess => {
                 let certain = self.reflected(point, found.smooth);
                 let radiance = self.reflected(point, found.light + found.smooth);
-                self.check_point(Guess { radiance, certain }, point, end, tally).radiance
+                self.check_point(Guess { radiance, certain, between: None }, point, end, tally).radiance
             }
             Some(found) => self.reflected(point, found.light + found.smooth),
             None => self.cached_or_traced(point, end, tally),
@@ -227,7 +239,7 @@ impl PixelResolver<'_> {
         tally: &mut Tally,
     ) -> CheckedPixel {
         let albedo = point.albedo(self.tracer.scene());
-        let lit = |light: Vec3| guess.certain + albedo * light;
+        let lit = |light: Vec3| (guess.certain + albedo * light, light * PI);
         let samples = self.trace.samples_for(end.share);
         let near = self.surface_key(point, end);
         let mut trace = |keys: &[SurfaceKey]| {
@@ -236,8 +248,13 @@ impl PixelResolver<'_> {
         };
         let Some(cached) = self.points.find(&near, samples) else { return trace(&[near, near.exact()]) };
         let most = if cached.replaced_guess { 1.0 / HYSTERESIS } else { 1.0 };
-        if !cached.is_at_edge && !self.is_bad(guess.radiance, lit(cached.light), most) {
-            return CheckedPixel { radiance: guess.radiance, is_traced: false };
+        let near_light = lit(cached.light);
+        if !cached.is_at_edge && !self.is_bad(guess.radiance, near_light.0, most) {
+            return CheckedPixel {
+                radiance: guess.radiance,
+                irradiance: Some(near_light.1),
+                is_traced: false,
+            };
         }
         match self.points.find(&near.exact(), samples) {
             Some(cached) => {
@@ -260,7 +277,8 @@ impl PixelResolver<'_> {
     }
 
     /// Traces the direct light of a point where it was guessed, and stores it under all `keys`,
-    /// with a note whether it replaces the guess. Returns the diffuse radiance with that light.
+    /// with a note whether it replaces the guess. Returns the diffuse radiance with that light, and
+    /// the irradiance.
     fn trace_guessed(
         &self,
         point: &SurfacePoint,
@@ -268,7 +286,7 @@ impl PixelResolver<'_> {
         tally: &mut Tally,
         keys: &[SurfaceKey],
         guess: Guess,
-    ) -> Vec3 {
+    ) -> (Vec3, Vec3) {
         let (samples, rays) = (self.trace.samples_for(end.share), &mut tally.rays);
         let irradiance = self.tracer.direct_irradiance(point, samples, &self.trace, end.key.into(), rays);
         let albedo = point.albedo(self.tracer.scene());
@@ -277,7 +295,7 @@ impl PixelResolver<'_> {
         let light = Diffuse::WHITE.radiance(irradiance);
         let smooth = (self.trace.bounces == 0).then_some(Vec3::ZERO);
         self.store(point, end, tally, keys, Traced { light, smooth, replaced_guess });
-        radiance
+        (radiance, irradiance)
     }
 
     /// Stores the light of a point for the next frames. A black surface needs none.
@@ -305,13 +323,14 @@ impl PixelResolver<'_> {
 
     /// True where a guess differs from traced light by more than `most` times [`BAD_GUESS`].
     fn is_bad(&self, guess: Vec3, traced: Vec3, most: f32) -> bool {
-        let most = most * BAD_GUESS * self.trace.noise() * traced.max(guess).max_element();
-        (traced - guess).abs().max_element() > most
+        is_bad_guess(guess, traced, most, self.trace.noise())
     }
 
-    fn better(&self, guess: Vec3, traced: Vec3, most: f32) -> CheckedPixel {
+    /// The guess, or the radiance in traced light of the given irradiance.
+    fn better(&self, guess: Vec3, (traced, irradiance): (Vec3, Vec3), most: f32) -> CheckedPixel {
         let is_traced = self.is_bad(guess, traced, most);
-        CheckedPixel { radiance: if is_traced { traced } else { guess }, is_traced }
+        let radiance = if is_traced { traced } else { guess };
+        CheckedPixel { radiance, irradiance: Some(irradiance), is_traced }
     }
 
     /// The diffuse radiance of a point under arriving light.
@@ -327,6 +346,7 @@ fn length(ray: &Ray, hit: &Hit) -> f32 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::policy::BAD_GUESS;
     use super::*;
     use crate::reference::ReferenceCache;
     use crate::scene::builtin;
@@ -344,7 +364,7 @@ mod tests {
         let lookup = LookupSet::new(&cache, tracer.epoch());
         let (mut points, mut tally) = (PointCache::default(), Tally::default());
         let quality = LookupQuality::EXACT;
-        let plain = |radiance| Guess { radiance, certain: Vec3::ZERO };
+        let plain = |radiance| Guess { radiance, certain: Vec3::ZERO, between: None };
         let first =
             PixelResolver { tracer: &tracer, lookup: &lookup, view: &view, points: &points, trace, quality };
         let truth = first.check_guess(pixel, triangle, plain(Vec3::ZERO), &mut Tally::default()).radiance;

@@ -1,13 +1,14 @@
 //! References whose pixels are being lit, and that can be lit further at any time.
 
 use super::LookupSet;
+use super::between::{LightBetween, PictureSurfaces, round_of, rounds_of};
 use super::open_pixels::{hit_tiles, open_pixels};
 use crate::camera::{Camera, View};
 use crate::math::sequence::PointSeed;
 use crate::reference::{ReferenceFrame, SampleSums, SmoothFilter, SmoothSamples};
 use crate::trace::parallel::{Stop, trace_open};
-use crate::trace::{RayCounts, TraceSettings, Tracer};
-use std::time::Instant;
+use crate::trace::{ArrivingLight, RayCounts, TraceSettings, Tracer};
+use std::{f32::consts::PI, ops::Range, time::Instant};
 
 /// A reference whose pixels get more and more samples. Their sums are kept, so that samples are
 /// added to those of before, and each pixel has a whole number of passes wherever the work was
@@ -16,8 +17,10 @@ use std::time::Instant;
 pub(crate) struct GrowingReference {
     /// What the pixels show. None has light.
     surfaces: ReferenceFrame,
-    /// The pixels that are lit, tile by tile.
+    /// The pixels that are lit, tile by tile; without bounces in the order of their rounds.
     open: Vec<u32>,
+    /// Without bounces, the light of the pixels that are lit, for those between.
+    between: Option<LightBetween>,
     sums: Vec<SampleSums>,
     /// How the pixels share smooth light; `None` without any.
     filter: Option<SmoothFilter>,
@@ -39,7 +42,11 @@ impl GrowingReference {
         let start = Instant::now();
         let view = View::new(camera, &tracer.scene().frame, size);
         let tiles = hit_tiles(tracer, &view, known);
-        let open = open_pixels(&tiles, &view);
+        let mut open = open_pixels(&tiles, &view);
+        let between = (settings.bounces == 0).then(|| LightBetween::new(size));
+        if between.is_some() {
+            open.sort_by_key(|&pixel| round_of(pixel, size[0]));
+        }
         let mut surfaces = ReferenceFrame::empty(tracer, camera, view, settings);
         tiles.iter().for_each(|tile| tile.store_hits(&mut surfaces, tracer));
         surfaces.forget_ill_conditioned(tracer);
@@ -47,7 +54,7 @@ impl GrowingReference {
         let filter = is_filtered.then(|| SmoothFilter::new(&surfaces, tracer, &open));
         let rays = RayCounts { primary: view.pixel_count() as u64, ..RayCounts::default() };
         let sums = vec![SampleSums::default(); open.len()];
-        Self { surfaces, open, sums, filter, goal: 0, rays, secs: start.elapsed().as_secs_f64() }
+        Self { surfaces, open, between, sums, filter, goal: 0, rays, secs: start.elapsed().as_secs_f64() }
     }
 
     /// Size of the reference in pixels.
@@ -66,11 +73,39 @@ impl GrowingReference {
     ) -> bool {
         let start = Instant::now();
         self.goal = samples;
-        let (surfaces, view) = (&self.surfaces, &self.surfaces.view);
+        let rounds = match &self.between {
+            Some(_) => Vec::from(rounds_of(&self.open, self.size()[0])),
+            None => vec![0..self.open.len()],
+        };
+        let is_complete = rounds.into_iter().all(|round| self.light_round(round, tracer, known, stop));
+        self.secs += start.elapsed().as_secs_f64();
+        is_complete
+    }
+
+    /// Lights some pixels up to the goal. Without bounces, pixels between others of earlier rounds
+    /// that agree take their light.
+    fn light_round(
+        &mut self,
+        round: Range<usize>,
+        tracer: &Tracer,
+        known: &LookupSet<'_>,
+        stop: Stop<'_>,
+    ) -> bool {
+        let (surfaces, view, samples) = (&self.surfaces, &self.surfaces.view, self.goal);
         let settings = TraceSettings { samples, ..surfaces.settings };
+        let (disparity, triangle) = (surfaces.disparity(), surfaces.triangle());
+        let shown = PictureSurfaces { view, disparity, triangle, normals: known.normals() };
+        let between = &self.between;
         let is_open = |sums: &SampleSums| sums.samples < samples;
+        let (open, sums) = (&self.open[round.clone()], &mut self.sums[round]);
         let (rays, is_complete): (RayCounts, bool) =
-            trace_open(&self.open, &mut self.sums, stop, is_open, |pixel, sums, rays| {
+            trace_open(open, sums, stop, is_open, |pixel, sums, rays| {
+                let between = between.as_ref().filter(|_| sums.samples == 0);
+                if let Some(light) = between.and_then(|b| b.mean(pixel, &shown, settings.relative_noise())) {
+                    let direct_irradiance = light * PI;
+                    return sums
+                        .add(&ArrivingLight { direct_irradiance, ..ArrivingLight::default() }, samples);
+                }
                 let ray = Tracer::primary_ray(view, pixel);
                 let Some(hit) = tracer.hit_on_triangle(&ray, surfaces.triangle()[pixel as usize]) else {
                     sums.samples = samples;
@@ -82,8 +117,10 @@ impl GrowingReference {
                 let light = tracer.light_of_samples(&point, more, &lighting, seed, rays);
                 sums.add(&light, samples - sums.samples);
             });
+        if let Some(between) = self.between.as_mut().filter(|_| is_complete) {
+            open.iter().zip(sums).for_each(|(&pixel, sums)| between.set(pixel, sums.direct()));
+        }
         self.rays += rays;
-        self.secs += start.elapsed().as_secs_f64();
         is_complete
     }
 

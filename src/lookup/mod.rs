@@ -16,10 +16,12 @@
 //! | `sides` | mode `fast`: leaves out light from the other side of a wall |
 //! | `exact` | `PixelResolver` completes the open pixels |
 //! | `point_cache` | light that earlier frames traced at single points |
+//! | `between` | which pixels are traced first, and the light of those between them |
 //! | `sparse` | sparse references, which light only what older references do not know well |
 //! | `policy` | every threshold |
 
 mod band;
+mod between;
 mod exact;
 mod gather;
 mod growing;
@@ -35,7 +37,8 @@ mod taps;
 mod tile;
 mod view;
 
-pub(crate) use band::{BandLight, BandLookup, FrameRows, OpenPixels, write_surfaces};
+pub(crate) use band::{BandLight, BandLookup, FrameRows, OpenPixels, TracedPoints, write_surfaces};
+pub(crate) use between::{LightBetween, PictureSurfaces, round_of, rounds_of};
 pub(crate) use exact::{CheckedPixel, Guess, PixelResolver, Tally};
 pub(crate) use growing::GrowingReference;
 pub use point::{FoundLight, LookupSet};

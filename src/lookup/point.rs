@@ -286,6 +286,11 @@ impl<'a> LookupSet<'a> {
         LightSettings { trace: *trace, cache, footprint }
     }
 
+    /// Packed normal of each triangle.
+    pub(crate) fn normals(&self) -> &'a [PackedNormal] {
+        self.directory.normals()
+    }
+
     /// True where a reference holds smooth light.
     pub(super) fn holds_smooth(&self) -> bool {
         self.references.iter().flatten().any(|reference| !reference.smooth.is_empty())

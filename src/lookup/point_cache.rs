@@ -15,7 +15,9 @@ use crate::math::{key::Key, rounding::floor};
 use crate::raster::rgbe;
 use crate::reference::directory::PackedNormal;
 use crate::trace::SceneEpoch;
+use arrayvec::ArrayVec;
 use glam::Vec3;
+use rayon::prelude::*;
 
 /// A surface point whose light is cached.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -90,6 +92,9 @@ impl Entry {
 /// a cache line, because most look-ups read no more.
 type Tags = [u32; WAYS];
 
+/// Buckets that one task fills.
+const PART: usize = BUCKETS / 32;
+
 /// The tag of an empty way, which is a slot of a bucket.
 const NO_TAG: u32 = 0;
 
@@ -137,45 +142,39 @@ impl PointCache {
             self.tags = vec![[NO_TAG; WAYS]; BUCKETS];
             self.entries = vec![[Entry::NONE; WAYS]; BUCKETS];
         }
+        points.retain(|p| p.light.is_finite() && p.smooth.is_none_or(Vec3::is_finite));
         // A frame that was stopped and resumed lists them in another order.
-        points.sort_by_key(|p| p.pixel);
-        for point in points.drain(..).filter(|p| p.light.is_finite() && p.smooth.is_none_or(Vec3::is_finite))
-        {
-            self.insert_one(&point);
+        points.par_sort_by_key(|p| p.pixel);
+        let cells: Vec<Cell> = points.par_iter().map(|p| cell_of(&p.key, level_of(&p.key))).collect();
+        self.store(points, &cells);
+        for [bucket, way] in self.edges(points, &cells) {
+            self.entries[bucket][way].samples |= AT_EDGE;
         }
+        points.clear();
+    }
+
+    /// Stores points in their cells. Each part of the table has a task of its own, which takes the
+    /// points in their order.
+    fn store(&mut self, points: &[TracedPoint], cells: &[Cell]) {
+        let parts = self.tags.par_chunks_mut(PART).zip(self.entries.par_chunks_mut(PART)).enumerate();
+        parts.for_each(|(part, (tags, entries))| {
+            for (point, cell) in points.iter().zip(cells).filter(|(_, cell)| cell.bucket / PART == part) {
+                let bucket = cell.bucket % PART;
+                store_one(&mut tags[bucket], &mut entries[bucket], point, cell);
+            }
+        });
+    }
+
+    /// The bucket and way of each point whose light differs from that of a cell next to it, as on
+    /// both sides of the edge of a shadow.
+    fn edges(&self, points: &[TracedPoint], cells: &[Cell]) -> Vec<[usize; 2]> {
+        let pairs = points.par_iter().zip(cells).filter(|(point, _)| !point.is_exact);
+        pairs.flat_map_iter(|(point, cell)| self.edges_near(point, cell)).collect()
     }
 
     /// Forgets all light but keeps the memory.
     pub fn clear(&mut self) {
         self.tags.fill([NO_TAG; WAYS]);
-    }
-
-    fn insert_one(&mut self, point: &TracedPoint) {
-        let key = &point.key;
-        let cell = cell_of(key, level_of(key));
-        let mark = if point.is_exact { 0 } else { self.mark_edge(point, &cell) };
-        let entry = Entry {
-            position: key.position,
-            light: point.light,
-            smooth: point.smooth.map_or(rgbe::NONE, rgbe::pack),
-            normal: PackedNormal::of_unit(key.normal),
-            samples: packed_samples(point.samples)
-                | mark
-                | if point.replaced_guess { REPLACED_GUESS } else { 0 },
-        };
-        let mut ways = self.ways_of(&cell);
-        let (tags, entries) = (&mut self.tags[cell.bucket], &mut self.entries[cell.bucket]);
-        match ways.find(|&way| entries[way].serves(key, &cell)).map(|way| &mut entries[way]) {
-            Some(known) if known.count() >= entry.count() && known.knows_as_much_as(&entry) => {
-                known.samples |= mark;
-            }
-            Some(known) => *known = Entry { samples: entry.samples | known.samples & AT_EDGE, ..entry },
-            None => {
-                tags.rotate_right(1);
-                entries.rotate_right(1);
-                (tags[0], entries[0]) = (cell.tag, entry);
-            }
-        }
     }
 
     /// The ways of a cell's bucket that have its tag.
@@ -185,28 +184,26 @@ impl PointCache {
         (0..WAYS).filter(move |&way| tags[way] == tag)
     }
 
-    /// Marks the neighbours that a new point differs from. Returns the mark of the point itself.
-    fn mark_edge(&mut self, point: &TracedPoint, cell: &Cell) -> u8 {
+    /// The entries next to a point that it differs from, and its own if there are any.
+    fn edges_near(&self, point: &TracedPoint, cell: &Cell) -> ArrayVec<[usize; 2], { 5 * WAYS }> {
         let key = &point.key;
         let (u, v) = key.normal.any_orthonormal_pair();
-        let mut mark = 0;
+        let mut edges = ArrayVec::new();
         for side in [u, -u, v, -v] {
             let neighbour = SurfaceKey { position: key.position + side * cell.side, ..*key };
             let there = cell_of(&neighbour, level_of(key));
             for way in self.ways_of(&there) {
-                let entry = &mut self.entries[there.bucket][way];
-                if !entry.serves(&neighbour, &there) {
-                    continue;
-                }
-                let step = (entry.light - point.light).abs().max_element();
-                let edge = CELL_EDGE * point.noise.max((16.0 / f32::from(entry.count())).sqrt());
-                if step > edge * entry.light.max(point.light).max_element() {
-                    entry.samples |= AT_EDGE;
-                    mark = AT_EDGE;
+                let entry = &self.entries[there.bucket][way];
+                if entry.serves(&neighbour, &there) && entry.differs(point) {
+                    edges.push([there.bucket, way]);
                 }
             }
         }
-        mark
+        if !edges.is_empty() {
+            let serves = |way: &usize| self.entries[cell.bucket][*way].serves(key, cell);
+            edges.extend(self.ways_of(cell).find(serves).map(|way| [cell.bucket, way]));
+        }
+        edges
     }
 
     /// The light of a point, if it was traced with at least `samples` shadow rays per light, in the
@@ -234,11 +231,46 @@ impl PointCache {
     }
 }
 
+/// Stores a point in the bucket of its cell. The point that the cell holds stays, unless the new
+/// one has more samples.
+fn store_one(tags: &mut Tags, entries: &mut [Entry; WAYS], point: &TracedPoint, cell: &Cell) {
+    let entry = Entry::of(point);
+    let held = (0..WAYS).find(|&way| tags[way] == cell.tag && entries[way].serves(&point.key, cell));
+    match held.map(|way| &mut entries[way]) {
+        Some(known) if known.count() >= entry.count() && known.knows_as_much_as(&entry) => {}
+        Some(known) => *known = Entry { samples: entry.samples | known.samples & AT_EDGE, ..entry },
+        None => {
+            tags.rotate_right(1);
+            entries.rotate_right(1);
+            (tags[0], entries[0]) = (cell.tag, entry);
+        }
+    }
+}
+
 fn packed_samples(samples: u32) -> u8 {
     samples.min(u32::from(COUNT)) as u8
 }
 
 impl Entry {
+    fn of(point: &TracedPoint) -> Self {
+        let replaced = if point.replaced_guess { REPLACED_GUESS } else { 0 };
+        Self {
+            position: point.key.position,
+            light: point.light,
+            smooth: point.smooth.map_or(rgbe::NONE, rgbe::pack),
+            normal: PackedNormal::of_unit(point.key.normal),
+            samples: packed_samples(point.samples) | replaced,
+        }
+    }
+
+    /// True where the light differs so much from that of a point next to it that the edge of a
+    /// shadow lies between.
+    fn differs(&self, point: &TracedPoint) -> bool {
+        let step = (self.light - point.light).abs().max_element();
+        let edge = CELL_EDGE * point.noise.max((16.0 / f32::from(self.count())).sqrt());
+        step > edge * self.light.max(point.light).max_element()
+    }
+
     /// Shadow rays per light.
     #[inline(always)]
     fn count(&self) -> u8 {

@@ -244,6 +244,12 @@ impl TileLight {
             || self.smoothed[pixel] > MAX_LOSS * self.noise
     }
 
+    /// The known pixels, one bit each, whose light is a guess.
+    pub(super) fn guesses(&self) -> u64 {
+        let is_guess = |&pixel: &usize| self.known >> pixel & 1 == 1 && self.is_guess(pixel);
+        (0..TILE_RAYS).filter(is_guess).fold(0, |pixels, pixel| pixels | 1 << pixel)
+    }
+
     /// True where the light of a known pixel is extrapolated beyond the samples.
     #[inline(always)]
     pub(super) fn is_extrapolated(&self, pixel: usize) -> bool {

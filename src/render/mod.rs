@@ -27,6 +27,7 @@ mod request;
 mod rest;
 pub mod schedule;
 mod settings;
+mod shared_light;
 mod still_view;
 mod temporal_stability;
 #[cfg(feature = "pictures")]

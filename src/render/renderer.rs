@@ -13,11 +13,11 @@
 use super::carried_light::CarriedLight;
 use super::placeholders::{Placeholders, Unfinished};
 use super::request::{FrameRequest, Source};
-use super::worklist::{Dispersal, WorkList};
-use super::{frame::Frame, paper_pixels::WarpedPixels, settings::RenderSettings};
+use super::worklist::{Between, Dispersal, WorkList};
+use super::{frame::Frame, paper_pixels::WarpedPixels, settings::RenderSettings, shared_light};
 use crate::lookup::{
-    BandLight, BandLookup, CheckedPixel, Guess, LookupQuality, LookupSet, MAX_POINTS_PER_PIXEL, OpenPixels,
-    PointCache, Tally, TracedPoint, write_surfaces,
+    BandLight, BandLookup, CheckedPixel, Guess, LightBetween, LookupQuality, LookupSet, MAX_POINTS_PER_PIXEL,
+    OpenPixels, PointCache, Tally, TracedPoint, TracedPoints, write_surfaces,
 };
 use crate::raster::pixel_types::{NO_SUPPLIER, PixelType, TypeCounts};
 use crate::reference::ReferenceFrame;
@@ -26,7 +26,7 @@ use crate::trace::{NO_TRIANGLE, PixelTrace, TILE_SIDE, Tracer, VisibilityBuffer}
 use crate::warp::WarpBuffer;
 use glam::Vec3;
 use rayon::prelude::*;
-use std::time::Instant;
+use std::{f32::consts::PI, time::Instant};
 
 /// The parts of the work lists that a progressive frame traces one after the other: the first
 /// sixteenth of each list, then the first quarter, then all of it. Otherwise a slow mirror could
@@ -67,6 +67,8 @@ pub struct Renderer {
     dispersal: Dispersal,
     placeholders: Placeholders,
     carried: CarriedLight,
+    /// Direct light of the pixels that were traced in this frame, in modes that look up.
+    between: LightBetween,
     is_progressive: bool,
     /// True in modes that look up, which find the hits of all pixels first.
     looks_up: bool,
@@ -81,9 +83,9 @@ impl Renderer {
         + size_of::<Option<CheckedPixel>>() // secondary or uncertain
         + Placeholders::BYTES_PER_PIXEL + CarriedLight::BYTES_PER_PIXEL + size_of::<Vec3>() // own
         + (MAX_POINTS_PER_PIXEL + 1) * size_of::<TracedPoint>() // fresh points
-        + size_of::<u64>() // warped
-        + size_of::<u32>() // visible
+        + size_of::<u64>() + size_of::<u32>() // warped; visible
         + 7 * size_of::<u32>() // order; secondary, unseen, uncertain, in the lists and in the bands
+        + LightBetween::BYTES_PER_PIXEL + size_of::<(u32, Vec3)>() // settled guesses
         + 2 * size_of::<Vec3>() + size_of::<f32>() + size_of::<u32>() + 2; // the frame
 
     /// The last frame.
@@ -126,7 +128,7 @@ impl Renderer {
         self.carried.begin(&mut self.frame, tracer.epoch(), self.is_progressive, view.pixel_count());
         self.frame.reset(camera, &view);
         match &source {
-            Source::LookUp(lookup, quality) => self.look_up(tracer, lookup, *quality),
+            Source::LookUp(lookup, quality) => self.look_up(request, lookup, *quality),
             Source::Warp(references) => self.reproject(tracer, references),
         }
         self.trace_open(request, &source);
@@ -149,13 +151,16 @@ impl Renderer {
     }
 
     /// Modes `fast` and `exact`: finds the hits of all pixels and looks up their light.
-    fn look_up(&mut self, tracer: &Tracer, lookup: &LookupSet<'_>, quality: LookupQuality) {
+    fn look_up(&mut self, request: &FrameRequest<'_>, lookup: &LookupSet<'_>, quality: LookupQuality) {
         let start = Instant::now();
+        let (tracer, trace) = (request.tracer, request.settings.trace);
         (self.looks_up, self.shows_surfaces) = (true, true);
         self.frame.stats.references_used = lookup.len();
         let view = self.frame.view;
+        self.points.insert(tracer.epoch(), &mut self.fresh_points);
         self.visible.find(tracer, &view, false);
-        let band_lookup = BandLookup::new(tracer, &view, &self.visible, lookup, quality);
+        let traced = TracedPoints { points: &self.points, trace };
+        let band_lookup = BandLookup::new(tracer, &view, &self.visible, lookup, quality, traced);
         self.open.resize_with((view.size[1] as usize).div_ceil(TILE_SIDE), OpenPixels::default);
         self.certain.resize(view.pixel_count(), Vec3::ZERO);
         let in_band = (view.size[0] as usize * TILE_SIDE).max(1);
@@ -163,14 +168,9 @@ impl Renderer {
         known.resize_with(self.open.len(), Default::default);
         let kept = self.certain.par_chunks_mut(in_band).zip(known);
         let bands = self.frame.par_rows_mut(TILE_SIDE).zip(kept).zip(self.open.par_iter_mut()).enumerate();
-        let fill = || {
-            bands.for_each(|(band, ((rows, (certain, known)), open))| {
-                band_lookup.fill((band * TILE_SIDE) as u32, rows, BandLight { certain, known }, open);
-            });
-        };
-        // The bands read no cached points, so one thread inserts those of the last frame meanwhile.
-        let (points, fresh) = (&mut self.points, &mut self.fresh_points);
-        rayon::join(|| points.insert(tracer.epoch(), fresh), fill);
+        bands.for_each(|(band, ((rows, (certain, known)), open))| {
+            band_lookup.fill((band * TILE_SIDE) as u32, rows, BandLight { certain, known }, open);
+        });
         self.begin_lists(tracer);
         self.frame.stats.rays.primary += view.pixel_count() as u64;
         self.frame.stats.secs.visibility_and_lookup = start.elapsed().as_secs_f64();
@@ -227,7 +227,7 @@ impl Renderer {
     /// a list is spread over the whole picture, so that a stopped frame is known evenly; not so in
     /// mode `paper`, which completes Type 2 first.
     fn begin_lists(&mut self, tracer: &Tracer) {
-        let Self { unseen, secondary, uncertain, open, dispersal, frame, own, carried, .. } = self;
+        let Self { unseen, secondary, uncertain, open, dispersal, frame, own, between, carried, .. } = self;
         unseen.begin(open.iter().map(|o| &o.unseen[..]));
         secondary.begin(open.iter().map(|o| &o.secondary[..]));
         uncertain.begin(open.iter().map(|o| &o.uncertain[..]));
@@ -241,6 +241,14 @@ impl Renderer {
         if self.is_progressive && self.looks_up {
             secondary.disperse(dispersal, width, |_| false);
             uncertain.disperse(dispersal, width, |_| false);
+        } else {
+            uncertain.sort_by_round(dispersal, width);
+        }
+        if self.looks_up {
+            between.begin(frame.view.size);
+            for &(pixel, light) in open.iter().flat_map(|o| &o.settled) {
+                between.set(pixel, light * PI);
+            }
         }
         own.clear();
         own.extend(secondary.pixels().iter().map(|&pixel| frame.radiance[pixel as usize]));
@@ -283,6 +291,9 @@ impl Renderer {
         });
         for (pixel, traced) in self.unseen.done() {
             self.frame.radiance[pixel] = traced.radiance;
+            if self.looks_up {
+                self.between.set(pixel as u32, traced.light.direct_irradiance);
+            }
             if !self.shows_surfaces {
                 self.frame.disparity[pixel] = traced.hit.map_or(0.0, |hit| 1.0 / hit.t);
                 self.frame.triangle[pixel] = traced.hit.map_or(NO_TRIANGLE, |hit| hit.triangle);
@@ -319,11 +330,14 @@ impl Renderer {
         let start = Instant::now();
         let (frame, certain) = (&self.frame, &self.certain);
         let Some(resolver) = source.resolver(request, &frame.view, &self.points) else { return };
-        let checked = self.uncertain.run(1, request.stop, |pixel, tally: &mut Tally| {
+        let mut between = Between::new(&mut self.between, frame, source, &request.settings.trace);
+        let check = |pixel: u32, between, tally: &mut Tally| {
             let at = pixel as usize;
-            let guess = Guess { radiance: frame.radiance[at], certain: certain[at] };
+            let guess = Guess { radiance: frame.radiance[at], certain: certain[at], between };
             resolver.check_guess(pixel, frame.triangle[at], guess, tally)
-        });
+        };
+        let light_of = |checked: &CheckedPixel| checked.irradiance;
+        let checked = self.uncertain.run_in_rounds(request.stop, &mut between, light_of, check);
         for (pixel, checked) in self.uncertain.done() {
             self.frame.radiance[pixel] = checked.radiance;
             if checked.is_traced {
@@ -379,22 +393,8 @@ impl Renderer {
     /// the same view and size holds near there, instead of their own: it was shared between
     /// neighbours.
     pub(super) fn show_shared_light(&mut self, tracer: &Tracer, reference: &ReferenceFrame) {
-        if !reference.has_smooth_light() {
-            return;
-        }
-        let view = self.frame.view;
-        for (pixel, traced) in self.unseen.done() {
-            let Some(hit) = traced.hit else { continue };
-            let ray = Tracer::primary_ray(&view, pixel as u32);
-            let Some(shared) = reference.smooth_light_near(tracer, pixel as u32, &tracer.surface(&ray, &hit))
-            else {
-                continue;
-            };
-            let change = tracer.albedo(&hit) * (shared - traced.light.smooth());
-            if change.is_finite() {
-                let radiance = &mut self.frame.radiance[pixel];
-                *radiance = (*radiance + change).max(Vec3::ZERO);
-            }
+        if reference.has_smooth_light() {
+            shared_light::show(tracer, reference, &self.unseen, &mut self.frame);
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::settings::{Mode, RenderSettings};
 use crate::camera::{Camera, View};
 use crate::lookup::{LookupQuality, LookupSet, PixelResolver, PointCache};
-use crate::reference::{ReferenceCache, ReferenceFrame};
+use crate::reference::{ReferenceCache, ReferenceFrame, directory::PackedNormal};
 use crate::trace::{
     Tracer,
     parallel::{NEVER, Stop},
@@ -117,6 +117,14 @@ impl Source<'_> {
         match self {
             Self::LookUp(..) => &[],
             Self::Warp(frames) => frames,
+        }
+    }
+
+    /// Packed normal of each triangle, where light is looked up.
+    pub(super) fn normals(&self) -> &[PackedNormal] {
+        match self {
+            Self::LookUp(lookup, _) => lookup.normals(),
+            Self::Warp(_) => &[],
         }
     }
 

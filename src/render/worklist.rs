@@ -1,6 +1,10 @@
 //! Lists of pixels that are still to be traced, and the order in which they are.
 
+use super::{frame::Frame, request::Source};
+use crate::lookup::{LightBetween, PictureSurfaces, round_of, rounds_of};
+use crate::trace::TraceSettings;
 use crate::trace::parallel::{Stop, trace_missing};
+use glam::Vec3;
 use std::ops::AddAssign;
 
 /// The pass of each pixel of a square of four by four: Bayer's order for ordered dithering.
@@ -30,6 +34,29 @@ fn pass_of(pixel: u32, width: u32) -> usize {
     }
 }
 
+/// Where light was traced in a frame, and the surfaces between.
+pub(super) struct Between<'a> {
+    pub(super) light: &'a mut LightBetween,
+    pub(super) surfaces: PictureSurfaces<'a>,
+    /// Noise of the light relative to that of sixteen shadow rays.
+    pub(super) noise: f32,
+}
+
+impl<'a> Between<'a> {
+    /// The surfaces of a frame that looks light up, traced with these settings.
+    pub(super) fn new(
+        light: &'a mut LightBetween,
+        frame: &'a Frame,
+        source: &'a Source<'_>,
+        trace: &TraceSettings,
+    ) -> Self {
+        let normals = source.normals();
+        let (view, disparity, triangle) = (&frame.view, &frame.disparity[..], &frame.triangle[..]);
+        let surfaces = PictureSurfaces { view, disparity, triangle, normals };
+        Self { light, surfaces, noise: trace.relative_noise() }
+    }
+}
+
 /// Pixels to be traced, each with its result once it is done. Keeps its memory between frames.
 #[derive(Debug)]
 pub(super) struct WorkList<R> {
@@ -53,10 +80,21 @@ impl<R: Send> WorkList<R> {
     }
 
     /// Brings a list that was just begun into dispersed order, with the pixels that may wait last.
+    /// Where none may, each round of [`round_of`] ends before the next begins.
     pub(super) fn disperse(&mut self, dispersal: &mut Dispersal, width: u32, may_wait: impl Fn(u32) -> bool) {
+        self.sort_into(dispersal, |pixel| [usize::from(may_wait(pixel)), pass_of(pixel, width)]);
+    }
+
+    /// Brings a list that was just begun into the order of its rounds.
+    pub(super) fn sort_by_round(&mut self, dispersal: &mut Dispersal, width: u32) {
+        self.sort_into(dispersal, |pixel| [0, round_of(pixel, width)]);
+    }
+
+    fn sort_into(&mut self, dispersal: &mut Dispersal, pass: impl Fn(u32) -> [usize; 2]) {
         dispersal.passes.iter_mut().flatten().for_each(Vec::clear);
         for &pixel in &self.pixels {
-            dispersal.passes[usize::from(may_wait(pixel))][pass_of(pixel, width)].push(pixel);
+            let [part, pass] = pass(pixel);
+            dispersal.passes[part][pass].push(pixel);
         }
         self.pixels.clear();
         dispersal.passes.iter().flatten().for_each(|pass| self.pixels.extend_from_slice(pass));
@@ -72,6 +110,35 @@ impl<R: Send> WorkList<R> {
     ) -> (G, bool) {
         let due = self.pixels.len().div_ceil(part);
         trace_missing(&self.pixels[..due], &mut self.results[..due], stop, trace)
+    }
+
+    /// Like [`Self::run`] for all of a list that is in the order of its rounds. `trace` is given the light
+    /// between earlier pixels, where it is known, and `light_of` returns the light of a result.
+    pub(super) fn run_in_rounds<G: Default + Send + AddAssign>(
+        &mut self,
+        stop: Stop<'_>,
+        between: &mut Between<'_>,
+        light_of: impl Fn(&R) -> Option<Vec3>,
+        trace: impl Fn(u32, Option<Vec3>, &mut G) -> R + Sync,
+    ) -> (G, bool) {
+        let mut gathered = G::default();
+        for round in rounds_of(&self.pixels, between.surfaces.view.size[0]) {
+            let (pixels, results) = (&self.pixels[round.clone()], &mut self.results[round]);
+            let Between { light, surfaces, noise } = between;
+            let (added, is_complete) = trace_missing(pixels, results, stop, |pixel, gathered: &mut G| {
+                trace(pixel, light.mean(pixel, surfaces, *noise), gathered)
+            });
+            gathered += added;
+            if !is_complete {
+                return (gathered, false);
+            }
+            for (&pixel, result) in pixels.iter().zip(results.iter().flatten()) {
+                if let Some(known) = light_of(result) {
+                    light.set(pixel, known);
+                }
+            }
+        }
+        (gathered, true)
     }
 
     /// All pixels, in order.
@@ -94,5 +161,17 @@ impl<R: Send> WorkList<R> {
     pub(super) fn missing(&self) -> impl Iterator<Item = usize> {
         let pairs = self.pixels.iter().zip(&self.results);
         pairs.filter(|(_, result)| result.is_none()).map(|(&pixel, _)| pixel as usize)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dispersed_order_keeps_the_order_of_rounds() {
+        let mut pixels: Vec<u32> = (0..16 * 16).collect();
+        pixels.sort_by_key(|&pixel| pass_of(pixel, 16));
+        assert!(pixels.is_sorted_by_key(|&pixel| round_of(pixel, 16)));
     }
 }

@@ -36,7 +36,13 @@ impl TraceSettings {
     ///
     /// A threshold that separates signal from noise at that sample count is multiplied by this.
     pub(crate) fn noise(&self) -> f32 {
-        (16.0 / self.samples.max(1) as f32).sqrt().max(1.0)
+        self.relative_noise().max(1.0)
+    }
+
+    /// Noise of the light straight from lamps and sun, relative to sixteen shadow rays: below one
+    /// with more.
+    pub(crate) fn relative_noise(&self) -> f32 {
+        (16.0 / self.samples.max(1) as f32).sqrt()
     }
 }
 
