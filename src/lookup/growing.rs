@@ -75,7 +75,7 @@ impl GrowingReference {
         self.goal = samples;
         let rounds = match &self.between {
             Some(_) => Vec::from(rounds_of(&self.open, self.size()[0])),
-            None => vec![0..self.open.len()],
+            None => std::iter::once(0..self.open.len()).collect(),
         };
         let is_complete = rounds.into_iter().all(|round| self.light_round(round, tracer, known, stop));
         self.secs += start.elapsed().as_secs_f64();
