@@ -206,3 +206,21 @@ fn a_stopped_picture_says_so_and_has_no_holes() {
     let lit = frame.radiance.iter().filter(|r| r.max_element() > 0.0).count();
     assert!(lit * 10 > 9 * PIXELS, "{lit} of {PIXELS} pixels show something");
 }
+
+#[test]
+fn a_picture_with_bounces_gets_on_however_soon_it_is_stopped() {
+    let render = RenderSettings { mode: Mode::Exact, trace: TraceSettings { bounces: 2, ..TRACE } };
+    let mut walk = Walkthrough::new(tracer(), WalkthroughSettings { render, ..Default::default() });
+    walk.render(&room_camera(), SIZE, NEVER);
+    // Each call has time for a few pixels only, far less than a frame takes.
+    let mut calls = 0;
+    let passes = loop {
+        let asked = AtomicUsize::new(0);
+        let state = walk.refine(&|| asked.fetch_add(1, Ordering::Relaxed) >= 2);
+        calls += 1;
+        if state.pass > 0 || calls == 20_000 {
+            break state.pass;
+        }
+    };
+    assert!(passes > 0, "no pass after {calls} calls");
+}

@@ -76,6 +76,8 @@ pub(super) struct RestPicture {
     stages: &'static [Stage],
     full: Accumulation,
     renderer: Renderer,
+    /// Version of the cache from which the renderer's frame was begun, where a stop cut it.
+    cut: Option<u64>,
     /// Sums of the looked-up frames since the references were improved, and their number.
     sums: Vec<Vec3>,
     frames: u32,
@@ -113,6 +115,7 @@ impl RestPicture {
             stages: &STAGES,
             full: Accumulation::new(request, PASSES),
             renderer: Renderer::default(),
+            cut: None,
             sums: Vec::new(),
             frames: 0,
             looked_up: Vec::new(),
@@ -220,8 +223,14 @@ impl RestPicture {
         let settings = RenderSettings { trace: self.trace_of_frame(of), ..self.settings };
         let request = FrameRequest::new(tracer, &self.camera, self.size, &settings);
         let offset = offset_of_pass(self.frames, of);
-        let frame = self.renderer.render(&request.reusing(cache).shifted(offset).with_stop(stop));
+        let request = request.reusing(cache).shifted(offset).with_stop(stop);
+        // A frame may take longer than the time between two stops, so it is continued.
+        let frame = match self.cut.take() {
+            Some(version) if version == cache.version() => self.renderer.resume(&request),
+            _ => self.renderer.render(&request),
+        };
         if !frame.stats.is_complete {
+            self.cut = Some(cache.version());
             return;
         }
         if let Some(own) = self.own(cache).filter(|own| own.view.size == self.size) {
