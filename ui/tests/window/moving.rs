@@ -59,7 +59,6 @@ fn every_frame_in_motion_is_of_a_pose_of_the_camera_and_shows_its_surfaces() {
         let rate = harness.state().state().frame_rate.clone();
         assert!(rate.total() >= FRAMES as u64 - 2, "{rate:?}");
         say(&format!("{mode:?}: {:.0} frames per second in motion", rate.per_sec().unwrap_or(0.0)));
-        settle(&mut harness);
     }
 }
 
