@@ -38,7 +38,8 @@ pub(crate) struct OpenPixels {
 /// What is kept of the light of a band besides its colours.
 #[derive(Debug)]
 pub(crate) struct BandLight<'a> {
-    /// Receives the emission and the reflected smooth light of pixels whose direct light is a guess.
+    /// Receives the emission and the reflected smooth light of pixels whose direct light is a
+    /// guess.
     pub(crate) certain: &'a mut [Vec3],
     /// Receives the light of each pixel that is known, as the radiance of a white surface; empty
     /// where that is not wanted.

@@ -53,7 +53,7 @@ pub(crate) struct PictureSurfaces<'a> {
     pub(crate) normals: &'a [PackedNormal],
 }
 
-/// The light that is known at the pixels of a picture.
+/// The light that is known at the pixels of a picture, in one unit: irradiance or radiance.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LightBetween {
     light: Vec<Vec3>,

@@ -22,8 +22,8 @@ const PLACES: u32 = (1 << (2 * SQUARE_BITS)) - 1;
 /// Columns of the matrix that tells the second coordinate's pixels from the first's, for samples
 /// whose number is not known. Each is the bit of its place and lower ones, so every square of
 /// pixels is well spread along both coordinates, whatever the number of samples. Of 28,000 matrices
-/// this one left the fewest boxes of two dimensions empty, for up to 32 samples and squares of up to
-/// 8 pixels: 11 % on average, against 30 % of random points (the higher columns are Pascal's).
+/// this one left the fewest boxes of two dimensions empty, for up to 32 samples and squares of up
+/// to 8 pixels: 11 % on average, against 30 % of random points (the higher columns are Pascal's).
 const MIXING: [u32; 14] = [1, 3, 7, 13, 29, 32, 113, 181, 257, 771, 1285, 3855, 4369, 13107];
 
 /// The sample points of one pixel, or of one surface point.

@@ -7,13 +7,13 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// Scratch memory of [`Surroundings`]: for each level, the weighted sum of known pixels in each
+/// Scratch memory of [`fill_unknown`]: for each level, the weighted sum of known pixels in each
 /// cell, and its weight.
 pub type Levels = Vec<Vec<(Vec3, f32)>>;
 
 /// Pyramid of a picture's known pixels, in cells of 2, 4, 8, ... pixels.
 #[derive(Debug)]
-pub struct Surroundings<'a> {
+struct Surroundings<'a> {
     levels: &'a Levels,
     /// Columns and rows of each level.
     sizes: Vec<[usize; 2]>,
@@ -41,7 +41,7 @@ pub fn fill_unknown(values: &mut [Vec3], is_known: &[bool], width: usize, levels
 impl<'a> Surroundings<'a> {
     /// Builds the pyramid of a picture of `size` pixels. `known` returns the value of a pixel, if
     /// it is known.
-    pub fn gather(
+    fn gather(
         size: [usize; 2],
         known: impl Fn(usize) -> Option<Vec3> + Sync,
         levels: &'a mut Levels,
@@ -73,7 +73,7 @@ impl<'a> Surroundings<'a> {
 
     /// Returns a mean of the nearest known pixels around a pixel; `None` if no pixel of the picture
     /// is known.
-    pub fn around(&self, [x, y]: [usize; 2]) -> Option<Vec3> {
+    fn around(&self, [x, y]: [usize; 2]) -> Option<Vec3> {
         let knows =
             |at: usize| self.levels[at][(y >> (at + 1)) * self.sizes[at][0] + (x >> (at + 1))].1 > 0.0;
         let at = (0..self.sizes.len()).find(|&at| knows(at))?;

@@ -26,6 +26,8 @@ pub(super) struct CarriedLight {
     pub(super) light: Vec<Vec3>,
     epoch: Option<SceneEpoch>,
     before: Option<Before>,
+    /// Scratch memory: what was found of the pixels that were looked for.
+    found: Vec<Option<Vec3>>,
 }
 
 /// The frame before.
@@ -40,7 +42,8 @@ struct Before {
 
 impl CarriedLight {
     /// Memory per pixel.
-    pub(super) const BYTES_PER_PIXEL: usize = 2 * size_of::<Vec3>() + size_of::<f32>() + size_of::<u32>();
+    pub(super) const BYTES_PER_PIXEL: usize =
+        2 * size_of::<Vec3>() + size_of::<Option<Vec3>>() + size_of::<f32>() + size_of::<u32>();
 
     /// Takes over the surfaces of the last frame, which is about to be overwritten, and forgets the
     /// light of all pixels of the next, of `count` pixels. Light is kept where `is_kept`.
@@ -71,8 +74,8 @@ impl CarriedLight {
         };
         let warp = PixelWarp::new(&frame.view, &before.view);
         let find = |&pixel: &u32| before.light_of(tracer.scene(), &warp, frame, pixel as usize);
-        let found: Vec<Option<Vec3>> = pixels.par_iter().map(find).collect();
-        for (&pixel, light) in pixels.iter().zip(found) {
+        pixels.par_iter().map(find).collect_into_vec(&mut self.found);
+        for (&pixel, light) in pixels.iter().zip(&self.found) {
             self.light[pixel as usize] = light.unwrap_or(Vec3::NAN);
         }
     }

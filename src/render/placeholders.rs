@@ -172,7 +172,7 @@ impl Filler<'_> {
     }
 }
 
-/// The level of the known light of a picture: a mean in which a few places beside a lamp do not
+/// The level of the known light of a picture: a mean in which a few places close to a lamp do not
 /// matter. Zero where none is known.
 fn level_of(light: &[Vec3]) -> f32 {
     let known = light.iter().map(|light| light.max_element()).filter(|most| *most >= 0.0 && most.is_finite());
@@ -182,8 +182,8 @@ fn level_of(light: &[Vec3]) -> f32 {
 }
 
 /// The known light of a picture's pixels, asked from left to right: every other of those that were
-/// looked up, and all that were traced. Light far above the level counts less, otherwise a place
-/// beside a lamp would dominate its surroundings.
+/// looked up, and all that were traced. Light far above the level counts less, otherwise a place close
+/// to a lamp would dominate its surroundings.
 fn known_lights<'a>(
     tracer: &'a Tracer,
     frame: &'a Frame,

@@ -67,7 +67,7 @@ pub struct Renderer {
     dispersal: Dispersal,
     placeholders: Placeholders,
     carried: CarriedLight,
-    /// Direct light of the pixels that were traced in this frame, in modes that look up.
+    /// Irradiance straight from the lights where it was traced in this frame, for guesses to check.
     between: LightBetween,
     is_progressive: bool,
     /// True in modes that look up, which find the hits of all pixels first.
@@ -244,7 +244,7 @@ impl Renderer {
         } else {
             uncertain.sort_by_round(dispersal, width);
         }
-        if self.looks_up {
+        if !uncertain.pixels().is_empty() {
             between.begin(frame.view.size);
             for &(pixel, light) in open.iter().flat_map(|o| &o.settled) {
                 between.set(pixel, light * PI);
@@ -291,7 +291,7 @@ impl Renderer {
         });
         for (pixel, traced) in self.unseen.done() {
             self.frame.radiance[pixel] = traced.radiance;
-            if self.looks_up {
+            if !self.uncertain.pixels().is_empty() {
                 self.between.set(pixel as u32, traced.light.direct_irradiance);
             }
             if !self.shows_surfaces {

@@ -352,8 +352,8 @@ impl RestPicture {
         self.deadline
     }
 
-    /// Measures, by a small reference of the view, how long it will take to show light. Until there is
-    /// light of more pixels, that of the small reference is looked up.
+    /// Measures, by a small reference of the view, how long it will take to show light. Until there
+    /// is light of more pixels, that of the small reference is looked up.
     pub(super) fn rehearse(&mut self, tracer: &Tracer, cache: &mut ReferenceCache) {
         /// Pixels of the picture, along an edge, per pixel of the small one.
         const EDGE: u32 = 4;

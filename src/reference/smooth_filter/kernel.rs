@@ -19,8 +19,8 @@ const MAX_DEVIATIONS: f32 = 4.0;
 /// samples, all divided by the same weight, of the first half, then of the second.
 pub(super) type Halves = [f32; 8];
 
-/// The light of each pixel in a layer in planes: red, green, blue, and the variance of that light
-/// around the pixel.
+/// The light of each pixel in a layer in planes: red, green, blue, and the variance of that light,
+/// its channels added up.
 pub(super) type Light = [Vec<f32>; 4];
 
 /// A kernel: how pixels share light with the pixels a step away.
@@ -64,21 +64,25 @@ impl Row {
 }
 
 impl Kernel<'_> {
-    /// Widens a layer: pixels share light as far as their surfaces are alike, and their light is the
-    /// same but for noise.
-    pub(super) fn widen(&self, layer: &[Halves], light: &Light, wider: &mut [Halves]) {
+    /// Widens a layer: pixels share light as far as their surfaces are alike, and their light is
+    /// the same but for noise. `noise` receives the variance of the wider light.
+    pub(super) fn widen(&self, layer: &[Halves], light: &Light, wider: &mut [Halves], noise: &mut [f32]) {
         let width = self.surfaces.size[0].max(1);
-        wider.par_chunks_mut(width).enumerate().for_each_init(Row::default, |row, (y, out)| {
+        let rows = wider.par_chunks_mut(width).zip(noise.par_chunks_mut(width)).enumerate();
+        rows.for_each_init(Row::default, |row, (y, (out, noise))| {
             let (span, first) = (self.surfaces.span(y), y * width);
             out.copy_from_slice(&layer[first..first + width]);
+            noise.copy_from_slice(&light[3][first..first + width]);
             row.begin(width);
             for (direction, run) in self.runs(y).enumerate() {
                 row.offsets[direction] = run.other.cast_signed() - run.at.cast_signed();
                 let weights = &mut row.weights[direction][run.columns.clone()];
                 Self::weigh(&run, light, weights);
             }
-            let start = first + span.start;
-            dispatch!(simd::level(), _simd => blend(&mut out[span.clone()], layer, start, span.start, row));
+            let (start, column) = (first + span.start, span.start);
+            let (out, noise) = (&mut out[span.clone()], &mut noise[span]);
+            dispatch!(simd::level(), _simd => blend(out, layer, start, column, row));
+            dispatch!(simd::level(), _simd => blend_noise(noise, &light[3], start, column, row));
         });
     }
 
@@ -158,6 +162,22 @@ fn blend(out: &mut [Halves], layer: &[Halves], start: usize, column: usize, row:
         }
         let share = 1.0 / total;
         *out = sum.map(|sum| sum * share);
+    }
+}
+
+/// The variances of the means that [`blend`] forms, of values that are independent of each other.
+#[inline(always)]
+fn blend_noise(out: &mut [f32], noise: &[f32], start: usize, column: usize, row: &Row) {
+    let last = noise.len() - 1;
+    for (i, out) in out.iter_mut().enumerate() {
+        let at = start + i;
+        let (mut sum, mut total) = (noise[at] * 16.0, 4.0);
+        for (weights, offset) in row.weights.iter().zip(row.offsets) {
+            let weight = weights[column + i];
+            sum += noise[at.wrapping_add_signed(offset).min(last)] * (weight * weight);
+            total += weight;
+        }
+        *out = sum / (total * total);
     }
 }
 
@@ -289,10 +309,13 @@ mod tests {
             })
             .collect();
         let plane = |number: usize| layer.iter().map(|halves| halves[number]).collect::<Vec<f32>>();
-        let mut wider = vec![Halves::default(); layer.len()];
+        let (mut wider, mut noise) = (vec![Halves::default(); layer.len()], vec![0.0; layer.len()]);
         for (variance, is_kept) in [(0.0, true), (1e6, false)] {
             let light = [plane(0), plane(1), plane(2), vec![variance; layer.len()]];
-            kernel.widen(&layer, &light, &mut wider);
+            kernel.widen(&layer, &light, &mut wider, &mut noise);
+            // A mean of nine pixels alike has the variance of one times the sum of squared weights.
+            let least = 36.0 / 256.0 * variance;
+            assert!(noise.iter().all(|&noise| noise <= variance && noise >= 0.999 * least));
             let moved = wider.iter().zip(&layer).map(|(a, b)| (a[0] / a[3].max(1e-9) - b[0]).abs());
             assert_eq!(moved.fold(0.0, f32::max) < 1e-6, is_kept, "variance {variance}");
         }

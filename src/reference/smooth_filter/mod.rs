@@ -12,7 +12,9 @@
 //! (Rousselle, Knaus and Zwicker, "Adaptive Rendering with Non-Local Means Filtering", 2012). We
 //! differ: irradiance on surfaces is filtered, never the picture; light weighs only where it
 //! differs by far more than its noise, as on both sides of a thin wall, so that noise cannot guide
-//! the filter.
+//! the filter. The noise is that of the samples, pooled over the surface; from kernel to kernel it
+//! follows from the weights, as in Schied et al., "Spatiotemporal Variance-Guided Filtering", HPG
+//! 2017, section 4.2.
 //!
 //! | file | contents |
 //! |---|---|
@@ -102,7 +104,7 @@ impl ReferenceFrame {
         + (LEVELS + PLACE_LEVELS) * 4
         + 4 * size_of::<u32>()
         + 4 * size_of::<Halves>()
-        + 4 * size_of::<f32>()
+        + 5 * size_of::<f32>()
         + 3 * size_of::<f32>();
 
     /// Filters the samples of the listed pixels and stores the result as their smooth light.
@@ -128,10 +130,12 @@ impl Filter<'_> {
     fn run(&self, raw: &[Halves], start: Vec<Halves>) -> Vec<Halves> {
         let mut best = start.clone();
         let mut least = self.errors(&start, raw);
+        let mut noise = self.noise(&start);
         let (mut layer, mut next) = (start.clone(), start);
         for level in 0..self.likenesses.len() {
-            let light = self.light_and_noise(&layer);
-            self.kernel(level).widen(&layer, &light, &mut next);
+            let light = planes_of(&layer, noise);
+            noise = vec![0.0; layer.len()];
+            self.kernel(level).widen(&layer, &light, &mut next, &mut noise);
             std::mem::swap(&mut layer, &mut next);
             let errors = self.errors(&layer, raw);
             keep_better(&mut best, &mut least, &layer, &errors);
@@ -147,30 +151,41 @@ impl Filter<'_> {
     /// surface.
     fn errors(&self, layer: &[Halves], raw: &[Halves]) -> Vec<f32> {
         let pixels = layer.par_iter().zip(raw);
-        let mut errors: Vec<f32> = pixels.map(|(layer, raw)| disagreement(layer, raw)).collect();
-        let mut averaged = vec![0.0; errors.len()];
-        for step in 0..self.error_steps {
-            self.kernel(step).average(&errors, &mut averaged);
-            std::mem::swap(&mut errors, &mut averaged);
-        }
-        errors
+        self.averaged(pixels.map(|(layer, raw)| disagreement(layer, raw)).collect())
     }
 
-    /// The light of each pixel in a layer, and the variance of that light around it, by how much
-    /// the halves differ.
-    fn light_and_noise(&self, layer: &[Halves]) -> Light {
-        let mut noise = vec![0.0; layer.len()];
-        let mut light = [const { Vec::new() }; 4];
-        light.iter_mut().for_each(|plane| plane.resize(layer.len(), 0.0));
-        let [r, g, b, averaged] = &mut light;
-        let pixels = (r, g, b, &mut noise).into_par_iter().zip(layer);
-        pixels.for_each(|((r, g, b, noise), halves)| {
-            [*r, *g, *b] = light_of(halves).to_array();
-            *noise = variance(halves);
-        });
-        self.kernel(0).average(&noise, averaged);
-        light
+    /// The variance of the light of each pixel, by how much the halves differ: around the pixel, or
+    /// over its surface where that is more. Where few paths find light, most pixels around one that
+    /// has found it twice have found none, and would call that an edge.
+    fn noise(&self, layer: &[Halves]) -> Vec<f32> {
+        let variances: Vec<f32> = layer.par_iter().map(variance).collect();
+        let mut around = vec![0.0; layer.len()];
+        self.kernel(0).average(&variances, &mut around);
+        let over_surface = self.averaged(variances);
+        around.par_iter_mut().zip(over_surface).for_each(|(noise, more)| *noise = noise.max(more));
+        around
     }
+
+    /// Values averaged over the surface of each pixel.
+    fn averaged(&self, mut values: Vec<f32>) -> Vec<f32> {
+        let mut averaged = vec![0.0; values.len()];
+        for step in 0..self.error_steps {
+            self.kernel(step).average(&values, &mut averaged);
+            std::mem::swap(&mut values, &mut averaged);
+        }
+        values
+    }
+}
+
+/// The light of a layer in planes, with its variance.
+fn planes_of(layer: &[Halves], noise: Vec<f32>) -> Light {
+    let [mut r, mut g, mut b] = [const { Vec::new() }; 3];
+    for plane in [&mut r, &mut g, &mut b] {
+        plane.resize(layer.len(), 0.0);
+    }
+    let pixels = (&mut r, &mut g, &mut b).into_par_iter().zip(layer);
+    pixels.for_each(|((r, g, b), halves)| [*r, *g, *b] = light_of(halves).to_array());
+    [r, g, b, noise]
 }
 
 /// The samples of the listed pixels in an array of all pixels. The halves change places on every
@@ -236,6 +251,34 @@ mod tests {
     use crate::scene::builtin;
     use crate::trace::{TraceSettings, parallel::NEVER};
     use std::sync::Arc;
+
+    /// Samples of which few paths find light, but all of it: one in twenty, with a radiance of 20.
+    fn rare_light(pixels: &[u32], count: u32) -> Vec<SmoothSamples> {
+        let path = |pixel: u32, sample: u32| {
+            let [random, _] = Key::of_pixel(3, pixel).with(sample).pair();
+            Vec3::splat(if random < 0.05 { 20.0 } else { 0.0 })
+        };
+        let half = |pixel: u32, odd: u32| (0..count / 2).map(|i| path(pixel, 2 * i + odd)).sum();
+        pixels.iter().map(|&pixel| SmoothSamples { sums: [half(pixel, 0), half(pixel, 1)], count }).collect()
+    }
+
+    #[test]
+    fn light_that_few_paths_find_leaves_no_dots_on_a_surface() {
+        let tracer = Tracer::new(Arc::new(builtin::build("furnace").unwrap()));
+        let settings = TraceSettings { samples: 4, bounces: 1, seed: 1 };
+        let size = [160, 120];
+        let mut frame =
+            ReferenceFrame::trace(&tracer, tracer.scene().start(), size, &settings, NEVER).unwrap();
+        let pixels: Vec<u32> = (0..size[0] * size[1]).collect();
+        frame.store_filtered(&tracer, &pixels, &rare_light(&pixels, 4));
+        let (words, scale) = frame.packed_smooth();
+        let light = |pixel: u32| scale.unpack(words[pixel as usize]).x;
+        let dots = pixels.iter().filter(|&&pixel| light(pixel) > 3.0).count();
+        let mean = pixels.iter().map(|&pixel| light(pixel)).sum::<f32>() / pixels.len() as f32;
+        assert!((mean - 1.0).abs() < 0.1, "the mean of the light is {mean}");
+        // Without pooled noise, 7 in a thousand.
+        assert!(dots * 500 < pixels.len(), "{dots} of {} pixels are dots", pixels.len());
+    }
 
     #[test]
     fn a_pixel_without_finite_samples_has_no_light_and_spoils_no_neighbour() {

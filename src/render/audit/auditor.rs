@@ -194,7 +194,8 @@ impl Auditor {
     }
 }
 
-/// True where what a pixel shows is visibly off two independent traces of it, in the same direction.
+/// True where what a pixel shows is visibly off two independent traces of it, in the same
+/// direction.
 fn is_wrong(audited: &Audited<'_>, pixel: u32, right: [Vec3; 2]) -> bool {
     let exposure = audited.exposure();
     looks_wrong(exposure * audited.frame.radiance[pixel as usize], right.map(|right| exposure * right))

@@ -35,9 +35,9 @@ impl ArrivingLight {
         (self.smooth_sums[0] + self.smooth_sums[1]) / self.paths.max(1) as f32
     }
 
-    /// Estimated variance of the smooth light of one path, its channels added up: from the
-    /// difference of the two halves, whose means have twice the variance of a path over half their
-    /// number.
+    /// Estimated variance of the smooth light of one path, its channels added up. The sums of the
+    /// two halves are independent, so the square of their difference is on average the variance of
+    /// a path times the number of paths.
     pub(crate) fn path_variance(&self) -> f64 {
         let [even, odd] = self.smooth_sums.map(|sum| f64::from(sum.element_sum()));
         let difference = even - odd;

@@ -6,7 +6,8 @@ pub(super) const SPECULAR: u32 = 2 << 24;
 /// Dimension of the sample of the viewer-dependent lobe.
 pub(super) const LOBE: u32 = 3 << 24;
 
-/// First dimension of the samples of lights that are added later to those of a point: one per light.
+/// First dimension of the samples of lights that are added later to those of a point: one per
+/// light.
 pub(super) const LATER: u32 = 1 << 26;
 
 /// First dimension of the points of a [`Sequence`](crate::math::sequence::Sequence) that choose the

@@ -12,8 +12,8 @@ use std::time::Duration;
 /// A wheel that reports points instead of notches moves by this number of points per notch.
 const POINTS_PER_NOTCH: f32 = 50.0;
 
-/// Motion advances by at most this time, so that nobody flies through a wall while the window is
-/// busy.
+/// Motion advances by at most this time, so that the camera does not jump through a wall while the
+/// window is busy.
 const LONGEST_UPDATE_SECS: f32 = 0.25;
 
 /// Time after which the window is drawn again without a new frame, where that takes its time from

@@ -16,11 +16,13 @@ const LATE: Duration = Duration::from_millis(500);
 /// The frames that were rendered while the camera moved, each at the newest pose.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FrameRate {
-    /// When the newest were shown.
+    /// Times at which the frames of the last second were shown, the oldest first.
     shown: VecDeque<Instant>,
     /// Frames that were counted, since the start.
     total: u64,
+    /// Mean time from the request of a frame's pose to its display, the newest counting most.
     delay_secs: f32,
+    /// Frames per second of the last motion.
     per_sec: Option<f32>,
 }
 
