@@ -163,7 +163,7 @@ fn an_interrupted_tour_keeps_its_records() {
     let (started, third) = (Instant::now(), bench.path("run/images/types_0002.png"));
     while !third.exists() {
         assert!(child.try_wait().unwrap().is_none(), "it ended by itself");
-        assert!(started.elapsed() < Duration::from_secs(60), "no third frame");
+        assert!(started.elapsed() < Duration::from_secs(240), "no third frame");
         std::thread::sleep(Duration::from_millis(5));
     }
     let killed = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();

@@ -34,7 +34,8 @@ fn every_frame_in_motion_is_of_a_pose_of_the_camera_and_shows_its_surfaces() {
         request.settings.render.mode = mode;
         // Enough work that frames are cut.
         request.settings.render.trace = TraceSettings { samples: 16, bounces: 2, seed: 0 };
-        let mut harness = open(request, false);
+        let mut harness = begin(request, false);
+        step_until(&mut harness, "a frame", |app| app.state().frame.is_some());
         let (mut poses, mut newest, mut seen) = (vec![camera(&harness)], generation(&harness), 0);
         let start = Instant::now();
         harness.key_down(Key::A);

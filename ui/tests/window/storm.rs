@@ -15,7 +15,7 @@ use glam::{DVec3, Vec3};
 use std::sync::Arc;
 use std::time::Duration;
 
-const DEADLINE: Duration = Duration::from_secs(60);
+const DEADLINE: Duration = Duration::from_secs(240);
 
 struct Storm {
     thread: RenderThread,

@@ -13,7 +13,7 @@ use glam::DVec3;
 use std::sync::Arc;
 use std::time::Duration;
 
-const DEADLINE: Duration = Duration::from_secs(60);
+const DEADLINE: Duration = Duration::from_secs(240);
 
 struct Bench {
     thread: RenderThread,

@@ -82,6 +82,13 @@ impl RenderThread {
         self.shared.is_adding.load(Ordering::Acquire)
     }
 
+    /// True while a reference is being traced, or while it is not known yet whether the frame that
+    /// was shown last asks for one.
+    pub fn may_add_reference(&self) -> bool {
+        // In this order: the thread notes that it traces before it notes that it has decided.
+        self.shared.is_deciding.load(Ordering::Acquire) || self.is_adding_reference()
+    }
+
     /// Swaps the newest frame with the one shown; false where there is none newer.
     pub fn take_frame(&self, shown: &mut Option<PublishedFrame>) -> bool {
         self.shared.exchange.take(shown)

@@ -27,6 +27,8 @@ pub(super) struct Shared {
     pub(super) quit: AtomicBool,
     /// A reference is being traced.
     pub(super) is_adding: AtomicBool,
+    /// A frame was shown, and it is not known yet whether it asks for a reference.
+    pub(super) is_deciding: AtomicBool,
     pub(super) frames_rendered: AtomicU64,
     pub(super) exchange: Exchange,
 }

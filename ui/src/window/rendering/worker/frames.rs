@@ -87,6 +87,7 @@ impl Worker {
 
     fn publish(&self, frame: PublishedFrame, is_shown: bool) {
         if is_shown && !self.shared.abandon.load(Ordering::Acquire) {
+            self.shared.is_deciding.store(true, Ordering::Release);
             self.shared.exchange.publish(frame);
         }
         (self.wake)();

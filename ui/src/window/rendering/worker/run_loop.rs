@@ -21,6 +21,7 @@ impl Worker {
                 step => self.proceed(step, generation),
             }
             self.request_reference();
+            self.shared.is_deciding.store(false, Ordering::Release);
             self.send_picture();
         }
         self.cancel_reference();
