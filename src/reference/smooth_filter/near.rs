@@ -1,10 +1,13 @@
 //! Smooth light of a reference's pixel at a place that another frame of the same view shows there.
 
-use super::PLACE_REACH;
 use super::walls::LIFT;
 use crate::reference::ReferenceFrame;
 use crate::trace::{NO_TRIANGLE, SurfacePoint, Tracer};
 use glam::Vec3;
+
+/// Distance to the point at most, relative to that of neighbouring pixels on a surface that faces
+/// the viewer. No other value was tried.
+const REACH: f32 = 4.0;
 
 impl ReferenceFrame {
     /// Smooth light of a pixel, as the radiance of a white diffuse surface, where it holds for a
@@ -24,7 +27,7 @@ impl ReferenceFrame {
         let word = *smooth.get(pixel as usize)?;
         let offset = self.offset_from_eye(pixel);
         let own = SurfacePoint::from_position(tracer.scene(), triangle, self.view.eye + offset, offset);
-        let most = PLACE_REACH * self.view.scene_from_pixel.x_axis.length() * offset.length();
+        let most = REACH * self.view.scene_from_pixel.x_axis.length() * offset.length();
         let is_near = own.position.distance(point.position) <= most;
         let faces_alike = own.shading_normal.dot(point.shading_normal) > 0.0;
         let [a, b] = [&own, point].map(|p| (p.position, p.shading_normal));
