@@ -16,6 +16,9 @@ const MAX_SINE: f32 = 0.3;
 /// degrees.
 const MIN_COSINE: f32 = 0.8;
 
+/// Pixels of a row that are left out together where none of them has samples.
+const BLOCK: usize = 32;
+
 /// The surface of a pixel; its normal is zero where the pixel has no samples.
 #[derive(Clone, Copy)]
 pub(super) struct Facet {
@@ -29,8 +32,8 @@ pub(super) struct Facet {
 #[derive(Debug)]
 pub(super) struct Surfaces {
     pub(super) size: [usize; 2],
-    /// Columns of each row between which its pixels with samples lie.
-    spans: Vec<Range<usize>>,
+    /// Runs of columns of each row outside of which no pixel has samples.
+    spans: Vec<Vec<Range<usize>>>,
     /// x, y and z of positions, then of normals.
     planes: [Vec<f32>; 6],
 }
@@ -75,18 +78,18 @@ impl Surfaces {
                 }
             }
         });
-        let mut spans = vec![0..0; size[1]];
-        for &pixel in pixels {
-            let (x, y) = (pixel as usize % size[0], pixel as usize / size[0]);
-            let span: &mut Range<usize> = &mut spans[y];
-            *span = if span.start == span.end { x..x + 1 } else { span.start.min(x)..span.end.max(x + 1) };
-        }
-        Self { size, spans, planes }
+        Self { size, spans: spans_of(size, pixels), planes }
     }
 
-    /// Columns of a row between which its pixels with samples lie.
-    pub(super) fn span(&self, y: usize) -> Range<usize> {
-        self.spans[y].clone()
+    /// Runs of columns of a row outside of which no pixel has samples.
+    pub(super) fn spans(&self, y: usize) -> impl Iterator<Item = Range<usize>> {
+        self.spans[y].iter().cloned()
+    }
+
+    /// The parts of a row's spans that lie in some columns.
+    pub(super) fn spans_in(&self, y: usize, columns: Range<usize>) -> impl Iterator<Item = Range<usize>> {
+        let within = move |span: Range<usize>| span.start.max(columns.start)..span.end.min(columns.end);
+        self.spans(y).map(within).filter(|span| !span.is_empty())
     }
 
     pub(super) fn len(&self) -> usize {
@@ -112,7 +115,10 @@ impl Surfaces {
                 // A neighbour to the left exists from column `shift` on, one to the right up to it.
                 let (a, b) = if dx < 0 { (left + shift, right) } else { (left, right + shift) };
                 let from = if dx < 0 { shift } else { 0 };
-                self.compare(a, b, kind, &mut row[from..from + width - shift]);
+                for span in self.spans_in(y, from..from + width - shift) {
+                    let first = span.start - from;
+                    self.compare(a + first, b + first, kind, &mut row[span]);
+                }
             });
             shares
         };
@@ -133,6 +139,23 @@ impl Surfaces {
             }
         }
     }
+}
+
+/// For each row of a picture, the runs of its columns that hold listed pixels, in whole blocks.
+fn spans_of([width, height]: [usize; 2], pixels: &[u32]) -> Vec<Vec<Range<usize>>> {
+    let in_row = width.div_ceil(BLOCK);
+    let mut is_used = vec![false; in_row * height];
+    for pixel in pixels.iter().map(|&pixel| pixel as usize) {
+        is_used[pixel / width * in_row + pixel % width / BLOCK] = true;
+    }
+    let spans = |row: &[bool]| {
+        let runs = row.chunk_by(|a, b| a == b).scan(0, |next, run| {
+            let first = std::mem::replace(next, *next + run.len());
+            Some((run[0], first * BLOCK..(*next * BLOCK).min(width)))
+        });
+        runs.filter_map(|(is_used, span)| is_used.then_some(span)).collect()
+    };
+    is_used.chunks(in_row.max(1)).map(spans).collect()
 }
 
 /// The surface of a pixel of a reference; `None` for the sky and for pixels that must not be used.

@@ -53,12 +53,13 @@ impl<'a> Walls<'a> {
             let (across, down) = (dx * step.cast_signed(), dy * step);
             let columns = across.min(0).unsigned_abs()..width.saturating_sub(across.max(0).unsigned_abs());
             let rows = plane.par_chunks_mut(width.max(1)).take(height.saturating_sub(down)).enumerate();
-            rows.filter(|_| !columns.is_empty()).for_each(|(y, row)| {
-                let first = y * width + columns.start;
-                let corner = first.wrapping_add_signed(across);
-                let pairs =
-                    Pairs { at: first, other: corner + down * width, corner, below: first + down * width };
-                self.end_row(pairs, &mut row[columns.clone()]);
+            rows.for_each(|(y, row)| {
+                for span in self.surfaces.spans_in(y, columns.clone()) {
+                    let at = y * width + span.start;
+                    let corner = at.wrapping_add_signed(across);
+                    let pairs = Pairs { at, other: corner + down * width, corner, below: at + down * width };
+                    self.end_row(pairs, &mut row[span]);
+                }
             });
         }
     }
@@ -66,6 +67,9 @@ impl<'a> Walls<'a> {
     /// Ends the likeness of the pixels of a row and their neighbours at walls.
     fn end_row(&self, first: Pairs, shares: &mut [u8]) {
         for (group, shares) in shares.chunks_mut(LANES).enumerate() {
+            if shares.iter().all(|&share| share == 0) {
+                continue;
+            }
             let pairs = first.ahead(group * LANES);
             let (thin, borders) =
                 (self.thin.crossed(pairs, shares.len()), self.borders.crossed(pairs, shares.len()));
