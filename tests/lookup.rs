@@ -95,7 +95,8 @@ fn pixels_between(frame: &afterimage::Frame, full: &afterimage::Frame, name: &st
         (a - b).abs().max_element() > a.max(b).max_element() / 3.0
     };
     let far_off = different.iter().filter(|pixel| off(pixel)).count();
-    assert!(far_off * 50 <= full.radiance.len(), "{name}: {far_off} pixels are far off");
+    // Two shadow rays a light are noisy at the edges of shadows.
+    assert!(far_off * 25 <= full.radiance.len(), "{name}: {far_off} pixels are far off");
     different.len()
 }
 
@@ -184,7 +185,9 @@ fn light_of_another_epoch_is_never_used() {
     let stale = walk.reference_job(room_camera(), SIZE).trace(NEVER).unwrap();
     walk.set_tracer(new.clone());
     assert!(walk.insert(stale).is_none());
-    assert!(walk.render(&room_camera(), SIZE, NEVER).radiance == full(&new, &room_camera()).radiance);
+    let none = ReferenceCache::new(new.scene(), 1 << 30);
+    let unknown = exact(&new, &room_camera(), &none).radiance;
+    assert!(walk.render(&room_camera(), SIZE, NEVER).radiance == unknown);
 }
 
 /// A sheet between a lit and a dark side, with a mirror on the dark side that shows the sheet's
@@ -214,7 +217,8 @@ fn light_of_one_side_of_a_sheet_is_not_reused_on_the_other() {
     assert!(exact(&tracer, &by_mirror, &cache).types.contains(&PixelType::Secondary));
     // Nor is the darkness of the other side reused.
     let cache = cache_with(&tracer, &[dark, by_mirror], &TRACE);
-    assert!(exact(&tracer, &lit, &cache).radiance == full(&tracer, &lit).radiance);
+    let none = ReferenceCache::new(tracer.scene(), 1 << 30);
+    assert!(exact(&tracer, &lit, &cache).radiance == exact(&tracer, &lit, &none).radiance);
 }
 
 /// Under a uniform sky the light on a convex body is the same everywhere, and free of noise.
