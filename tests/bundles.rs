@@ -49,7 +49,7 @@ fn count(bvh: &Bvh, mesh: &[[Vec3; 3]], offset: Vec3, accept: impl Fn(&Hit) -> b
     let mut counts = [0; 2];
     for i in 0..6000 {
         let bundle = bundle(i, mesh, offset);
-        let blocked = bvh.any_in_bundle(&bundle, |_, hit| accept(hit));
+        let blocked = bvh.any_in_bundle(&bundle, |_: usize, hit: &Hit| accept(hit));
         for ray in 0..bundle.len() {
             let expected = bvh.any(&bundle.ray(ray), &accept);
             assert_eq!(blocked >> ray & 1 == 1, expected, "bundle {i}, ray {ray}: {:?}", bundle.ray(ray));
@@ -76,7 +76,7 @@ fn bundles_are_blocked_where_their_rays_are() {
             let bundle = bundle(i, &mesh, offset);
             assert_eq!(
                 bvh.any_at_all_in_bundle(&bundle),
-                bvh.any_in_bundle(&bundle, |_, _| true),
+                bvh.any_in_bundle(&bundle, |_: usize, _: &Hit| true),
                 "bundle {i}"
             );
         }
@@ -119,7 +119,7 @@ fn no_ray_is_tested_against_a_triangle_twice() {
     let bvh = Bvh::build(&mesh);
     for i in 0..2000 {
         let mut asked = std::collections::HashSet::new();
-        bvh.any_in_bundle(&bundle(i, &mesh, Vec3::ZERO), |ray, hit| {
+        bvh.any_in_bundle(&bundle(i, &mesh, Vec3::ZERO), |ray: usize, hit: &Hit| {
             assert!(asked.insert((ray, hit.triangle)), "bundle {i}: ray {ray}, triangle {}", hit.triangle);
             false
         });

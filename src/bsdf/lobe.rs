@@ -65,6 +65,16 @@ pub trait Lobe {
     fn straight_transmittance(&self, _passage: impl FnOnce() -> (f32, SolidSide)) -> Option<Vec3> {
         None
     }
+
+    /// [`Self::straight_transmittance`] of eight shadow rays through one triangle, with the same
+    /// bits; `passage` returns their cosines.
+    #[inline(always)]
+    fn straight_transmittances(
+        &self,
+        _passage: impl FnOnce() -> ([f32; 8], SolidSide),
+    ) -> Option<[Vec3; 8]> {
+        None
+    }
 }
 
 /// The lobe of a material whose radiance does not depend on the viewer.

@@ -62,4 +62,12 @@ impl Lobe for Material {
     fn straight_transmittance(&self, passage: impl FnOnce() -> (f32, SolidSide)) -> Option<Vec3> {
         with_lobe!(self, lobe => lobe.straight_transmittance(passage))
     }
+
+    #[inline(always)]
+    fn straight_transmittances(
+        &self,
+        passage: impl FnOnce() -> ([f32; 8], SolidSide),
+    ) -> Option<[Vec3; 8]> {
+        with_lobe!(self, lobe => lobe.straight_transmittances(passage))
+    }
 }

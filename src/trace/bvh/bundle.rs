@@ -35,19 +35,36 @@ const FEW_RAYS: u32 = 4;
 /// of the gallery 32 took 10 % less time than never to test, 0 and 16 took 5 % less.
 const NODES_UNTESTED: u32 = 32;
 
+/// Decides which hits of a bundle's rays count.
+pub trait Judge {
+    /// True where a ray's hit counts. Called at most once for each ray and triangle, and no more
+    /// once the ray is blocked.
+    fn accepts(&mut self, ray: usize, hit: &Hit) -> bool;
+
+    /// True where the hits of no ray with a triangle count. Asked before [`Self::accepts`], which is
+    /// then not called, for the rays whose bits from `first` on are set in `met`.
+    #[inline(always)]
+    fn lets_pass(&mut self, _triangle: u32, _first: usize, _met: u32) -> bool {
+        false
+    }
+}
+
+impl<F: FnMut(usize, &Hit) -> bool> Judge for F {
+    #[inline(always)]
+    fn accepts(&mut self, ray: usize, hit: &Hit) -> bool {
+        self(ray, hit)
+    }
+}
+
 impl Bvh {
-    /// Returns a bit per ray that meets, before its end, a triangle for which `accept(ray, hit)`
-    /// holds.
-    ///
-    /// `accept` is called at most once for each ray and triangle, and no more once the ray is
-    /// blocked.
-    pub fn any_in_bundle(&self, bundle: &RayBundle, accept: impl FnMut(usize, &Hit) -> bool) -> u32 {
+    /// Returns a bit per ray that meets, before its end, a triangle where its hit counts.
+    pub fn any_in_bundle(&self, bundle: &RayBundle, accept: impl Judge) -> u32 {
         dispatch!(self.level, simd => self.bundle_of_any_axes::<_, true>(simd, bundle, accept))
     }
 
     /// [`Self::any_in_bundle`] with every hit accepted.
     pub fn any_at_all_in_bundle(&self, bundle: &RayBundle) -> u32 {
-        dispatch!(self.level, simd => self.bundle_of_any_axes::<_, false>(simd, bundle, |_, _| true))
+        dispatch!(self.level, simd => self.bundle_of_any_axes::<_, false>(simd, bundle, |_: usize, _: &Hit| true))
     }
 
     /// Traces the rays of each largest axis on their own, because they are sheared along it. `ASKS`
@@ -57,7 +74,7 @@ impl Bvh {
         &self,
         simd: S,
         bundle: &RayBundle,
-        mut accept: impl FnMut(usize, &Hit) -> bool,
+        mut accept: impl Judge,
     ) -> u32 {
         let lanes = Lanes::new(simd, bundle);
         let mut blocked = 0;
@@ -87,11 +104,11 @@ impl Bvh {
         simd: S,
         bundle: &RayBundle,
         rays: u32,
-        accept: &mut impl FnMut(usize, &Hit) -> bool,
+        accept: &mut impl Judge,
     ) -> u32 {
         let (mut occluder, mut blocked) = (Occluder::default(), 0);
         for ray in Bits(rays) {
-            let accept = |hit: &Hit| !ASKS || accept(ray, hit);
+            let accept = |hit: &Hit| !ASKS || accept.accepts(ray, hit);
             blocked |= u32::from(self.walk_any(simd, &bundle.ray(ray), &mut occluder, accept)) << ray;
         }
         blocked
@@ -147,7 +164,7 @@ impl<'a, S: Simd> Walk<'a, S> {
     /// Traverses the tree until every ray is blocked. Children are visited in memory order, as for
     /// single rays.
     #[inline(always)]
-    fn run<const ASKS: bool>(&mut self, accept: &mut impl FnMut(usize, &Hit) -> bool) {
+    fn run<const ASKS: bool>(&mut self, accept: &mut impl Judge) {
         let mut stack = ArrayVec::<u32, STACK>::new();
         match self.bvh.root.packet() {
             Some(packet) => self.leaf::<ASKS>(&self.bvh.packets[packet], self.open, accept),
@@ -210,7 +227,7 @@ impl<'a, S: Simd> Walk<'a, S> {
         &mut self,
         packet: &TrianglePacket,
         rays: u32,
-        accept: &mut impl FnMut(usize, &Hit) -> bool,
+        accept: &mut impl Judge,
     ) {
         if rays.count_ones() <= FEW_RAYS {
             return self.packet::<ASKS>(packet, rays, accept);
@@ -232,14 +249,14 @@ impl<'a, S: Simd> Walk<'a, S> {
         &mut self,
         packet: &TrianglePacket,
         rays: u32,
-        accept: &mut impl FnMut(usize, &Hit) -> bool,
+        accept: &mut impl Judge,
     ) {
         for ray in Bits(rays) {
             let (half, lane) = (ray / LANES, ray % LANES);
             let Shear8 { x, y, z } = &self.shear[half];
             let sheared =
                 ShearedRay::from_shear(self.simd, self.origin, self.axis, [x[lane], y[lane], z[lane]]);
-            let accept = &mut |hit: &Hit| !ASKS || accept(ray, hit);
+            let accept = &mut |hit: &Hit| !ASKS || accept.accepts(ray, hit);
             if any_in_packet(packet, &sheared, self.t_max[half][lane], accept) {
                 self.open &= !(1 << ray);
             }
@@ -265,7 +282,7 @@ impl<'a, S: Simd> Walk<'a, S> {
         corners: [[f32; 3]; 3],
         triangle: u32,
         rays: u32,
-        accept: &mut impl FnMut(usize, &Hit) -> bool,
+        accept: &mut impl Judge,
     ) {
         let seen = SeenTriangle::<f32x8<S>>::new(self.simd, corners, self.axis);
         let zero = f32x8::splat(self.simd, 0.0);
@@ -280,10 +297,13 @@ impl<'a, S: Simd> Walk<'a, S> {
             let mut met = met.to_bitmask() as u32 & open;
             // Ask whether each hit counts.
             if ASKS && met != 0 {
+                if accept.lets_pass(triangle, half * LANES, met) {
+                    continue;
+                }
                 let [b1, b2] = hits.barycentrics();
                 for lane in Bits(met) {
                     let hit = Hit { t: hits.t[lane], triangle, b1: b1[lane], b2: b2[lane] };
-                    if !accept(half * LANES + lane, &hit) {
+                    if !accept.accepts(half * LANES + lane, &hit) {
                         met &= !(1 << lane);
                     }
                 }

@@ -35,11 +35,12 @@ mod tree;
 mod vectors;
 
 pub(super) use bits::Bits;
+pub use bundle::Judge;
 pub use hit::{Hit, NO_TRIANGLE};
 pub(super) use node::{Child, Node};
 pub(super) use packet::{TrianglePacket, intersect_triangle};
 pub use ray_bundle::{BUNDLE_RAYS, MIN_RAYS, RayBundle};
-pub(super) use rays::{RayShear, SeenTriangle};
+pub(super) use rays::{LANES, RayShear, SeenTriangle};
 pub(super) use slab::safe_component;
 pub use tile::{RayTile, TILE_RAYS, TILE_SIDE, TileHits};
 pub use traverse::Occluder;

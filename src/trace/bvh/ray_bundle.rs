@@ -59,6 +59,12 @@ impl RayBundle {
         (0..self.len).map(|ray| self.ray(ray))
     }
 
+    /// Directions by axis.
+    #[inline(always)]
+    pub(in crate::trace) fn directions(&self) -> &[[f32; BUNDLE_RAYS]; 3] {
+        &self.directions
+    }
+
     /// One of the rays.
     pub fn ray(&self, ray: usize) -> Ray {
         let direction = Vec3::from(self.directions.each_ref().map(|of_axis| of_axis[ray]));

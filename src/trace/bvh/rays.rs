@@ -6,7 +6,7 @@
 use fearless_simd::{Simd, SimdFloat, SimdMask, f32x8};
 
 /// Number of rays of a tile or a bundle that are tested at once.
-pub(super) const LANES: usize = 8;
+pub(in crate::trace) const LANES: usize = 8;
 
 /// The shear of as many rays.
 pub(super) type Shear8<S> = RayShear<f32x8<S>>;
