@@ -28,10 +28,7 @@ impl Lobe for Dielectric {
     }
 
     #[inline(always)]
-    fn straight_transmittances(
-        &self,
-        passage: impl FnOnce() -> ([f32; 8], SolidSide),
-    ) -> Option<[Vec3; 8]> {
+    fn straight_transmittances(&self, passage: impl FnOnce() -> ([f32; 8], SolidSide)) -> Option<[Vec3; 8]> {
         let (cos, side) = passage();
         let mut passed = [Vec3::ZERO; 8];
         // First all shares, so that this loop runs in vectors.

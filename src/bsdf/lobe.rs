@@ -69,10 +69,7 @@ pub trait Lobe {
     /// [`Self::straight_transmittance`] of eight shadow rays through one triangle, with the same
     /// bits; `passage` returns their cosines.
     #[inline(always)]
-    fn straight_transmittances(
-        &self,
-        _passage: impl FnOnce() -> ([f32; 8], SolidSide),
-    ) -> Option<[Vec3; 8]> {
+    fn straight_transmittances(&self, _passage: impl FnOnce() -> ([f32; 8], SolidSide)) -> Option<[Vec3; 8]> {
         None
     }
 }

@@ -64,10 +64,7 @@ impl Lobe for Material {
     }
 
     #[inline(always)]
-    fn straight_transmittances(
-        &self,
-        passage: impl FnOnce() -> ([f32; 8], SolidSide),
-    ) -> Option<[Vec3; 8]> {
+    fn straight_transmittances(&self, passage: impl FnOnce() -> ([f32; 8], SolidSide)) -> Option<[Vec3; 8]> {
         with_lobe!(self, lobe => lobe.straight_transmittances(passage))
     }
 }

@@ -223,12 +223,7 @@ impl<'a, S: Simd> Walk<'a, S> {
 
     /// Tests the triangles of a leaf against some rays.
     #[inline(always)]
-    fn leaf<const ASKS: bool>(
-        &mut self,
-        packet: &TrianglePacket,
-        rays: u32,
-        accept: &mut impl Judge,
-    ) {
+    fn leaf<const ASKS: bool>(&mut self, packet: &TrianglePacket, rays: u32, accept: &mut impl Judge) {
         if rays.count_ones() <= FEW_RAYS {
             return self.packet::<ASKS>(packet, rays, accept);
         }
@@ -245,12 +240,7 @@ impl<'a, S: Simd> Walk<'a, S> {
 
     /// Tests a packet of triangles against some rays, one ray at a time.
     #[inline(always)]
-    fn packet<const ASKS: bool>(
-        &mut self,
-        packet: &TrianglePacket,
-        rays: u32,
-        accept: &mut impl Judge,
-    ) {
+    fn packet<const ASKS: bool>(&mut self, packet: &TrianglePacket, rays: u32, accept: &mut impl Judge) {
         for ray in Bits(rays) {
             let (half, lane) = (ray / LANES, ray % LANES);
             let Shear8 { x, y, z } = &self.shear[half];
