@@ -74,8 +74,7 @@ pub struct Renderer {
     looks_up: bool,
     /// True where the surfaces of all pixels are known, though not all of their light.
     shows_surfaces: bool,
-    /// True where unseen pixels between others that agree take the mean of their light.
-    spreads_light: bool,
+    spreads_light: bool, // see `LookupQuality::spreads_unseen`
 }
 
 impl Renderer {
@@ -156,7 +155,8 @@ impl Renderer {
     fn look_up(&mut self, request: &FrameRequest<'_>, lookup: &LookupSet<'_>, quality: LookupQuality) {
         let start = Instant::now();
         let (tracer, trace) = (request.tracer, request.settings.trace);
-        (self.looks_up, self.shows_surfaces, self.spreads_light) = (true, true, trace.bounces == 0);
+        (self.looks_up, self.shows_surfaces) = (true, true);
+        self.spreads_light = quality.spreads_unseen && trace.bounces == 0;
         self.frame.stats.references_used = lookup.len();
         let view = self.frame.view;
         self.points.insert(tracer.epoch(), &mut self.fresh_points);
@@ -294,7 +294,7 @@ impl Renderer {
             None => tracer.pixel(&frame.view, pixel, &settings.trace, &mut tally.rays),
         };
         let traced = if self.spreads_light {
-            let mut between = Between::new(&mut self.between, frame, source, &settings.unseen_trace());
+            let mut between = Between::new(&mut self.between, frame, source, &settings.trace);
             self.unseen.run_in_rounds(part, stop, &mut between, |t| Some(t.light.direct_irradiance), shade)
         } else {
             self.unseen.run(part, stop, |pixel, tally: &mut Tally| shade(pixel, None, tally))
