@@ -6,7 +6,7 @@ use super::{CachedLight, LookupSet, PointCache, SurfaceKey, TracedPoint};
 use crate::bsdf::Diffuse;
 use crate::camera::View;
 use crate::math::{Ray, key::Key, sequence::PointSeed};
-use crate::trace::{ArrivingLight, Hit, PixelTrace, RayCounts, SurfacePoint, TraceSettings, Tracer};
+use crate::trace::{Hit, PixelTrace, RayCounts, SurfacePoint, TraceSettings, Tracer};
 use glam::Vec3;
 use std::f32::consts::PI;
 use std::ops::AddAssign;
@@ -96,26 +96,14 @@ impl PixelResolver<'_> {
     }
 
     /// Shades a pixel that no reference knows. What its mirror or glass shows is looked up.
-    /// `between` is its irradiance where pixels around it agree, so that none is traced.
-    pub(crate) fn shade_unseen(
-        &self,
-        (pixel, triangle): (u32, u32),
-        between: Option<Vec3>,
-        tally: &mut Tally,
-    ) -> PixelTrace {
+    pub(crate) fn shade_unseen(&self, pixel: u32, triangle: u32, tally: &mut Tally) -> PixelTrace {
         let resolver = Self { trace: self.quality.unseen_trace(&self.trace), ..*self };
         let (ray, hit) = self.hit(pixel, triangle);
         let trace = resolver.trace;
         let seed = PointSeed::of_pixel(trace.seed, pixel, self.view.size[0], trace.samples);
         let footprint = hit.map_or(0.0, |hit| self.view.footprint(ray.direction, hit.t));
         let settings = self.lookup.light_settings(&trace, footprint);
-        let (mut traced, point) = match (between, hit) {
-            (Some(direct_irradiance), Some(hit)) => {
-                let light = ArrivingLight { direct_irradiance, ..ArrivingLight::default() };
-                self.tracer.shade_in_light(&self.tracer.surface(&ray, &hit), hit, light)
-            }
-            _ => self.tracer.shade_hit(&ray, hit, &settings, seed, &mut tally.rays),
-        };
+        let (mut traced, point) = self.tracer.shade_hit(&ray, hit, &settings, seed, &mut tally.rays);
         if let (Some(hit), Some(point)) = (hit, point) {
             traced.radiance += resolver.specular(&point, &ray, &hit, pixel, tally);
         }

@@ -15,21 +15,14 @@ pub struct LookupQuality {
     pub checks_guesses: bool,
     /// The sample count of pixels that no reference knows is divided by this.
     pub unseen_sample_divisor: u32,
-    /// True where pixels that no reference knows take the mean of others around them that agree,
-    /// without bounces. With few samples that blurs more than it saves: on the gallery's walk of
-    /// 100 frames at 1280x720 it left the squared error of `exact` as it was, and raised that of
-    /// `fast` by 6 %.
-    pub spreads_unseen: bool,
 }
 
 impl LookupQuality {
     /// Mode `exact`.
-    pub const EXACT: Self =
-        Self { max_averaged: 2, checks_guesses: true, unseen_sample_divisor: 1, spreads_unseen: true };
+    pub const EXACT: Self = Self { max_averaged: 2, checks_guesses: true, unseen_sample_divisor: 1 };
 
     /// Mode `fast`: pixels that no reference knows are noisy until the next reference covers them.
-    pub const FAST: Self =
-        Self { max_averaged: 1, checks_guesses: false, unseen_sample_divisor: 4, spreads_unseen: false };
+    pub const FAST: Self = Self { max_averaged: 1, checks_guesses: false, unseen_sample_divisor: 4 };
 
     /// The settings that pixels unknown to all references are shaded with.
     pub fn unseen_trace(self, trace: &TraceSettings) -> TraceSettings {

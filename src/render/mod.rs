@@ -13,7 +13,6 @@ pub mod bands;
 mod carried_light;
 mod deadline;
 pub mod frame;
-mod kept_frame;
 mod light_around;
 mod mixture;
 mod pace;
@@ -28,6 +27,7 @@ mod request;
 mod rest;
 pub mod schedule;
 mod settings;
+mod shared_light;
 mod still_view;
 mod temporal_stability;
 #[cfg(feature = "pictures")]

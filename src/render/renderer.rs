@@ -14,7 +14,7 @@ use super::carried_light::CarriedLight;
 use super::placeholders::{Placeholders, Unfinished};
 use super::request::{FrameRequest, Source};
 use super::worklist::{Between, Dispersal, WorkList};
-use super::{frame::Frame, kept_frame, paper_pixels::WarpedPixels, settings::RenderSettings};
+use super::{frame::Frame, paper_pixels::WarpedPixels, settings::RenderSettings, shared_light};
 use crate::lookup::{
     BandLight, BandLookup, CheckedPixel, Guess, LightBetween, LookupQuality, LookupSet, MAX_POINTS_PER_PIXEL,
     OpenPixels, PointCache, Tally, TracedPoint, TracedPoints, write_surfaces,
@@ -74,7 +74,6 @@ pub struct Renderer {
     looks_up: bool,
     /// True where the surfaces of all pixels are known, though not all of their light.
     shows_surfaces: bool,
-    spreads_light: bool, // see `LookupQuality::spreads_unseen`
 }
 
 impl Renderer {
@@ -156,7 +155,6 @@ impl Renderer {
         let start = Instant::now();
         let (tracer, trace) = (request.tracer, request.settings.trace);
         (self.looks_up, self.shows_surfaces) = (true, true);
-        self.spreads_light = quality.spreads_unseen && trace.bounces == 0;
         self.frame.stats.references_used = lookup.len();
         let view = self.frame.view;
         self.points.insert(tracer.epoch(), &mut self.fresh_points);
@@ -182,7 +180,7 @@ impl Renderer {
     /// in mode `full`, every pixel is unseen.
     fn reproject(&mut self, tracer: &Tracer, references: &[&ReferenceFrame]) {
         let start = Instant::now();
-        (self.looks_up, self.shows_surfaces, self.spreads_light) = (false, false, false);
+        (self.looks_up, self.shows_surfaces) = (false, false);
         self.frame.stats.references_used = references.len();
         self.frame.stats.warped_pixels = references.iter().map(|r| r.view.pixel_count()).sum();
         if references.is_empty() {
@@ -238,20 +236,19 @@ impl Renderer {
             if self.shows_surfaces {
                 carried.find(tracer, frame, unseen.pixels());
             }
-            unseen.disperse(dispersal, width, self.spreads_light, |pixel| carried.is_known(pixel));
-        } else if self.spreads_light {
-            unseen.sort_by_round(dispersal, width);
+            unseen.disperse(dispersal, width, |pixel| carried.is_known(pixel));
         }
         if self.is_progressive && self.looks_up {
-            secondary.disperse(dispersal, width, false, |_| false);
-            uncertain.disperse(dispersal, width, true, |_| false);
+            secondary.disperse(dispersal, width, |_| false);
+            uncertain.disperse(dispersal, width, |_| false);
         } else {
             uncertain.sort_by_round(dispersal, width);
         }
-        if self.spreads_light || !uncertain.pixels().is_empty() {
+        if !uncertain.pixels().is_empty() {
             between.begin(frame.view.size);
-            let settled = open.iter().flat_map(|o| &o.settled);
-            settled.for_each(|&(pixel, light)| between.set(pixel, light * PI));
+            for &(pixel, light) in open.iter().flat_map(|o| &o.settled) {
+                between.set(pixel, light * PI);
+            }
         }
         own.clear();
         own.extend(secondary.pixels().iter().map(|&pixel| frame.radiance[pixel as usize]));
@@ -277,31 +274,24 @@ impl Renderer {
         self.check_uncertain(request, source);
     }
 
-    /// Type 3: shades the surfaces that no reference knows. Light without a smooth part is traced
-    /// at spread pixels, and taken from these where they agree.
+    /// Type 3: shades the surfaces that no reference knows.
     fn trace_unseen(&mut self, request: &FrameRequest<'_>, source: &Source<'_>, part: usize) {
         let start = Instant::now();
         let FrameRequest { tracer, settings, stop, .. } = *request;
         let (frame, visible) = (&self.frame, &self.visible);
         let shows_all = source.warped().is_empty();
         let resolver = source.resolver(request, &frame.view, &self.points);
-        let shade = |pixel, between, tally: &mut Tally| match &resolver {
-            Some(resolver) => resolver.shade_unseen((pixel, frame.triangle[pixel as usize]), between, tally),
+        let traced = self.unseen.run(part, stop, |pixel, tally: &mut Tally| match &resolver {
+            Some(resolver) => resolver.shade_unseen(pixel, frame.triangle[pixel as usize], tally),
             None if shows_all => {
                 let hit = visible.hit_of_pixel(tracer, &frame.view, pixel);
                 tracer.pixel_of_hit((&frame.view, pixel), hit, &settings.trace, &mut tally.rays)
             }
             None => tracer.pixel(&frame.view, pixel, &settings.trace, &mut tally.rays),
-        };
-        let traced = if self.spreads_light {
-            let mut between = Between::new(&mut self.between, frame, source, &settings.trace);
-            self.unseen.run_in_rounds(part, stop, &mut between, |t| Some(t.light.direct_irradiance), shade)
-        } else {
-            self.unseen.run(part, stop, |pixel, tally: &mut Tally| shade(pixel, None, tally))
-        };
+        });
         for (pixel, traced) in self.unseen.done() {
             self.frame.radiance[pixel] = traced.radiance;
-            if !self.spreads_light && !self.uncertain.pixels().is_empty() {
+            if !self.uncertain.pixels().is_empty() {
                 self.between.set(pixel as u32, traced.light.direct_irradiance);
             }
             if !self.shows_surfaces {
@@ -347,7 +337,7 @@ impl Renderer {
             resolver.check_guess(pixel, frame.triangle[at], guess, tally)
         };
         let light_of = |checked: &CheckedPixel| checked.irradiance;
-        let checked = self.uncertain.run_in_rounds(1, request.stop, &mut between, light_of, check);
+        let checked = self.uncertain.run_in_rounds(request.stop, &mut between, light_of, check);
         for (pixel, checked) in self.uncertain.done() {
             self.frame.radiance[pixel] = checked.radiance;
             if checked.is_traced {
@@ -385,16 +375,26 @@ impl Renderer {
         &self.frame
     }
 
-    /// The pixels that the last frame shaded itself, as [`kept_frame::reference`] keeps them.
+    /// The pixels that the last frame shaded itself, as a reference for the next frames. The frame
+    /// must be complete and of a mode that looks up.
     pub(super) fn shaded_reference(&self, tracer: &Tracer, settings: &RenderSettings) -> ReferenceFrame {
-        kept_frame::reference(tracer, &settings.unseen_trace(), &self.unseen, &self.frame)
+        let frame = &self.frame;
+        let depths = frame.disparity.iter().map(|d| 1.0 / d);
+        let hits = depths
+            .zip(&frame.triangle)
+            .map(|(t, &triangle)| (triangle != NO_TRIANGLE).then_some((t, triangle)));
+        let lights = self.unseen.done().map(|(_, traced)| traced.light);
+        let trace = settings.unseen_trace();
+        let (camera, size) = (&frame.camera, frame.view.size);
+        ReferenceFrame::from_lit_pixels(tracer, camera, size, &trace, hits, self.unseen.pixels(), lights)
     }
 
     /// Shows, in the pixels that the last frame shaded itself, the smooth light that a reference of
-    /// the same view and size holds near there, instead of their own.
+    /// the same view and size holds near there, instead of their own: it was shared between
+    /// neighbours.
     pub(super) fn show_shared_light(&mut self, tracer: &Tracer, reference: &ReferenceFrame) {
         if reference.has_smooth_light() {
-            kept_frame::show_shared_light(tracer, reference, &self.unseen, &mut self.frame);
+            shared_light::show(tracer, reference, &self.unseen, &mut self.frame);
         }
     }
 }

@@ -5,7 +5,7 @@ use crate::lookup::{LightBetween, PictureSurfaces, round_of, rounds_of};
 use crate::trace::TraceSettings;
 use crate::trace::parallel::{Stop, trace_missing};
 use glam::Vec3;
-use std::ops::{AddAssign, Range};
+use std::ops::AddAssign;
 
 /// The pass of each pixel of a square of four by four: Bayer's order for ordered dithering.
 const DISPERSED: [usize; 16] = [0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5];
@@ -18,12 +18,6 @@ pub(super) fn dispersed_pass(x: u32, y: u32) -> usize {
 /// Passes of a list: sixteen; the first is split into sixteen again, and all are there twice, for
 /// pixels that come first and for those that may wait.
 const PASSES: usize = 31;
-
-/// The passes that belong to each round of [`round_of`].
-const PASSES_OF_ROUNDS: [Range<usize>; 5] = [0..16, 16..17, 17..19, 19..23, 23..PASSES];
-
-/// All passes as one group.
-const ALL_PASSES: [Range<usize>; 1] = [0..PASSES];
 
 /// Scratch memory that brings lists of pixels into dispersed order, reused between frames.
 #[derive(Debug, Default)]
@@ -86,41 +80,24 @@ impl<R: Send> WorkList<R> {
     }
 
     /// Brings a list that was just begun into dispersed order, with the pixels that may wait last.
-    /// With `keeps_rounds`, each round of [`round_of`] ends before the next begins, and pixels that
-    /// may wait come last in their round.
-    pub(super) fn disperse(
-        &mut self,
-        dispersal: &mut Dispersal,
-        width: u32,
-        keeps_rounds: bool,
-        may_wait: impl Fn(u32) -> bool,
-    ) {
-        let pass = |pixel| [usize::from(may_wait(pixel)), pass_of(pixel, width)];
-        self.sort_into(dispersal, pass, if keeps_rounds { &PASSES_OF_ROUNDS } else { &ALL_PASSES });
+    /// Where none may, each round of [`round_of`] ends before the next begins.
+    pub(super) fn disperse(&mut self, dispersal: &mut Dispersal, width: u32, may_wait: impl Fn(u32) -> bool) {
+        self.sort_into(dispersal, |pixel| [usize::from(may_wait(pixel)), pass_of(pixel, width)]);
     }
 
     /// Brings a list that was just begun into the order of its rounds.
     pub(super) fn sort_by_round(&mut self, dispersal: &mut Dispersal, width: u32) {
-        self.sort_into(dispersal, |pixel| [0, round_of(pixel, width)], &ALL_PASSES);
+        self.sort_into(dispersal, |pixel| [0, round_of(pixel, width)]);
     }
 
-    /// Sorts a list by groups of passes, in these by what may wait, and then by pass.
-    fn sort_into(
-        &mut self,
-        dispersal: &mut Dispersal,
-        pass: impl Fn(u32) -> [usize; 2],
-        groups: &[Range<usize>],
-    ) {
+    fn sort_into(&mut self, dispersal: &mut Dispersal, pass: impl Fn(u32) -> [usize; 2]) {
         dispersal.passes.iter_mut().flatten().for_each(Vec::clear);
         for &pixel in &self.pixels {
             let [part, pass] = pass(pixel);
             dispersal.passes[part][pass].push(pixel);
         }
         self.pixels.clear();
-        for group in groups {
-            let passes = dispersal.passes.iter().flat_map(|passes| &passes[group.clone()]);
-            passes.for_each(|pass| self.pixels.extend_from_slice(pass));
-        }
+        dispersal.passes.iter().flatten().for_each(|pass| self.pixels.extend_from_slice(pass));
     }
 
     /// Traces what is missing in the first `1 / part` of the list. Returns what `trace` adds up in
@@ -135,19 +112,17 @@ impl<R: Send> WorkList<R> {
         trace_missing(&self.pixels[..due], &mut self.results[..due], stop, trace)
     }
 
-    /// Like [`Self::run`] for a list that is in the order of its rounds. `trace` is given the light
-    /// between earlier pixels, where it is known, and `light_of` returns that of a result.
+    /// Like [`Self::run`] for all of a list that is in the order of its rounds. `trace` is given the
+    /// light between earlier pixels, where it is known, and `light_of` returns that of a result.
     pub(super) fn run_in_rounds<G: Default + Send + AddAssign>(
         &mut self,
-        part: usize,
         stop: Stop<'_>,
         between: &mut Between<'_>,
         light_of: impl Fn(&R) -> Option<Vec3>,
         trace: impl Fn(u32, Option<Vec3>, &mut G) -> R + Sync,
     ) -> (G, bool) {
         let mut gathered = G::default();
-        let due = self.pixels.len().div_ceil(part);
-        for round in rounds_of(&self.pixels[..due], between.surfaces.view.size[0]) {
+        for round in rounds_of(&self.pixels, between.surfaces.view.size[0]) {
             let (pixels, results) = (&self.pixels[round.clone()], &mut self.results[round]);
             let Between { light, surfaces, noise } = between;
             let (added, is_complete) = trace_missing(pixels, results, stop, |pixel, gathered: &mut G| {
@@ -195,12 +170,8 @@ mod tests {
 
     #[test]
     fn dispersed_order_keeps_the_order_of_rounds() {
-        let (mut list, mut dispersal) = (WorkList::<()>::default(), Dispersal::default());
-        for waits in [0, 3, 256] {
-            list.begin(std::iter::once(&(0..16 * 16).collect::<Vec<u32>>()[..]));
-            list.disperse(&mut dispersal, 16, true, |pixel| pixel * 7 % 256 < waits);
-            assert!(list.pixels().len() == 256);
-            assert!(list.pixels().is_sorted_by_key(|&pixel| round_of(pixel, 16)));
-        }
+        let mut pixels: Vec<u32> = (0..16 * 16).collect();
+        pixels.sort_by_key(|&pixel| pass_of(pixel, 16));
+        assert!(pixels.is_sorted_by_key(|&pixel| round_of(pixel, 16)));
     }
 }

@@ -134,17 +134,7 @@ impl Tracer {
         };
         let point = self.surface(ray, &hit);
         let light = self.arriving_light(&point, 1.0, settings, seed, rays);
-        self.shade_in_light(&point, hit, light)
-    }
-
-    /// Returns the diffuse part of what a primary ray hit, in light that is known, and the point.
-    pub(crate) fn shade_in_light(
-        &self,
-        point: &SurfacePoint,
-        hit: Hit,
-        light: ArrivingLight,
-    ) -> (PixelTrace, Option<SurfacePoint>) {
-        let radiance = self.material(point).emission + light.reflected(point.albedo(self.scene()));
-        (PixelTrace { light, radiance, hit: Some(hit), reflections: 0 }, Some(*point))
+        let radiance = self.material(&point).emission + light.reflected(point.albedo(self.scene()));
+        (PixelTrace { light, radiance, hit: Some(hit), reflections: 0 }, Some(point))
     }
 }
