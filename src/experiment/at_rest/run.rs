@@ -84,6 +84,8 @@ fn window(context: &ExperimentContext<'_>, camera: &Camera) -> CellOutcome {
         FramePictures::of(&picture_name(*seconds), &frame, &truth, exposure_ev)?.save(context)?;
         let stats = frame.stats;
         let passes = stats.refined.pass.max(u32::from(shown.is_some()));
+        // Passes of the full tracer, or the paths of the smooth light that the picture looks up.
+        let samples = passes.saturating_mul(context.settings.samples).max(stats.refined.light_samples);
         records.push(
             RunRecord::default()
                 .with("seconds", *seconds)
@@ -92,7 +94,7 @@ fn window(context: &ExperimentContext<'_>, camera: &Camera) -> CellOutcome {
                 .with("width", shown.as_ref().map_or(0, |s| s.frame.view.size[0]))
                 .with("is_complete", stats.is_complete)
                 .with("passes", passes)
-                .with("samples", u64::from(passes) * u64::from(context.settings.samples))
+                .with("samples", samples)
                 .with_fields(&errors(&frame, &truth, exposure_ev)?),
         );
     }
