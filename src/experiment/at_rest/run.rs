@@ -84,7 +84,8 @@ fn window(context: &ExperimentContext<'_>, camera: &Camera) -> CellOutcome {
         FramePictures::of(&picture_name(*seconds), &frame, &truth, exposure_ev)?.save(context)?;
         let stats = frame.stats;
         let passes = stats.refined.pass.max(u32::from(shown.is_some()));
-        // Passes of the full tracer, or the paths of the smooth light that the picture looks up.
+        // Samples per pixel: of all passes, or of the smooth light that the picture looks up where
+        // that has more.
         let samples = passes.saturating_mul(context.settings.samples).max(stats.refined.light_samples);
         records.push(
             RunRecord::default()

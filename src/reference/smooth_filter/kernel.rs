@@ -167,7 +167,9 @@ fn blend(out: &mut [Halves], layer: &[Halves], start: usize, column: usize, row:
     }
 }
 
-/// The variances of the means that [`blend`] forms, of values that are independent of each other.
+/// The variances of the means that [`blend`] forms, with values taken as independent of each other.
+/// From the second kernel on they are not, so the variance is too low: with full weights by a
+/// factor of 0.39 after three kernels and 0.13 after five.
 #[inline(always)]
 fn blend_noise(out: &mut [f32], noise: &[f32], start: usize, column: usize, row: &Row) {
     let last = noise.len() - 1;
@@ -319,6 +321,7 @@ mod tests {
             // A mean of nine pixels alike has the variance of one times the sum of squared weights.
             let least = 36.0 / 256.0 * variance;
             assert!(noise.iter().all(|&noise| noise <= variance && noise >= 0.999 * least));
+            assert!(variance == 0.0 || noise.iter().any(|&noise| noise < 0.3 * variance));
             let moved = wider.iter().zip(&layer).map(|(a, b)| (a[0] / a[3].max(1e-9) - b[0]).abs());
             assert_eq!(moved.fold(0.0, f32::max) < 1e-6, is_kept, "variance {variance}");
         }

@@ -41,8 +41,9 @@ pub trait Judge {
     /// once the ray is blocked.
     fn accepts(&mut self, ray: usize, hit: &Hit) -> bool;
 
-    /// True where the hits of no ray with a triangle count. Asked before [`Self::accepts`], which is
-    /// then not called, for the rays whose bits from `first` on are set in `met`.
+    /// Decides for several rays at once: true where no hit with this triangle counts. Bit i of `met`
+    /// stands for ray `first + i`. Must do for these rays what [`Self::accepts`] would, which is then
+    /// not called. Not asked where rays are tested one by one.
     #[inline(always)]
     fn lets_pass(&mut self, _triangle: u32, _first: usize, _met: u32) -> bool {
         false
@@ -57,7 +58,7 @@ impl<F: FnMut(usize, &Hit) -> bool> Judge for F {
 }
 
 impl Bvh {
-    /// Returns a bit per ray that meets, before its end, a triangle where its hit counts.
+    /// Returns a bit per ray that meets, before its end, a triangle whose hit `accept` counts.
     pub fn any_in_bundle(&self, bundle: &RayBundle, accept: impl Judge) -> u32 {
         dispatch!(self.level, simd => self.bundle_of_any_axes::<_, true>(simd, bundle, accept))
     }
