@@ -3,9 +3,9 @@
 use super::bvh::{random, triangle_soup};
 use afterimage::math::key::Key;
 use afterimage::math::sampling::lattice;
-use afterimage::scene::builtin;
+use afterimage::scene::{Material, SceneBuilder, builtin};
 use afterimage::trace::{BUNDLE_RAYS, Bvh, Hit, RayBundle, RayCounts, SurfacePoint, TraceSettings, Tracer};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use std::sync::Arc;
 
 /// Random triangles, moved by `offset`.
@@ -157,6 +157,40 @@ fn light_that_passes_along_a_bundle_is_that_of_its_rays() {
         }
     }
     assert!(dimmed > 100 && blocked > 100 && dimmed + blocked < all, "{dimmed}, {blocked} of {all}");
+}
+
+/// Through one face of glass there is no order, so a bundle's rays lose what each loses alone, to
+/// the bit.
+#[test]
+fn a_face_of_glass_dims_the_rays_of_a_bundle_as_it_dims_each_alone() {
+    for (i, index) in [1.1, 1.5, 2.4].into_iter().enumerate() {
+        let key = Key::of_pixel(8, i as u32);
+        let mut builder = SceneBuilder::new("face of glass");
+        let glass = builder.add_material(Material::glass("g", index, Vec3::new(0.9, 1.0, 0.3)));
+        let corners = [0, 1, 2].map(|k| random(key, k).as_dvec3());
+        let vertices = corners.map(|corner| builder.add_vertex(corner, Vec3::ZERO, Vec2::ZERO));
+        builder.add_triangle(vertices, glass);
+        let tracer = Tracer::new(Arc::new(builder.finish().unwrap()));
+        let [a, b, c] = tracer.scene().corners(0);
+        let (centre, side) = ((a + b + c) / 3.0, (b - a).length());
+        let mut dimmed = 0;
+        for k in 2..200 {
+            let key = Key::of_pixel(9, k);
+            let origin = centre + side * random(key, 0);
+            let mut bundle = RayBundle::new(origin);
+            for ray in 0..BUNDLE_RAYS as u32 {
+                let target = centre + 0.02 * side * random(key, 1 + ray);
+                bundle.push(2.5 * (target - origin), f32::INFINITY);
+            }
+            let mut passed = [Vec3::ZERO; BUNDLE_RAYS];
+            tracer.transmittances(&bundle, &mut passed);
+            for (ray, &passed) in passed.iter().enumerate() {
+                assert_eq!(passed, tracer.transmittance(&bundle.ray(ray), &mut Default::default()));
+                dimmed += u32::from(passed != Vec3::ONE && passed != Vec3::ZERO);
+            }
+        }
+        assert!(dimmed > 500, "{dimmed} rays are dimmed");
+    }
 }
 
 /// The shadow rays of a point, with their count checked.

@@ -182,8 +182,8 @@ fn level_of(light: &[Vec3]) -> f32 {
 }
 
 /// The known light of a picture's pixels, asked from left to right: every other of those that were
-/// looked up, and all that were traced. Light far above the level counts less, otherwise a place close
-/// to a lamp would dominate its surroundings.
+/// looked up, and all that were traced. Light far above the level counts less, otherwise a place
+/// close to a lamp would dominate its surroundings.
 fn known_lights<'a>(
     tracer: &'a Tracer,
     frame: &'a Frame,

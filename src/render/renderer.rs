@@ -67,7 +67,8 @@ pub struct Renderer {
     dispersal: Dispersal,
     placeholders: Placeholders,
     carried: CarriedLight,
-    /// Irradiance straight from the lights where it was traced in this frame, for guesses to check.
+    /// Irradiance straight from the lights where this frame traced it or settled a guess, for the
+    /// guesses still to check.
     between: LightBetween,
     is_progressive: bool,
     /// True in modes that look up, which find the hits of all pixels first.

@@ -112,8 +112,9 @@ impl<R: Send> WorkList<R> {
         trace_missing(&self.pixels[..due], &mut self.results[..due], stop, trace)
     }
 
-    /// Like [`Self::run`] for all of a list that is in the order of its rounds. `trace` is given the
-    /// light between earlier pixels, where it is known, and `light_of` returns that of a result.
+    /// Like [`Self::run`] for all of a list that is in the order of its rounds. `trace` is given
+    /// the light between earlier pixels, where it is known, and `light_of` returns that of a
+    /// result.
     pub(super) fn run_in_rounds<G: Default + Send + AddAssign>(
         &mut self,
         stop: Stop<'_>,

@@ -235,7 +235,8 @@ mod tests {
 
     const SIZE: [usize; 2] = [137, 11];
 
-    /// Pixels of a rough floor; some have no samples, nor have most of three rows in four.
+    /// Pixels of a rough floor; some have no samples. In three rows of four, columns 20 to 119 have
+    /// none.
     fn facets() -> Vec<Option<Facet>> {
         (0..SIZE[0] * SIZE[1])
             .map(|at| {

@@ -41,9 +41,9 @@ pub trait Judge {
     /// once the ray is blocked.
     fn accepts(&mut self, ray: usize, hit: &Hit) -> bool;
 
-    /// Decides for several rays at once: true where no hit with this triangle counts. Bit i of `met`
-    /// stands for ray `first + i`. Must do for these rays what [`Self::accepts`] would, which is then
-    /// not called. Not asked where rays are tested one by one.
+    /// Decides for several rays at once: true where no hit with this triangle counts. Bit i of
+    /// `met` stands for ray `first + i`. Must do for these rays what [`Self::accepts`] would,
+    /// which is then not called. Not asked where rays are tested one by one.
     #[inline(always)]
     fn lets_pass(&mut self, _triangle: u32, _first: usize, _met: u32) -> bool {
         false
@@ -58,9 +58,9 @@ impl<F: FnMut(usize, &Hit) -> bool> Judge for F {
 }
 
 impl Bvh {
-    /// Returns a bit per ray that meets, before its end, a triangle whose hit `accept` counts.
-    pub fn any_in_bundle(&self, bundle: &RayBundle, accept: impl Judge) -> u32 {
-        dispatch!(self.level, simd => self.bundle_of_any_axes::<_, true>(simd, bundle, accept))
+    /// Returns a bit per ray that meets, before its end, a triangle whose hit `judge` accepts.
+    pub fn any_in_bundle(&self, bundle: &RayBundle, judge: impl Judge) -> u32 {
+        dispatch!(self.level, simd => self.bundle_of_any_axes::<_, true>(simd, bundle, judge))
     }
 
     /// [`Self::any_in_bundle`] with every hit accepted.
@@ -75,7 +75,7 @@ impl Bvh {
         &self,
         simd: S,
         bundle: &RayBundle,
-        mut accept: impl Judge,
+        mut judge: impl Judge,
     ) -> u32 {
         let lanes = Lanes::new(simd, bundle);
         let mut blocked = 0;
@@ -88,10 +88,10 @@ impl Bvh {
             // Trace few or diverging rays one by one, others together.
             let cone = Cone::new(simd, &lanes, axis, rays);
             if (rays.count_ones() as usize) < MIN_RAYS || cone.is_wide {
-                blocked |= self.one_by_one::<_, ASKS>(simd, bundle, rays, &mut accept);
+                blocked |= self.one_by_one::<_, ASKS>(simd, bundle, rays, &mut judge);
             } else {
                 let mut walk = Walk::new(simd, self, bundle, &lanes, cone, (axis, rays));
-                walk.run::<ASKS>(&mut accept);
+                walk.run::<ASKS>(&mut judge);
                 blocked |= rays & !walk.open;
             }
         }
@@ -105,11 +105,11 @@ impl Bvh {
         simd: S,
         bundle: &RayBundle,
         rays: u32,
-        accept: &mut impl Judge,
+        judge: &mut impl Judge,
     ) -> u32 {
         let (mut occluder, mut blocked) = (Occluder::default(), 0);
         for ray in Bits(rays) {
-            let accept = |hit: &Hit| !ASKS || accept.accepts(ray, hit);
+            let accept = |hit: &Hit| !ASKS || judge.accepts(ray, hit);
             blocked |= u32::from(self.walk_any(simd, &bundle.ray(ray), &mut occluder, accept)) << ray;
         }
         blocked
@@ -165,10 +165,10 @@ impl<'a, S: Simd> Walk<'a, S> {
     /// Traverses the tree until every ray is blocked. Children are visited in memory order, as for
     /// single rays.
     #[inline(always)]
-    fn run<const ASKS: bool>(&mut self, accept: &mut impl Judge) {
+    fn run<const ASKS: bool>(&mut self, judge: &mut impl Judge) {
         let mut stack = ArrayVec::<u32, STACK>::new();
         match self.bvh.root.packet() {
-            Some(packet) => self.leaf::<ASKS>(&self.bvh.packets[packet], self.open, accept),
+            Some(packet) => self.leaf::<ASKS>(&self.bvh.packets[packet], self.open, judge),
             None => stack.push(self.bvh.root.0),
         }
         let origin = [
@@ -194,7 +194,7 @@ impl<'a, S: Simd> Walk<'a, S> {
                     stack.push(node.children[lane].0);
                     continue;
                 };
-                self.leaf::<ASKS>(&self.bvh.packets[packet], rays & self.open, accept);
+                self.leaf::<ASKS>(&self.bvh.packets[packet], rays & self.open, judge);
                 if self.open == 0 {
                     return;
                 }
@@ -224,9 +224,9 @@ impl<'a, S: Simd> Walk<'a, S> {
 
     /// Tests the triangles of a leaf against some rays.
     #[inline(always)]
-    fn leaf<const ASKS: bool>(&mut self, packet: &TrianglePacket, rays: u32, accept: &mut impl Judge) {
+    fn leaf<const ASKS: bool>(&mut self, packet: &TrianglePacket, rays: u32, judge: &mut impl Judge) {
         if rays.count_ones() <= FEW_RAYS {
-            return self.packet::<ASKS>(packet, rays, accept);
+            return self.packet::<ASKS>(packet, rays, judge);
         }
         // Cull triangles by the beam of the rays.
         let [a, b, c] = packet.corners();
@@ -235,19 +235,19 @@ impl<'a, S: Simd> Walk<'a, S> {
         for lane in Bits(self.beam.meets_triangles(self.simd, &corners)) {
             let corner = |k: usize| [0, 1, 2].map(|axis| corners[k][axis][lane]);
             let corners = [corner(0), corner(1), corner(2)];
-            self.triangle::<ASKS>(corners, packet.triangle(lane), rays, accept);
+            self.triangle::<ASKS>(corners, packet.triangle(lane), rays, judge);
         }
     }
 
     /// Tests a packet of triangles against some rays, one ray at a time.
     #[inline(always)]
-    fn packet<const ASKS: bool>(&mut self, packet: &TrianglePacket, rays: u32, accept: &mut impl Judge) {
+    fn packet<const ASKS: bool>(&mut self, packet: &TrianglePacket, rays: u32, judge: &mut impl Judge) {
         for ray in Bits(rays) {
             let (half, lane) = (ray / LANES, ray % LANES);
             let Shear8 { x, y, z } = &self.shear[half];
             let sheared =
                 ShearedRay::from_shear(self.simd, self.origin, self.axis, [x[lane], y[lane], z[lane]]);
-            let accept = &mut |hit: &Hit| !ASKS || accept.accepts(ray, hit);
+            let accept = &mut |hit: &Hit| !ASKS || judge.accepts(ray, hit);
             if any_in_packet(packet, &sheared, self.t_max[half][lane], accept) {
                 self.open &= !(1 << ray);
             }
@@ -273,7 +273,7 @@ impl<'a, S: Simd> Walk<'a, S> {
         corners: [[f32; 3]; 3],
         triangle: u32,
         rays: u32,
-        accept: &mut impl Judge,
+        judge: &mut impl Judge,
     ) {
         let seen = SeenTriangle::<f32x8<S>>::new(self.simd, corners, self.axis);
         let zero = f32x8::splat(self.simd, 0.0);
@@ -288,13 +288,13 @@ impl<'a, S: Simd> Walk<'a, S> {
             let mut met = met.to_bitmask() as u32 & open;
             // Ask whether each hit counts.
             if ASKS && met != 0 {
-                if accept.lets_pass(triangle, half * LANES, met) {
+                if judge.lets_pass(triangle, half * LANES, met) {
                     continue;
                 }
                 let [b1, b2] = hits.barycentrics();
                 for lane in Bits(met) {
                     let hit = Hit { t: hits.t[lane], triangle, b1: b1[lane], b2: b2[lane] };
-                    if !accept.accepts(half * LANES + lane, &hit) {
+                    if !judge.accepts(half * LANES + lane, &hit) {
                         met &= !(1 << lane);
                     }
                 }
