@@ -134,6 +134,7 @@ pub mod raster;
 pub mod reference;
 pub mod render;
 pub mod scene;
+pub mod store;
 pub mod trace;
 pub mod warp;
 

@@ -13,7 +13,7 @@ use std::process::Command;
 const LEVELS: [&[&str]; 10] = [
     &["experiment"],
     &["render"],
-    &["warp", "lookup"],
+    &["warp", "lookup", "store"],
     &["reference"],
     &["cells"],
     &["trace"],

@@ -14,6 +14,7 @@ mod smooth_samples;
 pub use cache::{CachedReference, ReferenceCache, ReferenceId, ReferenceSnapshot};
 pub use directory::Directory;
 pub use disparity_tiles::DisparityTiles;
+pub(crate) use frame::ReferenceParts;
 pub use frame::{ReferenceFrame, settings_of_reference};
 pub use placement::{Observation, PlacementPolicy, PlacementRule};
 pub(crate) use sample_sums::SampleSums;

@@ -14,6 +14,7 @@ mod carried_light;
 mod deadline;
 pub mod frame;
 mod light_around;
+mod measures;
 mod mixture;
 mod pace;
 mod paper_pixels;

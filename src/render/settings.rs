@@ -3,6 +3,7 @@
 
 use crate::lookup::LookupQuality;
 use crate::reference::PlacementPolicy;
+use crate::store::Purpose;
 use crate::trace::TraceSettings;
 use serde::{Deserialize, Serialize};
 
@@ -50,6 +51,11 @@ impl Mode {
     /// True for the modes that look up light per surface point, and whose references are sparse.
     pub fn looks_up(self) -> bool {
         self.lookup_quality().is_some()
+    }
+
+    /// What the references of a mode are traced for.
+    pub fn purpose(self) -> Purpose {
+        if self == Self::Paper { Purpose::Warp } else { Purpose::LookUp }
     }
 
     /// How carefully a mode looks light up; `None` for the modes that do not.

@@ -4,24 +4,20 @@
 //! The window and the headless tour run the same walk. They differ only in when a requested
 //! reference is traced.
 
-use super::audit::{Audited, Auditor};
 use super::frame::{Frame, RefineState};
+use super::measures::FrameMeasures;
 use super::refinement::Refinement;
 use super::request::{FrameRequest, References};
 use super::settings::{Mode, RenderSettings, WalkthroughSettings};
-use super::{
-    prefetch::Prefetch, preview::is_continued, preview::preview_size, reference_job::ReferenceJob,
-    renderer::Renderer, temporal_stability::TemporalStabilityMeter,
-};
+use super::{prefetch::Prefetch, preview, reference_job::ReferenceJob, renderer::Renderer};
 use crate::camera::{Camera, View};
 use crate::lookup::{LookupSet, open_percent};
 use crate::reference::{
     Observation, ReferenceCache, ReferenceFrame, ReferenceId, cache::CachedReference, settings_of_reference,
 };
-use crate::trace::{
-    Tracer,
-    parallel::{NEVER, Stop},
-};
+use crate::store::StoreSession;
+use crate::trace::Tracer;
+use crate::trace::parallel::{NEVER, Stop};
 use crate::warp::ReferenceSelector;
 use std::{sync::Arc, time::Instant};
 
@@ -45,13 +41,12 @@ pub struct Walkthrough {
     selected: Vec<CachedReference>,
     /// Version of the cache when the last frame was rendered.
     rendered_from: u64,
-    /// `None` while audits are disabled.
-    auditor: Option<Auditor>,
-    /// `None` while stability is not measured.
-    stability: Option<TemporalStabilityMeter>,
+    measures: FrameMeasures,
     /// The picture of the last frame's pose, once [`Self::refine`] has begun it.
     refinement: Option<Refinement>,
     has_previews: bool,
+    /// `None` where references are not stored.
+    store: Option<StoreSession>,
 }
 
 impl Walkthrough {
@@ -73,10 +68,10 @@ impl Walkthrough {
             rendered: settings.render,
             selected: Vec::new(),
             rendered_from: 0,
-            auditor: None,
-            stability: None,
+            measures: FrameMeasures::default(),
             refinement: None,
             has_previews: false,
+            store: None,
         }
     }
 
@@ -90,7 +85,10 @@ impl Walkthrough {
         self.tracer = tracer;
         self.cache = ReferenceCache::new(self.tracer.scene(), self.settings.cache_bytes);
         (self.previous, self.wanted) = (None, None);
-        (self.refinement, self.auditor, self.stability) = (None, None, None);
+        (self.refinement, self.measures) = (None, FrameMeasures::default());
+        if let Some(store) = &mut self.store {
+            store.set_tracer(&self.tracer);
+        }
         *self.renderer.frame_mut() = Frame::default();
         self.selected.clear();
     }
@@ -128,6 +126,19 @@ impl Walkthrough {
         self.has_previews = has_previews;
     }
 
+    /// Sets the store of references that is read and written. References that are traced from now on
+    /// have other random numbers than those in the store.
+    pub fn set_store(&mut self, store: Option<StoreSession>) {
+        let number = store.as_ref().map_or(0, StoreSession::last_number);
+        self.references_made = self.references_made.max(number);
+        self.store = store;
+    }
+
+    /// The store that is read and written.
+    pub fn store_mut(&mut self) -> Option<&mut StoreSession> {
+        self.store.as_mut()
+    }
+
     /// The last frame.
     pub fn frame(&self) -> &Frame {
         self.renderer.frame()
@@ -141,6 +152,7 @@ impl Walkthrough {
     /// Renders the next frame. Afterwards [`Self::wanted_reference`] returns the pose of a new
     /// reference, if the policy wants one.
     pub fn render(&mut self, camera: &Camera, size: [u32; 2], stop: Stop<'_>) -> &Frame {
+        self.read_store(camera, size);
         let start = Instant::now();
         self.keep_refinement(camera, size);
         self.rendered = self.settings.render;
@@ -179,11 +191,19 @@ impl Walkthrough {
     /// the last frame did not show is mostly unknown: the frame would show noise.
     fn preview(&mut self, camera: &Camera, size: [u32; 2]) {
         let render = &self.settings.render;
-        let is_new = !is_continued(self.frame(), camera, &self.tracer.scene().frame);
+        let is_new = !preview::is_continued(self.frame(), camera, &self.tracer.scene().frame);
         let applies = is_new && self.has_previews && render.mode.looks_up() && render.trace.bounces > 0;
-        if applies && let Some(size) = preview_size(&self.tracer, &self.cache, camera, size) {
+        if applies && let Some(size) = preview::preview_size(&self.tracer, &self.cache, camera, size) {
             let reference = self.reference_job(*camera, size).trace(NEVER);
-            reference.map(|reference| self.insert(reference));
+            reference.map(|reference| self.cache.insert(Arc::new(reference)));
+        }
+    }
+
+    /// Reads the stored references that serve a view. Mode `full` uses none.
+    fn read_store(&mut self, camera: &Camera, size: [u32; 2]) {
+        let RenderSettings { mode, trace } = self.settings.render;
+        if let Some(store) = self.store.as_mut().filter(|_| mode != Mode::Full) {
+            store.read_for((camera, size), &trace, mode.purpose(), &mut self.cache);
         }
     }
 
@@ -241,8 +261,7 @@ impl Walkthrough {
         let secs = &mut self.renderer.frame_mut().stats.secs;
         secs.select = select_secs;
         secs.frame += select_secs;
-        self.audit();
-        self.measure_stability();
+        self.measures.measure(&self.settings, &self.tracer, &mut self.cache, &mut self.renderer);
     }
 
     /// Turns a looked-up frame that had to shade many pixels itself into a reference, for the cost
@@ -256,41 +275,13 @@ impl Walkthrough {
         if self.has_kept {
             let reference = self.renderer.shaded_reference(&self.tracer, settings);
             self.renderer.show_shared_light(&self.tracer, &reference);
-            self.cache.insert(Arc::new(reference));
+            self.add(reference);
         }
     }
 
     /// True where the last frame became a reference.
     pub fn has_kept_frame(&self) -> bool {
         self.has_kept
-    }
-
-    fn audit(&mut self) {
-        let settings = &self.settings;
-        if !settings.audits || !settings.render.mode.looks_up() {
-            self.auditor = None;
-            return;
-        }
-        let auditor = self.auditor.get_or_insert_default();
-        let frame = self.renderer.frame();
-        if frame.stats.is_complete {
-            let (tracer, trace) = (&*self.tracer, &settings.render.trace);
-            let (secs, estimate) = auditor.audit(&Audited { tracer, frame, trace }, &mut self.cache);
-            let stats = &mut self.renderer.frame_mut().stats;
-            stats.audit = Some(estimate);
-            stats.secs.audit = secs;
-            stats.secs.frame += secs;
-        }
-    }
-
-    fn measure_stability(&mut self) {
-        if !self.settings.measures_stability {
-            self.stability = None;
-        } else if self.renderer.frame().stats.is_complete {
-            let meter = self.stability.get_or_insert_default();
-            let stability = meter.measure(self.tracer.scene(), self.renderer.frame());
-            self.renderer.frame_mut().stats.temporal_stability = stability;
-        }
     }
 
     /// Refines the last frame's picture, for a stationary camera, until it has converged or `stop`
@@ -394,6 +385,14 @@ impl Walkthrough {
 
     /// Adds a finished reference. Returns `None` and drops it where it belongs to another epoch.
     pub fn insert(&mut self, reference: ReferenceFrame) -> Option<ReferenceId> {
-        (reference.epoch == self.tracer.epoch()).then(|| self.cache.insert(Arc::new(reference)))
+        (reference.epoch == self.tracer.epoch()).then(|| self.add(reference))
+    }
+
+    fn add(&mut self, reference: ReferenceFrame) -> ReferenceId {
+        let reference = Arc::new(reference);
+        if let Some(store) = &mut self.store {
+            store.keep(&reference, self.settings.render.mode.purpose());
+        }
+        self.cache.insert(reference)
     }
 }

@@ -62,8 +62,14 @@ fn flown(context: &ExperimentContext<'_>, mode: Mode, trace: TraceSettings) -> C
         ..WalkthroughSettings::default()
     };
     let frames = context.settings.frames;
-    let settings =
-        TourSettings { walkthrough, size: context.settings.size, frames, budget: None, measure: None };
+    let settings = TourSettings {
+        walkthrough,
+        size: context.settings.size,
+        frames,
+        budget: None,
+        measure: None,
+        store: None,
+    };
     let measured: Vec<u32> =
         (0..context.settings.views).map(|v| (view_share(context, v) * f64::from(frames)) as u32).collect();
     let (cancel, mut records, mut failure) = (AtomicBool::new(false), Vec::new(), None);

@@ -119,7 +119,14 @@ fn tour_settings(
         truth_folder: context.truth_folder.map(Into::into),
         exposure_ev: context.settings.exposure_ev,
     };
-    TourSettings { walkthrough, size: context.settings.size, frames, budget: None, measure: Some(measure) }
+    TourSettings {
+        walkthrough,
+        size: context.settings.size,
+        frames,
+        budget: None,
+        measure: Some(measure),
+        store: None,
+    }
 }
 
 /// The record of the whole cell.

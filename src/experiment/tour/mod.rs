@@ -3,5 +3,5 @@
 mod record;
 mod walk;
 
-pub use record::{FrameRecord, MeasuredSummary, Pose, ReferenceRecord, Summary, TourRecord};
+pub use record::{FrameRecord, MeasuredSummary, Pose, ReferenceRecord, StoreRecord, Summary, TourRecord};
 pub use walk::{TourEvent, TourSettings, fly, run_tour};

@@ -8,6 +8,7 @@ use crate::experiment::measure::Measurement;
 use crate::experiment::statistics::{geometric_mean, median, percentile};
 use crate::raster::{exposure::serialize_decimal, pixel_types::TypePercentages};
 use crate::render::{AuditEstimate, TemporalStability};
+use crate::store::StoreSession;
 use crate::trace::RayCounts;
 use serde::Serialize;
 
@@ -95,6 +96,42 @@ pub struct ReferenceRecord {
     pub bytes: usize,
 }
 
+/// What a tour took from a store of references, and gave to it. Zeros without a store.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct StoreRecord {
+    /// References that were read instead of traced.
+    pub references_from_store: usize,
+    /// References that were written.
+    pub references_to_store: u64,
+    /// Size of the store afterwards, bytes.
+    pub store_bytes: u64,
+    /// Time in seconds that opening, searching, reading and completing the store took. Writing goes
+    /// on during the frames, and takes its time from theirs.
+    pub store_secs: f64,
+}
+
+impl StoreRecord {
+    /// What was read from a store and written to it so far.
+    pub fn of(store: &StoreSession) -> Self {
+        let report = store.report();
+        Self {
+            references_from_store: report.references_read,
+            references_to_store: report.written.records,
+            store_bytes: store.bytes(),
+            store_secs: report.secs,
+        }
+    }
+}
+
+/// The parts of a tour, before they are summarised.
+pub(super) struct FlownTour {
+    pub(super) frames: Vec<FrameRecord>,
+    pub(super) references: Vec<ReferenceRecord>,
+    pub(super) warm_up_secs: f64,
+    pub(super) is_complete: bool,
+    pub(super) store: StoreRecord,
+}
+
 /// A whole tour.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TourRecord {
@@ -104,6 +141,9 @@ pub struct TourRecord {
     pub references_added: usize,
     /// Total time of tracing references.
     pub reference_secs_total: f64,
+    /// What came from a store of references and went to it.
+    #[serde(flatten)]
+    pub store: StoreRecord,
     /// Time of the warm-up frame before the walk, which is not counted anywhere.
     pub warm_up_secs: f64,
     /// False if the walk was stopped early.
@@ -146,7 +186,8 @@ pub struct MeasuredSummary {
     pub full_frame_secs_median: f64,
     /// Ratio of the median frame times; the time of references is left out.
     pub speedup: f64,
-    /// Time of tracing every frame in full over the time of the whole walk, references included.
+    /// Time of tracing every frame in full over the time of the whole walk, references and store
+    /// included.
     pub speedup_with_references: f64,
     /// How many times as long full tracing takes for the error of the walk, references counted:
     /// [`Self::mse_ratio`] times [`Self::speedup_with_references`], because the mean squared error
@@ -177,21 +218,18 @@ pub struct MeasuredSummary {
 impl TourRecord {
     /// Summarises the records. `samples` and `truth_samples` are the shadow rays per light and
     /// pixel of the frames and of the converged pictures.
-    pub fn new(
-        frames: Vec<FrameRecord>,
-        references: Vec<ReferenceRecord>,
-        warm_up_secs: f64,
-        is_complete: bool,
-        [samples, truth_samples]: [u32; 2],
-    ) -> Self {
+    pub(super) fn new(flown: FlownTour, [samples, truth_samples]: [u32; 2]) -> Self {
+        let FlownTour { frames, references, warm_up_secs, is_complete, store } = flown;
         // Not `sum`, which returns -0 for an empty list.
         let reference_secs_total = references.iter().fold(0.0, |sum, r| sum + r.secs);
         let mut summary = Summary::of(&frames);
-        summary.measured = MeasuredSummary::of(&frames, reference_secs_total, samples, truth_samples);
+        let other_secs = reference_secs_total + store.store_secs;
+        summary.measured = MeasuredSummary::of(&frames, other_secs, samples, truth_samples);
         Self {
             frames,
             references_added: references.len(),
             reference_secs_total,
+            store,
             warm_up_secs,
             is_complete,
             summary,
@@ -233,12 +271,13 @@ fn mse_ratio(measurement: &Measurement) -> f64 {
 }
 
 impl MeasuredSummary {
-    fn of(frames: &[FrameRecord], reference_secs: f64, samples: u32, truth_samples: u32) -> Option<Self> {
+    /// `other_secs` is the time of the walk that no frame counts: of references and the store.
+    fn of(frames: &[FrameRecord], other_secs: f64, samples: u32, truth_samples: u32) -> Option<Self> {
         let measured: Vec<&Measurement> = frames.iter().filter_map(|f| f.measurement.as_ref()).collect();
         let of = |value: fn(&Measurement) -> f64| measured.iter().map(move |m| value(m));
         let full_frame_secs_median = median(of(|m| m.full_frame_secs))?;
         let frame_secs_median = median(frames.iter().map(|f| f.frame_secs))?;
-        let walk_secs = frames.iter().map(|f| f.frame_secs).sum::<f64>() + reference_secs;
+        let walk_secs = frames.iter().map(|f| f.frame_secs).sum::<f64>() + other_secs;
         let full_psnr_db_median = median(of(|m| m.full_psnr_db))?;
         // Variance is inversely proportional to samples: full tracing's error is its own noise plus
         // the truth's.

@@ -1,12 +1,13 @@
 //! The measured walk: the walkthrough of the window, frame by frame, with every reference traced
 //! between two frames.
 
-use super::record::{FrameRecord, Pose, ReferenceRecord, TourRecord};
+use super::record::{FlownTour, FrameRecord, Pose, ReferenceRecord, StoreRecord, TourRecord};
 use crate::camera::{Camera, CameraPath};
 use crate::experiment::measure::{MeasureSettings, Measurer};
 use crate::experiment::run::ExperimentError;
 use crate::raster::save::SaveError;
 use crate::render::{Mode, RenderSettings, Walkthrough, WalkthroughSettings};
+use crate::store::{StoreSession, StoreSettings};
 use crate::trace::{Tracer, parallel::Stop};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -26,6 +27,8 @@ pub struct TourSettings {
     pub budget: Option<Duration>,
     /// How frames are measured; `None` measures none.
     pub measure: Option<MeasureSettings>,
+    /// The store that references are read from and written to; `None` uses none.
+    pub store: Option<StoreSettings>,
 }
 
 /// Progress of a tour.
@@ -37,6 +40,8 @@ pub enum TourEvent<'a> {
     Measuring(u32),
     /// A converged picture cannot be stored; the next run traces it again.
     TruthNotKept(&'a SaveError),
+    /// Something of the store of references is damaged or cannot be used.
+    StoreProblem(&'a str),
 }
 
 /// Renders the frames along `path` and records each. A reference that the policy requests after a
@@ -77,6 +82,7 @@ pub fn fly(
         walk = walk.progressive();
     }
     let warm_up_secs = cameras.first().map_or(0.0, |first| warm_up(&mut walk, first, settings, stop));
+    open_store(&mut walk, settings, &mut observe);
     let mut measurer = settings.measure.clone().map(Measurer::new);
     let mut frames = Vec::new();
     let mut references = references_ahead(&mut walk, settings, cameras.first(), stop);
@@ -110,7 +116,31 @@ pub fn fly(
     }
     let is_complete = frames.len() == cameras.len() && !stop();
     let truth_samples = settings.measure.as_ref().map_or(0, |m| m.truth_samples);
-    Ok(TourRecord::new(frames, references, warm_up_secs, is_complete, [trace.samples, truth_samples]))
+    let flown = FlownTour {
+        frames,
+        references,
+        warm_up_secs,
+        is_complete,
+        store: close_store(&mut walk, &mut observe),
+    };
+    Ok(TourRecord::new(flown, [trace.samples, truth_samples]))
+}
+
+/// Opens the store of the settings. Without it the walk goes on.
+fn open_store(walk: &mut Walkthrough, settings: &TourSettings, observe: &mut impl FnMut(TourEvent<'_>)) {
+    let Some(store) = &settings.store else { return };
+    match StoreSession::open(store, walk.tracer(), true) {
+        Ok(session) => walk.set_store(Some(session)),
+        Err(error) => observe(TourEvent::StoreProblem(&error.to_string())),
+    }
+}
+
+/// Waits until all references are stored.
+fn close_store(walk: &mut Walkthrough, observe: &mut impl FnMut(TourEvent<'_>)) -> StoreRecord {
+    let Some(store) = walk.store_mut() else { return StoreRecord::default() };
+    store.finish();
+    store.report().problems.iter().for_each(|problem| observe(TourEvent::StoreProblem(problem)));
+    StoreRecord::of(store)
 }
 
 /// End of the message about a pose that is not finite.

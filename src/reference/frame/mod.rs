@@ -10,6 +10,9 @@
 //! again.
 
 mod damage;
+mod parts;
+
+pub(crate) use parts::ReferenceParts;
 
 use crate::bsdf::albedo;
 use crate::camera::{Camera, NEAREST_DEPTH, View};

@@ -1,7 +1,8 @@
 //! Failures of a command and their exit codes.
 
 use crate::picture::TooLarge;
-use afterimage::{experiment::run::ExperimentError, raster::save::SaveError, scene::SceneError};
+use afterimage::experiment::run::ExperimentError;
+use afterimage::{raster::save::SaveError, scene::SceneError, store::StoreError};
 
 /// Why a command failed.
 #[derive(Debug)]
@@ -66,6 +67,12 @@ impl From<SceneError> for Failure {
             SceneError::Cancelled => Self::Interrupted,
             other => Self::Import(other.to_string()),
         }
+    }
+}
+
+impl From<StoreError> for Failure {
+    fn from(error: StoreError) -> Self {
+        Self::Failed(error.to_string())
     }
 }
 

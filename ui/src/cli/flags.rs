@@ -1,10 +1,12 @@
 //! The flags that every command has, and the parsers of their values.
 
+use super::paths;
 use crate::picture::pose_text::parse_point;
 use crate::settings::{DEFAULT_BOUNCES, named, picture_size};
 use afterimage::import::{DaylightOptions, SkyChoice, Unit, Up};
 use afterimage::raster::{color::ToneMap, exposure::Exposure};
 use afterimage::scene::place::{PlaceAndTime, parse_place};
+use afterimage::store::StoreSettings;
 use afterimage::trace::{BounceLimit, TraceSettings};
 use afterimage::{Mode, RenderSettings};
 use clap::Args;
@@ -12,6 +14,41 @@ use clap::builder::{PossibleValuesParser, RangedU64ValueParser, TypedValueParser
 use glam::DVec3;
 use serde::de::DeserializeOwned;
 use std::{fmt::Display, ops::RangeInclusive, path::PathBuf, str::FromStr};
+
+/// Which store of references is used.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum StoreChoice {
+    /// None.
+    Off,
+    /// The one in the user's cache folder.
+    Default,
+    /// The one in a folder.
+    Folder(PathBuf),
+}
+
+impl FromStr for StoreChoice {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        match text {
+            "" => Err("a store is a folder, 'off' or 'default'"),
+            "off" => Ok(Self::Off),
+            "default" => Ok(Self::Default),
+            folder => Ok(Self::Folder(folder.into())),
+        }
+    }
+}
+
+impl StoreChoice {
+    /// Folder of the store; `None` for none, and where the system names no folder for caches.
+    pub(crate) fn folder(&self) -> Option<PathBuf> {
+        match self {
+            Self::Off => None,
+            Self::Default => paths::cache_folder().map(|folder| folder.join("store")),
+            Self::Folder(folder) => Some(folder.clone()),
+        }
+    }
+}
 
 /// The flags of every command; each command uses those that apply to it.
 #[derive(Args, Clone, Debug)]
@@ -98,6 +135,14 @@ pub(crate) struct Flags {
     #[arg(long, global = true, value_name = "aces|linear", default_value = "aces")]
     #[arg(value_parser = named_parser::<ToneMap>(["aces", "linear"]), hide_possible_values = true)]
     pub(crate) tone_map: ToneMap,
+    /// Store of references that last: a folder, `default` for one in the user's cache folder. It is
+    /// read and added to [default: off; in the window default].
+    #[arg(long, global = true, value_name = "DIR|off|default", value_parser = str::parse::<StoreChoice>)]
+    pub(crate) store: Option<StoreChoice>,
+    /// Maximum size of the store; what was not used for longest is removed, MB.
+    #[arg(long, global = true, value_name = "MB", default_value_t = 2048)]
+    #[arg(value_parser = clap::value_parser!(u64).range(1..=1 << 30))]
+    pub(crate) store_mb: u64,
     /// File of the user's settings [default: AFTERIMAGE_CONFIG, else settings.toml in the system's
     /// configuration folder].
     #[arg(long, global = true, value_name = "FILE")]
@@ -130,6 +175,12 @@ impl Flags {
             _ => return Err("--sun-place and --sun-time need each other".to_owned()),
         };
         Ok(DaylightOptions { sky: self.sky.clone(), sun, north_deg: self.north })
+    }
+
+    /// The store of references; `default` is used where none is given.
+    pub(crate) fn store(&self, default: &StoreChoice) -> Option<StoreSettings> {
+        let folder = self.store.as_ref().unwrap_or(default).folder()?;
+        Some(StoreSettings { folder, max_bytes: self.store_mb << 20 })
     }
 
     /// Exposure in stops, if it is given or [`super::scene::Loaded::expose`] has set it; else 0.

@@ -17,9 +17,11 @@ pub(crate) mod paths;
 mod pose;
 mod progress;
 mod render;
+mod render_store;
 mod report;
 mod scene;
 mod start;
+mod store;
 mod tour;
 mod walk;
 
@@ -64,6 +66,8 @@ enum Command {
     Inspect(inspect::InspectArgs),
     /// Compare a picture with a ground-truth picture of the same size.
     Compare(compare::CompareArgs),
+    /// List, check, tidy and join stores of references.
+    Store(store::StoreArgs),
     /// Print what a bug report needs: version, machine, graphics, paths.
     Doctor,
     /// Print the completion script for a shell.
@@ -172,6 +176,7 @@ fn dispatch(cli: &Cli, layers: &Layers) -> Result<(), Failure> {
         (None, Some(Command::Experiment(args))) => experiment::run(args, flags),
         (None, Some(Command::Inspect(args))) => inspect::run(args, flags),
         (None, Some(Command::Compare(args))) => compare::run(args, flags),
+        (None, Some(Command::Store(args))) => store::run(args, flags),
         (None, Some(Command::Doctor)) => doctor::run(flags, layers.user_file.as_deref()),
         (None, Some(Command::Completions(args))) => generate::completions(args, Cli::command()),
         (None, Some(Command::Man)) => generate::man(Cli::command()),

@@ -1,6 +1,7 @@
 //! `afterimage render`: renders one picture.
 
 use super::pose::{camera, eye_and_target};
+use super::render_store::PictureStore;
 use super::scene::{Loaded, load};
 use super::{
     failure::Failure,
@@ -90,7 +91,9 @@ pub(crate) fn run(args: &RenderArgs, flags: &Flags) -> Result<(), Failure> {
     let camera = camera(flags, loaded.scene())?;
     let samples = flags.samples.or(args.seconds.map(|_| WINDOW_SAMPLES));
     let flags = &Flags { samples, ..flags.clone() };
-    let references = trace_references(args, flags, &loaded, camera.fov_y.to_degrees())?;
+    let mut store = PictureStore::open(flags, &loaded, &camera)?;
+    let traced = trace_references(args, flags, &loaded, camera.fov_y.to_degrees())?;
+    let references = store.exchange(traced, flags);
     let job = job(args, flags, &loaded, camera);
     if let Some(seconds) = args.seconds {
         return run_timed(&job, args, flags, &loaded, seconds);
@@ -100,7 +103,9 @@ pub(crate) fn run(args: &RenderArgs, flags: &Flags) -> Result<(), Failure> {
     let (stop, note) = (interrupt::is_cancelled, |part| progress.at(part));
     let made = job.make(&loaded.tracer, &references, &outputs(args), &stop, &note)?;
     drop(progress);
-    let object = object(args, flags, &loaded, &made, &references);
+    store.finish();
+    let mut object = object(args, flags, &loaded, &made, &references);
+    output::extend(&mut object, store.record);
     loaded.say_bounds();
     output::result(flags.json, &object, || table(args, flags, &made, &references));
     if made.stats.is_complete { loaded.verdict(flags) } else { Err(Failure::Interrupted) }

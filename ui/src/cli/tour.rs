@@ -1,10 +1,10 @@
 //! `afterimage tour`: renders a camera path frame by frame, and records every frame.
 
-use super::flags::{Flags, number_in};
+use super::flags::{Flags, StoreChoice, number_in};
 use super::scene::{Loaded, load};
 use super::{failure::Failure, interrupt, output, paths, progress::Progress, walk::read_path};
 use crate::picture::{PictureOrigin, memory, metadata, sequence::film_command};
-use afterimage::experiment::tour::MeasuredSummary;
+use afterimage::experiment::tour::{MeasuredSummary, StoreRecord};
 use afterimage::experiment::{FrameRecord, MeasureSettings, TourEvent, TourRecord, TourSettings, run_tour};
 use afterimage::raster::exposure::decimal;
 use afterimage::raster::save::{save_png, write_atomically};
@@ -145,7 +145,8 @@ fn settings(args: &TourArgs, flags: &Flags, walk: &CameraPath) -> TourSettings {
         measures_stability: measure.is_some(),
     };
     let budget = args.budget_ms.map(|ms| Duration::from_millis(ms.into()));
-    TourSettings { walkthrough, size: flags.size(), frames, budget, measure }
+    let store = flags.store(&StoreChoice::Off);
+    TourSettings { walkthrough, size: flags.size(), frames, budget, measure, store }
 }
 
 /// Renders the camera path. If a picture cannot be written, the tour ends and its record is kept.
@@ -164,6 +165,7 @@ fn fly(
         TourEvent::TruthNotKept(error) => {
             progress.say(&format!("warning: the converged picture is not cached: {error}"));
         }
+        TourEvent::StoreProblem(problem) => progress.say(&format!("warning: {problem}")),
         TourEvent::Frame(record, walk) => {
             let note =
                 format!("{:.0} ms, Type 3 {:.1} %", record.frame_secs * 1e3, record.types.type3_percent);
@@ -265,6 +267,17 @@ fn table(args: &TourArgs, record: &TourRecord) -> String {
         ("Type 3", type3),
         ("references", format!("{} in {:.2} s", record.references_added, record.reference_secs_total)),
     ];
+    if record.store.store_bytes > 0 {
+        let StoreRecord { references_from_store, references_to_store, store_bytes, store_secs } =
+            record.store;
+        rows.push((
+            "store",
+            format!(
+                "{references_from_store} references read, {references_to_store} added in {store_secs:.2} s; {:.1} MB",
+                store_bytes as f64 / 1e6
+            ),
+        ));
+    }
     if summary.cut_percent > 0.0 {
         rows.push(("cut at the budget", share(Some(summary.cut_percent))));
     }

@@ -1,0 +1,264 @@
+//! A store in use by a walk: which of its references serve a view, and which new ones it gets.
+
+use super::cells::{cells_of_view, side_m};
+use super::content::SceneContent;
+use super::index::{RecordPlace, StoreIndex};
+use super::serving::Cover;
+use super::summary::Purpose;
+use super::writer::{StoreWriter, WriteJob, WriteReport};
+use super::{StoreError, StoreSettings};
+use crate::camera::Camera;
+use crate::reference::{ReferenceCache, ReferenceFrame, ReferenceId};
+use crate::trace::{TraceSettings, Tracer};
+use rayon::prelude::*;
+use std::collections::HashSet;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// How far the viewer moves, as a share of a cell's side, until references are chosen again.
+const STEP: f64 = 0.125;
+
+/// Cosine of the angle by which the viewer turns until references are chosen again: 4 degrees.
+const TURN_COSINE: f64 = 0.9976;
+
+/// Choices during which a reference that was evicted is not read again.
+const REST: u64 = 16;
+
+/// A record that fits the scene and the settings.
+#[derive(Clone, Copy, Debug)]
+struct Candidate {
+    place: RecordPlace,
+    state: State,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum State {
+    /// It can be read.
+    Stored,
+    /// It was read, and is in the cache unless it was evicted since.
+    Read(ReferenceId),
+    /// It was evicted, or cannot be read, and is not read before a choice with this number.
+    Resting(u64),
+}
+
+/// What a walk took from a store, and gave to it.
+#[derive(Clone, Debug, Default)]
+pub struct StoreReport {
+    /// References that were read.
+    pub references_read: usize,
+    /// Time in seconds that the walk spent on the store, without the thread that writes.
+    pub secs: f64,
+    /// What was written.
+    pub written: WriteReport,
+    /// Problems, one line each.
+    pub problems: Vec<String>,
+}
+
+/// A store in use by a walk.
+#[derive(Debug)]
+pub struct StoreSession {
+    settings: StoreSettings,
+    index: StoreIndex,
+    tracer: Arc<Tracer>,
+    content: Arc<SceneContent>,
+    /// Which references serve: those with these bounces, for this purpose.
+    kind: Option<(u32, Purpose)>,
+    candidates: Vec<Candidate>,
+    /// The view for which references were chosen last, and how often that was done.
+    chosen_for: Option<Camera>,
+    choices: u64,
+    touched: Vec<bool>,
+    writer: StoreWriter,
+    waits: bool,
+    report: StoreReport,
+}
+
+impl StoreSession {
+    /// Opens a store for a walk through a scene. With `waits`, the walk waits where references come
+    /// faster than they can be written, instead of dropping them.
+    ///
+    /// # Errors
+    /// [`StoreError`] if the folder exists and cannot be read.
+    pub fn open(settings: &StoreSettings, tracer: &Arc<Tracer>, waits: bool) -> Result<Self, StoreError> {
+        let start = Instant::now();
+        let index = StoreIndex::read(&settings.folder)?;
+        let report = StoreReport { problems: index.problems.clone(), ..StoreReport::default() };
+        let mut session = Self {
+            settings: settings.clone(),
+            touched: vec![false; index.segments.len()],
+            index,
+            tracer: Arc::clone(tracer),
+            content: Arc::new(SceneContent::new(tracer.scene())),
+            kind: None,
+            candidates: Vec::new(),
+            chosen_for: None,
+            choices: 0,
+            writer: StoreWriter::start(settings),
+            waits,
+            report,
+        };
+        session.report.secs = start.elapsed().as_secs_f64();
+        Ok(session)
+    }
+
+    /// A number that no stored reference of a walk has, by which new ones get random numbers of
+    /// their own (`settings_of_reference`): there are at most as many as records.
+    pub fn last_number(&self) -> u32 {
+        /// Numbers from the double of this on belong to pictures at rest.
+        const NUMBERS: usize = 1 << 14;
+        (self.index.len() % NUMBERS) as u32
+    }
+
+    /// Changes the scene.
+    pub fn set_tracer(&mut self, tracer: &Arc<Tracer>) {
+        self.content = Arc::new(SceneContent::new(tracer.scene()));
+        self.tracer = Arc::clone(tracer);
+        self.kind = None;
+    }
+
+    /// Reads the references that serve a view into the cache, those that show most of it first.
+    pub fn read_for(
+        &mut self,
+        (camera, size): (&Camera, [u32; 2]),
+        trace: &TraceSettings,
+        purpose: Purpose,
+        cache: &mut ReferenceCache,
+    ) {
+        let start = Instant::now();
+        self.choose_candidates(trace.bounces, purpose);
+        if !self.candidates.is_empty() && self.has_moved(camera) {
+            let serving = self.serving(camera, size, cache);
+            self.read(&serving, cache);
+        }
+        self.report.secs += start.elapsed().as_secs_f64();
+    }
+
+    /// True where the view differs from that of the last choice.
+    fn has_moved(&mut self, camera: &Camera) -> bool {
+        let step = STEP * side_m(self.tracer.scene());
+        let is_near = |last: &Camera| {
+            let is_turned = last.forward().dot(camera.forward()) < TURN_COSINE;
+            last.eye.distance(camera.eye) <= step && !is_turned && last.fov_y >= camera.fov_y
+        };
+        let has_moved = !self.chosen_for.as_ref().is_some_and(is_near);
+        if has_moved {
+            self.chosen_for = Some(*camera);
+        }
+        has_moved
+    }
+
+    /// Lists the records that fit scene and settings, unless they are listed already.
+    fn choose_candidates(&mut self, bounces: u32, purpose: Purpose) {
+        if self.kind.replace((bounces, purpose)) == Some((bounces, purpose)) {
+            return;
+        }
+        let fits = |place: &RecordPlace| {
+            let summary = self.index.summary(*place);
+            let is_kind = summary.settings.bounces == bounces && summary.purpose == purpose;
+            is_kind && summary.holds_in(&self.content)
+        };
+        self.chosen_for = None;
+        let places = self.index.places().into_iter().filter(fits);
+        self.candidates = places.map(|place| Candidate { place, state: State::Stored }).collect();
+    }
+
+    /// Candidates to be read for a view, best first.
+    fn serving(&mut self, camera: &Camera, size: [u32; 2], cache: &ReferenceCache) -> Vec<usize> {
+        self.choices += 1;
+        let seen = cells_of_view(&self.tracer, camera);
+        let mut cover = Cover::new(&seen, size);
+        let held: HashSet<ReferenceId> = cache.entries().iter().map(|entry| entry.id).collect();
+        let (mut open, mut shares) = (Vec::new(), Vec::new());
+        for (at, candidate) in self.candidates.iter_mut().enumerate() {
+            let covers = cover.shares(&self.index.summary(candidate.place).cells);
+            candidate.state = match candidate.state {
+                State::Read(id) if !held.contains(&id) => State::Resting(self.choices + REST),
+                State::Resting(until) if self.choices >= until => State::Stored,
+                state => state,
+            };
+            match candidate.state {
+                State::Read(_) => cover.add(&covers),
+                State::Stored if !covers.is_empty() => {
+                    open.push(at);
+                    shares.push(covers);
+                }
+                _ => {}
+            }
+        }
+        cover.choose(&shares).into_iter().map(|chosen| open[chosen]).collect()
+    }
+
+    /// Reads references into the cache, several at a time, until they fill half of it.
+    fn read(&mut self, serving: &[usize], cache: &mut ReferenceCache) {
+        /// References that are in memory twice, as bytes and as pixels.
+        const AT_ONCE: usize = 8;
+        let mut bytes = 0;
+        for group in serving.chunks(AT_ONCE) {
+            let load = |&at: &usize| self.index.load(self.candidates[at].place, &self.tracer, &self.content);
+            let loaded: Vec<_> = group.par_iter().map(load).collect();
+            for (&at, reference) in group.iter().zip(loaded) {
+                bytes += self.take(at, reference, cache);
+            }
+            if bytes > cache.budget_bytes() / 2 {
+                break;
+            }
+        }
+    }
+
+    /// Puts a reference that was read into the cache and returns its bytes in memory.
+    fn take(
+        &mut self,
+        at: usize,
+        reference: Result<ReferenceFrame, String>,
+        cache: &mut ReferenceCache,
+    ) -> usize {
+        let place = self.candidates[at].place;
+        self.candidates[at].state = State::Resting(u64::MAX);
+        match reference {
+            Ok(reference) => {
+                let bytes = reference.bytes();
+                self.candidates[at].state = State::Read(cache.insert(Arc::new(reference)));
+                self.report.references_read += 1;
+                if !std::mem::replace(&mut self.touched[place.segment], true) {
+                    self.index.touch(place);
+                }
+                bytes
+            }
+            Err(problem) => {
+                self.report.problems.push(problem);
+                0
+            }
+        }
+    }
+
+    /// Stores a new reference, on a thread of its own.
+    pub fn keep(&mut self, reference: &Arc<ReferenceFrame>, purpose: Purpose) {
+        let start = Instant::now();
+        if reference.lit() > 0 {
+            let (tracer, content) = (Arc::clone(&self.tracer), Arc::clone(&self.content));
+            let job = WriteJob { reference: Arc::clone(reference), purpose, tracer, content };
+            self.writer.write(job, self.waits);
+        }
+        self.report.secs += start.elapsed().as_secs_f64();
+    }
+
+    /// Waits until all references are written.
+    pub fn finish(&mut self) {
+        let start = Instant::now();
+        self.writer.finish();
+        self.report.secs += start.elapsed().as_secs_f64();
+    }
+
+    /// Size of the store in bytes, all segments together.
+    pub fn bytes(&self) -> u64 {
+        let paths = super::segment::segment_paths(&self.settings.folder).unwrap_or_default();
+        paths.iter().filter_map(|path| path.metadata().ok()).map(|metadata| metadata.len()).sum()
+    }
+
+    /// What was read and written so far.
+    pub fn report(&self) -> StoreReport {
+        let written = self.writer.report();
+        let problems = self.report.problems.iter().chain(&written.problem).cloned().collect();
+        StoreReport { written: written.clone(), problems, ..self.report.clone() }
+    }
+}
