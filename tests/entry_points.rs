@@ -125,13 +125,13 @@ fn check_scene(scene: &Scene) {
     assert!(scene.bounds_m.iter().all(|b| b.is_finite()));
     assert!(scene.normals.iter().all(|n| n.is_finite()));
     assert!(scene.uvs.iter().all(|uv| uv.is_finite()));
-    for (triangle, material) in scene.triangles.iter().zip(&scene.triangle_materials) {
+    for (triangle, material) in scene.triangles.iter().zip(scene.triangle_materials.iter()) {
         assert!(triangle.iter().all(|v| scene.positions[*v as usize].is_finite()));
         assert!((material.0 as usize) < scene.materials.len());
     }
     scene.views.iter().for_each(|view| check_camera(&view.camera));
     scene.materials.iter().for_each(check_material);
-    for texture in &scene.textures {
+    for texture in scene.textures.iter() {
         assert_eq!(texture.texels.len(), (texture.width * texture.height) as usize);
     }
     for warning in &scene.warnings {

@@ -6,7 +6,7 @@ use super::{CachedLight, LookupSet, PointCache, SurfaceKey, TracedPoint};
 use crate::bsdf::Diffuse;
 use crate::camera::View;
 use crate::math::{Ray, key::Key, sequence::PointSeed};
-use crate::trace::{Hit, PixelTrace, RayCounts, SurfacePoint, TraceSettings, Tracer};
+use crate::trace::{Hit, LightSettings, PixelTrace, RayCounts, SurfacePoint, TraceSettings, Tracer};
 use glam::Vec3;
 use std::f32::consts::PI;
 use std::ops::AddAssign;
@@ -103,11 +103,22 @@ impl PixelResolver<'_> {
         let seed = PointSeed::of_pixel(trace.seed, pixel, self.view.size[0], trace.samples);
         let footprint = hit.map_or(0.0, |hit| self.view.footprint(ray.direction, hit.t));
         let settings = self.lookup.light_settings(&trace, footprint);
+        let settings = LightSettings { direct: self.held_irradiance(&ray, hit), ..settings };
         let (mut traced, point) = self.tracer.shade_hit(&ray, hit, &settings, seed, &mut tally.rays);
         if let (Some(hit), Some(point)) = (hit, point) {
             traced.radiance += resolver.specular(&point, &ray, &hit, pixel, tally);
         }
         traced
+    }
+
+    /// The irradiance straight from the lights at a hit, where an edit of the scene left it as it
+    /// was.
+    fn held_irradiance(&self, ray: &Ray, hit: Option<Hit>) -> Option<Vec3> {
+        let hit = hit.filter(|_| self.lookup.has_preview())?;
+        let point = self.tracer.surface(ray, &hit);
+        let footprint = self.view.scene_from_pixel.x_axis.length() * length(ray, &hit);
+        let key = SurfaceKey { position: point.position, normal: point.geometric_normal, footprint };
+        self.lookup.held_irradiance(&key, point.triangle)
     }
 
     /// Compares a guess of a pixel's direct light with light traced there. Smooth light is kept as

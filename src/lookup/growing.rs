@@ -1,13 +1,13 @@
 //! References whose pixels are being lit, and that can be lit further at any time.
 
-use super::LookupSet;
 use super::between::{LightBetween, PictureSurfaces, round_of, rounds_of};
 use super::open_pixels::{hit_tiles, open_pixels};
+use super::{LookupSet, SurfaceKey};
 use crate::camera::{Camera, View};
 use crate::math::sequence::PointSeed;
 use crate::reference::{ReferenceFrame, SampleSums, SmoothFilter, SmoothSamples};
 use crate::trace::parallel::{Stop, trace_open};
-use crate::trace::{ArrivingLight, RayCounts, TraceSettings, Tracer};
+use crate::trace::{ArrivingLight, LightSettings, RayCounts, TraceSettings, Tracer};
 use std::{f32::consts::PI, ops::Range, time::Instant};
 
 /// A reference whose pixels get more and more samples. Their sums are kept, so that samples are
@@ -114,6 +114,12 @@ impl GrowingReference {
                 let seed = PointSeed::of_growing_pixel(settings.seed, pixel, view.size[0]);
                 let lighting = known.light_settings(&settings, view.footprint(ray.direction, hit.t));
                 let (point, more) = (tracer.surface(&ray, &hit), sums.samples..samples);
+                let direct = known.has_preview().then(|| {
+                    let (position, normal) = (point.position, point.geometric_normal);
+                    let key = SurfaceKey { position, normal, footprint: lighting.footprint };
+                    known.held_irradiance(&key, point.triangle)
+                });
+                let lighting = LightSettings { direct: direct.flatten(), ..lighting };
                 let light = tracer.light_of_samples(&point, more, &lighting, seed, rays);
                 sums.add(&light, samples - sums.samples);
             });

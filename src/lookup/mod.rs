@@ -6,6 +6,7 @@
 //! | File | Contents |
 //! |---|---|
 //! | `point` | [`LookupSet`] holds the references of a frame and finds light at single points |
+//! | `found` | what a look-up finds: light, and how sure it is |
 //! | `band` | `BandLookup` fills eight rows of a frame and lists the pixels that it leaves open |
 //! | `tile` | the surfaces of 8 x 8 pixels, and the light found for them |
 //! | `view` | [`ViewLookup`] chooses the best references for a tile |
@@ -23,6 +24,7 @@
 mod band;
 mod between;
 mod exact;
+mod found;
 mod gather;
 mod growing;
 mod open_pixels;
@@ -40,8 +42,9 @@ mod view;
 pub(crate) use band::{BandLight, BandLookup, FrameRows, OpenPixels, TracedPoints, write_surfaces};
 pub(crate) use between::{LightBetween, PictureSurfaces, round_of, rounds_of};
 pub(crate) use exact::{CheckedPixel, Guess, PixelResolver, Tally};
+pub use found::FoundLight;
 pub(crate) use growing::GrowingReference;
-pub use point::{FoundLight, LookupSet};
+pub use point::LookupSet;
 pub use point_cache::{CachedLight, PointCache, SurfaceKey, TracedPoint};
 pub use policy::LookupQuality;
 pub(crate) use policy::MAX_POINTS_PER_PIXEL;

@@ -6,9 +6,10 @@
 //! We differ: several references are averaged, finer ones with larger weights, and only the
 //! arriving light is reused, not the reflected radiance.
 
+use super::found::{FoundLight, Sampled, Sums, spread_and_jump};
 use super::point_cache::SurfaceKey;
 use super::policy::{
-    DEPTH_ROUNDING, EDGE_GAP, MAX_AVERAGED_REFERENCES, MAX_FOUND, MAX_JUMP, MAX_LOSS, MAX_NOISE_SPREAD,
+    DEPTH_ROUNDING, MAX_AVERAGED_REFERENCES, MAX_FOUND, MAX_JUMP, MAX_LOSS, MAX_NOISE_SPREAD,
     MAX_SMOOTH_SPREAD, MIN_COVERAGE, MIN_WEIGHT, PLANE_TOLERANCE,
 };
 use crate::camera::NEAREST_DEPTH;
@@ -20,6 +21,7 @@ use crate::reference::{CachedReference, ReferenceCache, ReferenceFrame, Referenc
 use crate::trace::{CachedLight, LightSettings, SceneEpoch, TraceSettings, Tracer};
 use arrayvec::ArrayVec;
 use glam::{Mat3, Vec3};
+use std::f32::consts::PI;
 
 /// A reference prepared for look-ups.
 #[derive(Debug)]
@@ -49,10 +51,18 @@ pub(super) struct LookupReference<'a> {
 }
 
 impl<'a> LookupReference<'a> {
-    fn new(frame: &'a ReferenceFrame, normals: &'a [PackedNormal], most_samples: u32) -> Self {
+    /// Prepares the direct light of some pixels of a reference, with their smooth light where
+    /// `has_smooth`.
+    fn new(
+        frame: &'a ReferenceFrame,
+        (light, has_smooth): (&'a [u32], bool),
+        normals: &'a [PackedNormal],
+        most_samples: u32,
+    ) -> Self {
         let view = &frame.view;
-        let (light, scale) = frame.packed_light();
+        let scale = frame.packed_light().1;
         let (smooth, smooth_scale) = frame.packed_smooth();
+        let smooth = if has_smooth { smooth } else { &[] };
         Self {
             frame,
             disparity: frame.disparity(),
@@ -163,63 +173,6 @@ impl<'a> LookupReference<'a> {
     }
 }
 
-/// Sums over the samples around a point that lie on its plane.
-#[derive(Default)]
-struct Sums {
-    light: Vec3,
-    smooth: Vec3,
-    /// Sum of the bilinear weights.
-    coverage: f32,
-    /// Sum of the weights of samples behind the plane.
-    open: f32,
-    spread_and_jump: [f32; 2],
-}
-
-/// The light that one reference has for a point.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Sampled {
-    /// Light straight from the lights.
-    pub(super) light: Vec3,
-    pub(super) smooth: Vec3,
-    /// Weight in the mean over references: coverage times density squared.
-    weight: f32,
-    /// Samples per unit of surface area, scene units.
-    density: f32,
-    /// The share of bilinear weight that was found, 0..1.
-    pub(super) coverage: f32,
-    /// The share of bilinear weight of samples behind the surface, which ends before them, 0..1.
-    pub(super) open: f32,
-    /// The difference between the samples' direct light, as a share of all light of the brightest.
-    spread: f32,
-    /// The spread where the samples lie on both sides of a shadow's edge, else zero.
-    jump: f32,
-}
-
-/// The spread of a few values as a share of the largest plus the `smooth` light there, and the
-/// jump: the spread where one gap is most of the range, or where the range exceeds `wide` times the
-/// largest, else zero.
-#[inline]
-fn spread_and_jump(brightness: &mut [f32], wide: f32, smooth: f32) -> [f32; 2] {
-    brightness.sort_unstable_by(f32::total_cmp);
-    let (Some(&least), Some(&most)) = (brightness.first(), brightness.last()) else { return [0.0; 2] };
-    let range = most - least;
-    let gap = brightness.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f32::max);
-    let spread = range / (most + smooth).max(f32::MIN_POSITIVE);
-    [spread, if gap >= EDGE_GAP * range || range > wide * most { spread } else { 0.0 }]
-}
-
-/// The light found for a point.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FoundLight {
-    /// Light straight from the lights, as the radiance of a white surface.
-    pub light: Vec3,
-    /// Smooth light, as the radiance of a white surface; zero without bounces.
-    pub smooth: Vec3,
-    /// True where the direct light is extrapolated beyond the samples, or interpolated between
-    /// samples on both sides of a shadow's edge.
-    pub is_guess: bool,
-}
-
 /// The first of the two samples around a picture coordinate, and the bilinear weight of the second.
 #[inline(always)]
 fn corner(x: f32, size: f32) -> [f32; 2] {
@@ -227,6 +180,10 @@ fn corner(x: f32, size: f32) -> [f32; 2] {
     let first = (floor(at) as f32).min(size - 2.0);
     [first, at - first]
 }
+
+/// Packed direct light of the pixels of a reference that a set holds, and whether it holds their
+/// smooth light too.
+type Words<'a> = fn(&'a ReferenceFrame) -> (&'a [u32], bool);
 
 /// The references that a frame may look light up in.
 #[derive(Debug)]
@@ -239,6 +196,10 @@ pub struct LookupSet<'a> {
     pub(super) noise: f32,
     /// Where the paths of smooth light may end.
     pub(super) cells: Option<&'a SurfaceCells>,
+    /// Direct light that holds where smooth light is stale; `None` where there is none.
+    held: Option<Box<Self>>,
+    /// Light that no longer holds, to be shown until there is other; `None` where there is none.
+    preview: Option<Box<Self>>,
 }
 
 impl<'a> LookupSet<'a> {
@@ -265,25 +226,60 @@ impl<'a> LookupSet<'a> {
         cells: Option<&'a SurfaceCells>,
         epoch: SceneEpoch,
     ) -> Self {
+        let of = |words: Words<'a>| Self::of_words(directory, entries, cells, (epoch, words));
+        let mut set = of(|frame| (frame.packed_light().0, true));
+        if entries.iter().any(|e| e.is_usable(epoch) && e.frame.stale() > 0) {
+            set.held = Some(Box::new(of(|frame| (frame.held_direct(), false))));
+            set.preview = Some(Box::new(of(|frame| (frame.stale_words(), true))));
+        }
+        set
+    }
+
+    /// The pixels of references that `words` returns.
+    fn of_words(
+        directory: &'a Directory,
+        entries: &'a [CachedReference],
+        cells: Option<&'a SurfaceCells>,
+        (epoch, words): (SceneEpoch, Words<'a>),
+    ) -> Self {
         let mut references = Vec::new();
         references.resize_with(MAX_SLOTS, || None);
         let (mut usable, mut noise) = (0, 1.0f32);
-        let entries = || entries.iter().filter(|e| e.is_usable(epoch));
+        let entries = || entries.iter().filter(|e| e.is_usable(epoch) && !words(&e.frame).0.is_empty());
         let most = entries().map(|e| e.frame.settings.samples).max().unwrap_or(1);
         for entry in entries() {
             if entry.frame.view.size.iter().all(|&s| s >= 2) {
-                references[entry.slot] = Some(LookupReference::new(&entry.frame, directory.normals(), most));
+                references[entry.slot] =
+                    Some(LookupReference::new(&entry.frame, words(&entry.frame), directory.normals(), most));
                 usable |= 1 << entry.slot;
                 noise = noise.max(entry.frame.settings.noise());
             }
         }
-        Self { directory, references, usable, noise, cells }
+        Self { directory, references, usable, noise, cells, held: None, preview: None }
     }
 
     /// How light that is not known is traced for a pixel of this size on the surface, scene units.
     pub(crate) fn light_settings(&self, trace: &TraceSettings, footprint: f32) -> LightSettings<'_> {
         let cache = self.cells.map(|cells| cells as &dyn CachedLight);
-        LightSettings { trace: *trace, cache, footprint }
+        LightSettings { trace: *trace, cache, footprint, direct: None }
+    }
+
+    /// The irradiance straight from the lights at a point, where references know it for certain
+    /// though their smooth light is stale.
+    pub(crate) fn held_irradiance(&self, point: &SurfaceKey, triangle: u32) -> Option<Vec3> {
+        let found = self.held.as_ref()?.light_at(point, triangle)?;
+        (!found.is_guess).then_some(found.light * PI)
+    }
+
+    /// True where references hold light that is stale.
+    pub(crate) fn has_preview(&self) -> bool {
+        self.preview.is_some()
+    }
+
+    /// The light that arrived at a point before the scene changed.
+    pub(crate) fn preview_at(&self, point: &SurfaceKey, triangle: u32) -> Option<Vec3> {
+        let found = self.preview.as_ref()?.light_at(point, triangle)?;
+        Some(found.light + found.smooth)
     }
 
     /// Packed normal of each triangle.

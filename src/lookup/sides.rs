@@ -11,7 +11,8 @@
 //! With direct light alone nothing is left out: there an edge of light has no such consequences as
 //! the light of another room.
 
-use super::point::{FoundLight, LookupReference, Sampled};
+use super::found::{FoundLight, Sampled};
+use super::point::LookupReference;
 use super::policy::{LIFT, WHOLE_COVERAGE};
 use super::{SurfaceKey, TileLight, TilePoints, ViewLookup};
 use crate::raster::pixel_types::NO_SUPPLIER;

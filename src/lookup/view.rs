@@ -1,7 +1,8 @@
 //! The look-up for the pixels of one view, tile by tile: chooses the references that are best for a
 //! tile, and gathers their light.
 
-use super::point::{FoundLight, LookupReference, LookupSet};
+use super::found::FoundLight;
+use super::point::{LookupReference, LookupSet};
 use super::point_cache::SurfaceKey;
 use super::rows::ROWS_LOOKED_UP;
 use super::tile::{Choice, TileLight, TilePoints};
@@ -190,7 +191,7 @@ const _: () = assert!(MAX_SLOTS <= 256, "a slot fits a byte");
 mod tests {
     use super::*;
     use crate::lookup::TileSurfaces;
-    use crate::lookup::point::Sampled;
+    use crate::lookup::found::Sampled;
     use crate::reference::{ReferenceCache, ReferenceFrame};
     use crate::scene::builtin;
     use crate::trace::parallel::NEVER;

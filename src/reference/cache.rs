@@ -2,10 +2,12 @@
 
 use super::ReferenceFrame;
 use super::directory::{Directory, MAX_SLOTS};
+use super::light::UNLIT;
+use super::stale::{self, Carried, Renumbering};
 use crate::cells::SurfaceCells;
 use crate::scene::Scene;
-use crate::trace::{SceneEpoch, TraceSettings};
-use std::sync::Arc;
+use crate::trace::{NO_TRIANGLE, SceneEpoch, TraceSettings, Tracer, parallel::Stop};
+use std::{sync::Arc, time::Instant};
 
 /// Identifies a reference. Unique while the program runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -205,6 +207,95 @@ impl ReferenceCache {
         self.version += 1;
         let entry = self.entries.iter_mut().find(|e| e.id == id);
         entry.is_some_and(|entry| Arc::make_mut(&mut entry.frame).forget_light(corner, side) > 0)
+    }
+
+    /// Carries the references over to another state of the scene: what still holds is kept, what is
+    /// stale is marked and no longer used, and references about which nothing can be said are
+    /// dropped.
+    ///
+    /// References that a stop leaves unexamined stay unused until they are carried over again.
+    pub fn carry_to(&mut self, tracer: &Tracer, stop: Stop<'_>) -> Carried {
+        let start = Instant::now();
+        let mut carried = Carried::default();
+        self.cells = None;
+        let entries = std::mem::take(&mut self.entries);
+        let key = |entry: &CachedReference| (entry.frame.origin.hash.clone(), entry.frame.settings.bounces);
+        let mut groups: Vec<Vec<CachedReference>> = Vec::new();
+        for entry in entries {
+            match groups.iter_mut().find(|group| key(&group[0]) == key(&entry)) {
+                Some(group) => group.push(entry),
+                None => groups.push(vec![entry]),
+            }
+        }
+        for group in groups {
+            let frames: Vec<&ReferenceFrame> = group.iter().map(|entry| &*entry.frame).collect();
+            let marks = stale::marks_of(&frames, tracer, &self.directory, &mut carried, stop);
+            if stop() {
+                self.entries.extend(group);
+                continue;
+            }
+            let Some(marks) = marks else {
+                carried.dropped += group.len();
+                let directory = Arc::make_mut(&mut self.directory);
+                group.iter().for_each(|entry| directory.remove(entry.slot));
+                continue;
+            };
+            for (mut entry, marks) in group.into_iter().zip(marks) {
+                let frame = Arc::make_mut(&mut entry.frame);
+                frame.mark(tracer.epoch(), marks);
+                carried.pixels += frame.lit() + frame.stale();
+                carried.stale += frame.stale();
+                carried.direct_holds += frame.held_direct().iter().filter(|&&word| word != UNLIT).count();
+                self.entries.push(entry);
+            }
+        }
+        self.entries.sort_by_key(|entry| entry.id);
+        self.add_to_directory();
+        self.version += 1;
+        self.evict();
+        carried.secs = start.elapsed().as_secs_f64();
+        carried
+    }
+
+    /// Follows the triangles of a model that was loaded again to their new numbers, before
+    /// [`Self::carry_to`]. Where objects moved, came or went, smooth light is marked as stale, and
+    /// direct light where they can change it. Drops the references of other models. Returns the number of those that were dropped.
+    pub fn renumber(&mut self, tracers: [&Tracer; 2]) -> usize {
+        let [old, new] = tracers.map(|tracer| &**tracer.scene());
+        let before = self.entries.len();
+        self.entries.retain(|entry| entry.frame.origin.has_same_geometry(old));
+        let renumbering = Renumbering::between(old, new);
+        if renumbering.is_none() {
+            self.entries.clear();
+        }
+        let mut states: Vec<(Arc<Scene>, Arc<Scene>)> = Vec::new();
+        for (entry, numbers) in self.entries.iter_mut().zip(renumbering.iter().cycle()) {
+            let frame = Arc::make_mut(&mut entry.frame);
+            let is_gone = |triangle: u32| numbers.new_of_old.get(triangle as usize) == Some(&NO_TRIANGLE);
+            let lights = &frame.origin.lights;
+            let moved = numbers.moved.as_ref();
+            let marks = moved.map(|moved| moved.marks(frame, lights, tracers, is_gone));
+            let known = states.iter().find(|(origin, _)| Arc::ptr_eq(origin, &frame.origin));
+            let state = known.map(|known| known.1.clone()).unwrap_or_else(|| {
+                let state = Arc::new(numbers.state_of(&frame.origin, new));
+                states.push((frame.origin.clone(), state.clone()));
+                state
+            });
+            frame.renumber(&numbers.new_of_old, state, marks);
+        }
+        self.directory = Arc::new(Directory::new(new));
+        self.add_to_directory();
+        self.version += 1;
+        before - self.entries.len()
+    }
+
+    /// Writes the directory again: light that was stale may hold again.
+    fn add_to_directory(&mut self) {
+        let directory = Arc::make_mut(&mut self.directory);
+        directory.clear();
+        for entry in &self.entries {
+            directory.add(&entry.frame, entry.slot);
+        }
     }
 
     /// Evicts references while the budget is exceeded: smallest contribution first, then the

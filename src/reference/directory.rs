@@ -92,6 +92,11 @@ impl Directory {
         &self.normals
     }
 
+    /// Number of cells.
+    pub(crate) fn cells(&self) -> usize {
+        self.masks.len()
+    }
+
     /// Index of the cell that contains a point in scene space. Points outside belong to the nearest
     /// cell.
     #[inline(always)]
@@ -109,13 +114,23 @@ impl Directory {
         (at.z * self.dimensions.y + at.y) * self.dimensions.x + at.x
     }
 
+    /// Indices of a cell and of those that touch it.
+    pub(crate) fn cells_around(&self, cell: u32) -> impl Iterator<Item = u32> + '_ {
+        let [width, height] = [self.dimensions.x, self.dimensions.y];
+        let at = UVec3::new(cell % width, cell / width % height, cell / width / height);
+        let (low, high) = (at.saturating_sub(UVec3::ONE), (at + 1).min(self.dimensions - 1));
+        (low.z..=high.z).flat_map(move |z| {
+            (low.y..=high.y).flat_map(move |y| (low.x..=high.x).map(move |x| self.index(UVec3::new(x, y, z))))
+        })
+    }
+
     /// References that lit a surface in a cell.
     #[inline(always)]
     pub(crate) fn mask(&self, cell: u32) -> SlotMask {
         self.masks[cell as usize]
     }
 
-    /// Adds a reference's lit pixels to the cells, under a slot.
+    /// Adds a reference's lit pixels to the cells, under a slot; also those whose light is stale.
     pub(crate) fn add(&mut self, frame: &ReferenceFrame, slot: usize) {
         let width = frame.view.size[0].max(1);
         let step = frame.view.scene_from_pixel.x_axis.length();
@@ -123,7 +138,7 @@ impl Directory {
             .into_par_iter()
             .map(|y| {
                 let (mut cells, mut last) = (Vec::new(), None);
-                let lit = (y * width..(y + 1) * width).filter(|&pixel| frame.has_light(pixel));
+                let lit = (y * width..(y + 1) * width).filter(|&pixel| frame.was_lit(pixel));
                 for pixel in lit.filter(|&pixel| frame.disparity()[pixel as usize] > 0.0) {
                     let position = frame.view.eye + frame.offset_from_eye(pixel);
                     // A sample may be looked up from as far away as the next sample. The reach is

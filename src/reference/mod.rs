@@ -10,6 +10,7 @@ pub mod placement;
 mod sample_sums;
 mod smooth_filter;
 mod smooth_samples;
+pub mod stale;
 
 pub use cache::{CachedReference, ReferenceCache, ReferenceId, ReferenceSnapshot};
 pub use directory::Directory;

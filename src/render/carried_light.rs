@@ -7,6 +7,7 @@
 
 use super::frame::Frame;
 use crate::camera::{PixelWarp, View};
+use crate::lookup::{LookupSet, SurfaceKey};
 use crate::scene::Scene;
 use crate::trace::{NO_TRIANGLE, SceneEpoch, Tracer};
 use glam::Vec3;
@@ -76,6 +77,30 @@ impl CarriedLight {
         let find = |&pixel: &u32| before.light_of(tracer.scene(), &warp, frame, pixel as usize);
         pixels.par_iter().map(find).collect_into_vec(&mut self.found);
         for (&pixel, light) in pixels.iter().zip(&self.found) {
+            self.light[pixel as usize] = light.unwrap_or(Vec3::NAN);
+        }
+    }
+
+    /// Takes the light of before the scene changed for those of some pixels whose light is not
+    /// known, until there is other.
+    pub(super) fn fill(
+        &mut self,
+        (tracer, lookup): (&Tracer, Option<&LookupSet<'_>>),
+        frame: &Frame,
+        pixels: &[u32],
+    ) {
+        let Some(lookup) = lookup.filter(|lookup| lookup.has_preview()) else { return };
+        let light_of = |pixel: u32| {
+            let ray = Tracer::primary_ray(&frame.view, pixel);
+            let hit = tracer.hit_on_triangle(&ray, frame.triangle[pixel as usize])?;
+            let point = tracer.surface(&ray, &hit);
+            let footprint = frame.view.footprint(ray.direction, hit.t);
+            let key = SurfaceKey { position: point.position, normal: point.geometric_normal, footprint };
+            lookup.preview_at(&key, point.triangle)
+        };
+        let open: Vec<u32> = pixels.iter().copied().filter(|&pixel| !self.is_known(pixel)).collect();
+        open.par_iter().map(|&pixel| light_of(pixel)).collect_into_vec(&mut self.found);
+        for (&pixel, light) in open.iter().zip(&self.found) {
             self.light[pixel as usize] = light.unwrap_or(Vec3::NAN);
         }
     }

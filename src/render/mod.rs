@@ -11,6 +11,7 @@ pub mod aov;
 pub mod audit;
 pub mod bands;
 mod carried_light;
+mod carry;
 mod deadline;
 pub mod frame;
 mod light_around;

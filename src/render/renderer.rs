@@ -172,7 +172,7 @@ impl Renderer {
         bands.for_each(|(band, ((rows, (certain, known)), open))| {
             band_lookup.fill((band * TILE_SIDE) as u32, rows, BandLight { certain, known }, open);
         });
-        self.begin_lists(tracer);
+        self.begin_lists(tracer, Some(lookup));
         self.frame.stats.rays.primary += view.pixel_count() as u64;
         self.frame.stats.secs.visibility_and_lookup = start.elapsed().as_secs_f64();
     }
@@ -196,7 +196,7 @@ impl Renderer {
             WarpedPixels { tracer, references, warped: &self.warped }.copy_to(&mut self.frame);
         }
         self.list_open_pixels();
-        self.begin_lists(tracer);
+        self.begin_lists(tracer, None);
         if !references.is_empty() {
             self.frame.stats.secs.visibility_and_lookup = start.elapsed().as_secs_f64();
         }
@@ -227,7 +227,7 @@ impl Renderer {
     /// Collects the open pixels of all bands in the lists. In a progressive frame each sixteenth of
     /// a list is spread over the whole picture, so that a stopped frame is known evenly; not so in
     /// mode `paper`, which completes Type 2 first.
-    fn begin_lists(&mut self, tracer: &Tracer) {
+    fn begin_lists(&mut self, tracer: &Tracer, lookup: Option<&LookupSet<'_>>) {
         let Self { unseen, secondary, uncertain, open, dispersal, frame, own, between, carried, .. } = self;
         unseen.begin(open.iter().map(|o| &o.unseen[..]));
         secondary.begin(open.iter().map(|o| &o.secondary[..]));
@@ -236,6 +236,7 @@ impl Renderer {
         if self.is_progressive {
             if self.shows_surfaces {
                 carried.find(tracer, frame, unseen.pixels());
+                carried.fill((tracer, lookup), frame, unseen.pixels());
             }
             unseen.disperse(dispersal, width, |pixel| carried.is_known(pixel));
         }

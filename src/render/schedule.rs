@@ -184,9 +184,12 @@ impl Schedule {
 
 /// Returns the pose at which the policy wants a reference. A pose that has one already is left out:
 /// where Type 3 stays high in spite of it, the policy would choose that pose again and again. A
-/// disabled reference does not count and is replaced.
+/// reference that is disabled, or stale in part, does not count and is replaced.
 fn wanted(walk: &Walkthrough, size: [u32; 2]) -> Option<Camera> {
     let camera = walk.wanted_reference()?;
-    let is_same = |e: &CachedReference| e.is_enabled && e.frame.camera == camera && e.frame.view.size == size;
+    let is_same = |e: &CachedReference| {
+        let is_useful = e.is_enabled && e.frame.stale() == 0;
+        is_useful && e.frame.camera == camera && e.frame.view.size == size
+    };
     (!walk.cache().entries().iter().any(is_same)).then_some(camera)
 }

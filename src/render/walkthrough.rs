@@ -25,7 +25,7 @@ use std::{sync::Arc, time::Instant};
 #[derive(Debug)]
 pub struct Walkthrough {
     tracer: Arc<Tracer>,
-    cache: ReferenceCache,
+    pub(super) cache: ReferenceCache,
     selector: ReferenceSelector,
     renderer: Renderer,
     settings: WalkthroughSettings,
@@ -33,7 +33,7 @@ pub struct Walkthrough {
     wanted: Option<Camera>,
     prefetch: Prefetch,
     used: Vec<ReferenceId>,
-    references_made: u32,
+    pub(super) references_made: u32,
     has_kept: bool,
     /// Settings of the last frame.
     rendered: RenderSettings,

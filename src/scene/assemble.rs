@@ -9,6 +9,7 @@ use super::{
 };
 use crate::camera::CameraPath;
 use glam::{DVec3, Vec3};
+use std::sync::Arc;
 
 /// The warning about a scene without any light.
 pub(crate) const NO_LIGHT: &str = "the scene has no light; a sun and a sky were added";
@@ -55,18 +56,19 @@ impl SceneBuilder {
         let (walk, [brings_view, brings_walk]) = self.views_and_walk(building_m);
         let is_textured =
             self.materials.iter().any(|m| m.diffuse_texture.is_some() || m.alpha_texture.is_some());
+        let has_normals = self.normals.iter().any(|n| *n != Vec3::ZERO);
         Scene {
             name: self.name,
             hash: String::new(),
             frame,
-            normals: if self.normals.iter().any(|n| *n != Vec3::ZERO) { self.normals } else { Vec::new() },
-            uvs: if is_textured { self.uvs } else { Vec::new() },
-            positions,
-            triangles: self.triangles,
-            triangle_materials: self.triangle_materials,
+            normals: Arc::new(if has_normals { self.normals } else { Vec::new() }),
+            uvs: Arc::new(if is_textured { self.uvs } else { Vec::new() }),
+            positions: Arc::new(positions),
+            triangles: Arc::new(self.triangles),
+            triangle_materials: Arc::new(self.triangle_materials),
             solids: Vec::new(),
             materials: self.materials,
-            textures: self.textures,
+            textures: Arc::new(self.textures),
             lights: Vec::new(),
             sun: self.sun,
             sky: self.sky,

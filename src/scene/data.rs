@@ -8,8 +8,11 @@ use super::{
 use crate::camera::{Camera, CameraPath};
 use crate::raster::exposure::Exposure;
 use glam::{DVec3, Vec2, Vec3};
+use std::sync::Arc;
 
 /// A scene that is ready to be traced. Positions are in scene space unless a field says otherwise.
+///
+/// Geometry and textures are shared by the states of a scene whose materials or lights differ.
 #[derive(Clone, Debug)]
 pub struct Scene {
     /// File stem of the model, or `builtin:NAME`.
@@ -19,23 +22,23 @@ pub struct Scene {
     /// Transform between world and scene space.
     pub frame: SceneFrame,
     /// Vertex positions.
-    pub positions: Vec<Vec3>,
+    pub positions: Arc<Vec<Vec3>>,
     /// Unit vertex normals. A zero vector stands for the face normal. Empty if all of them are
     /// zero.
-    pub normals: Vec<Vec3>,
+    pub normals: Arc<Vec<Vec3>>,
     /// Texture coordinates, with v pointing up. Empty if no material has a texture.
-    pub uvs: Vec<Vec2>,
+    pub uvs: Arc<Vec<Vec2>>,
     /// Vertex indices of each triangle.
-    pub triangles: Vec<[u32; 3]>,
+    pub triangles: Arc<Vec<[u32; 3]>>,
     /// Material of each triangle.
-    pub triangle_materials: Vec<MaterialId>,
+    pub triangle_materials: Arc<Vec<MaterialId>>,
     /// How each triangle bounds a solid of glass. Empty if the scene has no glass; the entries of
     /// triangles that are not glass have no meaning.
     pub solids: Vec<SolidSide>,
     /// All materials, at least one.
     pub materials: Vec<Material>,
     /// All textures.
-    pub textures: Vec<Texture>,
+    pub textures: Arc<Vec<Texture>>,
     /// All lights: emissive surfaces first, then point lights, the sun and the sky.
     pub lights: Vec<Light>,
     /// The sun, if there is one. `lights` holds it as well.

@@ -1,6 +1,7 @@
 //! Changes of a complete scene that keep its geometry.
 
 use super::{Daylight, Light, Material, Scene, sanitize};
+use std::sync::Arc;
 
 /// The parts of a scene that can be changed without touching its geometry: materials, sun and sky.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,6 +19,11 @@ impl Scene {
             materials: self.materials.clone(),
             daylight: Daylight { sun: self.sun, sky: self.sky.clone() },
         }
+    }
+
+    /// True if both are states of one model, which differ in materials, sun and sky only.
+    pub fn has_same_geometry(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.triangles, &other.triangles) && Arc::ptr_eq(&self.positions, &other.positions)
     }
 
     /// Returns this scene with other materials, sun and sky. Lights, features, solids and hash are

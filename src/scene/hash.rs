@@ -26,7 +26,7 @@ pub(super) fn of(scene: &Scene) -> String {
     hasher.add(&[scene.frame.units_per_metre]);
     hasher.add_materials(scene);
     hasher.add_light_sources(scene);
-    for t in &scene.textures {
+    for t in scene.textures.iter() {
         hasher.add(&[t.width, t.height, u32::from(t.encoding == Encoding::Srgb)]);
         hasher.add(&t.texels);
     }

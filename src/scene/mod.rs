@@ -11,6 +11,7 @@ pub mod builtin;
 mod compute_conditioning;
 mod conditioning;
 mod connectivity;
+pub mod content;
 mod data;
 pub mod daylight;
 mod derive;

@@ -33,11 +33,11 @@ pub use bounce_limit::{BounceLimit, NotABounceLimit};
 pub use bvh::{BUNDLE_RAYS, Bvh, Hit, NO_TRIANGLE, RayBundle, RayTile, TILE_RAYS, TILE_SIDE, TileHits};
 pub(crate) use lights::LightKinds;
 pub use lights::{LightCuts, LightGrid};
-pub(crate) use path::SmoothSettings;
 pub use path::{
     ArrivingLight, CachedLight, LightSettings, MAX_BOUNCES, MAX_PATH, PathVertex, PixelTrace, Reader,
     truncation_bound,
 };
+pub(crate) use path::{PathStop, SmoothSettings};
 pub use primary_tile::primary_tile;
 pub use probe::Probe;
 pub use settings::{RayCounts, TraceSettings};

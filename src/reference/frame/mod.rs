@@ -10,23 +10,28 @@
 //! again.
 
 mod damage;
+mod marks;
 mod parts;
+mod stale_light;
 
 pub(crate) use parts::ReferenceParts;
+use stale_light::StaleLight;
 
 use crate::bsdf::albedo;
 use crate::camera::{Camera, NEAREST_DEPTH, View};
 use crate::raster::rgb9e5::Rgb9e5Scale;
 use crate::reference::DisparityTiles;
 use crate::reference::light::{UNLIT, pack_light};
+use crate::reference::stale::Mark;
 use crate::reference::{sample_sums::SampleSums, smooth_samples::SmoothSamples};
+use crate::scene::Scene;
 use crate::trace::parallel::{Stop, tile_order, trace_pixels};
 use crate::trace::{
     ILL_CONDITIONED, NO_TRIANGLE, PixelTrace, RayCounts, SceneEpoch, SurfacePoint, TraceSettings, Tracer,
     VisibilityBuffer,
 };
 use glam::Vec3;
-use std::time::Instant;
+use std::{sync::Arc, time::Instant};
 
 /// Returns the trace settings of a reference by its number. Each has a seed of its own, so that the
 /// noise of several references is independent. Numbers are added from bit 32 of the seed on; frames
@@ -51,6 +56,8 @@ pub struct ReferenceFrame {
     pub view: View,
     /// State of the scene that the picture shows.
     pub epoch: SceneEpoch,
+    /// State of the scene that its light was traced in.
+    pub(crate) origin: Arc<Scene>,
     /// Samples, bounces and seed.
     pub settings: TraceSettings,
     /// Time that tracing took, seconds.
@@ -70,6 +77,10 @@ pub struct ReferenceFrame {
     reflections: Vec<u8>,
     lit: usize,
     is_dense: bool,
+    /// Light that no longer holds; `None` where all does.
+    stale: Option<Box<StaleLight>>,
+    /// What holds at most of each pixel, because an object moved; empty where none did.
+    lost: Vec<Mark>,
 }
 
 impl ReferenceFrame {
@@ -168,6 +179,7 @@ impl ReferenceFrame {
             camera: *camera,
             view,
             epoch: tracer.epoch(),
+            origin: tracer.scene().clone(),
             settings: *settings,
             secs: 0.0,
             rays: RayCounts::default(),
@@ -181,6 +193,8 @@ impl ReferenceFrame {
             reflections: if features.mirror || features.glass { vec![0; count] } else { Vec::new() },
             lit: 0,
             is_dense: false,
+            stale: None,
+            lost: Vec::new(),
         }
     }
 
@@ -246,8 +260,9 @@ impl ReferenceFrame {
         let mut forgotten = 0;
         for y in y0..(y0 + side).min(height) {
             for x in x0..(x0 + side).min(width) {
-                let word = &mut self.light[(y * width + x) as usize];
-                forgotten += usize::from(std::mem::replace(word, UNLIT) != UNLIT);
+                let pixel = (y * width + x) as usize;
+                self.forget_stale(pixel);
+                forgotten += usize::from(std::mem::replace(&mut self.light[pixel], UNLIT) != UNLIT);
             }
         }
         self.lit = self.lit.saturating_sub(forgotten);
@@ -272,7 +287,7 @@ impl ReferenceFrame {
 
     /// Memory of the picture in bytes.
     pub fn bytes(&self) -> usize {
-        self.view.pixel_count() * 12 + 4 * self.smooth.len() + self.reflections.len()
+        self.view.pixel_count() * 12 + 4 * self.smooth.len() + self.reflections.len() + self.stale_bytes()
     }
 
     /// Number of pixels whose light is stored.

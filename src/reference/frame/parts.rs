@@ -37,6 +37,7 @@ impl ReferenceFrame {
             camera: parts.camera,
             view: parts.view,
             epoch: tracer.epoch(),
+            origin: tracer.scene().clone(),
             settings: parts.settings,
             secs: 0.0,
             rays: RayCounts::default(),
@@ -50,6 +51,8 @@ impl ReferenceFrame {
             smooth_scale: parts.smooth_scale,
             reflections: parts.reflections,
             is_dense: parts.is_dense,
+            stale: None,
+            lost: Vec::new(),
         }
     }
 

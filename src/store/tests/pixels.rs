@@ -112,8 +112,8 @@ fn renumbered(scene: &Scene) -> Scene {
     let mut other = scene.clone();
     let mut order: Vec<usize> = (0..scene.triangles.len()).collect();
     order.sort_by_key(|&triangle| Key::of_pixel(1, triangle as u32).bits());
-    other.triangles = order.iter().map(|&t| scene.triangles[t]).collect();
-    other.triangle_materials = order.iter().map(|&t| scene.triangle_materials[t]).collect();
+    other.triangles = Arc::new(order.iter().map(|&t| scene.triangles[t]).collect());
+    other.triangle_materials = Arc::new(order.iter().map(|&t| scene.triangle_materials[t]).collect());
     if !scene.solids.is_empty() {
         other.solids = order.iter().map(|&t| scene.solids[t]).collect();
     }

@@ -44,6 +44,34 @@ impl Tracer {
         })
     }
 
+    /// Returns the irradiance that arrives straight from one light, which need not be one of the
+    /// scene, by `count` samples.
+    pub(crate) fn irradiance_of_light(
+        &self,
+        light: &Light,
+        point: &SurfacePoint,
+        count: u32,
+        shift: [f32; 2],
+        rays: &mut RayCounts,
+    ) -> Vec3 {
+        if is_behind(light, point) {
+            return Vec3::ZERO;
+        }
+        let (mut sum, mut passed) = (Vec3::ZERO, [Vec3::ZERO; BUNDLE_RAYS]);
+        let count = sample_count(light, count);
+        for first in (0..count).step_by(BUNDLE_RAYS) {
+            let mut bundle = RayBundle::new(point.origin_in_front());
+            let mut unblocked = [Vec3::ZERO; BUNDLE_RAYS];
+            let range = first..count.min(first + BUNDLE_RAYS as u32);
+            let points = Points { range, count, shift };
+            rays.clamped += add_samples(self.scene(), light, point, points, &mut bundle, &mut unblocked);
+            rays.shadow += bundle.len() as u64;
+            self.transmittances(&bundle, &mut passed);
+            sum += unblocked.iter().zip(&passed).take(bundle.len()).map(|(u, p)| *u * *p).sum::<Vec3>();
+        }
+        sum / count as f32
+    }
+
     /// Appends to `bundles` the shadow rays that [`Self::irradiance`] traces, in its order.
     pub fn shadow_bundles(&self, point: &SurfacePoint, samples: u32, key: Key, bundles: &mut Vec<RayBundle>) {
         let shift = |light| key.with(light).pair();

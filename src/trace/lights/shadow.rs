@@ -95,6 +95,11 @@ impl Tracer {
         if blocked { Vec3::ZERO } else { passed }
     }
 
+    /// Returns the share of light (0..1 per channel) that passes along a single shadow ray.
+    pub(crate) fn transmittance_along(&self, ray: &Ray) -> Vec3 {
+        self.transmittance(ray, &mut Occluder::default())
+    }
+
     /// True where two points, each with the normal of its surface, see each other from above their
     /// surfaces by the share `lift` of the distance between them. Glass does not hide.
     pub fn see_each_other(&self, a: (Vec3, Vec3), b: (Vec3, Vec3), lift: f32) -> bool {

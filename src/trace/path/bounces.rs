@@ -70,6 +70,60 @@ impl Tracer {
     }
 }
 
+/// A place where a path of [`Tracer::follow_path`] arrives.
+pub(crate) enum PathStop {
+    /// A surface that scatters diffusely.
+    Surface {
+        /// The point.
+        point: SurfacePoint,
+        /// Length of the way from the last such surface, scene units.
+        length: f32,
+        /// True where a mirror or a pane reflected the path on that way.
+        was_reflected: bool,
+    },
+    /// The sky, in this direction.
+    Sky(Vec3),
+}
+
+impl Tracer {
+    /// Follows one path of a point over up to `bounces` diffuse surfaces. `visit` is given each
+    /// stop, and the share of the radiance that leaves it towards the path that arrives at the
+    /// point, as radiance of a white surface.
+    pub(crate) fn follow_path(
+        &self,
+        start: &SurfacePoint,
+        (sequence, sample): (Sequence, u32),
+        bounces: u32,
+        rays: &mut RayCounts,
+        mut visit: impl FnMut(&PathStop, Vec3),
+    ) {
+        let settings = SmoothSettings { bounces, cache: None, footprint: 0.0, samples: 1 };
+        let path = Path { tracer: self, sequence, sample, settings };
+        let (mut point, mut throughput) = (*start, Vec3::ONE);
+        for bounce in 0..bounces.min(MAX_PATH) + 1 {
+            if !path.survives(bounce, &mut throughput) {
+                return;
+            }
+            let u = sequence.pair(sample, DIRECTION + bounce);
+            let Some(direction) = Diffuse::sample_direction(&point.facing(self.scene()), u) else { return };
+            let ray = Ray::new(point.origin_in_front(), direction);
+            match path.next(ray, &mut throughput, bounce, rays) {
+                Next::Lost => return,
+                Next::Sky(direction) => return visit(&PathStop::Sky(direction), throughput),
+                Next::Surface(..) if bounce == bounces => return,
+                Next::Surface(next, length, was_reflected) => {
+                    visit(&PathStop::Surface { point: next, length, was_reflected }, throughput);
+                    throughput *= next.albedo(self.scene());
+                    point = next;
+                }
+            }
+            if throughput.max_element() <= 0.0 {
+                return;
+            }
+        }
+    }
+}
+
 /// One path.
 struct Path<'a> {
     tracer: &'a Tracer,

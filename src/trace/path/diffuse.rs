@@ -64,18 +64,20 @@ pub struct LightSettings<'a> {
     pub cache: Option<&'a dyn CachedLight>,
     /// Size of the pixel on the surface, scene units.
     pub footprint: f32,
+    /// Irradiance straight from the lights, where it is known.
+    pub direct: Option<Vec3>,
 }
 
 impl From<TraceSettings> for LightSettings<'_> {
     fn from(trace: TraceSettings) -> Self {
-        Self { trace, cache: None, footprint: 0.0 }
+        Self { trace, cache: None, footprint: 0.0, direct: None }
     }
 }
 
 impl LightSettings<'_> {
     /// What the paths of smooth light are traced with, of which there are `samples`.
     pub(crate) fn smooth(&self, samples: u32) -> SmoothSettings<'_> {
-        let Self { trace, cache, footprint } = *self;
+        let Self { trace, cache, footprint, .. } = *self;
         SmoothSettings { bounces: trace.bounces, cache, footprint, samples }
     }
 }
@@ -130,6 +132,7 @@ impl Tracer {
         }
         let (trace, count) = (&settings.trace, samples.end - samples.start);
         let direct_irradiance = match samples.start {
+            _ if let Some(known) = settings.direct => known,
             0 => self.direct_irradiance(point, count, trace, seed, rays),
             start => {
                 let shift = |light| seed.sequence.pair(start, LATER.wrapping_add(light));

@@ -9,7 +9,7 @@ mod pixel;
 mod specular;
 
 pub use bounces::MAX_PATH;
-pub(crate) use bounces::SmoothSettings;
+pub(crate) use bounces::{PathStop, SmoothSettings};
 pub use cached_light::{CachedLight, Reader};
 pub use diffuse::{ArrivingLight, LightSettings};
 pub use pixel::PixelTrace;

@@ -180,7 +180,7 @@ fn a_panic_in_a_tile_is_one_message_and_the_next_scene_is_shown() {
     let mut broken = Scene::clone(&small_room());
     // No builder creates such a scene: it simulates a bug, met by every ray that hits this
     // triangle.
-    broken.triangle_materials.iter_mut().for_each(|m| *m = MaterialId(u32::MAX));
+    Arc::make_mut(&mut broken.triangle_materials).iter_mut().for_each(|m| *m = MaterialId(u32::MAX));
     let request = storm.plain_request();
     let text = storm.failure(broken, request);
     assert!(text.contains("rendering failed"), "{text}");

@@ -80,6 +80,11 @@ fn frame_rows(ui: &mut Ui, state: &AppState) {
     line(ui, "references", format!("{used} used / {held} held"));
     let [bytes, limit] = frame.cache_bytes.map(|b| b as f64 / f64::from(1 << 20));
     line(ui, "cache", format!("{bytes:.0} of {limit:.0} MB"));
+    let [traced, stale] = frame.traced_and_stale;
+    if stale > 0 {
+        let percent = 100.0 * stale as f64 / traced.max(1) as f64;
+        line(ui, "stale light", format!("{percent:.1} % of references"));
+    }
     if frame.cell_bytes > 0 {
         line(ui, "light cells", format!("{:.0} MB", frame.cell_bytes as f64 / f64::from(1 << 20)));
     }

@@ -64,6 +64,9 @@ pub struct PublishedFrame {
     pub references: Vec<ReferenceInfo>,
     /// Memory that references use, and their limit, in bytes.
     pub cache_bytes: [usize; 2],
+    /// Pixels of references whose light was traced, and of these the stale ones: the scene has
+    /// changed so that their light no longer holds.
+    pub traced_and_stale: [usize; 2],
     /// Memory of the cells in which paths of smooth light end, bytes.
     pub cell_bytes: usize,
     /// Time at which the frame, or the step that refined it, was begun.
@@ -88,6 +91,7 @@ impl PublishedFrame {
             is_refinement: false,
             references: Vec::new(),
             cache_bytes: [0, 0],
+            traced_and_stale: [0, 0],
             cell_bytes: 0,
             begun: Instant::now(),
             finished: Instant::now(),
@@ -119,6 +123,9 @@ impl PublishedFrame {
     pub fn list(&mut self, cache: &ReferenceCache, used: &[ReferenceId], added: &[(ReferenceId, Instant)]) {
         self.cache_bytes = [cache.bytes(), cache.budget_bytes()];
         self.cell_bytes = cache.cells().map_or(0, SurfaceCells::bytes);
+        let frames = || cache.entries().iter().map(|entry| &entry.frame);
+        let stale = frames().map(|frame| frame.stale()).sum();
+        self.traced_and_stale = [frames().map(|frame| frame.lit()).sum::<usize>() + stale, stale];
         self.references.clear();
         self.references.extend(cache.entries().iter().map(|entry| ReferenceInfo {
             id: entry.id,

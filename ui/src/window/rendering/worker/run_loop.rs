@@ -3,9 +3,10 @@
 use super::super::{Message, RenderCommand, locked};
 use super::state::{Worker, asks_for_pixels};
 use crate::picture::memory;
-use afterimage::{Walkthrough, render::schedule::Step};
-use std::sync::PoisonError;
+use afterimage::{Tracer, Walkthrough, WalkthroughSettings, render::schedule::Step};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::Ordering;
+use std::sync::{Arc, PoisonError};
 use std::time::Duration;
 
 /// Time after a frame in which the next pose comes while the camera moves.
@@ -96,6 +97,20 @@ impl Worker {
         }
     }
 
+    /// A walk through another scene, with the references of the last walk that still hold. Without
+    /// references where a panic ended this: frames will report the bug.
+    fn carried_to(&mut self, tracer: &Arc<Tracer>, settings: WalkthroughSettings) -> Walkthrough {
+        let new = || Walkthrough::new(tracer.clone(), settings).progressive();
+        let (Some(before), abandon) = (self.walk.take(), &self.shared.abandon) else { return new() };
+        let pool = &self.pool;
+        let carried = catch_unwind(AssertUnwindSafe(|| {
+            let mut walk = new();
+            pool.install(|| walk.take_references(before, &|| abandon.load(Ordering::Relaxed)));
+            walk
+        }));
+        carried.unwrap_or_else(|_| new())
+    }
+
     fn apply(&mut self, command: RenderCommand) {
         match (command, &mut self.walk) {
             (RenderCommand::SetTracer(tracer), _) => {
@@ -103,9 +118,12 @@ impl Worker {
                 self.shared.abandon.store(false, Ordering::Release);
                 let settings = self.request.map(|r| r.settings).unwrap_or_default();
                 // A new walkthrough: with another tracer in the old one, pixels that the first
-                // frame has not traced yet would show the old scene.
-                self.walk = Some(Walkthrough::new(tracer, settings).progressive());
-                self.added.clear();
+                // frame has not traced yet would show the old scene. Of the references it takes
+                // over what still holds.
+                let walk = self.carried_to(&tracer, settings);
+                let entries = walk.cache().entries();
+                self.added.retain(|(id, _)| entries.iter().any(|entry| entry.id == *id));
+                self.walk = Some(walk);
                 self.schedule.forget_failures();
             }
             (RenderCommand::AddReference(camera), _) => self.schedule.add_reference(Some(camera)),

@@ -1,0 +1,25 @@
+//! A walk goes on in another state of its scene.
+
+use super::walkthrough::Walkthrough;
+use crate::reference::stale::Carried;
+use crate::trace::parallel::Stop;
+
+impl Walkthrough {
+    /// Takes over the references of a walk through another state of the same model, edited or
+    /// loaded again: light that still holds is kept. Walks through other models have none to give,
+    /// and modes that do not look light up take none. What a stop leaves unexamined is not used before it is taken over again.
+    pub fn take_references(&mut self, before: Self, stop: Stop<'_>) -> Carried {
+        if !self.settings().render.mode.looks_up() {
+            // References of mode `paper` also hold how often light is reflected.
+            return Carried { dropped: before.cache.entries().len(), ..Carried::default() };
+        }
+        let tracer = self.tracer().clone();
+        let old = before.tracer().clone();
+        self.references_made = before.references_made;
+        self.cache = before.cache;
+        let is_edit = old.scene().has_same_geometry(tracer.scene());
+        let gone = if is_edit { 0 } else { self.cache.renumber([&old, &tracer]) };
+        let carried = self.cache.carry_to(&tracer, stop);
+        Carried { dropped: carried.dropped + gone, ..carried }
+    }
+}
