@@ -2,11 +2,12 @@
 
 use super::content::written_again;
 use super::rooms::{RoomOptions, cuboid, dvec, room, room_camera, room_tracer};
+use afterimage::math::key::Key;
 use afterimage::reference::{ReferenceCache, ReferenceFrame, stale::MAX_CHANGE};
-use afterimage::scene::{MaterialId, SceneEdit, builtin};
+use afterimage::scene::{MaterialId, SceneEdit, Sky, Sun, builtin};
 use afterimage::trace::{TraceSettings, parallel::NEVER};
 use afterimage::{Camera, Tracer, Walkthrough, WalkthroughSettings};
-use glam::Vec3;
+use glam::{Quat, Vec3};
 use std::sync::Arc;
 
 const SMALL: [u32; 2] = [32, 24];
@@ -67,6 +68,56 @@ fn light_that_moved_is_marked_and_little_else() {
     }
     let [moved, marked, missed] = sums;
     assert!(moved > 1000 && marked <= 3 * moved && missed * 100 <= moved, "{sums:?}");
+}
+
+/// One random edit of a material's colour, a lamp, the sun or the sky, the same for every seed.
+fn random_edit(edit: &mut SceneEdit, seed: u64) {
+    let key = Key::of_pixel(seed, 77);
+    let number = |k: u32| key.with(k).pair()[0];
+    let chosen = |of: Vec<usize>| of.get((number(1) * of.len() as f32) as usize).copied();
+    let lamps: Vec<usize> = (0..edit.materials.len()).filter(|&m| edit.materials[m].is_emissive()).collect();
+    let sun = edit.daylight.sun.unwrap_or_else(Sun::clear_day);
+    match (number(0) * 8.0) as u32 {
+        0 if !lamps.is_empty() => {
+            // Off would change the random numbers of the other lamps.
+            let lamp = chosen(lamps).unwrap_or_default();
+            edit.materials[lamp].emission *= 0.01 + 2.0 * number(2);
+        }
+        1 => edit.daylight.sun = Some(Sun { irradiance: sun.irradiance * (0.5 + number(2)), ..sun }),
+        2 => {
+            let turned = Quat::from_rotation_y(0.3 * (number(2) - 0.5)) * sun.direction;
+            edit.daylight.sun = Some(Sun { direction: turned, ..sun });
+        }
+        3 => edit.daylight.sky = Some(Sky::even(Vec3::new(number(2), number(3), number(4)))),
+        _ => {
+            let material = chosen((0..edit.materials.len()).collect()).unwrap_or_default();
+            let color = Vec3::new(number(2), number(3), number(4)) * 0.9;
+            let diffuse = &mut edit.materials[material].diffuse;
+            *diffuse = diffuse.lerp(color, number(5));
+        }
+    }
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn of_two_hundred_random_edits_nearly_all_light_that_moved_is_marked() {
+    let tracer = Tracer::new(Arc::new(builtin::build("cornell").unwrap()));
+    let trace = TraceSettings { samples: 64, bounces: TraceSettings::ALL_BOUNCES, seed: 3 };
+    let poses = [0, 100, 200].map(|frame| tracer.scene().walk.camera(frame, 300).unwrap());
+    let before = poses.map(|pose| traced(&tracer, &pose, &trace));
+    let mut sums = [0; 3];
+    for seed in 0..200 {
+        let new = edited(&tracer, |edit| random_edit(edit, seed));
+        let at = seed as usize % poses.len();
+        let after = traced(&new, &poses[at], &trace);
+        let mut cache = cache_of(&tracer, &before[at]);
+        cache.carry_to(&new, NEVER);
+        let found = compare(&before[at], &after, &cache.entries()[0].frame);
+        eprintln!("edit {seed}: moved, marked, missed {found:?}");
+        sums = [0, 1, 2].map(|k| sums[k] + found[k]);
+    }
+    let [moved, marked, missed] = sums;
+    assert!(moved > 10_000 && marked <= 3 * moved && missed * 100 <= moved, "{sums:?}");
 }
 
 #[test]
@@ -141,7 +192,8 @@ fn a_walk_goes_on_with_the_light_that_holds() {
     let mut same = Walkthrough::new(Arc::new(room_tracer(false, false)), settings);
     assert!(same.take_references(again, NEVER).pixels > 0);
     let again = same;
-    let mut other = Walkthrough::new(Arc::new(room_tracer(true, false)), settings);
+    let cornell = Tracer::new(Arc::new(builtin::build("cornell").unwrap()));
+    let mut other = Walkthrough::new(Arc::new(cornell), settings);
     assert_eq!(other.take_references(again, NEVER).pixels, 0);
     assert!(other.cache().entries().is_empty());
 }
@@ -179,8 +231,10 @@ fn a_model_loaded_again_in_another_order_keeps_all_light() {
 #[test]
 fn a_box_that_moves_leaves_the_direct_light_that_it_cannot_hide() {
     let empty = room(&RoomOptions { mirror: false, glass: false });
+    // The materials are written backwards.
+    let wall = MaterialId(2);
     let with_box = |x: f64, z: f64| {
-        let add = |b: &mut _| cuboid(b, dvec(x, 0.0, z), dvec(x + 0.4, 0.7, z + 0.4), MaterialId(0), false);
+        let add = |b: &mut _| cuboid(b, dvec(x, 0.0, z), dvec(x + 0.4, 0.7, z + 0.4), wall, false);
         Arc::new(Tracer::new(Arc::new(written_again(&empty, add))))
     };
     let mut sums = [0; 3];
