@@ -35,6 +35,7 @@ mod stability;
 mod stale;
 mod start_view;
 mod still_view;
+mod stored_walks;
 mod tiles;
 mod tour;
 mod tracing;

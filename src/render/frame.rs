@@ -89,6 +89,8 @@ pub struct FrameStats {
     pub rays: RayCounts,
     /// References that the frame could use.
     pub references_used: usize,
+    /// Share of the pixels, 0..1, whose light came from a store of references; `None` without one.
+    pub stored_share: Option<f32>,
     /// Reference pixels warped.
     pub warped_pixels: usize,
     /// False where the frame was stopped before every pixel was done.

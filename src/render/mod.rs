@@ -20,6 +20,7 @@ mod mixture;
 mod pace;
 mod paper_pixels;
 mod placeholders;
+mod placing;
 mod prefetch;
 mod preview;
 mod reference_job;

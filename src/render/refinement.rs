@@ -5,8 +5,9 @@ use super::frame::{Frame, RefineState};
 use super::request::FrameRequest;
 use super::rest::RestPicture;
 use super::settings::RenderSettings;
-use crate::reference::ReferenceCache;
+use crate::reference::{ReferenceCache, ReferenceFrame};
 use crate::trace::{Tracer, parallel::Stop};
+use std::sync::Arc;
 
 /// A picture on its way to convergence.
 #[derive(Debug)]
@@ -53,6 +54,14 @@ impl Refinement {
         match self {
             Self::Full(full) => full.write_to(frame),
             Self::Rest(rest) => rest.write_to(frame),
+        }
+    }
+
+    /// The reference of the view that was lit for the picture, if it has one.
+    pub(super) fn reference(&self, cache: &ReferenceCache) -> Option<Arc<ReferenceFrame>> {
+        match self {
+            Self::Full(_) => None,
+            Self::Rest(rest) => rest.reference(cache),
         }
     }
 

@@ -255,8 +255,13 @@ impl RestPicture {
     }
 
     /// The reference of this view that was finished last.
-    pub(super) fn own<'c>(&self, cache: &'c ReferenceCache) -> Option<&'c ReferenceFrame> {
-        cache.entries().iter().find(|entry| Some(entry.id) == self.own).map(|entry| &*entry.frame)
+    pub(super) fn own<'c>(&self, cache: &'c ReferenceCache) -> Option<&'c Arc<ReferenceFrame>> {
+        cache.entries().iter().find(|entry| Some(entry.id) == self.own).map(|entry| &entry.frame)
+    }
+
+    /// The same, to be kept.
+    pub(super) fn reference(&self, cache: &ReferenceCache) -> Option<Arc<ReferenceFrame>> {
+        self.own(cache).map(Arc::clone)
     }
 
     /// Settings of the next of some looked-up frames: together they have the samples of the

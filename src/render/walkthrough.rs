@@ -6,14 +6,14 @@
 
 use super::frame::{Frame, RefineState};
 use super::measures::FrameMeasures;
+use super::placing::Placing;
 use super::refinement::Refinement;
 use super::request::{FrameRequest, References};
 use super::settings::{Mode, RenderSettings, WalkthroughSettings};
 use super::{prefetch::Prefetch, preview, reference_job::ReferenceJob, renderer::Renderer};
 use crate::camera::{Camera, View};
-use crate::lookup::{LookupSet, open_percent};
 use crate::reference::{
-    Observation, ReferenceCache, ReferenceFrame, ReferenceId, cache::CachedReference, settings_of_reference,
+    ReferenceCache, ReferenceFrame, ReferenceId, cache::CachedReference, settings_of_reference,
 };
 use crate::store::StoreSession;
 use crate::trace::Tracer;
@@ -82,10 +82,11 @@ impl Walkthrough {
 
     /// Changes the scene, or its state. References of the old scene are dropped.
     pub fn set_tracer(&mut self, tracer: Arc<Tracer>) {
+        self.drop_refinement();
         self.tracer = tracer;
         self.cache = ReferenceCache::new(self.tracer.scene(), self.settings.cache_bytes);
         (self.previous, self.wanted) = (None, None);
-        (self.refinement, self.measures) = (None, FrameMeasures::default());
+        self.measures = FrameMeasures::default();
         if let Some(store) = &mut self.store {
             store.set_tracer(&self.tracer);
         }
@@ -128,10 +129,12 @@ impl Walkthrough {
 
     /// Sets the store of references that is read and written. References that are traced from now on
     /// have other random numbers than those in the store.
-    pub fn set_store(&mut self, store: Option<StoreSession>) {
+    /// Returns the store before.
+    pub fn set_store(&mut self, store: Option<StoreSession>) -> Option<StoreSession> {
+        self.drop_refinement();
         let number = store.as_ref().map_or(0, StoreSession::last_number);
         self.references_made = self.references_made.max(number);
-        self.store = store;
+        std::mem::replace(&mut self.store, store)
     }
 
     /// The store that is read and written.
@@ -256,6 +259,8 @@ impl Walkthrough {
         let shares = self.renderer.frame().supplier_shares(self.used.len());
         let shares: Vec<_> = self.used.iter().copied().zip(shares).collect();
         self.cache.note_contributions(&shares);
+        let store = self.store.as_ref();
+        self.renderer.frame_mut().stats.stored_share = store.map(|store| store.share_of(&shares));
         self.wanted = self.decide(&camera, size);
         let select_secs = select_secs + start.elapsed().as_secs_f64();
         let secs = &mut self.renderer.frame_mut().stats.secs;
@@ -310,48 +315,31 @@ impl Walkthrough {
     }
 
     /// Drops the work of [`Self::refine`], so that the next frame shows its mode's picture again.
+    /// The reference that it has lit is stored.
     pub fn drop_refinement(&mut self) {
-        self.refinement = None;
+        let reference = self.refinement.take().and_then(|refinement| refinement.reference(&self.cache));
+        if let (Some(reference), Some(store)) = (reference, &mut self.store) {
+            store.keep(&reference, self.settings.render.mode.purpose());
+        }
     }
 
     /// Drops the refinement if it belongs to another pose or other settings.
     fn keep_refinement(&mut self, camera: &Camera, size: [u32; 2]) {
         let render = &self.settings.render;
         let request = FrameRequest::new(&self.tracer, camera, size, render);
-        self.refinement = self.refinement.take().filter(|r| render.mode.refines() && r.is_of(&request));
+        if !self.refinement.as_ref().is_some_and(|r| render.mode.refines() && r.is_of(&request)) {
+            self.drop_refinement();
+        }
     }
 
     /// The pose of the reference that the policy wants after a frame.
     fn decide(&mut self, camera: &Camera, size: [u32; 2]) -> Option<Camera> {
-        if self.settings.render.mode == Mode::Full {
-            return None;
-        }
-        let types = self.frame().stats.types.percentages();
-        let is_sparse = self.settings.render.mode.looks_up();
-        let seen = Observation {
-            camera: *camera,
-            previous: self.previous.unwrap_or(*camera),
-            open_percent: if is_sparse { types.unseen_percent } else { types.type3_percent },
-            is_sparse,
-            was_cut: !self.frame().stats.is_complete,
-            held: self.cache.entries().len(),
-        };
         if let Some(pose) = self.wanted_ahead(camera, size) {
             return Some(pose);
         }
-        let (tracer, cache, most) = (&self.tracer, &self.cache, self.settings.max_references);
-        let placement = self.settings.placement;
-        let view = |pose: &Camera| View::new(pose, &tracer.scene().frame, size);
-        if is_sparse {
-            let lookup = LookupSet::new(cache, tracer.epoch());
-            return placement.decide(&seen, size, tracer, &mut |pose, spots| {
-                open_percent(tracer, &view(pose), &lookup, spots)
-            });
-        }
-        let selector = &mut self.selector;
-        placement.decide(&seen, size, tracer, &mut |pose, spots| {
-            selector.predict_open_percent(cache, &view(pose), tracer.epoch(), most, spots)
-        })
+        let (tracer, cache, settings) = (&*self.tracer, &self.cache, &self.settings);
+        let placing = Placing { tracer, cache, settings, selector: &mut self.selector };
+        placing.decide(self.renderer.frame(), self.previous.unwrap_or(*camera))
     }
 
     /// The pose of a reference that the policy wants before this frame is rendered, whatever the

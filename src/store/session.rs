@@ -24,6 +24,9 @@ const TURN_COSINE: f64 = 0.9976;
 /// Choices during which a reference that was evicted is not read again.
 const REST: u64 = 16;
 
+/// References that are read at once: they are in memory twice, as bytes and as pixels.
+const AT_ONCE: usize = 8;
+
 /// A record that fits the scene and the settings.
 #[derive(Clone, Copy, Debug)]
 struct Candidate {
@@ -66,6 +69,8 @@ pub struct StoreSession {
     candidates: Vec<Candidate>,
     /// The view for which references were chosen last, and how often that was done.
     chosen_for: Option<Camera>,
+    /// References serve that view that were not read yet.
+    is_unfinished: bool,
     choices: u64,
     touched: Vec<bool>,
     writer: StoreWriter,
@@ -74,8 +79,9 @@ pub struct StoreSession {
 }
 
 impl StoreSession {
-    /// Opens a store for a walk through a scene. With `waits`, the walk waits where references come
-    /// faster than they can be written, instead of dropping them.
+    /// Opens a store for a walk through a scene. With `waits`, the walk waits for the store: it reads
+    /// all references that serve a view at once, and drops none of its own. Without, it reads a few
+    /// before each frame.
     ///
     /// # Errors
     /// [`StoreError`] if the folder exists and cannot be read.
@@ -92,6 +98,7 @@ impl StoreSession {
             kind: None,
             candidates: Vec::new(),
             chosen_for: None,
+            is_unfinished: false,
             choices: 0,
             writer: StoreWriter::start(settings),
             waits,
@@ -102,11 +109,12 @@ impl StoreSession {
     }
 
     /// A number that no stored reference of a walk has, by which new ones get random numbers of
-    /// their own (`settings_of_reference`): there are at most as many as records.
+    /// their own (`settings_of_reference`): there are at most as many as records of the scene.
     pub fn last_number(&self) -> u32 {
         /// Numbers from the double of this on belong to pictures at rest.
         const NUMBERS: usize = 1 << 14;
-        (self.index.len() % NUMBERS) as u32
+        let holds = |place: &RecordPlace| self.index.summary(*place).holds_in(&self.content);
+        (self.index.places().iter().filter(|place| holds(place)).count() % NUMBERS) as u32
     }
 
     /// Changes the scene.
@@ -127,7 +135,9 @@ impl StoreSession {
         let start = Instant::now();
         self.choose_candidates(trace.bounces, purpose);
         if !self.candidates.is_empty() && self.has_moved(camera) {
-            let serving = self.serving(camera, size, cache);
+            let mut serving = self.serving(camera, size, cache);
+            self.is_unfinished = !self.waits && serving.len() > AT_ONCE;
+            serving.truncate(if self.is_unfinished { AT_ONCE } else { usize::MAX });
             self.read(&serving, cache);
         }
         self.report.secs += start.elapsed().as_secs_f64();
@@ -140,7 +150,7 @@ impl StoreSession {
             let is_turned = last.forward().dot(camera.forward()) < TURN_COSINE;
             last.eye.distance(camera.eye) <= step && !is_turned && last.fov_y >= camera.fov_y
         };
-        let has_moved = !self.chosen_for.as_ref().is_some_and(is_near);
+        let has_moved = self.is_unfinished || !self.chosen_for.as_ref().is_some_and(is_near);
         if has_moved {
             self.chosen_for = Some(*camera);
         }
@@ -190,8 +200,6 @@ impl StoreSession {
 
     /// Reads references into the cache, several at a time, until they fill half of it.
     fn read(&mut self, serving: &[usize], cache: &mut ReferenceCache) {
-        /// References that are in memory twice, as bytes and as pixels.
-        const AT_ONCE: usize = 8;
         let mut bytes = 0;
         for group in serving.chunks(AT_ONCE) {
             let load = |&at: &usize| self.index.load(self.candidates[at].place, &self.tracer, &self.content);
@@ -229,6 +237,19 @@ impl StoreSession {
                 0
             }
         }
+    }
+
+    /// Sum of the shares of a frame that references of the store supplied, 0..1.
+    pub fn share_of(&self, shares: &[(ReferenceId, f32)]) -> f32 {
+        let is_stored = |id: ReferenceId| self.candidates.iter().any(|c| c.state == State::Read(id));
+        shares.iter().filter(|(id, share)| *share > 0.0 && is_stored(*id)).map(|(_, share)| share).sum()
+    }
+
+    /// Problems that were not taken yet, one line each.
+    pub fn take_problems(&mut self) -> Vec<String> {
+        let mut problems = std::mem::take(&mut self.report.problems);
+        problems.extend(self.writer.take_problem());
+        problems
     }
 
     /// Stores a new reference, on a thread of its own.

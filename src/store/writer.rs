@@ -44,6 +44,7 @@ pub(super) struct StoreWriter {
     sender: Option<SyncSender<WriteJob>>,
     thread: Option<JoinHandle<()>>,
     report: Arc<Mutex<WriteReport>>,
+    has_told: bool,
 }
 
 impl StoreWriter {
@@ -55,7 +56,7 @@ impl StoreWriter {
         let writing = Writing { settings: settings.clone(), appender, report: Arc::clone(&report) };
         let name = "afterimage-store".to_owned();
         let thread = std::thread::Builder::new().name(name).spawn(move || writing.run(&jobs)).ok();
-        Self { sender: Some(sender), thread, report }
+        Self { sender: Some(sender), thread, report, has_told: false }
     }
 
     /// Queues a reference. Where too many wait, it is dropped and counted, or, with `waits`, the
@@ -74,6 +75,13 @@ impl StoreWriter {
     /// What was written so far.
     pub(super) fn report(&self) -> WriteReport {
         lock(&self.report).clone()
+    }
+
+    /// The problem, if it was not taken yet. It goes on to end writing.
+    pub(super) fn take_problem(&mut self) -> Option<String> {
+        let problem = lock(&self.report).problem.clone().filter(|_| !self.has_told);
+        self.has_told |= problem.is_some();
+        problem
     }
 
     /// Waits until all references are written.

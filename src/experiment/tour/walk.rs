@@ -130,7 +130,7 @@ pub fn fly(
 fn open_store(walk: &mut Walkthrough, settings: &TourSettings, observe: &mut impl FnMut(TourEvent<'_>)) {
     let Some(store) = &settings.store else { return };
     match StoreSession::open(store, walk.tracer(), true) {
-        Ok(session) => walk.set_store(Some(session)),
+        Ok(session) => drop(walk.set_store(Some(session))),
         Err(error) => observe(TourEvent::StoreProblem(&error.to_string())),
     }
 }

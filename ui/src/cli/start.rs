@@ -1,6 +1,7 @@
 //! `afterimage [SCENE]`: opens the window or, without a display, runs the tour of the scene.
 
-use super::{failure::Failure, flags::Flags, headless, interrupt, paths, pose, scene};
+use super::flags::{Flags, StoreChoice};
+use super::{failure::Failure, headless, interrupt, paths, pose, scene};
 use crate::picture::restore::{PictureView, beside, is_picture, read_view};
 use crate::settings::{Layers, suggestion};
 use crate::window::state::Appearance;
@@ -52,6 +53,7 @@ fn open_window(scene: Option<&str>, flags: &Flags, layers: &Layers) -> Result<()
         appearance: Appearance::of(&settings),
         settings_file: layers.user_file.clone(),
         state_folder: paths::state_folder(),
+        store: flags.store(&StoreChoice::Default),
         warnings: layers.warnings.clone(),
         ..LaunchOptions::default()
     };

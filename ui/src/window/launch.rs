@@ -7,6 +7,7 @@ use afterimage::import::DaylightOptions;
 use afterimage::raster::{color::ToneMap, exposure::Exposure};
 use afterimage::reference::PlacementPolicy;
 use afterimage::render::RenderSettings;
+use afterimage::store::StoreSettings;
 use afterimage::trace::TraceSettings;
 use afterimage::{Camera, WalkthroughSettings};
 use std::path::PathBuf;
@@ -43,8 +44,21 @@ pub struct LaunchOptions {
     /// Folder for recent files and for sessions kept in case of a crash; `None` to keep them
     /// nowhere.
     pub state_folder: Option<PathBuf>,
+    /// The store of references that is read and added to; `None` for none.
+    pub store: Option<StoreSettings>,
     /// Messages to show at the start: settings that are invalid.
     pub warnings: Vec<String>,
+}
+
+impl LaunchOptions {
+    /// Says where references will be kept, as long as that folder does not exist.
+    pub fn store_note(&self) -> Option<String> {
+        let store = self.store.as_ref().filter(|store| !store.folder.exists())?;
+        let (folder, megabytes) = (store.folder.display(), store.max_bytes >> 20);
+        Some(format!(
+            "light is kept for the next start in {folder}, at most {megabytes} MB; --store off keeps none"
+        ))
+    }
 }
 
 impl Default for LaunchOptions {
@@ -71,6 +85,7 @@ impl Default for LaunchOptions {
             appearance: Appearance::default(),
             settings_file: None,
             state_folder: None,
+            store: None,
             warnings: Vec::new(),
         }
     }

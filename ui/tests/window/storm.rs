@@ -32,7 +32,7 @@ impl Storm {
         let wake = Arc::new(move || {
             let _ = ring.send(());
         });
-        let thread = RenderThread::start(2, wake).expect("the threads start");
+        let thread = RenderThread::start(2, wake, None).expect("the threads start");
         let first = Arc::new(Tracer::new(small_room()));
         let mut look = first.scene().to_edit();
         look.materials[0].diffuse = Vec3::new(0.2, 0.5, 0.3);

@@ -28,7 +28,7 @@ impl Bench {
         let wake = Arc::new(move || {
             let _ = ring.send(());
         });
-        let thread = RenderThread::start(2, wake).expect("the threads start");
+        let thread = RenderThread::start(2, wake, None).expect("the threads start");
         let tracer = Arc::new(Tracer::new(small_room()));
         thread.send(RenderCommand::SetTracer(tracer.clone()));
         Self { thread, bell, shown: None, tracer }

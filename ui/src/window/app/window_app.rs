@@ -45,6 +45,9 @@ impl App {
         for warning in std::mem::take(&mut launch.warnings) {
             state.error(warning);
         }
+        if let Some(note) = launch.store_note() {
+            state.info(note);
+        }
         let graphics_errors = Arc::new(Mutex::new(Vec::new()));
         let graphics = cc.wgpu_render_state.clone();
         state.software_adapter = graphics.as_ref().and_then(|g| adapter::prepare(g, &graphics_errors, &wake));
@@ -57,7 +60,7 @@ impl App {
             ..Arrival::default()
         };
         let services = Services {
-            render: RenderThread::start(threads, wake.clone())?,
+            render: RenderThread::start(threads, wake.clone(), launch.store.clone())?,
             threads,
             launch,
             ctx: cc.egui_ctx.clone(),

@@ -78,6 +78,9 @@ fn frame_rows(ui: &mut Ui, state: &AppState) {
     line(ui, "rays", format!("{:.1} M/s", count as f64 / secs.frame.max(1e-9) / 1e6));
     let [used, held] = state.references_used_and_held();
     line(ui, "references", format!("{used} used / {held} held"));
+    if let Some(share) = frame.stats.stored_share {
+        line(ui, "from the store", format!("{:.0} %", 100.0 * share));
+    }
     let [bytes, limit] = frame.cache_bytes.map(|b| b as f64 / f64::from(1 << 20));
     line(ui, "cache", format!("{bytes:.0} of {limit:.0} MB"));
     let [traced, stale] = frame.traced_and_stale;

@@ -8,6 +8,7 @@ use super::{
     Message, PublishedFrame, RenderCommand, RenderRequest, Shared, Wake, Worker, background_pool, locked,
     references,
 };
+use afterimage::store::StoreSettings;
 use crossbeam_channel::{Receiver, unbounded};
 use std::io;
 use std::sync::Arc;
@@ -25,11 +26,12 @@ pub struct RenderThread {
 
 impl RenderThread {
     /// Starts both threads, each with a pool of its own. The pool for references is one thread
-    /// smaller, so that frames are rendered meanwhile.
+    /// smaller, so that frames are rendered meanwhile. References are read from the store and added
+    /// to it, if there is one.
     ///
     /// # Errors
     /// Where the system refuses to start the threads.
-    pub fn start(threads: usize, wake: Wake) -> io::Result<Self> {
+    pub fn start(threads: usize, wake: Wake, store: Option<StoreSettings>) -> io::Result<Self> {
         let shared = Arc::new(Shared::default());
         let (sender, messages) = unbounded();
         let inbox = shared.clone();
@@ -37,6 +39,7 @@ impl RenderThread {
         let (jobs, references) = references::start(threads.saturating_sub(1), deliver)?;
         let pool = background_pool("frames", threads)?;
         let mut worker = Worker::new(shared.clone(), pool, jobs, sender, wake);
+        worker.store = store;
         let name = "afterimage-frames".to_owned();
         let frames = std::thread::Builder::new().name(name).spawn(move || worker.run())?;
         Ok(Self { shared, messages, frames: Some(frames), references: Some(references) })

@@ -33,6 +33,7 @@ impl Worker {
             StepOutcome { is_shown, ..done }
         });
         self.framed = Some(Instant::now());
+        self.report_store();
     }
 
     /// Resumes or refines the last frame for a slice of time, and shows it unless it has become
@@ -78,7 +79,12 @@ impl Worker {
             }
             Err(panic) => {
                 let settings = self.request.map_or(*walk.settings(), |r| r.settings);
+                let mut store = walk.set_store(None);
                 *walk = Walkthrough::new(walk.tracer().clone(), settings).progressive();
+                if let Some(store) = &mut store {
+                    store.set_tracer(walk.tracer());
+                }
+                walk.set_store(store);
                 self.send(Message::Failed(format!("rendering failed: {}", panic_text(&*panic))));
                 None
             }

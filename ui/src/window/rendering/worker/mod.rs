@@ -5,5 +5,6 @@ mod references;
 mod replies;
 mod run_loop;
 mod state;
+mod store;
 
 pub(super) use state::Worker;

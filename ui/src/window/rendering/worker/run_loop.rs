@@ -26,6 +26,10 @@ impl Worker {
             self.send_picture();
         }
         self.cancel_reference();
+        // The light of a view at rest is stored.
+        if let Some(walk) = &mut self.walk {
+            walk.drop_refinement();
+        }
     }
 
     /// Sleeps until there is something to do, and empties the inbox. Returns the generation of its
@@ -120,7 +124,9 @@ impl Worker {
                 // A new walkthrough: with another tracer in the old one, pixels that the first
                 // frame has not traced yet would show the old scene. Of the references it takes
                 // over what still holds.
-                let walk = self.carried_to(&tracer, settings);
+                let store = self.walk.as_mut().and_then(|walk| walk.set_store(None));
+                let mut walk = self.carried_to(&tracer, settings);
+                walk.set_store(self.store_of(store, &tracer));
                 let entries = walk.cache().entries();
                 self.added.retain(|(id, _)| entries.iter().any(|entry| entry.id == *id));
                 self.walk = Some(walk);

@@ -4,6 +4,7 @@ use super::super::{Job, Message, RenderRequest, Shared, Wake};
 use afterimage::Walkthrough;
 use afterimage::reference::ReferenceId;
 use afterimage::render::schedule::{Schedule, Step};
+use afterimage::store::StoreSettings;
 use crossbeam_channel::Sender;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -26,6 +27,8 @@ pub(in crate::window::rendering) struct Worker {
     pub(super) wants_picture: bool,
     /// Times at which references were added.
     pub(super) added: Vec<(ReferenceId, Instant)>,
+    /// The store of references; `None` for none.
+    pub(in crate::window::rendering) store: Option<StoreSettings>,
 }
 
 impl Worker {
@@ -50,6 +53,7 @@ impl Worker {
             running: None,
             wants_picture: false,
             added: Vec::new(),
+            store: None,
         }
     }
 

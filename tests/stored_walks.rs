@@ -1,0 +1,90 @@
+//! Walks that read their references from a store.
+
+use crate::rooms::{dvec, room_tracer};
+use afterimage::camera::{CameraKey, CameraPath};
+use afterimage::experiment::{TourEvent, TourRecord, TourSettings, run_tour};
+use afterimage::store::{StoreIndex, StoreSettings};
+use afterimage::trace::TraceSettings;
+use afterimage::{Mode, RenderSettings, Tracer, WalkthroughSettings};
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+/// Walks two metres. Returns the record and the problems of the store.
+fn walk(tracer: &Arc<Tracer>, mode: Mode, store: Option<&Path>) -> (TourRecord, Vec<String>) {
+    let key = |z: f64| CameraKey { eye: dvec(0.2, 1.5, z), at: dvec(-0.2, 1.2, z - 7.5) };
+    let path = CameraPath { fov_y_deg: 65.0, frames: 6, keyframes: vec![key(3.5), key(1.5)] };
+    let trace = TraceSettings { samples: 2, bounces: 1, seed: 3 };
+    let render = RenderSettings { mode, trace };
+    let settings = TourSettings {
+        walkthrough: WalkthroughSettings { render, ..WalkthroughSettings::default() },
+        size: [64, 48],
+        frames: 6,
+        budget: None,
+        measure: None,
+        store: store.map(|folder| StoreSettings { folder: folder.to_owned(), max_bytes: 1 << 30 }),
+    };
+    let mut problems = Vec::new();
+    let record = run_tour(tracer, &path, &settings, &AtomicBool::new(false), |event| {
+        if let TourEvent::StoreProblem(problem) = event {
+            problems.push(problem.to_owned());
+        }
+    });
+    (record.unwrap(), problems)
+}
+
+/// Shares of pixel types and references of each frame.
+fn frames(record: &TourRecord) -> Vec<String> {
+    record.frames.iter().map(|f| format!("{:?} {}", f.types, f.references_held)).collect()
+}
+
+#[test]
+fn a_second_walk_reads_what_the_first_has_lit() {
+    let tracer = Arc::new(room_tracer(true, true));
+    for mode in [Mode::Exact, Mode::Fast, Mode::Paper] {
+        let folder = tempfile::tempdir().unwrap();
+        let (first, problems) = walk(&tracer, mode, Some(folder.path()));
+        assert!(problems.is_empty() && first.store.references_from_store == 0);
+        assert!(first.store.references_to_store > 0 && first.store.store_bytes > 0);
+        // Writing changes nothing.
+        assert_eq!(frames(&first), frames(&walk(&tracer, mode, None).0));
+        let (second, problems) = walk(&tracer, mode, Some(folder.path()));
+        assert!(problems.is_empty(), "{problems:?}");
+        assert!(second.store.references_from_store > 0, "{mode:?}");
+        assert!(second.references_added <= first.references_added);
+        let traced = |record: &TourRecord| record.frames[0].types.type3_percent;
+        assert!(traced(&second) < traced(&first) / 2.0, "{mode:?}: {}", traced(&second));
+    }
+}
+
+#[test]
+fn a_store_of_another_scene_or_without_a_whole_record_changes_nothing() {
+    let tracer = Arc::new(room_tracer(true, true));
+    let folder = tempfile::tempdir().unwrap();
+    let right = frames(&walk(&tracer, Mode::Exact, None).0);
+    walk(&Arc::new(room_tracer(false, true)), Mode::Exact, Some(folder.path()));
+    let (record, problems) = walk(&tracer, Mode::Exact, Some(folder.path()));
+    assert_eq!((frames(&record), record.store.references_from_store), (right.clone(), 0));
+    assert!(problems.is_empty());
+    for (segment, ..) in StoreIndex::read(folder.path()).unwrap().records() {
+        let mut bytes = std::fs::read(segment).unwrap();
+        bytes.chunks_mut(50).for_each(|part| part[0] ^= 0x55);
+        std::fs::write(segment, bytes).unwrap();
+    }
+    let (record, problems) = walk(&tracer, Mode::Exact, Some(folder.path()));
+    assert_eq!((frames(&record), record.store.references_from_store), (right, 0));
+    assert!(!problems.is_empty());
+}
+
+#[test]
+fn a_walk_without_access_to_its_store_goes_on_and_says_so_once() {
+    let tracer = Arc::new(room_tracer(false, false));
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("file");
+    std::fs::write(&file, "no folder").unwrap();
+    let right = frames(&walk(&tracer, Mode::Exact, None).0);
+    for store in [file.clone(), file.join("below")] {
+        let (record, problems) = walk(&tracer, Mode::Exact, Some(&store));
+        assert_eq!((frames(&record), problems.len()), (right.clone(), 1), "{problems:?}");
+    }
+}
