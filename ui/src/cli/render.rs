@@ -91,13 +91,13 @@ pub(crate) fn run(args: &RenderArgs, flags: &Flags) -> Result<(), Failure> {
     let camera = camera(flags, loaded.scene())?;
     let samples = flags.samples.or(args.seconds.map(|_| WINDOW_SAMPLES));
     let flags = &Flags { samples, ..flags.clone() };
-    let mut store = PictureStore::open(flags, &loaded, &camera)?;
-    let traced = trace_references(args, flags, &loaded, camera.fov_y.to_degrees())?;
-    let references = store.exchange(traced, flags);
     let job = job(args, flags, &loaded, camera);
     if let Some(seconds) = args.seconds {
         return run_timed(&job, args, flags, &loaded, seconds);
     }
+    let mut store = PictureStore::open(flags, &loaded, &camera)?;
+    let traced = trace_references(args, flags, &loaded, camera.fov_y.to_degrees())?;
+    let references = store.exchange(traced, flags);
     // An interrupted picture is kept too; its metadata and the result say that it is incomplete.
     let progress = SharedProgress::new("rendering");
     let (stop, note) = (interrupt::is_cancelled, |part| progress.at(part));
