@@ -255,7 +255,7 @@ impl StoreSession {
     /// Stores a new reference, on a thread of its own.
     pub fn keep(&mut self, reference: &Arc<ReferenceFrame>, purpose: Purpose) {
         let start = Instant::now();
-        if reference.lit() > 0 {
+        if reference.lit() > 0 && reference.epoch == self.tracer.epoch() {
             let (tracer, content) = (Arc::clone(&self.tracer), Arc::clone(&self.content));
             let job = WriteJob { reference: Arc::clone(reference), purpose, tracer, content };
             self.writer.write(job, self.waits);

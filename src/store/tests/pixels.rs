@@ -126,7 +126,9 @@ fn triangles_with_other_numbers_keep_their_pixels_and_lost_ones_lose_theirs() {
     let [reference, _] = stage.sparse([40, 30], &TRACE, 0.1);
     let (pixels, summary) = (encode(&reference, &stage.tracer, &stage.content), stage.summary(&reference));
     let other = Tracer::new(Arc::new(renumbered(stage.tracer.scene())));
-    let read = decode(&pixels, &summary, &other, &SceneContent::new(other.scene())).unwrap();
+    let content = SceneContent::new(other.scene());
+    assert!(summary.holds_in(&content));
+    let read = decode(&pixels, &summary, &other, &content).unwrap();
     assert_eq!(read.lit(), reference.lit());
     for pixel in (0..1200).filter(|&pixel| reference.has_light(pixel)) {
         let corners = |frame: &ReferenceFrame, tracer: &Tracer| {
@@ -138,6 +140,13 @@ fn triangles_with_other_numbers_keep_their_pixels_and_lost_ones_lose_theirs() {
             (read.light(pixel), read.disparity()[pixel as usize])
         );
     }
+    // One surface in another colour, or one light more.
+    let mut painted = stage.tracer.scene().as_ref().clone();
+    painted.materials[0].diffuse.x *= 0.5;
+    assert!(!summary.holds_in(&SceneContent::new(&painted)));
+    let mut lit = stage.tracer.scene().as_ref().clone();
+    lit.sun = Some(crate::scene::Sun::clear_day());
+    assert!(!summary.holds_in(&SceneContent::new(&lit)));
     // A scene in which other triangles stand elsewhere shares none of the pixels.
     let foreign = &STAGES[2];
     let read = decode(&pixels, &summary, &foreign.tracer, &foreign.content).unwrap();
