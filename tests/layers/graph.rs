@@ -140,7 +140,9 @@ fn module_of(file: &str) -> Vec<String> {
 fn collect(root: &Path, folder: &Path, files: &mut Vec<(String, String)>) {
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
-        if path.is_dir() {
+        if path.ends_with("tests") {
+            // The files of a test module that is a folder.
+        } else if path.is_dir() {
             collect(root, &path, files);
         } else if path.extension().is_some_and(|e| e == "rs") && !path.ends_with("tests.rs") {
             let name = path.strip_prefix(root).unwrap().components().map(|c| c.as_os_str().to_str().unwrap());
