@@ -43,6 +43,9 @@ fn compare(before: &ReferenceFrame, after: &ReferenceFrame, now: &ReferenceFrame
     [moved, marked, missed]
 }
 
+/// A change of a scene.
+type Change<'a> = &'a dyn Fn(&mut SceneEdit);
+
 #[test]
 fn light_that_moved_is_marked_and_little_else() {
     let tracer = Tracer::new(Arc::new(builtin::build("cornell").unwrap()));
@@ -51,7 +54,7 @@ fn light_that_moved_is_marked_and_little_else() {
     let before = traced(&tracer, &camera, &trace);
     let named = |name: &str| tracer.scene().materials.iter().position(|m| m.name == name).unwrap();
     let (green, lamp) = (named("green"), named("lamp"));
-    let edits: [(&str, &dyn Fn(&mut SceneEdit)); 3] = [
+    let edits: [(&str, Change<'_>); 3] = [
         ("a wall is darker", &|edit| edit.materials[green].diffuse *= 0.5),
         ("a wall has another colour", &|edit| edit.materials[green].diffuse = Vec3::new(0.5, 0.2, 0.6)),
         ("a lamp is dimmed", &|edit| edit.materials[lamp].emission *= 0.8),
@@ -266,5 +269,5 @@ fn a_box_that_moves_leaves_the_direct_light_that_it_cannot_hide() {
         }
     }
     let [moved, marked, missed] = sums;
-    assert!(moved > 50 && marked <= 3 * moved && missed == 0, "{sums:?}");
+    assert!(moved > 20 && marked > 0 && marked <= 3 * moved && missed == 0, "{sums:?}");
 }

@@ -105,10 +105,10 @@ impl RecordSummary {
         to.u64(self.settings.seed);
         to.u32(self.lit);
         to.u32(
-            u32::from(self.is_dense) * DENSE
-                | u32::from(self.has_smooth) * SMOOTH
-                | u32::from(self.has_reflections) * REFLECTIONS
-                | u32::from(self.purpose == Purpose::Warp) * WARPED,
+            (u32::from(self.is_dense) * DENSE)
+                | (u32::from(self.has_smooth) * SMOOTH)
+                | (u32::from(self.has_reflections) * REFLECTIONS)
+                | (u32::from(self.purpose == Purpose::Warp) * WARPED),
         );
         to.u32(self.light_scale.exponent_offset);
         to.u32(self.smooth_scale.exponent_offset);

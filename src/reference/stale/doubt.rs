@@ -140,7 +140,7 @@ impl DifferenceLight {
             [sequence.pair(sample, first), sequence.pair(sample, first + 1)]
         };
         let mut shadow = RayCounts::default();
-        let (emitted, reflected) = self.from_source(point, random(0), &mut shadow);
+        let (emitted, reflected) = self.one_of_sources(point, random(0), &mut shadow);
         let reflected = if self.bounces > 0 { reflected } else { Vec3::ZERO };
         let mut found = Sample { direct: emitted, smooth: reflected };
         let scenes = [&**self.old.scene(), &*self.new];
@@ -168,7 +168,7 @@ impl DifferenceLight {
                     }
                     found.smooth += share * reflection;
                 }
-                let (emitted, reflected) = self.from_source(next, random(stops), &mut shadow);
+                let (emitted, reflected) = self.one_of_sources(next, random(stops), &mut shadow);
                 let lamps = if self.sources.lamps.is_empty() {
                     Vec3::ZERO
                 } else {
@@ -183,7 +183,12 @@ impl DifferenceLight {
 
     /// One sample of the light that a surface point receives from a group of sources: what they
     /// emit, and what they reflect.
-    fn from_source(&self, point: &SurfacePoint, random: [[f32; 2]; 2], rays: &mut RayCounts) -> (Vec3, Vec3) {
+    fn one_of_sources(
+        &self,
+        point: &SurfacePoint,
+        random: [[f32; 2]; 2],
+        rays: &mut RayCounts,
+    ) -> (Vec3, Vec3) {
         let none = (Vec3::ZERO, Vec3::ZERO);
         // Choose a group in proportion to its estimated light.
         let mut total = 0.0;

@@ -177,7 +177,8 @@ fn a_prune_removes_damage_and_a_merge_adds_what_is_missing() {
     assert_eq!((report.records, report.added, report.duplicates), (4, 1, 3));
     let mut read = read_all(first.path()).0;
     let mut expected = RECORDS.clone();
-    (read.sort(), expected.sort());
+    read.sort();
+    expected.sort();
     assert!(read == expected);
     // A store that does not exist yet.
     let whole = first.path().join("whole");

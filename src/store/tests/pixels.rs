@@ -76,11 +76,11 @@ proptest! {
         let whole = RecordSummary::read(&summary);
         for length in [pixels.len(), cut.index(pixels.len())] {
             let pixels = &pixels[..length];
-            if let Some(summary) = whole.as_ref().filter(|summary| is_sound(pixels, summary)) {
-                if let Some(read) = decode(pixels, summary, &stage.tracer, &stage.content) {
-                    let mut cache = ReferenceCache::new(stage.tracer.scene(), 1 << 30);
-                    cache.insert(Arc::new(read));
-                }
+            if let Some(summary) = whole.as_ref().filter(|summary| is_sound(pixels, summary))
+                && let Some(read) = decode(pixels, summary, &stage.tracer, &stage.content)
+            {
+                let mut cache = ReferenceCache::new(stage.tracer.scene(), 1 << 30);
+                cache.insert(Arc::new(read));
             }
         }
         assert!(RecordSummary::read(&summary[..cut.index(summary.len())]).is_none());

@@ -20,6 +20,16 @@ pub struct App {
     input: Input,
 }
 
+/// Shows what there is to say about the start of the program.
+fn say_at_start(state: &mut AppState, launch: &mut LaunchOptions) {
+    for warning in std::mem::take(&mut launch.warnings) {
+        state.error(warning);
+    }
+    if let Some(note) = launch.store_note() {
+        state.info(note);
+    }
+}
+
 impl App {
     /// Starts the threads, and starts to load the scene.
     ///
@@ -42,12 +52,7 @@ impl App {
         if let Some(folder) = &launch.state_folder {
             read_state_folder(&mut state, folder);
         }
-        for warning in std::mem::take(&mut launch.warnings) {
-            state.error(warning);
-        }
-        if let Some(note) = launch.store_note() {
-            state.info(note);
-        }
+        say_at_start(&mut state, &mut launch);
         let graphics_errors = Arc::new(Mutex::new(Vec::new()));
         let graphics = cc.wgpu_render_state.clone();
         state.software_adapter = graphics.as_ref().and_then(|g| adapter::prepare(g, &graphics_errors, &wake));
