@@ -79,7 +79,8 @@ fn frame_rows(ui: &mut Ui, state: &AppState) {
     let [used, held] = state.references_used_and_held();
     line(ui, "references", format!("{used} used / {held} held"));
     if let Some(share) = frame.stats.stored_share {
-        line(ui, "from the store", format!("{:.0} %", 100.0 * share));
+        // The sum of no shares is -0.
+        line(ui, "from the store", format!("{:.0} %", 100.0 * share.abs()));
     }
     let [bytes, limit] = frame.cache_bytes.map(|b| b as f64 / f64::from(1 << 20));
     line(ui, "cache", format!("{bytes:.0} of {limit:.0} MB"));
