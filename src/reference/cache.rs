@@ -259,7 +259,8 @@ impl ReferenceCache {
 
     /// Follows the triangles of a model that was loaded again to their new numbers, before
     /// [`Self::carry_to`]. Where objects moved, came or went, smooth light is marked as stale, and
-    /// direct light where they can change it. Drops the references of other models. Returns the number of those that were dropped.
+    /// direct light where they can change it. Drops the references of other models, and returns
+    /// their number.
     pub fn renumber(&mut self, tracers: [&Tracer; 2]) -> usize {
         let [old, new] = tracers.map(|tracer| &**tracer.scene());
         let before = self.entries.len();

@@ -7,7 +7,8 @@ use crate::trace::parallel::Stop;
 impl Walkthrough {
     /// Takes over the references of a walk through another state of the same model, edited or
     /// loaded again: light that still holds is kept. Walks through other models have none to give,
-    /// and modes that do not look light up take none. What a stop leaves unexamined is not used before it is taken over again.
+    /// and modes that do not look light up take none. What a stop leaves unexamined is not used
+    /// before it is taken over again.
     pub fn take_references(&mut self, before: Self, stop: Stop<'_>) -> Carried {
         if !self.settings().render.mode.looks_up() {
             // References of mode `paper` also hold how often light is reflected.

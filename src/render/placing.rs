@@ -8,7 +8,7 @@ use crate::reference::{Observation, ReferenceCache};
 use crate::trace::Tracer;
 use crate::warp::ReferenceSelector;
 
-/// What a policy decides from.
+/// The state of a walk from which the placement rule decides where a reference is wanted.
 pub(super) struct Placing<'w> {
     pub(super) tracer: &'w Tracer,
     pub(super) cache: &'w ReferenceCache,

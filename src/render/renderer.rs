@@ -5,8 +5,7 @@
 //!    (`lookup/view.rs`, `lookup/gather.rs`), and decides each pixel's type in `write_pixel`.
 //! 3. Open pixels go to the lists (`worklist.rs`), which `PixelResolver`
 //!    (`lookup/exact.rs`) completes.
-//! 4. `conclude` fills gaps and counts; `keep_frame` (`walkthrough.rs`) may store a sparse
-//!    reference.
+//! 4. `conclude` fills gaps and counts; `keep_frame` (`walkthrough.rs`) may keep a reference.
 //!
 //! Mode `paper` warps in step 2 (`warp`, `paper_pixels.rs`).
 
@@ -67,8 +66,7 @@ pub struct Renderer {
     dispersal: Dispersal,
     placeholders: Placeholders,
     carried: CarriedLight,
-    /// Irradiance straight from the lights where this frame traced it or settled a guess, for the
-    /// guesses still to check.
+    /// Irradiance from the lights where this frame traced it or settled a guess, for later guesses.
     between: LightBetween,
     is_progressive: bool,
     /// True in modes that look up, which find the hits of all pixels first.

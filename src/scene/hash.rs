@@ -33,14 +33,6 @@ pub(super) fn of(scene: &Scene) -> String {
     hasher.0.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// Returns the SHA-256 of the sun and the sky.
-pub(crate) fn hash_of_sun_and_sky(scene: &Scene) -> [u8; 32] {
-    let mut hasher = SceneHasher(Sha256::new());
-    hasher.add(VERSION);
-    hasher.add_sun_and_sky(scene);
-    hasher.0.finalize().into()
-}
-
 struct SceneHasher(Sha256);
 
 impl SceneHasher {
@@ -75,10 +67,6 @@ impl SceneHasher {
                 self.add(&[position, intensity]);
             }
         }
-        self.add_sun_and_sky(scene);
-    }
-
-    fn add_sun_and_sky(&mut self, scene: &Scene) {
         let sun = scene.sun.map(|s| [s.direction, Vec3::splat(s.angular_radius), s.irradiance]);
         self.add(sun.as_slice());
         match &scene.sky {

@@ -45,7 +45,6 @@ pub use daylight::{Daylight, DaylightModel};
 pub use edit::SceneEdit;
 pub use error::{SceneError, Warning};
 pub use features::SceneFeatures;
-pub(crate) use hash::hash_of_sun_and_sky;
 pub use light::Light;
 pub(crate) use light::point_on_mesh;
 pub use material::{Material, MaterialId, MaterialKind};

@@ -37,12 +37,6 @@ impl ContentHasher {
         values.iter().for_each(|value| self.word(value.to_bits().into()));
     }
 
-    /// Adds a word of sixteen bytes.
-    pub(crate) fn wide(&mut self, word: u128) {
-        self.word(word as u64);
-        self.word((word >> 64) as u64);
-    }
-
     /// Adds bytes, with their number.
     pub(crate) fn bytes(&mut self, bytes: &[u8]) {
         self.word(bytes.len() as u64);

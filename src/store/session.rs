@@ -51,7 +51,7 @@ pub struct StoreReport {
     pub references_read: usize,
     /// Time in seconds that the walk spent on the store, without the thread that writes.
     pub secs: f64,
-    /// What was written.
+    /// Records that were written to the store, and those that could not be.
     pub written: WriteReport,
     /// Problems, one line each.
     pub problems: Vec<String>,

@@ -77,7 +77,7 @@ impl StoreWriter {
         lock(&self.report).clone()
     }
 
-    /// The problem, if it was not taken yet. It goes on to end writing.
+    /// The problem that ended writing, if it was not taken before.
     pub(super) fn take_problem(&mut self) -> Option<String> {
         let problem = lock(&self.report).problem.clone().filter(|_| !self.has_told);
         self.has_told |= problem.is_some();

@@ -23,9 +23,9 @@ const NEAR: f32 = 0.5;
 /// How much the light at a point may differ: the largest channel, as radiance of a white surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Doubt {
-    /// Of the light straight from the lights.
+    /// Difference of the light straight from the lights.
     pub(super) direct: f32,
-    /// Of smooth light.
+    /// Difference of the smooth light.
     pub(super) smooth: f32,
 }
 

@@ -16,7 +16,7 @@ pub(crate) struct Renumbering {
     pub(crate) new_of_old: Vec<u32>,
     /// Old number of each new triangle; [`NONE`] for those that were added.
     old_of_new: Vec<u32>,
-    /// What moved, came or went.
+    /// Boxes around triangles that are in only one of the two scenes; `None` where all are in both.
     pub(crate) moved: Option<Moved>,
 }
 

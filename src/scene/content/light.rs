@@ -13,7 +13,7 @@ pub struct MaterialContent {
     pub reflection: ContentHash,
     /// What passes through it, and so along shadow rays: glass and cut-out texels.
     pub transmission: ContentHash,
-    /// What it emits.
+    /// The radiance that it emits, in linear RGB.
     pub emission: ContentHash,
 }
 
@@ -57,7 +57,7 @@ impl LightContent {
 }
 
 /// Returns the contents of the materials of two scenes, to be compared. Scenes that share their
-/// textures are told apart by the numbers of these, which is faster than to hash them.
+/// textures are compared by the numbers of these, which is faster than to hash them.
 pub(crate) fn materials_of_both(scenes: [&Scene; 2]) -> [Vec<MaterialContent>; 2] {
     if !Arc::ptr_eq(&scenes[0].textures, &scenes[1].textures) {
         return scenes.map(|scene| LightContent::of(scene).materials);

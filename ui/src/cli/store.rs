@@ -41,7 +41,8 @@ impl Folders {
             let folder = choice.folder().ok_or_else(|| Failure::Usage("'off' is no store".to_owned()))?;
             let is_there = folder.is_dir() || (may_be_new && at == 0);
             is_there.then(|| folder.clone()).ok_or_else(|| {
-                Failure::Usage(format!("there is no store {}: no such folder", folder.display()))
+                let why = if folder.exists() { "it is no folder" } else { "no such folder" };
+                Failure::Usage(format!("there is no store {}: {why}", folder.display()))
             })
         });
         folders.collect()
