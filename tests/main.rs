@@ -4,6 +4,7 @@
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stderr, reason = "tests")]
 
 mod audit;
+mod baking;
 mod bands;
 mod bsdf;
 mod budget;

@@ -39,10 +39,23 @@ impl GrowingReference {
         settings: &TraceSettings,
         known: &LookupSet<'_>,
     ) -> Self {
+        Self::begin_where(tracer, camera, size, settings, known, |_| true)
+    }
+
+    /// Like [`Self::begin`], where only pixels are lit for which `is_wanted` holds.
+    pub(super) fn begin_where(
+        tracer: &Tracer,
+        camera: &Camera,
+        size: [u32; 2],
+        settings: &TraceSettings,
+        known: &LookupSet<'_>,
+        is_wanted: impl Fn(u32) -> bool,
+    ) -> Self {
         let start = Instant::now();
         let view = View::new(camera, &tracer.scene().frame, size);
         let tiles = hit_tiles(tracer, &view, known);
         let mut open = open_pixels(&tiles, &view);
+        open.retain(|&pixel| is_wanted(pixel));
         let between = (settings.bounces == 0).then(|| LightBetween::new(size));
         if between.is_some() {
             open.sort_by_key(|&pixel| round_of(pixel, size[0]));

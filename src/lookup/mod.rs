@@ -19,6 +19,7 @@
 //! | `point_cache` | light that earlier frames traced at single points |
 //! | `between` | which pixels are traced first, and the light of those between them |
 //! | `sparse` | sparse references, which light only what older references do not know well |
+//! | `planned` | which pixels of a planned reference others of the plan light |
 //! | `policy` | every threshold |
 
 mod band;
@@ -28,6 +29,7 @@ mod found;
 mod gather;
 mod growing;
 mod open_pixels;
+mod planned;
 mod point;
 mod point_cache;
 mod policy;
@@ -44,6 +46,7 @@ pub(crate) use between::{LightBetween, PictureSurfaces, round_of, rounds_of};
 pub(crate) use exact::{CheckedPixel, Guess, PixelResolver, Tally};
 pub use found::FoundLight;
 pub(crate) use growing::GrowingReference;
+pub(crate) use planned::PlannedPictures;
 pub use point::LookupSet;
 pub use point_cache::{CachedLight, PointCache, SurfaceKey, TracedPoint};
 pub use policy::LookupQuality;

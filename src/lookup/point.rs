@@ -53,7 +53,7 @@ pub(super) struct LookupReference<'a> {
 impl<'a> LookupReference<'a> {
     /// Prepares the direct light of some pixels of a reference, with their smooth light where
     /// `has_smooth`.
-    fn new(
+    pub(super) fn new(
         frame: &'a ReferenceFrame,
         (light, has_smooth): (&'a [u32], bool),
         normals: &'a [PackedNormal],

@@ -103,6 +103,11 @@ pub(super) const MAX_BEND_BETWEEN: f32 = 0.04;
 
 // How many references are read.
 
+/// A planned reference leaves a surface to an earlier one that has at least this share of its
+/// samples there, inverted: half as many per axis. The store takes the same value for how fine a
+/// stored reference has to be.
+pub(super) const COMPARABLE: f32 = 4.0;
+
 /// References averaged, at most, for a point seen in a mirror or through glass. More would cost
 /// more time than the noise that they remove is worth.
 pub(super) const MAX_AVERAGED_REFERENCES: usize = 3;

@@ -28,6 +28,21 @@ impl ReferenceFrame {
         reference.light(tracer, known, settings.samples.max(1), stop).then(|| reference.finish())
     }
 
+    /// Traces a reference whose pixels are lit only where `is_wanted` holds, whatever other
+    /// references know: `empty` is a set without any. Returns `None` after a stop.
+    pub(crate) fn trace_where(
+        tracer: &Tracer,
+        camera: &Camera,
+        size: [u32; 2],
+        settings: &TraceSettings,
+        empty: &LookupSet<'_>,
+        is_wanted: impl Fn(u32) -> bool,
+        stop: Stop<'_>,
+    ) -> Option<Self> {
+        let mut reference = GrowingReference::begin_where(tracer, camera, size, settings, empty, is_wanted);
+        reference.light(tracer, empty, settings.samples.max(1), stop).then(|| reference.finish())
+    }
+
     /// Makes a reference of pixels that a frame has lit, with their light. `hits` holds the
     /// distance and triangle of every pixel, row-major.
     pub fn from_lit_pixels(

@@ -9,6 +9,7 @@ mod accumulate;
 #[cfg(feature = "pictures")]
 pub mod aov;
 pub mod audit;
+pub mod bake;
 pub mod bands;
 mod carried_light;
 mod carry;

@@ -7,10 +7,12 @@
 //! is being written. `docs/STORE.md` describes the format.
 //!
 //! A [`StoreSession`] is a store in use by a walk: it reads the references that serve a view, and
-//! hands new ones to a thread that writes them.
+//! hands new ones to a thread that writes them. A [`StoreBuilder`] adds references one by one and
+//! removes none.
 
 mod append;
 mod budget;
+mod builder;
 mod bytes;
 mod cells;
 mod codec;
@@ -27,6 +29,7 @@ mod summary;
 mod tests;
 mod writer;
 
+pub use builder::StoreBuilder;
 pub use content::SceneContent;
 pub use index::StoreIndex;
 pub use maintain::{MaintenanceReport, merge, prune, verify};
@@ -55,5 +58,25 @@ pub enum StoreError {
         path: PathBuf,
         /// Error of the system.
         cause: std::io::Error,
+    },
+    /// The folder, or a file in it, cannot be written.
+    #[error("cannot write to the store {path}: {cause}", path = path.display())]
+    Write {
+        /// Path of the folder.
+        path: PathBuf,
+        /// Error of the system.
+        cause: std::io::Error,
+    },
+    /// The store has its largest size.
+    #[error(
+        "the store {path} is full: it has its limit of {} MB; --store-mb sets a larger one",
+        max_bytes >> 20,
+        path = path.display()
+    )]
+    Full {
+        /// Path of the folder.
+        path: PathBuf,
+        /// The limit, bytes.
+        max_bytes: u64,
     },
 }

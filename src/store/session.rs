@@ -11,6 +11,7 @@ use crate::camera::Camera;
 use crate::reference::{ReferenceCache, ReferenceFrame, ReferenceId};
 use crate::trace::{TraceSettings, Tracer};
 use rayon::prelude::*;
+use std::cmp::Reverse;
 use std::collections::HashSet;
 use std::sync::Arc;
 use std::time::Instant;
@@ -168,8 +169,10 @@ impl StoreSession {
             is_kind && summary.holds_in(&self.content)
         };
         self.chosen_for = None;
-        let places = self.index.places().into_iter().filter(fits);
-        self.candidates = places.map(|place| Candidate { place, state: State::Stored }).collect();
+        let mut places: Vec<RecordPlace> = self.index.places().into_iter().filter(fits).collect();
+        // Of references that serve equally well, those with the least noise come first.
+        places.sort_by_key(|place| Reverse(self.index.summary(*place).settings.samples));
+        self.candidates = places.into_iter().map(|place| Candidate { place, state: State::Stored }).collect();
     }
 
     /// Candidates to be read for a view, best first.

@@ -1,7 +1,7 @@
 //! Which rule leaves the fewest open pixels at equal tracing.
 
 use super::run::{MODES, POLICIES};
-use super::{floor_plan, walks::WALKS};
+use super::{floor_plan, stored, walks::WALKS};
 use crate::experiment::run::report::{Axis, Block, Drawn, Picture, Point, Section, Series, row};
 use crate::experiment::run::{Identity, Report, RunRecord, matching};
 use crate::render::Mode;
@@ -102,6 +102,7 @@ fn least_open(curve: &[[f64; 2]], work: f64) -> Option<f64> {
 
 fn section(mode: Mode, records: &[RunRecord]) -> Section {
     let mut blocks = vec![Block::text(ABOUT), policies(mode, records), open_against_tracing(mode, records)];
+    blocks.extend(stored::table(mode, records));
     for (walk, _) in WALKS {
         let picture = |rule: &str| {
             Picture::new(floor_plan::file_name(mode.name(), walk, rule), format!("{walk}, {rule}"))

@@ -1,6 +1,6 @@
 //! The walks, modes, rules and thresholds that are compared, and the run of one of them.
 
-use super::{floor_plan, walks};
+use super::{floor_plan, stored, walks};
 use super::{reference_usage::ReferenceUsage, walks::WALKS};
 use crate::camera::Camera;
 use crate::experiment::measure::{MeasureSettings, Measurement};
@@ -64,6 +64,7 @@ pub(crate) fn cells(context: &ExperimentContext<'_>) -> Vec<Cell> {
             }
         }
     }
+    cells.extend(stored::cells());
     cells
 }
 
@@ -78,6 +79,9 @@ pub(crate) fn run_cell(context: &ExperimentContext<'_>, cell: &RunRecord) -> Cel
         cell.text("rule").and_then(|rule| PlacementPolicy::named(rule, percent)).ok_or_else(unknown)?;
     let cameras = walks::cameras(context, cell.text("walk").unwrap_or_default()).ok_or_else(unknown)?;
     let settings = tour_settings(context, mode, policy, cameras.len() as u32);
+    if let Some(store) = cell.text("store") {
+        return stored::run(context, (&cameras, &settings), store);
+    }
     let mut usage = ReferenceUsage::default();
     let tour = fly(context.tracer, &cameras, &settings, context.stop, |event| {
         if let TourEvent::Frame(record, walk) = event {
@@ -130,7 +134,7 @@ fn tour_settings(
 }
 
 /// The record of the whole cell.
-fn summary(tour: &TourRecord, usage: &ReferenceUsage) -> RunRecord {
+pub(super) fn summary(tour: &TourRecord, usage: &ReferenceUsage) -> RunRecord {
     let frames = &tour.frames;
     let of = |value: fn(&FrameRecord) -> f64| frames.iter().map(value);
     let mean =

@@ -20,7 +20,7 @@ pub const GRID: PlacementRule = PlacementRule {
 
 /// Returns the poses of the finest grid that keeps within the maximum number of references.
 fn prefetch_poses(tracer: &Tracer, request: &PrefetchRequest) -> Vec<Camera> {
-    let directions = directions(request);
+    let directions = directions(request.size, request.fov_y);
     let places = walkable(tracer);
     let on_grid = |step: i32| {
         places.iter().filter(move |p| p.column.rem_euclid(step) == 0 && p.row.rem_euclid(step) == 0)
@@ -41,9 +41,10 @@ fn prefetch_poses(tracer: &Tracer, request: &PrefetchRequest) -> Vec<Camera> {
         .collect()
 }
 
-/// Returns the number of pictures that cover a full turn.
-fn directions(request: &PrefetchRequest) -> usize {
-    let aspect = f64::from(request.size[0].max(1)) / f64::from(request.size[1].max(1));
-    let across = 2.0 * ((request.fov_y / 2.0).tan() * aspect).atan();
+/// Returns the number of pictures of this size, and vertical field of view in radians, that cover a
+/// full turn.
+pub fn directions(size: [u32; 2], fov_y: f64) -> usize {
+    let aspect = f64::from(size[0].max(1)) / f64::from(size[1].max(1));
+    let across = 2.0 * ((fov_y / 2.0).tan() * aspect).atan();
     (TAU / across).ceil() as usize
 }

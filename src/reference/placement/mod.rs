@@ -15,7 +15,7 @@ mod threshold;
 mod walkable;
 
 pub use greedy::GREEDY;
-pub use grid::GRID;
+pub use grid::{GRID, directions};
 pub use none::NONE;
 pub use predictive::PREDICTIVE;
 pub use rule::{Observation, OpenPrediction, OpenSpot, PlacementRule, PrefetchRequest, Situation};

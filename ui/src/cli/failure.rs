@@ -2,7 +2,7 @@
 
 use crate::picture::TooLarge;
 use afterimage::experiment::run::ExperimentError;
-use afterimage::{raster::save::SaveError, scene::SceneError, store::StoreError};
+use afterimage::{raster::save::SaveError, render::bake::BakeError, scene::SceneError, store::StoreError};
 
 /// Why a command failed.
 #[derive(Debug)]
@@ -73,6 +73,16 @@ impl From<SceneError> for Failure {
 impl From<StoreError> for Failure {
     fn from(error: StoreError) -> Self {
         Self::Failed(error.to_string())
+    }
+}
+
+impl From<BakeError> for Failure {
+    fn from(error: BakeError) -> Self {
+        match error {
+            BakeError::Stopped => Self::Interrupted,
+            BakeError::NoPlace | BakeError::EmptyPath => Self::Usage(error.to_string()),
+            BakeError::NothingSeen | BakeError::NoLight => Self::Failed(error.to_string()),
+        }
     }
 }
 

@@ -3,6 +3,7 @@
 //!
 //! Data goes to stdout, messages to stderr. Only `doctor` and the window use graphics.
 
+mod bake;
 mod compare;
 mod doctor;
 mod experiment;
@@ -60,6 +61,8 @@ enum Command {
     Render(render::RenderArgs),
     /// Render the scene's camera path and record every frame.
     Tour(tour::TourArgs),
+    /// Fill a store with references of the whole scene, before anybody walks there.
+    Bake(bake::BakeArgs),
     /// Run a named experiment.
     Experiment(experiment::ExperimentArgs),
     /// List a scene's contents, the features it uses, and the warnings about its files.
@@ -84,6 +87,7 @@ impl Command {
         match self {
             Self::Render(args) => args.scene.as_deref(),
             Self::Tour(args) => args.scene.as_deref(),
+            Self::Bake(args) => args.scene.as_deref(),
             Self::Inspect(args) => Some(&args.scene),
             _ => None,
         }
@@ -173,6 +177,7 @@ fn dispatch(cli: &Cli, layers: &Layers) -> Result<(), Failure> {
         (scene, None) => start::start(scene.as_deref(), flags, layers, &Cli::command()),
         (None, Some(Command::Render(args))) => render::run(args, flags),
         (None, Some(Command::Tour(args))) => tour::run(args, flags),
+        (None, Some(Command::Bake(args))) => bake::run(args, flags),
         (None, Some(Command::Experiment(args))) => experiment::run(args, flags),
         (None, Some(Command::Inspect(args))) => inspect::run(args, flags),
         (None, Some(Command::Compare(args))) => compare::run(args, flags),
