@@ -7,10 +7,12 @@
 //! Further cells repeat a walk with a store: a second time, and after a bake along the walk.
 
 mod floor_plan;
+mod policies;
 mod reference_usage;
 mod report;
 mod run;
 mod stored;
+mod summary;
 mod walks;
 
 pub(super) use report::report;

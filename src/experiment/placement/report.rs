@@ -1,6 +1,6 @@
 //! Which rule leaves the fewest open pixels at equal tracing.
 
-use super::run::{MODES, POLICIES};
+use super::policies::{MODES, POLICIES};
 use super::{floor_plan, stored, walks::WALKS};
 use crate::experiment::run::report::{Axis, Block, Drawn, Picture, Point, Section, Series, row};
 use crate::experiment::run::{Identity, Report, RunRecord, matching};

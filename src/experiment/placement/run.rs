@@ -1,45 +1,16 @@
-//! The walks, modes, rules and thresholds that are compared, and the run of one of them.
+//! The cells of the experiment, and the run of one of them.
 
-use super::{floor_plan, stored, walks};
-use super::{reference_usage::ReferenceUsage, walks::WALKS};
+use super::policies::{MODES, POLICIES};
+use super::reference_usage::ReferenceUsage;
+use super::{floor_plan, stored, summary::summary, walks, walks::WALKS};
 use crate::camera::Camera;
-use crate::experiment::measure::{MeasureSettings, Measurement};
+use crate::experiment::measure::MeasureSettings;
 use crate::experiment::run::{
     Cell, CellOutcome, Effort, ExperimentContext, ExperimentError, ExperimentSettings, RunRecord,
 };
-use crate::experiment::statistics::{median, percentile};
-use crate::experiment::tour::{FrameRecord, TourEvent, TourRecord, TourSettings, fly};
-use crate::raster::exposure::decimal;
+use crate::experiment::tour::{TourEvent, TourSettings, fly};
 use crate::reference::PlacementPolicy;
 use crate::render::{Mode, RenderSettings, WalkthroughSettings};
-
-pub(super) const MODES: [Mode; 2] = [Mode::Paper, Mode::Exact];
-
-/// A placement rule and the percentages at which it is measured. Above 20 %, and for sparse
-/// references below 1 %, the percentage alone decides whether a reference is worth tracing.
-pub(super) struct Policy {
-    pub(super) rule: &'static str,
-    /// Percentages for the dense references of the paper; the quick effort takes the first.
-    dense: &'static [f64],
-    /// Percentages for the sparse references of the look-up; the quick effort takes the first.
-    sparse: &'static [f64],
-}
-
-impl Policy {
-    /// The percentages for the references of a mode.
-    pub(super) fn percents(&self, mode: Mode) -> &'static [f64] {
-        if mode.looks_up() { self.sparse } else { self.dense }
-    }
-}
-
-/// The rules and thresholds that are compared.
-pub(super) const POLICIES: &[Policy] = &[
-    Policy { rule: "threshold", dense: &[5.0, 2.0, 10.0, 20.0, 40.0], sparse: &[1.0, 0.25, 4.0, 16.0] },
-    Policy { rule: "predictive", dense: &[5.0, 30.0, 50.0], sparse: &[1.0, 0.25, 0.0625] },
-    Policy { rule: "greedy", dense: &[5.0, 30.0, 50.0], sparse: &[1.0, 0.25, 0.0625] },
-    Policy { rule: "grid", dense: &[0.0], sparse: &[0.0] },
-    Policy { rule: "none", dense: &[0.0], sparse: &[0.0] },
-];
 
 pub(crate) fn settings(effort: Effort) -> ExperimentSettings {
     let usual = ExperimentSettings { effort, views: 1, repetitions: 1, ..Default::default() };
@@ -131,38 +102,6 @@ fn tour_settings(
         measure: Some(measure),
         store: None,
     }
-}
-
-/// The record of the whole cell.
-pub(super) fn summary(tour: &TourRecord, usage: &ReferenceUsage) -> RunRecord {
-    let frames = &tour.frames;
-    let of = |value: fn(&FrameRecord) -> f64| frames.iter().map(value);
-    let mean =
-        |value: fn(&FrameRecord) -> f64| of(value).fold(0.0, |a, b| a + b) / frames.len().max(1) as f64;
-    let in_references: u64 = tour.references.iter().map(|r| r.rays.total()).sum();
-    let in_frames: u64 = frames.iter().map(|f| f.rays.total()).sum();
-    let measured = |value: fn(&Measurement) -> f64| {
-        median(frames.iter().filter_map(|f| f.measurement.as_ref()).map(value))
-    };
-    let tracing_secs = tour.reference_secs_total + of(|f| f.trace_secs + f.secondary_secs).sum::<f64>();
-    RunRecord::default()
-        .with("kind", "summary")
-        .with("references", tour.references_added)
-        .with("reference_secs", tour.reference_secs_total)
-        .with("tracing_secs", tracing_secs)
-        .with("reference_mrays", in_references as f64 / 1e6)
-        .with("traced_mrays", (in_references + in_frames) as f64 / 1e6)
-        .with("type3_percent", mean(|f| f.types.type3_percent))
-        .with("unseen_percent", mean(|f| f.types.unseen_percent))
-        .with("unseen_p95_percent", percentile(of(|f| f.types.unseen_percent), 95.0))
-        .with("frame_secs", median(of(|f| f.frame_secs)))
-        .with("frame_p99_secs", percentile(of(|f| f.frame_secs), 99.0))
-        .with("psnr_db", measured(|m| m.psnr_db))
-        .with("flip_mean", measured(|m| m.flip_mean))
-        .with("exposure_ev", measured(|m| decimal(m.exposure_ev)))
-        .with("cache_mb", usage.max_bytes() as f64 / (1 << 20) as f64)
-        .with("prediction_use_percent", usage.prediction_use_percent())
-        .with("predictions", usage.predictions())
 }
 
 /// Saves one floor plan for each walk, mode and rule: that of the first percentage.

@@ -1,7 +1,7 @@
 //! The rules with a store of references: on a second walk, and on a walk after a bake along it.
 
-use super::reference_usage::ReferenceUsage;
-use super::run::{POLICIES, summary};
+use super::policies::POLICIES;
+use super::{reference_usage::ReferenceUsage, summary::summary};
 use crate::camera::Camera;
 use crate::experiment::run::report::{Block, row};
 use crate::experiment::run::{Cell, CellOutcome, ExperimentContext, ExperimentError, RunRecord, matching};
