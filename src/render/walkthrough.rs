@@ -210,6 +210,14 @@ impl Walkthrough {
         }
     }
 
+    /// Reads the stored references that serve a pose where a reference is wanted. Returns true where
+    /// there were some.
+    fn read_ahead(&mut self, pose: &Camera, size: [u32; 2]) -> bool {
+        let RenderSettings { mode, trace } = self.settings.render;
+        let store = self.store.as_mut();
+        store.is_some_and(|store| store.read_ahead((pose, size), &trace, mode.purpose(), &mut self.cache) > 0)
+    }
+
     /// Prepares the cells in which paths end, in the modes that reuse light by place.
     fn prepare_cells(&mut self) {
         if self.settings.render.mode.looks_up() {
@@ -262,6 +270,11 @@ impl Walkthrough {
         let store = self.store.as_ref();
         self.renderer.frame_mut().stats.stored_share = store.map(|store| store.share_of(&shares));
         self.wanted = self.decide(&camera, size);
+        if let Some(pose) = self.wanted
+            && self.read_ahead(&pose, size)
+        {
+            self.wanted = self.decide(&camera, size);
+        }
         let select_secs = select_secs + start.elapsed().as_secs_f64();
         let secs = &mut self.renderer.frame_mut().stats.secs;
         secs.select = select_secs;

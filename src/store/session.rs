@@ -136,12 +136,38 @@ impl StoreSession {
         let start = Instant::now();
         self.choose_candidates(trace.bounces, purpose);
         if !self.candidates.is_empty() && self.has_moved(camera) {
-            let mut serving = self.serving(camera, size, cache);
-            self.is_unfinished = !self.waits && serving.len() > AT_ONCE;
-            serving.truncate(if self.is_unfinished { AT_ONCE } else { usize::MAX });
-            self.read(&serving, cache);
+            let serving = self.serving(camera, size, cache);
+            self.is_unfinished = self.read_some(&serving, cache) < serving.len();
         }
         self.report.secs += start.elapsed().as_secs_f64();
+    }
+
+    /// Reads the references that serve a pose where a new reference is about to be traced, and
+    /// returns their number: what is stored need not be traced.
+    pub fn read_ahead(
+        &mut self,
+        (pose, size): (&Camera, [u32; 2]),
+        trace: &TraceSettings,
+        purpose: Purpose,
+        cache: &mut ReferenceCache,
+    ) -> usize {
+        let start = Instant::now();
+        let before = self.report.references_read;
+        self.choose_candidates(trace.bounces, purpose);
+        if self.candidates.iter().any(|candidate| candidate.state == State::Stored) {
+            let serving = self.serving(pose, size, cache);
+            self.read_some(&serving, cache);
+        }
+        self.report.secs += start.elapsed().as_secs_f64();
+        self.report.references_read - before
+    }
+
+    /// Reads all of these references if the walk waits for the store, otherwise the first few.
+    /// Returns how many were tried.
+    fn read_some(&mut self, serving: &[usize], cache: &mut ReferenceCache) -> usize {
+        let tried = if self.waits { serving.len() } else { serving.len().min(AT_ONCE) };
+        self.read(&serving[..tried], cache);
+        tried
     }
 
     /// True where the view differs from that of the last choice.
