@@ -1,11 +1,11 @@
 //! Walks that read their references from a store.
 
-use crate::rooms::{dvec, room_tracer};
+use crate::rooms::{dvec, room_camera, room_tracer};
 use afterimage::camera::{CameraKey, CameraPath};
 use afterimage::experiment::{TourEvent, TourRecord, TourSettings, run_tour};
-use afterimage::store::{StoreIndex, StoreSettings};
-use afterimage::trace::TraceSettings;
-use afterimage::{Mode, RenderSettings, Tracer, WalkthroughSettings};
+use afterimage::store::{StoreIndex, StoreSession, StoreSettings};
+use afterimage::trace::{TraceSettings, parallel::NEVER};
+use afterimage::{Mode, RenderSettings, Tracer, Walkthrough, WalkthroughSettings};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -86,5 +86,31 @@ fn a_walk_without_access_to_its_store_goes_on_and_says_so_once() {
     for store in [file.clone(), file.join("below")] {
         let (record, problems) = walk(&tracer, Mode::Exact, Some(&store));
         assert_eq!((frames(&record), problems.len()), (right.clone(), 1), "{problems:?}");
+    }
+}
+
+#[test]
+fn a_view_at_rest_goes_on_with_the_light_of_earlier_visits() {
+    let tracer = Arc::new(room_tracer(true, true));
+    let folder = tempfile::tempdir().unwrap();
+    let store = StoreSettings { folder: folder.path().to_owned(), max_bytes: 1 << 30 };
+    let trace = TraceSettings { samples: 1, bounces: 1, seed: 3 };
+    let render = RenderSettings { mode: Mode::Exact, trace };
+    let mut last = 0;
+    for visit in 0..3 {
+        let settings = WalkthroughSettings { render, ..WalkthroughSettings::default() };
+        let mut walk = Walkthrough::new(Arc::clone(&tracer), settings);
+        walk.set_store(Some(StoreSession::open(&store, &tracer, true).unwrap()));
+        walk.render(&room_camera(), [45, 27], NEVER);
+        let frame = walk.frame();
+        assert_eq!(frame.stats.types.percentages().unseen_percent > 50.0, visit == 0);
+        let state = walk.refine(NEVER);
+        assert!(state.is_complete && state.light_samples >= last + 16, "{visit}: {state:?}");
+        last = state.light_samples;
+        // The process is killed: what was not written before the end of the visit is lost.
+        let read = walk.store_mut().unwrap().report().references_read;
+        assert!(read <= 3, "records of one view that were refined further are not read: {read}");
+        walk.store_mut().unwrap().finish();
+        std::mem::forget(walk);
     }
 }

@@ -251,6 +251,38 @@ mod tests {
     }
 
     #[test]
+    fn independent_references_of_a_view_merge_to_their_weighted_mean() {
+        with_box(|tracer, known| {
+            let lit = |seed, samples| {
+                let mut reference = begin(tracer, known, seed);
+                assert!(reference.light(tracer, known, samples, NEVER));
+                reference.finish()
+            };
+            let (right, a, b) = (lit(77, 512), lit(5, 12), lit(6, 4));
+            assert!(a.can_merge(&b));
+            let merged = b.merged(&a);
+            assert_eq!((merged.settings.samples, merged.lit()), (16, a.lit()));
+            let pixels = (0..SIZE[0] * SIZE[1]).filter(|&pixel| a.has_light(pixel));
+            let mut errors = [0.0; 3];
+            for pixel in pixels {
+                let mean = a.light(pixel).lerp(b.light(pixel), 0.25);
+                let found = merged.light(pixel);
+                assert!((found - mean).length() <= 0.01 * mean.max_element(), "{found} {mean}");
+                for (error, frame) in errors.iter_mut().zip([&a, &b, &merged]) {
+                    *error += (frame.light(pixel) - right.light(pixel)).length_squared();
+                }
+            }
+            // Light that one of them has not lit is that of the other.
+            let mut dark = b.clone();
+            let side = SIZE[0].max(SIZE[1]);
+            dark.forget_light([0, 0], side);
+            assert_eq!(dark.merged(&a).packed_light().0.len(), a.packed_light().0.len());
+            assert_eq!(dark.merged(&a).lit(), a.lit());
+            assert!(errors[2] < errors[0] && errors[2] < errors[1], "{errors:?}");
+        });
+    }
+
+    #[test]
     fn light_has_the_same_bits_at_any_number_of_threads_and_wherever_it_was_interrupted() {
         with_box(|tracer, known| {
             let words = |reference: &GrowingReference| {

@@ -32,7 +32,9 @@ mod rest;
 pub mod schedule;
 mod settings;
 mod shared_light;
+mod stages;
 mod still_view;
+mod stored_walk;
 mod temporal_stability;
 #[cfg(feature = "pictures")]
 mod timed_picture;

@@ -18,6 +18,7 @@ use super::mixture::mix;
 use super::renderer::Renderer;
 use super::request::FrameRequest;
 use super::settings::RenderSettings;
+use super::stages::{PASSES, STAGES, STAGES_OF_RETURN, Stage, number_of_reference};
 use crate::camera::Camera;
 use crate::lookup::{GrowingReference, LookupSet};
 use crate::reference::{ReferenceCache, ReferenceFrame, ReferenceId, settings_of_reference};
@@ -28,40 +29,10 @@ use crate::trace::{
 use glam::Vec3;
 use std::{sync::Arc, time::Instant};
 
-/// Passes of the full tracer until the picture counts as converged.
-const PASSES: u32 = 64;
-
 /// Passes from which on the full tracer's picture is mixed in. With fewer, the variance of light
 /// that few paths find is underestimated: after 8 passes the mixture of a daylit room had 6 % more
 /// squared error than its looked-up picture alone (one run).
 const MIXED_PASSES: u32 = 16;
-
-/// A stage of the picture: a reference of the view, and what follows it.
-#[derive(Debug)]
-struct Stage {
-    /// Pixels of the picture, along an edge, per pixel of the reference.
-    edge: u32,
-    /// Samples of the reference's pixels, as a multiple of those of a frame.
-    samples: u32,
-    /// Points of each pixel through which looked-up frames are rendered.
-    frames: u32,
-    /// Passes of the full tracer when the stage ends.
-    passes: u32,
-}
-
-/// The stages: light first, then edges, then what has no bias. Samples double, so that half of the
-/// time of lighting shows in the picture after it.
-const STAGES: [Stage; 6] = [
-    Stage { edge: 2, samples: 1, frames: 1, passes: 0 },
-    Stage { edge: 1, samples: 1, frames: 4, passes: 0 },
-    Stage { edge: 1, samples: 2, frames: 4, passes: 0 },
-    Stage { edge: 1, samples: 4, frames: 16, passes: 0 },
-    Stage { edge: 1, samples: 8, frames: 16, passes: 0 },
-    Stage { edge: 1, samples: 16, frames: 16, passes: PASSES },
-];
-
-/// Number of the first reference that is traced for a view at rest: others count from 1.
-const FIRST_NUMBER: u64 = 1 << 15;
 
 /// Looked-up frames that share the samples of the reference: with fewer samples, what a frame
 /// traces itself at edges would have more noise than what it looks up.
@@ -74,6 +45,8 @@ pub(super) struct RestPicture {
     size: [u32; 2],
     settings: RenderSettings,
     stages: &'static [Stage],
+    /// True for the stages of a return.
+    is_return: bool,
     full: Accumulation,
     renderer: Renderer,
     /// Version of the cache from which the renderer's frame was begun, where a stop cut it.
@@ -90,6 +63,9 @@ pub(super) struct RestPicture {
     is_lit: bool,
     /// The reference of this view with the samples that it has had so far.
     growing: Option<GrowingReference>,
+    /// The reference of this view that an earlier visit has left, to whose light more is added.
+    /// `None` before it was looked for.
+    earlier: Option<Option<Arc<ReferenceFrame>>>,
     /// The reference of this view that was finished last, and its samples.
     own: Option<ReferenceId>,
     own_samples: u32,
@@ -113,6 +89,7 @@ impl RestPicture {
             size: request.size,
             settings: *request.settings,
             stages: &STAGES,
+            is_return: false,
             full: Accumulation::new(request, PASSES),
             renderer: Renderer::default(),
             cut: None,
@@ -123,6 +100,7 @@ impl RestPicture {
             stage: 0,
             is_lit: false,
             growing: None,
+            earlier: None,
             own: None,
             own_samples: 0,
             deadline: None,
@@ -145,14 +123,42 @@ impl RestPicture {
         !self.looked_up.is_empty()
     }
 
+    /// Looks for what an earlier visit of this view has left, once.
+    fn find_earlier(&mut self, cache: &ReferenceCache) {
+        if self.earlier.is_some() {
+            return;
+        }
+        let entries =
+            cache.entries().iter().filter(|entry| entry.is_enabled && self.is_of_view(&entry.frame));
+        let best = entries.max_by_key(|entry| entry.frame.settings.samples);
+        let best = best.filter(|_| self.deadline.is_none());
+        self.earlier = Some(best.map(|best| Arc::clone(&best.frame)));
+        let Some(best) = best else { return };
+        (self.own, self.own_samples) = (Some(best.id), best.frame.settings.samples);
+        if self.own_samples >= self.most_samples() {
+            (self.stages, self.is_return) = (&STAGES_OF_RETURN, true);
+        }
+    }
+
+    /// True for a reference that lights most of this view, pixel by pixel.
+    fn is_of_view(&self, frame: &ReferenceFrame) -> bool {
+        let is_whole = 2 * frame.lit() > frame.view.pixel_count();
+        frame.camera == self.camera && frame.view.size == self.size && is_whole
+    }
+
+    /// Samples of the reference that an earlier visit has left.
+    fn earlier_samples(&self) -> u32 {
+        self.earlier.iter().flatten().map(|earlier| earlier.settings.samples).sum()
+    }
+
     /// The next step. Where a stage is finished, it is the first of the next stage.
     fn task(&mut self, cache: &ReferenceCache) -> Option<Task> {
         loop {
             let stage = self.stages.get(self.stage)?;
             let is_last = self.stage + 1 == self.stages.len();
             let is_known = !self.is_lit && self.is_known(stage, cache);
-            // What is known need not be lit, but the last stage has frames and passes of its own.
-            self.is_lit |= is_known && is_last;
+            // What is known need not be lit, but is shown by a stage that asks for nothing more.
+            self.is_lit |= is_known && (is_last || stage.samples == 0);
             self.is_lit &= !self.can_light_again();
             let frames = self.planned.min(stage.frames);
             if !self.is_lit && !is_known {
@@ -180,7 +186,8 @@ impl RestPicture {
 
     /// True where a reference of this view has at least the pixels and samples of a stage.
     fn is_known(&self, stage: &Stage, cache: &ReferenceCache) -> bool {
-        let (size, samples) = (self.size_of(stage), self.samples_of(stage));
+        let before = if self.is_return { self.earlier_samples() } else { 0 };
+        let (size, samples) = (self.size_of(stage), self.samples_of(stage).saturating_add(before));
         cache.entries().iter().any(|entry| {
             let frame = &entry.frame;
             let is_fine = frame.view.size[0] >= size[0] && frame.settings.samples >= samples;
@@ -204,6 +211,7 @@ impl RestPicture {
 
     /// Does the next step, until `stop` is true. Returns false where nothing is left to do.
     pub(super) fn step(&mut self, tracer: &Tracer, cache: &mut ReferenceCache, stop: Stop<'_>) -> bool {
+        self.find_earlier(cache);
         match self.task(cache) {
             // A stopped frame cannot be shown, and the first one must be.
             Some(Task::Frame(of)) if self.deadline.is_some() && !self.is_shown() => {
@@ -259,16 +267,19 @@ impl RestPicture {
         cache.entries().iter().find(|entry| Some(entry.id) == self.own).map(|entry| &entry.frame)
     }
 
-    /// The same, to be kept.
+    /// The same, to be kept, unless an earlier visit has left it.
     pub(super) fn reference(&self, cache: &ReferenceCache) -> Option<Arc<ReferenceFrame>> {
-        self.own(cache).map(Arc::clone)
+        let own = self.own(cache)?;
+        let is_new = !self.earlier.iter().flatten().any(|earlier| Arc::ptr_eq(earlier, own));
+        is_new.then(|| Arc::clone(own))
     }
 
     /// Settings of the next of some looked-up frames: together they have the samples of the
     /// reference, but each at least those of the settings. Each has a seed of its own.
     fn trace_of_frame(&self, of: u32) -> TraceSettings {
         let trace = self.settings.trace;
-        let samples = self.own_samples.div_ceil(of.clamp(1, MIXED_FRAMES)).max(trace.samples);
+        let samples = self.own_samples.min(self.most_samples());
+        let samples = samples.div_ceil(of.clamp(1, MIXED_FRAMES)).max(trace.samples);
         // As passes of the full tracer use them.
         let seed = trace.seed.wrapping_add(u64::from(self.frames) << 48);
         TraceSettings { samples, seed, ..trace }
@@ -292,7 +303,8 @@ impl RestPicture {
     }
 
     fn begin_light(&self, edge: u32, tracer: &Tracer, known: &LookupSet<'_>) -> GrowingReference {
-        let settings = settings_of_reference(&self.settings.trace, FIRST_NUMBER + u64::from(edge));
+        let number = number_of_reference(edge, self.earlier_samples());
+        let settings = settings_of_reference(&self.settings.trace, number);
         let size = self.size.map(|pixels| pixels.div_ceil(edge));
         GrowingReference::begin(tracer, &self.camera, size, &settings, known)
     }
@@ -303,6 +315,11 @@ impl RestPicture {
         (self.is_lit, self.frames) = (true, 0);
         let Some(growing) = self.growing.as_ref().filter(|growing| growing.samples() > 0) else { return };
         let lit = growing.finish();
+        let earlier = self.earlier.iter().flatten().find(|earlier| lit.can_merge(earlier));
+        let lit = match earlier {
+            Some(earlier) => lit.merged(earlier),
+            None => lit,
+        };
         self.own_samples = lit.settings.samples;
         if let Some(last) = self.own.replace(cache.insert(Arc::new(lit))) {
             cache.remove(last);

@@ -24,11 +24,11 @@ use std::{sync::Arc, time::Instant};
 /// The state of a walk.
 #[derive(Debug)]
 pub struct Walkthrough {
-    tracer: Arc<Tracer>,
+    pub(super) tracer: Arc<Tracer>,
     pub(super) cache: ReferenceCache,
     selector: ReferenceSelector,
     renderer: Renderer,
-    settings: WalkthroughSettings,
+    pub(super) settings: WalkthroughSettings,
     previous: Option<Camera>,
     wanted: Option<Camera>,
     prefetch: Prefetch,
@@ -43,10 +43,12 @@ pub struct Walkthrough {
     rendered_from: u64,
     measures: FrameMeasures,
     /// The picture of the last frame's pose, once [`Self::refine`] has begun it.
-    refinement: Option<Refinement>,
+    pub(super) refinement: Option<Refinement>,
+    /// Pixels and samples of the last reference that was stored of it.
+    pub(super) refined_stored: (usize, u32),
     has_previews: bool,
     /// `None` where references are not stored.
-    store: Option<StoreSession>,
+    pub(super) store: Option<StoreSession>,
 }
 
 impl Walkthrough {
@@ -70,6 +72,7 @@ impl Walkthrough {
             rendered_from: 0,
             measures: FrameMeasures::default(),
             refinement: None,
+            refined_stored: (0, 0),
             has_previews: false,
             store: None,
         }
@@ -125,21 +128,6 @@ impl Walkthrough {
     /// Sets whether a view that is mostly unknown is lit coarsely before its first frame.
     pub fn set_previews(&mut self, has_previews: bool) {
         self.has_previews = has_previews;
-    }
-
-    /// Sets the store of references that is read and written. References that are traced from now on
-    /// have other random numbers than those in the store.
-    /// Returns the store before.
-    pub fn set_store(&mut self, store: Option<StoreSession>) -> Option<StoreSession> {
-        self.drop_refinement();
-        let number = store.as_ref().map_or(0, StoreSession::last_number);
-        self.references_made = self.references_made.max(number);
-        std::mem::replace(&mut self.store, store)
-    }
-
-    /// The store that is read and written.
-    pub fn store_mut(&mut self) -> Option<&mut StoreSession> {
-        self.store.as_mut()
     }
 
     /// The last frame.
@@ -200,22 +188,6 @@ impl Walkthrough {
             let reference = self.reference_job(*camera, size).trace(NEVER);
             reference.map(|reference| self.cache.insert(Arc::new(reference)));
         }
-    }
-
-    /// Reads the stored references that serve a view. Mode `full` uses none.
-    fn read_store(&mut self, camera: &Camera, size: [u32; 2]) {
-        let RenderSettings { mode, trace } = self.settings.render;
-        if let Some(store) = self.store.as_mut().filter(|_| mode != Mode::Full) {
-            store.read_for((camera, size), &trace, mode.purpose(), &mut self.cache);
-        }
-    }
-
-    /// Reads the stored references that serve a pose where a reference is wanted. Returns true where
-    /// there were some.
-    fn read_ahead(&mut self, pose: &Camera, size: [u32; 2]) -> bool {
-        let RenderSettings { mode, trace } = self.settings.render;
-        let store = self.store.as_mut();
-        store.is_some_and(|store| store.read_ahead((pose, size), &trace, mode.purpose(), &mut self.cache) > 0)
     }
 
     /// Prepares the cells in which paths end, in the modes that reuse light by place.
@@ -324,16 +296,9 @@ impl Walkthrough {
         });
         refinement.run(&self.tracer, &mut self.cache, stop);
         refinement.write_to(self.renderer.frame_mut());
-        refinement.state()
-    }
-
-    /// Drops the work of [`Self::refine`], so that the next frame shows its mode's picture again.
-    /// The reference that it has lit is stored.
-    pub fn drop_refinement(&mut self) {
-        let reference = self.refinement.take().and_then(|refinement| refinement.reference(&self.cache));
-        if let (Some(reference), Some(store)) = (reference, &mut self.store) {
-            store.keep(&reference, self.settings.render.mode.purpose());
-        }
+        let state = refinement.state();
+        self.store_refined();
+        state
     }
 
     /// Drops the refinement if it belongs to another pose or other settings.

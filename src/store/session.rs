@@ -4,7 +4,7 @@ use super::cells::{cells_of_view, side_m};
 use super::content::SceneContent;
 use super::index::{RecordPlace, StoreIndex};
 use super::serving::Cover;
-use super::summary::Purpose;
+use super::summary::{Purpose, RecordSummary};
 use super::writer::{StoreWriter, WriteJob, WriteReport};
 use super::{StoreError, StoreSettings};
 use crate::camera::Camera;
@@ -12,7 +12,7 @@ use crate::reference::{ReferenceCache, ReferenceFrame, ReferenceId};
 use crate::trace::{TraceSettings, Tracer};
 use rayon::prelude::*;
 use std::cmp::Reverse;
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -56,6 +56,26 @@ pub struct StoreReport {
     pub written: WriteReport,
     /// Problems, one line each.
     pub problems: Vec<String>,
+}
+
+/// Leaves out records of a view that was refined further: a later one holds their light as well.
+fn leave_out_improved(index: &StoreIndex, places: &mut Vec<RecordPlace>) {
+    let view = |summary: &RecordSummary| {
+        let camera = &summary.camera;
+        let place = camera.eye.to_array().map(f64::to_bits);
+        (place, [camera.yaw, camera.pitch, camera.fov_y].map(f64::to_bits), summary.size)
+    };
+    let mut most = HashMap::new();
+    for place in places.iter() {
+        let summary = index.summary(*place);
+        let found: &mut (u32, u32) = most.entry(view(summary)).or_default();
+        *found = (*found).max((summary.settings.samples, summary.lit));
+    }
+    places.retain(|place| {
+        let summary = index.summary(*place);
+        let (samples, lit) = most[&view(summary)];
+        summary.settings.samples == samples || summary.lit > lit
+    });
 }
 
 /// A store in use by a walk.
@@ -198,6 +218,7 @@ impl StoreSession {
         let mut places: Vec<RecordPlace> = self.index.places().into_iter().filter(fits).collect();
         // Of references that serve equally well, those with the least noise come first.
         places.sort_by_key(|place| Reverse(self.index.summary(*place).settings.samples));
+        leave_out_improved(&self.index, &mut places);
         self.candidates = places.into_iter().map(|place| Candidate { place, state: State::Stored }).collect();
     }
 
@@ -285,11 +306,25 @@ impl StoreSession {
     pub fn keep(&mut self, reference: &Arc<ReferenceFrame>, purpose: Purpose) {
         let start = Instant::now();
         if reference.lit() > 0 && reference.epoch == self.tracer.epoch() {
+            self.forget_improved(reference);
             let (tracer, content) = (Arc::clone(&self.tracer), Arc::clone(&self.content));
             let job = WriteJob { reference: Arc::clone(reference), purpose, tracer, content };
             self.writer.write(job, self.waits);
         }
         self.report.secs += start.elapsed().as_secs_f64();
+    }
+
+    /// Reads no record again whose light is in a reference that was refined.
+    fn forget_improved(&mut self, reference: &ReferenceFrame) {
+        let (settings, size) = (&reference.settings, reference.view.size);
+        for candidate in &mut self.candidates {
+            let old = self.index.summary(candidate.place);
+            let is_same_view = old.camera == reference.camera && old.size == size;
+            if is_same_view && settings.samples > old.settings.samples && reference.lit() >= old.lit as usize
+            {
+                candidate.state = State::Resting(u64::MAX);
+            }
+        }
     }
 
     /// Waits until all references are written.

@@ -11,6 +11,7 @@
 
 mod damage;
 mod marks;
+mod merge;
 mod parts;
 mod stale_light;
 
