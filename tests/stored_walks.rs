@@ -3,6 +3,7 @@
 use crate::rooms::{dvec, room_camera, room_tracer};
 use afterimage::camera::{CameraKey, CameraPath};
 use afterimage::experiment::{TourEvent, TourRecord, TourSettings, run_tour};
+use afterimage::scene::{SceneEdit, builtin};
 use afterimage::store::{StoreIndex, StoreSession, StoreSettings};
 use afterimage::trace::{TraceSettings, parallel::NEVER};
 use afterimage::{Mode, RenderSettings, Tracer, Walkthrough, WalkthroughSettings};
@@ -112,5 +113,50 @@ fn a_view_at_rest_goes_on_with_the_light_of_earlier_visits() {
         assert!(read <= 3, "records of one view that were refined further are not read: {read}");
         walk.store_mut().unwrap().finish();
         std::mem::forget(walk);
+    }
+}
+
+/// The same scene with other materials.
+fn edited(tracer: &Tracer, change: impl FnOnce(&mut SceneEdit)) -> Arc<Tracer> {
+    let mut edit = tracer.scene().to_edit();
+    change(&mut edit);
+    Arc::new(Tracer::new(Arc::new(tracer.scene().with_edit(&edit))))
+}
+
+#[test]
+fn what_an_edit_left_of_stored_light_is_used_and_the_rest_is_marked() {
+    let tracer = Arc::new(Tracer::new(Arc::new(builtin::build("cornell").unwrap())));
+    let named = |name: &str| tracer.scene().materials.iter().position(|m| m.name == name).unwrap();
+    let (green, lamp) = (named("green"), named("lamp"));
+    let painted = edited(&tracer, |edit| edit.materials[green].diffuse *= 0.97);
+    let dimmed = edited(&tracer, |edit| edit.materials[lamp].emission *= 0.5);
+    let folder = tempfile::tempdir().unwrap();
+    let store = StoreSettings { folder: folder.path().to_owned(), max_bytes: 1 << 30 };
+    let visit = |tracer: &Arc<Tracer>| {
+        let trace = TraceSettings { samples: 8, bounces: 2, seed: 3 };
+        let render = RenderSettings { mode: Mode::Exact, trace };
+        let settings = WalkthroughSettings { render, ..WalkthroughSettings::default() };
+        let mut walk = Walkthrough::new(Arc::clone(tracer), settings);
+        walk.set_store(Some(StoreSession::open(&store, tracer, true).unwrap()));
+        walk.render(tracer.scene().start(), [48, 40], NEVER);
+        let unseen = walk.frame().stats.types.percentages().unseen_percent;
+        let read: Vec<[usize; 2]> =
+            walk.cache().entries().iter().map(|entry| [entry.frame.lit(), entry.frame.stale()]).collect();
+        drop(walk.set_store(None));
+        (unseen, read)
+    };
+    let (all, _) = visit(&tracer);
+    assert!(all > 30.0, "{all}");
+    // Half of the light: all is stale, and kept as a preview.
+    let (unseen, held) = visit(&dimmed);
+    assert!(unseen > 0.95 * all && held[0][0] == 0 && held[0][1] > 0, "{unseen} of {all} {held:?}");
+    // A wall that is a little darker changes the light near it.
+    let (unseen, held) = visit(&painted);
+    assert!(unseen > 0.02 * all && unseen < 0.8 * all, "{unseen} of {all}");
+    assert!(held[0].iter().all(|&count| count > 0), "{held:?}");
+    // What was traced anew is whole.
+    for tracer in [&tracer, &painted, &dimmed] {
+        let (unseen, _) = visit(tracer);
+        assert!(unseen < 0.1 * all, "{unseen} of {all}");
     }
 }

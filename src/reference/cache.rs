@@ -257,6 +257,23 @@ impl ReferenceCache {
         carried
     }
 
+    /// Marks what still holds of the light of references that were traced in another state of the
+    /// scene, and are not in the cache. Returns false where nothing can be said about it.
+    pub(crate) fn mark_others(
+        &self,
+        others: &mut [&mut ReferenceFrame],
+        origin: &Arc<Scene>,
+        tracer: &Tracer,
+        stop: Stop<'_>,
+    ) -> bool {
+        others.iter_mut().for_each(|frame| frame.set_origin(origin));
+        let frames: Vec<&ReferenceFrame> = others.iter().map(|frame| &**frame).collect();
+        let marks = stale::marks_of(&frames, tracer, &self.directory, &mut Carried::default(), stop);
+        let Some(marks) = marks else { return false };
+        others.iter_mut().zip(marks).for_each(|(frame, marks)| frame.mark(tracer.epoch(), marks));
+        true
+    }
+
     /// Follows the triangles of a model that was loaded again to their new numbers, before
     /// [`Self::carry_to`]. Where objects moved, came or went, smooth light is marked as stale, and
     /// direct light where they can change it. Drops the references of other models, and returns

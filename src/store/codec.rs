@@ -3,6 +3,7 @@
 //! A pixel is stored if it has light, or if a look-up between four pixels may read it together with
 //! one that has. A dense reference is stored whole. Columns of equal kind follow each other:
 //!
+//! 0. the state of the scene that the light was traced in, with its length
 //! 1. table of the triangles that are shown, by hash
 //! 2. one bit per pixel: it is stored
 //! 3. one bit per stored pixel: its disparity is stored, because the ray's test on its triangle
@@ -39,6 +40,9 @@ pub(super) fn encode(reference: &ReferenceFrame, tracer: &Tracer, content: &Scen
     let given: Vec<u32> = given.map(|(&pixel, _)| reference.disparity()[pixel as usize].to_bits()).collect();
     let column = |words: &[u32]| stored.iter().map(|&pixel| words[pixel as usize]).collect::<Vec<u32>>();
     let mut to = ByteWriter::default();
+    let (state, _) = content.state();
+    to.u32(state.len() as u32);
+    to.0.extend(state);
     to.u32(table.len() as u32);
     table.iter().for_each(|&triangle| to.u128(content.hash_of(triangle)));
     to.bits(&mask);
@@ -116,6 +120,13 @@ pub(super) fn is_sound(bytes: &[u8], summary: &RecordSummary) -> bool {
     Columns::read(bytes, summary).is_some()
 }
 
+/// The state of the scene that the light of a reference was traced in.
+pub(super) fn state_of(bytes: &[u8]) -> Option<&[u8]> {
+    let mut from = ByteReader(bytes);
+    let length = from.u32()? as usize;
+    from.take(length)
+}
+
 /// One bool per pixel: it has light, or touches one that has. All of a dense reference.
 fn stored_pixels(reference: &ReferenceFrame) -> Vec<bool> {
     let [width, height] = reference.view.size.map(|edge| edge as usize);
@@ -189,7 +200,7 @@ struct Columns {
 
 impl Columns {
     fn read(bytes: &[u8], summary: &RecordSummary) -> Option<Self> {
-        let mut from = ByteReader(bytes);
+        let mut from = ByteReader(bytes.get(4 + state_of(bytes)?.len()..)?);
         let table = list(&mut from, summary.pixels(), size_of::<u128>(), ByteReader::u128)?;
         let mask = from.bits(summary.pixels())?;
         let stored: Vec<u32> = (0..).zip(&mask).filter(|(_, bit)| **bit).map(|(pixel, _)| pixel).collect();

@@ -1,7 +1,7 @@
 //! The records of a store, found by a scan of its segments.
 
 use super::StoreError;
-use super::codec::decode;
+use super::codec::{decode, state_of};
 use super::content::SceneContent;
 use super::segment::{Segment, segment_paths};
 use super::summary::RecordSummary;
@@ -20,7 +20,7 @@ pub struct StoreIndex {
 }
 
 /// Place of a record in a [`StoreIndex`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct RecordPlace {
     pub(super) segment: usize,
     record: usize,
@@ -83,18 +83,21 @@ impl StoreIndex {
         &self.segments[place.segment].records[place.record].summary
     }
 
-    /// Reads a reference. The error is one line.
+    /// Reads a reference, and the state of the scene that it was lit in. The error is one line.
     pub(super) fn load(
         &self,
         place: RecordPlace,
         tracer: &Tracer,
         content: &SceneContent,
-    ) -> Result<ReferenceFrame, String> {
+    ) -> Result<(ReferenceFrame, Vec<u8>), String> {
         let segment = &self.segments[place.segment];
         let record = &segment.records[place.record];
         let path = segment.path.display();
         let payload = record.payload(&segment.path).map_err(|e| format!("{path} cannot be read: {e}"))?;
-        let reference = payload.and_then(|bytes| decode(&bytes, &record.summary, tracer, content));
+        let reference = payload.and_then(|bytes| {
+            let reference = decode(&bytes, &record.summary, tracer, content)?;
+            Some((reference, state_of(&bytes)?.to_vec()))
+        });
         reference.ok_or_else(|| format!("{path} has a damaged record at {}; it is skipped", record.offset))
     }
 

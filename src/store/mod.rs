@@ -24,6 +24,8 @@ mod record;
 mod segment;
 mod serving;
 mod session;
+mod state;
+mod states;
 mod summary;
 #[cfg(test)]
 mod tests;

@@ -8,7 +8,7 @@ use super::hash::checksum;
 
 /// Version of the format of records. A change of the format, or of what stored light means, needs
 /// a new number.
-pub(super) const VERSION: u16 = 1;
+pub(super) const VERSION: u16 = 2;
 
 /// First bytes of a record.
 pub(super) const MAGIC: [u8; 4] = *b"AREC";

@@ -4,6 +4,7 @@ use super::cells::{cells_of_view, side_m};
 use super::content::SceneContent;
 use super::index::{RecordPlace, StoreIndex};
 use super::serving::Cover;
+use super::states::States;
 use super::summary::{Purpose, RecordSummary};
 use super::writer::{StoreWriter, WriteJob, WriteReport};
 use super::{StoreError, StoreSettings};
@@ -93,6 +94,7 @@ pub struct StoreSession {
     /// References serve that view that were not read yet.
     is_unfinished: bool,
     choices: u64,
+    states: States,
     touched: Vec<bool>,
     writer: StoreWriter,
     waits: bool,
@@ -121,6 +123,7 @@ impl StoreSession {
             chosen_for: None,
             is_unfinished: false,
             choices: 0,
+            states: States::default(),
             writer: StoreWriter::start(settings),
             waits,
             report,
@@ -134,15 +137,23 @@ impl StoreSession {
     pub fn last_number(&self) -> u32 {
         /// Numbers from the double of this on belong to pictures at rest.
         const NUMBERS: usize = 1 << 14;
-        let holds = |place: &RecordPlace| self.index.summary(*place).holds_in(&self.content);
-        (self.index.places().iter().filter(|place| holds(place)).count() % NUMBERS) as u32
+        let is_of_scene = |place: &RecordPlace| {
+            let summary = self.index.summary(*place);
+            summary.holds_in(&self.content) || summary.may_hold_in(&self.content)
+        };
+        (self.index.places().iter().filter(|place| is_of_scene(place)).count() % NUMBERS) as u32
     }
 
     /// Changes the scene.
     pub fn set_tracer(&mut self, tracer: &Arc<Tracer>) {
-        self.content = Arc::new(SceneContent::new(tracer.scene()));
+        let content = match self.tracer.scene().has_same_geometry(tracer.scene()) {
+            true => self.content.edited(tracer.scene()),
+            false => SceneContent::new(tracer.scene()),
+        };
+        self.content = Arc::new(content);
         self.tracer = Arc::clone(tracer);
         self.kind = None;
+        self.states.clear();
     }
 
     /// Reads the references that serve a view into the cache, those that show most of it first.
@@ -154,7 +165,7 @@ impl StoreSession {
         cache: &mut ReferenceCache,
     ) {
         let start = Instant::now();
-        self.choose_candidates(trace.bounces, purpose);
+        self.choose_candidates(trace.bounces, purpose, cache);
         if !self.candidates.is_empty() && self.has_moved(camera) {
             let serving = self.serving(camera, size, cache);
             self.is_unfinished = self.read_some(&serving, cache) < serving.len();
@@ -173,7 +184,7 @@ impl StoreSession {
     ) -> usize {
         let start = Instant::now();
         let before = self.report.references_read;
-        self.choose_candidates(trace.bounces, purpose);
+        self.choose_candidates(trace.bounces, purpose, cache);
         if self.candidates.iter().any(|candidate| candidate.state == State::Stored) {
             let serving = self.serving(pose, size, cache);
             self.read_some(&serving, cache);
@@ -205,21 +216,37 @@ impl StoreSession {
     }
 
     /// Lists the records that fit scene and settings, unless they are listed already.
-    fn choose_candidates(&mut self, bounces: u32, purpose: Purpose) {
+    fn choose_candidates(&mut self, bounces: u32, purpose: Purpose, cache: &ReferenceCache) {
         if self.kind.replace((bounces, purpose)) == Some((bounces, purpose)) {
             return;
         }
         let fits = |place: &RecordPlace| {
             let summary = self.index.summary(*place);
             let is_kind = summary.settings.bounces == bounces && summary.purpose == purpose;
-            is_kind && summary.holds_in(&self.content)
+            // References of mode `paper` also hold how often light is reflected.
+            let is_marked = purpose == Purpose::LookUp && summary.may_hold_in(&self.content);
+            let is_of_use = is_marked && self.states.may_serve(summary.state);
+            is_kind && (summary.holds_in(&self.content) || is_of_use)
         };
         self.chosen_for = None;
         let mut places: Vec<RecordPlace> = self.index.places().into_iter().filter(fits).collect();
         // Of references that serve equally well, those with the least noise come first.
         places.sort_by_key(|place| Reverse(self.index.summary(*place).settings.samples));
         leave_out_improved(&self.index, &mut places);
-        self.candidates = places.into_iter().map(|place| Candidate { place, state: State::Stored }).collect();
+        let read = self.read_already(cache);
+        let state = |place: &RecordPlace| read.get(place).copied().unwrap_or(State::Stored);
+        self.candidates = places.into_iter().map(|place| Candidate { place, state: state(&place) }).collect();
+    }
+
+    /// What was read for another state of the scene, and is in the cache still.
+    fn read_already(&self, cache: &ReferenceCache) -> HashMap<RecordPlace, State> {
+        let is_held = |candidate: &&Candidate| {
+            let camera = self.index.summary(candidate.place).camera;
+            let State::Read(id) = candidate.state else { return false };
+            cache.entries().iter().any(|entry| entry.id == id && entry.frame.camera == camera)
+        };
+        let read = self.candidates.iter().filter(is_held);
+        read.map(|candidate| (candidate.place, candidate.state)).collect()
     }
 
     /// Candidates to be read for a view, best first.
@@ -245,16 +272,22 @@ impl StoreSession {
                 _ => {}
             }
         }
-        cover.choose(&shares).into_iter().map(|chosen| open[chosen]).collect()
+        // First those all of whose light holds.
+        let holds = |&at: &usize| self.index.summary(self.candidates[at].place).holds_in(&self.content);
+        let (whole, stale): (Vec<_>, Vec<_>) = open.into_iter().zip(shares).partition(|(at, _)| holds(at));
+        let mut chosen = Vec::new();
+        for (open, shares) in [whole, stale].map(|list| list.into_iter().unzip::<_, _, Vec<_>, Vec<_>>()) {
+            chosen.extend(cover.choose(&shares).into_iter().map(|chosen| open[chosen]));
+        }
+        chosen
     }
 
     /// Reads references into the cache, several at a time, until they fill half of it.
     fn read(&mut self, serving: &[usize], cache: &mut ReferenceCache) {
         let mut bytes = 0;
         for group in serving.chunks(AT_ONCE) {
-            let load = |&at: &usize| self.index.load(self.candidates[at].place, &self.tracer, &self.content);
-            let loaded: Vec<_> = group.par_iter().map(load).collect();
-            for (&at, reference) in group.iter().zip(loaded) {
+            let places = group.iter().map(|&at| self.candidates[at].place);
+            for (&at, reference) in group.iter().zip(self.load(&places.collect::<Vec<_>>(), cache)) {
                 bytes += self.take(at, reference, cache);
             }
             if bytes > cache.budget_bytes() / 2 {
@@ -263,30 +296,32 @@ impl StoreSession {
         }
     }
 
+    /// Reads records. `None` for those that are damaged, or of which nothing is known to hold.
+    fn load(&mut self, places: &[RecordPlace], cache: &ReferenceCache) -> Vec<Option<ReferenceFrame>> {
+        let (index, scene) = (&self.index, (&*self.tracer, &*self.content));
+        let load = |&place: &RecordPlace| index.load(place, scene.0, scene.1);
+        let results: Vec<_> = places.par_iter().map(load).collect();
+        let mut loaded = Vec::new();
+        for (&place, result) in places.iter().zip(results) {
+            let found = result.map_err(|problem| self.report.problems.push(problem)).ok();
+            loaded.push((index.summary(place), found));
+        }
+        self.states.mark(&mut loaded, scene, cache);
+        loaded.into_iter().map(|(_, found)| found.map(|(reference, _)| reference)).collect()
+    }
+
     /// Puts a reference that was read into the cache and returns its bytes in memory.
-    fn take(
-        &mut self,
-        at: usize,
-        reference: Result<ReferenceFrame, String>,
-        cache: &mut ReferenceCache,
-    ) -> usize {
+    fn take(&mut self, at: usize, reference: Option<ReferenceFrame>, cache: &mut ReferenceCache) -> usize {
         let place = self.candidates[at].place;
         self.candidates[at].state = State::Resting(u64::MAX);
-        match reference {
-            Ok(reference) => {
-                let bytes = reference.bytes();
-                self.candidates[at].state = State::Read(cache.insert(Arc::new(reference)));
-                self.report.references_read += 1;
-                if !std::mem::replace(&mut self.touched[place.segment], true) {
-                    self.index.touch(place);
-                }
-                bytes
-            }
-            Err(problem) => {
-                self.report.problems.push(problem);
-                0
-            }
+        let Some(reference) = reference else { return 0 };
+        let bytes = reference.bytes();
+        self.candidates[at].state = State::Read(cache.insert(Arc::new(reference)));
+        self.report.references_read += 1;
+        if !std::mem::replace(&mut self.touched[place.segment], true) {
+            self.index.touch(place);
         }
+        bytes
     }
 
     /// Sum of the shares of a frame that references of the store supplied, 0..1.

@@ -49,6 +49,10 @@ pub struct RecordSummary {
     pub purpose: Purpose,
     /// Hashes of everything that the light depends on.
     pub dependencies: Vec<u128>,
+    /// Hash of the geometry that it shows.
+    pub(super) geometry: u128,
+    /// Hash of the materials, sun and sky that it was lit with.
+    pub(super) state: u128,
     /// Transform between world and scene space when the reference was traced.
     pub(super) frame: SceneFrame,
     pub(super) light_scale: Rgb9e5Scale,
@@ -73,6 +77,8 @@ impl RecordSummary {
             lit: reference.lit() as u32,
             is_dense: reference.is_dense(),
             dependencies: content.dependencies().to_vec(),
+            geometry: content.geometry(),
+            state: content.state().1,
             frame: scene.frame,
             light_scale: reference.packed_light().1,
             smooth_scale: reference.packed_smooth().1,
@@ -90,6 +96,11 @@ impl RecordSummary {
     /// True where the light still holds in a scene, all of it.
     pub(super) fn holds_in(&self, content: &SceneContent) -> bool {
         self.dependencies == content.dependencies()
+    }
+
+    /// True where some of the light may still hold in a scene: one of the same geometry.
+    pub(super) fn may_hold_in(&self, content: &SceneContent) -> bool {
+        self.geometry == content.geometry()
     }
 
     pub(super) fn write(&self) -> Vec<u8> {
@@ -114,6 +125,8 @@ impl RecordSummary {
         to.u32(self.smooth_scale.exponent_offset);
         to.u32(self.dependencies.len() as u32);
         self.dependencies.iter().for_each(|hash| to.u128(*hash));
+        to.u128(self.geometry);
+        to.u128(self.state);
         to.f64(self.cells.side_m);
         to.u32(self.cells.counts.len() as u32);
         for CellCount { cell, lit, seen } in &self.cells.counts {
@@ -141,6 +154,8 @@ impl RecordSummary {
             is_dense: flags & DENSE != 0,
             purpose: if flags & WARPED == 0 { Purpose::LookUp } else { Purpose::Warp },
             dependencies: list(&mut from, MAX_DEPENDENCIES, 16, ByteReader::u128)?,
+            geometry: from.u128()?,
+            state: from.u128()?,
             frame,
             light_scale,
             smooth_scale,

@@ -75,6 +75,11 @@ impl ReferenceFrame {
         self.stale = Some(Box::new(StaleLight { traced, held, count }));
     }
 
+    /// Sets the state of the scene, with its geometry of now, that the light was traced in.
+    pub(crate) fn set_origin(&mut self, origin: &Arc<Scene>) {
+        self.origin = Arc::clone(origin);
+    }
+
     /// Follows its triangles to their numbers in a scene that was loaded again. `origin` is the
     /// state that its light was traced in, with the triangles of that scene.
     /// `marks` say what objects that moved left of it; pixels of triangles that are gone are no

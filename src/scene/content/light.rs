@@ -29,6 +29,8 @@ impl MaterialContent {
 /// The content of all that gives light in a scene, or reflects it. Names do not count.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LightContent {
+    /// Hash of each texture.
+    pub textures: Vec<ContentHash>,
     /// Content of each material.
     pub materials: Vec<MaterialContent>,
     /// Hash of each point light, ascending. Lamps with an area follow from triangles and their
@@ -52,6 +54,7 @@ impl LightContent {
             point_lights,
             sun: scene.sun.as_ref().map_or(0, hash_sun),
             sky: scene.sky.as_ref().map_or(0, hash_sky),
+            textures,
         }
     }
 }
