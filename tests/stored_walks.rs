@@ -149,7 +149,7 @@ fn what_an_edit_left_of_stored_light_is_used_and_the_rest_is_marked() {
     assert!(all > 30.0, "{all}");
     // Half of the light: all is stale, and kept as a preview.
     let (unseen, held) = visit(&dimmed);
-    assert!(unseen > 0.95 * all && held[0][0] == 0 && held[0][1] > 0, "{unseen} of {all} {held:?}");
+    assert!(unseen > 0.95 * all && held[0][0] < 10 && held[0][1] > 1000, "{unseen} of {all} {held:?}");
     // A wall that is a little darker changes the light near it.
     let (unseen, held) = visit(&painted);
     assert!(unseen > 0.02 * all && unseen < 0.8 * all, "{unseen} of {all}");

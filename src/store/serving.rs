@@ -8,7 +8,11 @@ use super::cells::{Cell, CellCounts};
 
 /// How often each surface should be covered: the estimate is rough, and a mean over several
 /// references has less noise.
-const WANTED_COVER: f32 = 2.0;
+pub(super) const WANTED_COVER: f32 = 2.0;
+
+/// The same for light of another state of the scene, of which little may hold: it is read only where
+/// there is no other.
+pub(super) const WANTED_STALE: f32 = 1.0;
 
 /// Least share of the picture that a reference must add.
 const MIN_GAIN: f32 = 0.002;
@@ -50,10 +54,9 @@ impl<'v> Cover<'v> {
     }
 
     /// Share of the picture that a reference would add, 0..1.
-    fn gain(&self, shares: &Shares) -> f32 {
-        let gain = |&(at, share): &(usize, f32)| {
-            self.seen[at].1 * share.min((WANTED_COVER - self.covered[at]).max(0.0))
-        };
+    fn gain(&self, shares: &Shares, wanted: f32) -> f32 {
+        let gain =
+            |&(at, share): &(usize, f32)| self.seen[at].1 * share.min((wanted - self.covered[at]).max(0.0));
         shares.iter().map(gain).sum()
     }
 
@@ -62,15 +65,16 @@ impl<'v> Cover<'v> {
         shares.iter().for_each(|&(at, share)| self.covered[at] += share);
     }
 
-    /// Chooses some of the references, best first, and returns their indices.
-    pub(super) fn choose(&mut self, references: &[Shares]) -> Vec<usize> {
-        let mut gains: Vec<f32> = references.iter().map(|shares| self.gain(shares)).collect();
+    /// Chooses some of the references, best first, until surfaces are covered as often as wanted,
+    /// and returns their indices.
+    pub(super) fn choose(&mut self, references: &[Shares], wanted: f32) -> Vec<usize> {
+        let mut gains: Vec<f32> = references.iter().map(|shares| self.gain(shares, wanted)).collect();
         let mut chosen = Vec::new();
         // The gain of a reference only ever falls, so the best old gain need not be beaten by all.
         while let Some(best) = (0..gains.len()).max_by(|&a, &b| gains[a].total_cmp(&gains[b]).then(b.cmp(&a)))
             && gains[best] >= MIN_GAIN
         {
-            let gain = self.gain(&references[best]);
+            let gain = self.gain(&references[best], wanted);
             let is_best = gains.iter().enumerate().all(|(at, &other)| at == best || other <= gain);
             gains[best] = gain;
             if is_best && gain >= MIN_GAIN {
@@ -111,7 +115,7 @@ mod tests {
         ];
         let shares: Vec<Shares> = stored.iter().map(|counts| cover.shares(counts)).collect();
         // Half of the largest cell and all of the next; twice the largest; the last one.
-        let chosen = cover.choose(&shares);
+        let chosen = cover.choose(&shares, WANTED_COVER);
         assert!(chosen == [1, 2, 4, 5] && cover.covered == [2.5, 1.0, 1.0], "{chosen:?}");
     }
 

@@ -3,7 +3,7 @@
 use super::cells::{cells_of_view, side_m};
 use super::content::SceneContent;
 use super::index::{RecordPlace, StoreIndex};
-use super::serving::Cover;
+use super::serving::{Cover, WANTED_COVER, WANTED_STALE};
 use super::states::States;
 use super::summary::{Purpose, RecordSummary};
 use super::writer::{StoreWriter, WriteJob, WriteReport};
@@ -276,8 +276,9 @@ impl StoreSession {
         let holds = |&at: &usize| self.index.summary(self.candidates[at].place).holds_in(&self.content);
         let (whole, stale): (Vec<_>, Vec<_>) = open.into_iter().zip(shares).partition(|(at, _)| holds(at));
         let mut chosen = Vec::new();
-        for (open, shares) in [whole, stale].map(|list| list.into_iter().unzip::<_, _, Vec<_>, Vec<_>>()) {
-            chosen.extend(cover.choose(&shares).into_iter().map(|chosen| open[chosen]));
+        for (list, wanted) in [(whole, WANTED_COVER), (stale, WANTED_STALE)] {
+            let (open, shares): (Vec<usize>, Vec<_>) = list.into_iter().unzip();
+            chosen.extend(cover.choose(&shares, wanted).into_iter().map(|chosen| open[chosen]));
         }
         chosen
     }

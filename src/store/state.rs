@@ -19,7 +19,7 @@ use std::collections::HashMap;
 const MAX_ENTRIES: usize = 1 << 16;
 
 /// Fewest bytes of a material.
-const MATERIAL_BYTES: usize = 46;
+const MATERIAL_BYTES: usize = 16 + 2 * 12 + 3;
 
 /// The names by which states tell materials and pictures of a scene.
 #[derive(Debug)]

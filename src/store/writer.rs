@@ -4,6 +4,7 @@ use super::append::{Appender, SEGMENT_BYTES};
 use super::codec::encode;
 use super::content::SceneContent;
 use super::record::write_record;
+use super::segment::SEGMENT_HEADER_BYTES;
 use super::summary::{Purpose, RecordSummary};
 use super::{StoreSettings, budget};
 use crate::reference::ReferenceFrame;
@@ -145,8 +146,9 @@ impl Writing {
     fn append(&mut self, record: &[u8]) -> Result<(), String> {
         let (folder, most) = (&self.settings.folder, self.settings.max_bytes);
         let failed = |e: io::Error| format!("cannot write to the store {}: {e}", folder.display());
-        let free = most.saturating_sub(record.len() as u64);
-        if budget::shrink(folder, free, self.appender.path()) > free {
+        let bytes = record.len() as u64 + SEGMENT_HEADER_BYTES;
+        let free = most.saturating_sub(bytes);
+        if bytes > most || budget::shrink(folder, free, self.appender.path()) > free {
             return Err(format!(
                 "the store {} is full: it has its limit of {} MB (--store-mb)",
                 folder.display(),

@@ -1,5 +1,6 @@
 //! Ill-conditioned and extreme cases, each with what must hold, what was measured and the bound:
-//! scale, camera, geometry, materials, cache, theorems of rays, and the known artefacts of warping.
+//! scale, camera, geometry, materials, cache, theorems of rays, the known artefacts of warping, and
+//! stores.
 //!
 //! A case is data and a function that measures; the program decides, not a person. A case that
 //! cannot hold states why.
@@ -16,6 +17,7 @@ mod report;
 mod rooms;
 mod run;
 mod scale;
+mod stored;
 mod theorems;
 
 pub use case::{Case, Measured, Trial};
