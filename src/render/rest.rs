@@ -125,13 +125,12 @@ impl RestPicture {
 
     /// Looks for what an earlier visit of this view has left, once.
     fn find_earlier(&mut self, cache: &ReferenceCache) {
-        if self.earlier.is_some() {
+        if self.earlier.is_some() || self.deadline.is_some() {
             return;
         }
         let entries =
             cache.entries().iter().filter(|entry| entry.is_enabled && self.is_of_view(&entry.frame));
         let best = entries.max_by_key(|entry| entry.frame.settings.samples);
-        let best = best.filter(|_| self.deadline.is_none());
         self.earlier = Some(best.map(|best| Arc::clone(&best.frame)));
         let Some(best) = best else { return };
         (self.own, self.own_samples) = (Some(best.id), best.frame.settings.samples);

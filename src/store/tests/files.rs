@@ -34,7 +34,7 @@ fn read_all(folder: &Path) -> (Vec<Vec<u8>>, Vec<String>) {
     let mut read = Vec::new();
     for place in index.places() {
         match index.load(place, &STAGE.tracer, &STAGE.content) {
-            Ok(reference) => read.push(STAGE.record(&reference)),
+            Ok((reference, _)) => read.push(STAGE.record(&reference)),
             Err(problem) => problems.push(problem),
         }
     }
