@@ -17,6 +17,7 @@ mod bytes;
 mod cells;
 mod codec;
 mod content;
+mod coverage;
 mod hash;
 mod index;
 mod maintain;
@@ -33,6 +34,7 @@ mod writer;
 
 pub use builder::StoreBuilder;
 pub use content::SceneContent;
+pub use coverage::StoreCoverage;
 pub use index::StoreIndex;
 pub use maintain::{MaintenanceReport, merge, prune, verify};
 pub use session::{StoreReport, StoreSession};

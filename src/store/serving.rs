@@ -65,6 +65,15 @@ impl<'v> Cover<'v> {
         shares.iter().for_each(|&(at, share)| self.covered[at] += share);
     }
 
+    /// The share of the surfaces in the picture that is covered at least once, 0..1.
+    pub(super) fn lit_share(&self) -> f32 {
+        let shares = self.seen.iter().zip(&self.covered);
+        let (lit, all) = shares.fold((0.0, 0.0), |(lit, all), ((_, share), covered)| {
+            (lit + share * covered.min(1.0), all + share)
+        });
+        if all > 0.0 { (lit / all).min(1.0) } else { 0.0 }
+    }
+
     /// Chooses some of the references, best first, until surfaces are covered as often as wanted,
     /// and returns their indices.
     pub(super) fn choose(&mut self, references: &[Shares], wanted: f32) -> Vec<usize> {

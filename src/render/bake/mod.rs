@@ -9,6 +9,7 @@
 //! | `mask` | which pixels a reference of the plan lights |
 //! | `plan` | [`BakePlan`]: poses with masks, and the random numbers of each |
 //! | `error` | the error of a reference, estimated without knowing the truth |
+//! | `floor` | [`FloorCover`]: how much a store lights of what is seen from each place |
 //! | `run` | [`bake`]: lights the references of a plan, or every n-th of them |
 //!
 //! A plan is made without any light. A reference of the plan is a function of the scene, its entry
@@ -19,11 +20,13 @@
 mod choose;
 mod demand;
 mod error;
+mod floor;
 mod mask;
 mod pictures;
 mod plan;
 mod poses;
 mod run;
 
+pub use floor::FloorCover;
 pub use plan::{BakeError, BakePlacement, BakePlan};
 pub use run::{BakeProgress, BakeReport, BakeSettings, bake};

@@ -1,6 +1,7 @@
 //! The app: applies commands, takes over results, and draws the window. Nothing else imports it.
 
 mod autosave;
+mod baking;
 mod canvas;
 mod comparison;
 mod current_scene;
@@ -21,6 +22,7 @@ mod window_app;
 
 use afterimage::render::schedule::MOTION_TIME;
 use autosave::{Autosave, is_recovery, left_behind, recovery_file};
+use baking::{poll_bake, toggle_bake, update_floor};
 use canvas::Canvas;
 use comparison::{overlay, update_comparison};
 use current_scene::{Arrival, CurrentScene};
@@ -38,7 +40,7 @@ use pictures::{handle_picture, poll_export, save_from_references};
 use poll::poll;
 use render_request::{current_work, note_frame, send_request};
 use scene_edits::{begin_edits, handle_edit, is_sky, open_sky, poll_edit, save_sidecar, show_sky_picture};
-use services::{AppEvent, Measurement, PendingEdit, Services};
+use services::{AppEvent, FloorWatch, Measurement, PendingEdit, Services};
 use session_file::{EXTENSION, SessionFile, is_session};
 use update::{apply, show_appearance};
 use watch::{modified, watch};

@@ -1,9 +1,9 @@
 //! Takes over everything that has happened in the background since the last update of the window.
 
 use super::{
-    AppEvent, Parts, go_to_picture, handle_answer, leave, note_frame, open_path, poll_edit, poll_export,
-    poll_loading, poll_watch, save_from_references, show_reference, show_sky_picture, update_plan,
-    update_thumbnails,
+    AppEvent, Parts, go_to_picture, handle_answer, leave, note_frame, open_path, poll_bake, poll_edit,
+    poll_export, poll_loading, poll_watch, save_from_references, show_reference, show_sky_picture,
+    update_floor, update_plan, update_thumbnails,
 };
 use crate::window::gpu::viewport;
 use crate::window::rendering::{Message, TaskError, background_pool, locked, spawn_task, take_result};
@@ -22,7 +22,9 @@ pub(super) fn poll(app: &mut Parts) {
     poll_frame(app);
     poll_light(app);
     app.state.notices.retain(|n| !n.is_expired());
+    poll_bake(app);
     update_plan(app);
+    update_floor(app);
     update_thumbnails(&mut app.state, &app.services);
 }
 

@@ -3,15 +3,19 @@
 use crate::picture::restore::PictureView;
 use crate::window::export::{Destination, Exported};
 use crate::window::launch::LaunchOptions;
+use crate::window::rendering::baking::{Baking, ShownFloor};
 use crate::window::rendering::{
     FullTrace, Loading, Plan, RenderThread, Task, TaskError, Wake, spawn_activity,
 };
 use crate::window::state::{AppState, Pair, PictureError};
 use afterimage::Tracer;
+use afterimage::render::bake::FloorCover;
 use afterimage::scene::{SceneEdit, SkyImage};
+use afterimage::trace::SceneEpoch;
 use egui_wgpu::RenderState;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
+use std::time::Instant;
 
 /// Result of a small task whose progress is not shown.
 pub(super) enum AppEvent {
@@ -44,6 +48,17 @@ pub(super) struct Measurement {
     pub(super) map: Vec<[u8; 3]>,
 }
 
+/// What the store lights of the floor.
+#[derive(Default)]
+pub(super) struct FloorWatch {
+    /// Finds it out.
+    pub(super) task: Option<Task<ShownFloor>>,
+    /// The places of the scene that was looked at last.
+    pub(super) cover: Option<Arc<FloorCover>>,
+    /// The state of the scene and the bounces for which the store was looked at last, and when.
+    pub(super) looked: Option<((SceneEpoch, u32), Instant)>,
+}
+
 /// Threads, tasks and the graphics adapter.
 pub(super) struct Services {
     /// What the window was started with.
@@ -64,6 +79,9 @@ pub(super) struct Services {
     /// The pair that is being measured, or that could not be measured.
     pub(super) measured_pair: Option<Pair>,
     pub(super) plan: Option<Task<Plan>>,
+    /// The bake that is running.
+    pub(super) baking: Option<Baking>,
+    pub(super) floor: FloorWatch,
     pub(super) file_dialog: Option<Task<Option<PathBuf>>>,
     /// Ends when the files of the scene have changed.
     pub(super) watch: Option<Task<PathBuf>>,

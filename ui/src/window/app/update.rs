@@ -3,7 +3,7 @@
 
 use super::{
     AppEvent, Parts, Services, cancel_loading, forget_recent, handle_answer, handle_edit, handle_inspect,
-    handle_navigation, handle_picture, open_new, open_path, open_session, reload, save_session,
+    handle_navigation, handle_picture, open_new, open_path, open_session, reload, save_session, toggle_bake,
 };
 use crate::picture::pose_text::pose_flags;
 use crate::settings::{self, Theme};
@@ -32,6 +32,7 @@ pub(super) fn apply(app: &mut Parts, command: Command) {
         Command::AddReference => {
             services.render.send(RenderCommand::AddReference(*fly.camera()));
         }
+        Command::Bake => toggle_bake(app),
         Command::Remove(id) => {
             services.render.send(RenderCommand::Remove(id));
         }

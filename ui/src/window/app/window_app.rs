@@ -1,9 +1,9 @@
 //! The app of the window.
 
 use super::{
-    Arrival, Canvas, CurrentScene, MOTION_TIME, Parts, Services, apply, autosave, current_work, end_autosave,
-    hold_close, is_session, open, open_session, poll, read_state_folder, send_request, show_appearance,
-    update_comparison,
+    Arrival, Canvas, CurrentScene, FloorWatch, MOTION_TIME, Parts, Services, apply, autosave, current_work,
+    end_autosave, hold_close, is_session, open, open_session, poll, read_state_folder, send_request,
+    show_appearance, update_comparison,
 };
 use crate::window::gpu::adapter;
 use crate::window::input::{Input, key_commands, steer};
@@ -79,6 +79,8 @@ impl App {
             measurement: None,
             measured_pair: None,
             plan: None,
+            baking: None,
+            floor: FloorWatch::default(),
             file_dialog: None,
             watch: None,
             light: None,
@@ -198,6 +200,10 @@ impl eframe::App for App {
 
     fn on_exit(&mut self) {
         self.parts.services.loading = None;
+        if let Some(baking) = self.parts.services.baking.take() {
+            // What is being written is completed.
+            baking.task.cancel_and_wait();
+        }
         if let Some(export) = self.parts.services.export.take() {
             export.cancel_and_wait();
         }

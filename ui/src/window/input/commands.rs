@@ -85,6 +85,7 @@ fn command_of(
         Action::CompareSplit => toggled(state, Compare::Split),
         Action::CompareErrors => toggled(state, Compare::Errors),
         Action::AddReference => Command::AddReference,
+        Action::Bake => Command::Bake,
         Action::ClearCache => Command::AskToClear,
         Action::Open => Command::Browse,
         Action::SaveSession => Command::Files(FileCommand::SaveSession),

@@ -83,6 +83,10 @@ fn scene_menu(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
         commands.push(Command::Reload);
     }
     ui.separator();
+    let bake = if state.plan.baking.is_some() { "Cancel baking" } else { "Bake" };
+    if state.scene.is_some() && item(ui, bake, Some(Action::Bake)) {
+        commands.push(Command::Bake);
+    }
     if item(ui, "Save picture", Some(Action::Screenshot)) {
         commands.push(Command::Picture(PictureCommand::Save));
     }

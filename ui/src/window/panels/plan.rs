@@ -2,11 +2,12 @@
 //! references coloured by their contribution.
 
 use super::super::state::{AppState, Command, InspectCommand};
+use crate::window::input::keymap::{Action, keys_of};
 use crate::window::rendering::exchange::ReferenceInfo;
 use crate::window::rendering::floor_plan::{Plan, PlanView};
 use afterimage::Camera;
-use egui::{Color32, Mesh, Pos2, Rect, Response, Sense, Shape, Stroke, Ui};
-use glam::DVec2;
+use egui::{Color32, Mesh, Pos2, ProgressBar, Rect, Response, RichText, Sense, Shape, Stroke, Ui};
+use glam::{DVec2, DVec3};
 
 /// Height of the plan in points.
 const HEIGHT: f32 = 210.0;
@@ -20,6 +21,13 @@ const WEDGE: f32 = 26.0;
 /// Fraction of the plan that the model fills at zoom 1.
 const MARGIN: f32 = 0.92;
 
+/// Side of the square that stands for a walkable place, metres.
+const FLOOR_M: f64 = 0.9;
+
+/// Places whose eyes differ from the height of the cut by more belong to other storeys, metres.
+const STOREY_M: f64 = 2.0;
+
+const FLOOR: Color32 = Color32::from_rgb(0x00, 0x9E, 0x73);
 const CAMERA: Color32 = Color32::from_rgb(0x56, 0xB4, 0xE9);
 const PATH: Color32 = Color32::from_rgb(0xCC, 0x79, 0xA7);
 
@@ -36,6 +44,7 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     draw(ui, state, &sheet);
     steer(ui, state, &sheet, &response, commands);
     buttons(ui, state, &sheet, commands);
+    bake(ui, state, commands);
     selected(ui, state, plan, commands);
 }
 
@@ -77,6 +86,7 @@ fn draw(ui: &Ui, state: &AppState, sheet: &Sheet) {
     let painter = ui.painter().with_clip_rect(sheet.rect);
     let is_dark = ui.visuals().dark_mode;
     painter.rect_filled(sheet.rect, 4.0, if is_dark { Color32::from_gray(22) } else { Color32::WHITE });
+    painter.add(floor(sheet, &state.plan.floor));
     painter.add(walls(sheet, if is_dark { Color32::from_gray(190) } else { Color32::from_gray(60) }));
     let keys = &state.navigation.playback.path.keyframes;
     let path: Vec<Pos2> = keys.iter().map(|k| sheet.point(sheet.plan.place(k.eye))).collect();
@@ -88,6 +98,20 @@ fn draw(ui: &Ui, state: &AppState, sheet: &Sheet) {
     let camera = state.navigation.fly.camera();
     wedge(&painter, sheet, camera, CAMERA, false);
     painter.circle(sheet.eye(camera), 5.0, CAMERA, Stroke::new(1.5, Color32::BLACK));
+}
+
+/// The walkable places as one mesh of squares: brighter where stored references light more of what
+/// is seen from there. Nothing is shown where no reference is stored.
+fn floor(sheet: &Sheet, places: &[(DVec3, f32)]) -> Shape {
+    let half = egui::Vec2::splat((FLOOR_M * sheet.points_per_metre / 2.0) as f32);
+    let mut mesh = Mesh::default();
+    let is_on_floor = |eye: &DVec3| (eye.y - sheet.plan.height_m).abs() < STOREY_M;
+    for (eye, share) in places.iter().filter(|(eye, share)| is_on_floor(eye) && *share > 0.0) {
+        let centre = sheet.point(sheet.plan.place(*eye));
+        let color = FLOOR.gamma_multiply(0.1 + 0.6 * share.clamp(0.0, 1.0));
+        mesh.add_colored_rect(Rect::from_min_max(centre - half, centre + half), color);
+    }
+    Shape::mesh(mesh)
 }
 
 /// The walls as one mesh with a thin quad per line; lines outside the plan are culled.
@@ -179,6 +203,22 @@ fn buttons(ui: &mut Ui, state: &AppState, sheet: &Sheet, commands: &mut Vec<Comm
     if view != state.plan.view {
         commands.push(Command::Inspect(InspectCommand::SetPlanView(view)));
     }
+}
+
+/// Shows the button that starts or cancels a bake, and its progress.
+fn bake(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
+    ui.horizontal(|ui| {
+        let text = if state.plan.baking.is_some() { "Cancel" } else { "Bake" };
+        let button = ui.button(text).accessible_name(format!("{text} lighting the whole scene"));
+        let help = "Light the whole scene while you are at rest, into the store; green shows what is lit";
+        if button.on_hover_text(format!("{help} (key {})", keys_of(Action::Bake))).clicked() {
+            commands.push(Command::Bake);
+        }
+        if let Some(progress) = &state.plan.baking {
+            let bar = ProgressBar::new(progress.fraction.unwrap_or(0.0));
+            ui.add(bar.text(RichText::new(&progress.phase).small()).desired_height(16.0));
+        }
+    });
 }
 
 fn selected(ui: &mut Ui, state: &AppState, plan: &Plan, commands: &mut Vec<Command>) {

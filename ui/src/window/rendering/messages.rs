@@ -42,6 +42,8 @@ pub enum RenderCommand {
     ShowReference(ReferenceId),
     /// Removes all references from the cache, and cancels the one that is being traced.
     Clear,
+    /// Reads again what the store holds: something else has added to it.
+    ReadStore,
     /// Asks for [`Message::Picture`] of the next complete frame, or of the current one while
     /// paused.
     Picture,

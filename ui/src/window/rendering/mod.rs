@@ -1,6 +1,7 @@
 //! Everything that runs outside the window's thread: rendering, references, background tasks, and
 //! the data that they exchange with the window.
 
+pub(crate) mod baking;
 pub mod depth_ranges;
 pub mod exchange;
 pub mod floor_plan;

@@ -64,9 +64,10 @@ impl RenderThread {
                     inbox.commands.push(command);
                 })
             }
-            RenderCommand::Remove(_) | RenderCommand::Enable(..) | RenderCommand::Clear => {
-                self.shared.change(|inbox| inbox.commands.push(command))
-            }
+            RenderCommand::Remove(_)
+            | RenderCommand::Enable(..)
+            | RenderCommand::ReadStore
+            | RenderCommand::Clear => self.shared.change(|inbox| inbox.commands.push(command)),
         }
     }
 

@@ -6,6 +6,7 @@ use super::{
 };
 use crate::window::rendering::{Plan, PlanView, Progress, PublishedFrame, SceneSource, Thumbnails};
 use afterimage::raster::exposure::Metered;
+use glam::DVec3;
 use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -100,6 +101,11 @@ pub struct PlanState {
     pub asked_m: Option<f64>,
     /// The part of the cut that is shown.
     pub view: PlanView,
+    /// Walkable places, world metres, each with the share of what is seen from it that stored
+    /// references light, 0..1.
+    pub floor: Vec<(DVec3, f32)>,
+    /// Progress of a bake; `None` while none is running.
+    pub baking: Option<Progress>,
 }
 
 impl AppState {

@@ -31,6 +31,8 @@ pub enum Command {
     Level,
     ChangeFov(f64),
     AddReference,
+    /// Starts to bake the scene, or cancels the bake.
+    Bake,
     AskToClear,
     Clear,
     KeepReferences,

@@ -141,6 +141,14 @@ impl Worker {
                 walk.cache_mut().set_enabled(id, is_enabled);
             }
             (RenderCommand::ShowReference(id), Some(_)) => self.send_reference(id),
+            (RenderCommand::ReadStore, Some(walk)) => {
+                let tracer = walk.tracer().clone();
+                drop(walk.set_store(None));
+                let store = self.store_of(None, &tracer);
+                if let Some(walk) = &mut self.walk {
+                    walk.set_store(store);
+                }
+            }
             (RenderCommand::Clear, Some(walk)) => {
                 walk.cache_mut().clear();
                 self.cancel_reference();
