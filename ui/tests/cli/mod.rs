@@ -1,5 +1,6 @@
 //! Tests that run the program as a user or a script does.
 
+mod bake;
 mod data;
 mod runs;
 mod settings;
