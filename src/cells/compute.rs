@@ -9,7 +9,7 @@ use arrayvec::ArrayVec;
 use glam::Vec3;
 
 /// Points of a cell whose light is traced. Each takes one ray to every light and one path.
-const POINTS: usize = 16;
+pub(super) const POINTS: usize = 16;
 
 /// Surfaces, one behind the other, that one line through a cell may find.
 const MAX_LAYERS: usize = 4;
@@ -84,28 +84,47 @@ fn power(exponent: i32) -> f32 {
 
 /// Traces the light of a cell, with up to `bounces` diffuse surfaces on the way.
 pub(super) fn compute(tracer: &Tracer, key: &CellKey, bounces: u32, seed: u64) -> Cell {
+    let mut sum = Vec3::ZERO;
+    let anchor = for_each_sample(tracer, key, seed, |point, sample, sequence, rays| {
+        let shift = light_shift(sequence, sample);
+        let irradiance = tracer.irradiance_of(LightKinds::AllButSky, point, 1, shift, rays);
+        let settings = SmoothSettings { bounces, cache: None, footprint: 0.0, samples: 1 };
+        let smooth = tracer.smooth_light(point, sample..sample + 1, sequence, settings, rays);
+        sum += Diffuse::WHITE.radiance(irradiance) + smooth[0] + smooth[1];
+    });
+    let light = sum / POINTS as f32;
+    match anchor {
+        Some(anchor) if light.is_finite() => Cell::Lit(light, anchor),
+        _ => Cell::Divided,
+    }
+}
+
+/// Passes the samples of a cell to `sample`, [`POINTS`] in number: each has a point, and a number in
+/// the sequence of the cell. Returns the anchor; `None` where the cell is divided.
+pub(super) fn for_each_sample(
+    tracer: &Tracer,
+    key: &CellKey,
+    seed: u64,
+    mut sample: impl FnMut(&SurfacePoint, u32, Sequence, &mut RayCounts),
+) -> Option<Anchor> {
     let sequence = sequence_of(key, seed);
     let points = points_in(tracer, key, &sequence);
     let is_whole = |(first, anchor): &(SurfacePoint, Anchor)| {
         points.iter().all(|(p, _)| sees(tracer, key, p.position, first.position))
             && sees(tracer, key, first.position, position_of(key, &sequence, *anchor))
     };
-    let Some((_, anchor)) = points.first().filter(|first| is_whole(first)).copied() else {
-        return Cell::Divided;
-    };
+    let (_, anchor) = points.first().filter(|first| is_whole(first)).copied()?;
     // Rays of cells are not counted: which thread traces them is left to chance.
     let mut rays = RayCounts::default();
-    let mut sum = Vec3::ZERO;
-    for sample in 0..POINTS as u32 {
-        let (point, _) = &points[sample as usize % points.len()];
-        let shift = |light: u32| sequence.pair(sample, LIGHT.wrapping_add(light));
-        let irradiance = tracer.irradiance_of(LightKinds::AllButSky, point, 1, shift, &mut rays);
-        let settings = SmoothSettings { bounces, cache: None, footprint: 0.0, samples: 1 };
-        let smooth = tracer.smooth_light(point, sample..sample + 1, sequence, settings, &mut rays);
-        sum += Diffuse::WHITE.radiance(irradiance) + smooth[0] + smooth[1];
+    for number in 0..POINTS as u32 {
+        sample(&points[number as usize % points.len()].0, number, sequence, &mut rays);
     }
-    let light = sum / POINTS as f32;
-    if light.is_finite() { Cell::Lit(light, anchor) } else { Cell::Divided }
+    Some(anchor)
+}
+
+/// The random shift of each light for a sample of a cell.
+pub(super) fn light_shift(sequence: Sequence, sample: u32) -> impl Fn(u32) -> [f32; 2] {
+    move |light| sequence.pair(sample, LIGHT.wrapping_add(light))
 }
 
 fn sequence_of(key: &CellKey, seed: u64) -> Sequence {

@@ -4,6 +4,7 @@
 //! | File | Contents |
 //! |---|---|
 //! | `key` | [`CellKey`]: the cube, its size, and the side that its surfaces face |
+//! | `by_group` | cells with the light of each group of lights |
 //! | `compute` | the light of one cell, a function of the scene and the key alone |
 //! | `table` | a hash table that threads fill without locks |
 //!
@@ -13,10 +14,12 @@
 //! We differ: what a cell holds does not depend on who reads it or when, so a picture has the same
 //! bits at any number of threads, and a full table costs time, never bits.
 
+mod by_group;
 mod compute;
 mod key;
 mod table;
 
+pub(crate) use by_group::GroupCells;
 pub use key::CellKey;
 
 use crate::scene::Scene;

@@ -3,7 +3,9 @@
 use super::{options::Limits, sky_picture::load_sky};
 use crate::scene::place::PlaceAndTime;
 use crate::scene::solar::SunPosition;
-use crate::scene::{Daylight, DaylightModel, NO_LIGHT, PictureSky, Scene, Sky, SkyKind, Sun, Warning};
+use crate::scene::{
+    Daylight, DaylightModel, NO_LIGHT, PictureSky, Scene, SceneEdit, Sky, SkyKind, Sun, Warning,
+};
 use std::path::{Path, PathBuf};
 use std::{convert::Infallible, str::FromStr, sync::Arc};
 
@@ -53,8 +55,8 @@ impl DaylightOptions {
         if self.sky.is_none() && self.sun.is_none() {
             return scene;
         }
-        let (daylight, problem) = self.daylight(&scene);
-        let mut lit = scene.with_daylight(daylight);
+        let (daylight, problem) = self.daylight(&scene.at_full());
+        let mut lit = scene.with_edit(&SceneEdit { daylight, ..scene.to_edit() });
         match problem {
             Some(problem) => lit.warnings.push(problem),
             // The light that was added for want of another is gone.

@@ -31,6 +31,25 @@ impl Rgb9e5Scale {
         Self { exponent_offset: offset.clamp(1, 254 - MAX_EXPONENT as i32) as u32 }
     }
 
+    /// Returns the largest value of a channel.
+    pub fn largest(self) -> f32 {
+        MAX_MANTISSA * self.step(MAX_EXPONENT)
+    }
+
+    /// Packs a colour that is not negative, as a sum of colours is. Differs from [`Self::pack`] in
+    /// the rounding of some halves, and takes a quarter of the time.
+    #[inline(always)]
+    pub fn pack_sum(self, color: Vec3) -> u32 {
+        let largest = color.max_element().min(f32::MAX);
+        let first = self.first_exponent(largest);
+        let is_full = largest / self.step(first) + 0.5 >= MAX_MANTISSA + 1.0;
+        let exponent = (first + u32::from(is_full)).min(MAX_EXPONENT);
+        // A step is a power of two.
+        let color = color * (1.0 / self.step(exponent)) + 0.5;
+        let mantissa = |x: f32| x.min(MAX_MANTISSA) as u32;
+        mantissa(color.x) | mantissa(color.y) << 9 | mantissa(color.z) << 18 | exponent << 27
+    }
+
     /// Returns the value of one step of the mantissa for a word's exponent.
     fn step(self, exponent: u32) -> f32 {
         f32::from_bits((exponent + self.exponent_offset) << 23)

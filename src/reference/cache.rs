@@ -1,9 +1,9 @@
 //! Cache of references with a byte budget, and the policy by which references are evicted.
 
-use super::ReferenceFrame;
 use super::directory::{Directory, MAX_SLOTS};
 use super::light::UNLIT;
 use super::stale::{self, Carried, Renumbering};
+use super::{LightLayers, ReferenceFrame};
 use crate::cells::SurfaceCells;
 use crate::scene::Scene;
 use crate::trace::{NO_TRIANGLE, SceneEpoch, TraceSettings, Tracer, parallel::Stop};
@@ -218,7 +218,8 @@ impl ReferenceCache {
         let start = Instant::now();
         let mut carried = Carried::default();
         self.cells = None;
-        let entries = std::mem::take(&mut self.entries);
+        let (entries, mut moves_light) = self.set_lights(tracer, &mut carried);
+        moves_light |= !entries.is_empty();
         let key = |entry: &CachedReference| (entry.frame.origin.hash.clone(), entry.frame.settings.bounces);
         let mut groups: Vec<Vec<CachedReference>> = Vec::new();
         for entry in entries {
@@ -250,7 +251,9 @@ impl ReferenceCache {
             }
         }
         self.entries.sort_by_key(|entry| entry.id);
-        self.add_to_directory();
+        if moves_light {
+            self.add_to_directory();
+        }
         self.version += 1;
         self.evict();
         carried.secs = start.elapsed().as_secs_f64();
@@ -271,6 +274,39 @@ impl ReferenceCache {
         let marks = stale::marks_of(&frames, tracer, &self.directory, &mut Carried::default(), stop);
         let Some(marks) = marks else { return false };
         others.iter_mut().zip(marks).for_each(|(frame, marks)| frame.mark(tracer.epoch(), marks));
+        true
+    }
+
+    /// Shows the light of the tracer's scene in the references where it follows from what is known,
+    /// without a ray: lights were dimmed, switched or coloured. Takes the others out, and returns
+    /// them; true where other pixels have light than before.
+    fn set_lights(&mut self, tracer: &Tracer, carried: &mut Carried) -> (Vec<CachedReference>, bool) {
+        let (mut others, mut moves_light) = (Vec::new(), false);
+        for mut entry in std::mem::take(&mut self.entries) {
+            if entry.frame.knows_lights(tracer.scene()) {
+                let lit = entry.frame.lit();
+                Arc::make_mut(&mut entry.frame).set_lights(tracer);
+                moves_light |= entry.frame.lit() != lit;
+                carried.pixels += entry.frame.lit();
+                self.entries.push(entry);
+            } else {
+                others.push(entry);
+            }
+        }
+        (others, moves_light)
+    }
+
+    /// Adds the light by groups of a reference, and shows that of the tracer's scene. Returns false
+    /// if there is no reference with this identity.
+    pub(crate) fn set_layers(&mut self, id: ReferenceId, layers: Arc<LightLayers>, tracer: &Tracer) -> bool {
+        let Some(entry) = self.entries.iter_mut().find(|entry| entry.id == id) else { return false };
+        let lit = entry.frame.lit();
+        Arc::make_mut(&mut entry.frame).set_layers(layers, tracer);
+        if entry.frame.lit() != lit {
+            self.add_to_directory();
+        }
+        self.version += 1;
+        self.evict();
         true
     }
 

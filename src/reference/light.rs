@@ -9,6 +9,11 @@ pub const UNLIT: u32 = u32::MAX;
 /// Packs light; the result is never [`UNLIT`]. White at the top of the range would be that word and
 /// loses one step of blue.
 pub fn pack_light(scale: Rgb9e5Scale, light: Vec3) -> u32 {
-    let word = scale.pack(light);
+    not_unlit(scale.pack(light))
+}
+
+/// A packed word of light, with another one in the place of [`UNLIT`].
+#[inline(always)]
+pub(crate) fn not_unlit(word: u32) -> u32 {
     if word == UNLIT { word - (1 << 18) } else { word }
 }

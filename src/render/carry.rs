@@ -17,7 +17,7 @@ impl Walkthrough {
         let tracer = self.tracer().clone();
         let old = before.tracer().clone();
         self.references_made = before.references_made;
-        self.cache = before.cache;
+        (self.cache, self.group_tracer) = (before.cache, before.group_tracer);
         let is_edit = old.scene().has_same_geometry(tracer.scene());
         let gone = if is_edit { 0 } else { self.cache.renumber([&old, &tracer]) };
         let carried = self.cache.carry_to(&tracer, stop);

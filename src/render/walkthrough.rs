@@ -13,7 +13,7 @@ use super::settings::{Mode, RenderSettings, WalkthroughSettings};
 use super::{prefetch::Prefetch, preview, reference_job::ReferenceJob, renderer::Renderer};
 use crate::camera::{Camera, View};
 use crate::reference::{
-    ReferenceCache, ReferenceFrame, ReferenceId, cache::CachedReference, settings_of_reference,
+    GroupTracer, ReferenceCache, ReferenceFrame, ReferenceId, cache::CachedReference, settings_of_reference,
 };
 use crate::store::StoreSession;
 use crate::trace::Tracer;
@@ -49,6 +49,8 @@ pub struct Walkthrough {
     has_previews: bool,
     /// `None` where references are not stored.
     pub(super) store: Option<StoreSession>,
+    /// Traces the light of references by groups; `None` before that is asked for.
+    pub(super) group_tracer: Option<Arc<GroupTracer>>,
 }
 
 impl Walkthrough {
@@ -75,6 +77,7 @@ impl Walkthrough {
             refined_stored: (0, 0),
             has_previews: false,
             store: None,
+            group_tracer: None,
         }
     }
 

@@ -3,6 +3,7 @@
 
 use super::conditioning::{Conditioning, Repairs};
 use super::duplicates::Duplicates;
+use super::light_groups::{LightGroups, LightSettings};
 use super::{
     Light, Material, NamedView, Scene, SceneBuilder, SceneError, SceneFeatures, SceneFrame, Sky, Sun, bounds,
     building, is_valid_position, sanitize, views,
@@ -38,7 +39,7 @@ impl SceneBuilder {
             return Err(self.empty_error(count));
         }
         self.light_if_dark();
-        let point_lights = self.point_lights(&frame);
+        let (point_lights, settings) = (self.point_lights(&frame), std::mem::take(&mut self.light_settings));
         let mut scene = self.into_scene(positions, frame, bounds_m);
         let duplicates = Duplicates::find(&scene);
         (repairs.duplicates_hidden, repairs.duplicates_seen) = (duplicates.hidden.len(), duplicates.seen);
@@ -47,7 +48,7 @@ impl SceneBuilder {
         scene.features.needles = scene.conditioning.needles > 0;
         scene.derive(point_lights);
         scene.update_light_numbers();
-        Ok(scene)
+        Ok(if settings.is_empty() { scene } else { Arc::new(scene).with_light_settings(&settings) })
     }
 
     /// Moves everything into a scene. What follows from the rest is still missing.
@@ -72,6 +73,10 @@ impl SceneBuilder {
             lights: Vec::new(),
             sun: self.sun,
             sky: self.sky,
+            light_groups: LightGroups::default(),
+            lamp_groups: self.lamp_groups,
+            light_settings: LightSettings::default(),
+            full: None,
             is_photometric: self.is_photometric,
             views: self.views,
             walk,

@@ -1,6 +1,7 @@
 //! A scene while it is being put together.
 
 use super::daylight::nits_per_unit;
+use super::light_groups::{LampGroup, LightSettings};
 use super::{Material, MaterialId, NamedView, Sky, Sun, Texture, TextureId, Warning};
 use crate::camera::CameraPath;
 use crate::raster::exposure::Exposure;
@@ -33,6 +34,10 @@ pub struct SceneBuilder {
     pub sun: Option<Sun>,
     /// The sky.
     pub sky: Option<Sky>,
+    /// Groups of lamps that the user has put together.
+    pub lamp_groups: Vec<LampGroup>,
+    /// How the groups of lights are set.
+    pub light_settings: LightSettings,
     /// True where the model gives its lights in photometric units: candela, lux and cd/m2.
     pub is_photometric: bool,
     /// Views offered to the user.

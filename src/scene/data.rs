@@ -1,6 +1,7 @@
 //! The complete scene.
 
 use super::daylight::nits_per_unit;
+use super::light_groups::{LampGroup, LightGroups, LightSettings};
 use super::{
     Conditioning, Light, Material, MaterialId, NamedView, SceneFeatures, SceneFrame, Sky, Sun, Texture,
     Warning,
@@ -45,6 +46,14 @@ pub struct Scene {
     pub sun: Option<Sun>,
     /// The sky, if there is one. `lights` holds it as well.
     pub sky: Option<Sky>,
+    /// The groups in which the lights can be dimmed.
+    pub light_groups: LightGroups,
+    /// Groups of lamps that the user has put together.
+    pub lamp_groups: Vec<LampGroup>,
+    /// How the groups are set. Materials, lights, sun and sky of this scene follow from it.
+    pub light_settings: LightSettings,
+    /// The scene with all lights as the files have them; `None` where this is it.
+    pub full: Option<Arc<Scene>>,
     /// True where the model gives its lights in photometric units.
     pub is_photometric: bool,
     /// Views offered to the user, at least one. The first is the start view.

@@ -1,16 +1,20 @@
 //! The parts of a scene that follow from its geometry, materials and light sources.
 
-use super::{Light, Scene, SceneFeatures, Sky, emissive, hash, solids};
+use super::{Light, MaterialId, Scene, SceneFeatures, Sky, emissive, group_lights, hash, solids};
 
 impl Scene {
-    /// Recomputes lights, features, solids and hash. Geometry, materials, textures, sun and sky
+    /// Recomputes lights and their groups, features, solids and hash. Geometry, materials, textures, sun and sky
     /// must be final.
     pub(super) fn derive(&mut self, point_lights: Vec<Light>) {
-        self.lights = emissive::lights(self);
+        let (mut materials, surfaces): (Vec<Option<MaterialId>>, Vec<Light>) =
+            emissive::lights(self).into_iter().map(|(material, light)| (Some(material), light)).unzip();
+        self.lights = surfaces;
         self.lights.extend(point_lights);
         self.lights.extend(self.sun.map(Light::from));
         self.lights.extend(self.sky.as_ref().map(|_| Light::Sky));
         self.lights.extend(self.sky.as_ref().and_then(Sky::with_suns).map(|_| Light::SkySuns));
+        materials.resize(self.lights.len(), None);
+        self.light_groups = group_lights::group(self, &materials);
         self.features =
             SceneFeatures::of(&self.materials, &self.lights, self.sky.is_some(), self.features.needles);
         self.solids = solids::classify(self);

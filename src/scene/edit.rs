@@ -1,24 +1,34 @@
 //! Changes of a complete scene that keep its geometry.
 
+use super::light_groups::LightSettings;
 use super::{Daylight, Light, Material, Scene, sanitize};
 use std::sync::Arc;
 
-/// The parts of a scene that can be changed without touching its geometry: materials, sun and sky.
+/// The parts of a scene that can be changed without touching its geometry: materials, sun, sky, and
+/// how the groups of lights are set.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneEdit {
-    /// All materials, by [`MaterialId`](super::MaterialId).
+    /// All materials, by [`MaterialId`](super::MaterialId), with their lamps at full light.
     pub materials: Vec<Material>,
-    /// Sun and sky.
+    /// Sun and sky at full light.
     pub daylight: Daylight,
+    /// How the groups of lights are set.
+    pub lights: LightSettings,
 }
 
 impl Scene {
     /// Returns the edit that leads to this scene.
     pub fn to_edit(&self) -> SceneEdit {
+        let full = self.at_full();
         SceneEdit {
-            materials: self.materials.clone(),
-            daylight: Daylight { sun: self.sun, sky: self.sky.clone() },
+            materials: full.materials.clone(),
+            daylight: full.daylight(),
+            lights: self.light_settings.clone(),
         }
+    }
+
+    fn daylight(&self) -> Daylight {
+        Daylight { sun: self.sun, sky: self.sky.clone() }
     }
 
     /// True if both are states of one model, which differ in materials, sun and sky only.
@@ -26,14 +36,27 @@ impl Scene {
         Arc::ptr_eq(&self.triangles, &other.triangles) && Arc::ptr_eq(&self.positions, &other.positions)
     }
 
-    /// Returns this scene with other materials, sun and sky. Lights, features, solids and hash are
-    /// recomputed.
+    /// Returns this scene with other materials, sun and sky, and other settings of its lights.
+    /// Lights, features, solids and hash are recomputed; where only settings of lights change, this
+    /// takes no time that grows with the geometry.
     ///
     /// # Panics
     /// If the edit has more or fewer materials than the scene, and so belongs to another one.
     #[must_use]
     pub fn with_edit(&self, edit: &SceneEdit) -> Self {
         assert_eq!(edit.materials.len(), self.materials.len(), "the edit belongs to another scene");
+        let full = self.at_full();
+        let is_same = edit.materials == full.materials && edit.daylight == full.daylight();
+        let full = if is_same { full } else { Arc::new(full.with_surfaces(edit)) };
+        let mut edited = full.with_light_settings(&edit.lights);
+        // Views may have been chosen since.
+        (edited.views, edited.walk) = (self.views.clone(), self.walk.clone());
+        edited.warnings.clone_from(&self.warnings);
+        edited
+    }
+
+    /// Returns this scene at full light with the materials, sun and sky of an edit.
+    fn with_surfaces(&self, edit: &SceneEdit) -> Self {
         let mut edited = self.clone();
         edited.materials.clone_from(&edit.materials);
         for material in &mut edited.materials {
@@ -44,10 +67,10 @@ impl Scene {
         edited.with_daylight(edit.daylight.clone())
     }
 
-    /// Returns this scene with another sun and sky. Lights, features, solids and hash are
-    /// recomputed.
+    /// Returns this scene, whose lights are as the files have them, with another sun and sky.
+    /// Lights, features, solids and hash are recomputed.
     #[must_use]
-    pub fn with_daylight(mut self, daylight: Daylight) -> Self {
+    pub(crate) fn with_daylight(mut self, daylight: Daylight) -> Self {
         (self.sun, self.sky) = (daylight.sun, daylight.sky);
         let is_point = |light: &&Light| matches!(light, Light::Point { .. });
         self.derive(self.lights.iter().filter(is_point).cloned().collect());

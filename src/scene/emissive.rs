@@ -1,14 +1,14 @@
 //! Lights made from emissive triangles.
 
 use super::connectivity::connected_groups;
-use super::{Light, Scene};
+use super::{Light, MaterialId, Scene};
 use glam::Vec3;
 
-/// Returns the lights formed by the emissive triangles of a scene.
+/// Returns the lights formed by the emissive triangles of a scene, each with its material.
 ///
 /// Triangles of one material that share vertex positions form one light. Two triangles that form a
 /// parallelogram become a [`Light::Quad`], which is sampled with less noise than two triangles.
-pub(super) fn lights(scene: &Scene) -> Vec<Light> {
+pub(super) fn lights(scene: &Scene) -> Vec<(MaterialId, Light)> {
     let emissive: Vec<u32> =
         scene.triangle_indices().filter(|&t| scene.material_of(t).is_emissive()).collect();
     connected_groups(scene, &emissive, |t| scene.triangle_materials[t as usize])
@@ -16,7 +16,8 @@ pub(super) fn lights(scene: &Scene) -> Vec<Light> {
         .map(|group| {
             let radiance = scene.material_of(group[0]).emission;
             let corners: Vec<_> = group.iter().map(|&t| scene.corners(t)).collect();
-            as_quad(&corners, radiance).unwrap_or_else(|| as_mesh(corners, radiance))
+            let light = as_quad(&corners, radiance).unwrap_or_else(|| as_mesh(corners, radiance));
+            (scene.triangle_materials[group[0] as usize], light)
         })
         .collect()
 }

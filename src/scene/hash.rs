@@ -71,19 +71,29 @@ impl SceneHasher {
         self.add(sun.as_slice());
         match &scene.sky {
             None => self.add::<[Vec3; 3]>(&[]),
-            Some(Sky::Gradient(s)) => self.add(&[[s.zenith, s.horizon, s.ground]]),
-            Some(Sky::Cie(s)) => {
+            Some(sky) => self.add_sky(sky),
+        }
+    }
+
+    fn add_sky(&mut self, sky: &Sky) {
+        match sky {
+            Sky::Gradient(s) => self.add(&[[s.zenith, s.horizon, s.ground]]),
+            Sky::Cie(s) => {
                 self.add(&[[s.zenith, s.ground, s.sun_direction]]);
                 self.add(&[s.kind as u32]);
             }
-            Some(Sky::Physical(s)) => {
+            Sky::Physical(s) => {
                 self.add(&[s.sun_direction(), s.ground()]);
                 self.add(&[s.turbidity(), s.albedo(), s.brightness()]);
             }
-            Some(Sky::Picture(s)) => {
+            Sky::Picture(s) => {
                 self.add(&s.image.size());
                 self.add(s.image.digest());
                 self.add(&[s.rotation_deg, s.brightness]);
+            }
+            Sky::Dimmed(dimmed) => {
+                self.add_sky(&dimmed.sky);
+                self.add(&[dimmed.factor]);
             }
         }
     }

@@ -15,13 +15,16 @@ pub mod content;
 mod data;
 pub mod daylight;
 mod derive;
+mod dim;
 mod duplicates;
 mod edit;
 mod emissive;
 mod error;
 mod features;
+mod group_lights;
 mod hash;
 mod light;
+mod light_groups;
 mod material;
 #[cfg(feature = "import")]
 pub mod place;
@@ -47,9 +50,14 @@ pub use error::{SceneError, Warning};
 pub use features::SceneFeatures;
 pub use light::Light;
 pub(crate) use light::point_on_mesh;
+pub use light_groups::{
+    LampGroup, LightGroup, LightGroupKind, LightGroups, LightSetting, LightSettings, MAX_LAMP_GROUPS,
+    MAX_LIGHT_GROUPS, NO_LIGHT_GROUP,
+};
 pub use material::{Material, MaterialId, MaterialKind};
 pub use sky::{
-    CieKind, CieSky, Gradient, PhysicalSky, PictureSky, Sky, SkyImage, SkyImageError, SkyKind, SkySample,
+    CieKind, CieSky, DimmedSky, Gradient, PhysicalSky, PictureSky, Sky, SkyImage, SkyImageError, SkyKind,
+    SkySample,
 };
 pub use sun::Sun;
 pub use texture::{Encoding, Texture, TextureId, TextureRef};

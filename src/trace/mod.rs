@@ -31,13 +31,13 @@ mod visibility;
 
 pub use bounce_limit::{BounceLimit, NotABounceLimit};
 pub use bvh::{BUNDLE_RAYS, Bvh, Hit, NO_TRIANGLE, RayBundle, RayTile, TILE_RAYS, TILE_SIDE, TileHits};
-pub(crate) use lights::LightKinds;
+pub(crate) use lights::{GroupLight, LightKinds};
 pub use lights::{LightCuts, LightGrid};
 pub use path::{
     ArrivingLight, CachedLight, LightSettings, MAX_BOUNCES, MAX_PATH, PathVertex, PixelTrace, Reader,
     truncation_bound,
 };
-pub(crate) use path::{PathStop, SmoothSettings};
+pub(crate) use path::{CachedGroups, GroupSettings, PathStop, SmoothSettings};
 pub use primary_tile::primary_tile;
 pub use probe::Probe;
 pub use settings::{RayCounts, TraceSettings};

@@ -19,15 +19,17 @@ use std::time::Instant;
 const REACH_SLACK: f32 = 1e-3;
 
 /// A scene that is ready to be traced.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Tracer {
     scene: Arc<Scene>,
     /// Shared with tracers of the same geometry.
     bvh: Arc<Bvh>,
-    lights: LightGrid,
+    lights: Arc<LightGrid>,
     epoch: SceneEpoch,
     build_secs: f64,
-    pub(super) metered: OnceLock<Metered>,
+    pub(super) metered: Arc<OnceLock<Metered>>,
+    /// The tracer of the scene with all lights as the files have them; `None` where this is it.
+    full: Option<Arc<Tracer>>,
 }
 
 /// Identifies one state of one scene. Every change of light or geometry makes a new tracer, and so
@@ -37,6 +39,12 @@ pub struct SceneEpoch(u64);
 
 static NEXT_EPOCH: AtomicU64 = AtomicU64::new(0);
 
+impl SceneEpoch {
+    fn next() -> Self {
+        Self(NEXT_EPOCH.fetch_add(1, Ordering::Relaxed))
+    }
+}
+
 impl Tracer {
     /// Builds the hierarchy over a scene.
     pub fn new(scene: Arc<Scene>) -> Self {
@@ -44,19 +52,21 @@ impl Tracer {
         let corners: Vec<[Vec3; 3]> =
             (0..scene.triangles.len() as u32).into_par_iter().map(|t| scene.corners(t)).collect();
         let bvh = Arc::new(Bvh::build_without(&corners, &scene.hidden));
-        Self::with_bvh(scene, bvh, start)
+        let full = scene.full.clone().map(|full| Arc::new(Self::with_bvh(full, bvh.clone(), None, start)));
+        Self::with_bvh(scene, bvh, full, start)
     }
 
-    /// Begins a new epoch with a hierarchy whose building began at `start`.
-    fn with_bvh(scene: Arc<Scene>, bvh: Arc<Bvh>, start: Instant) -> Self {
-        let epoch = SceneEpoch(NEXT_EPOCH.fetch_add(1, Ordering::Relaxed));
-        let lights = LightGrid::new(&scene);
-        let build_secs = start.elapsed().as_secs_f64();
-        Self { scene, bvh, lights, epoch, build_secs, metered: OnceLock::new() }
+    /// Begins a new epoch with a hierarchy whose building began at `start`. Where lights of the
+    /// scene are dimmed, the exposure is that of the scene at full light.
+    fn with_bvh(scene: Arc<Scene>, bvh: Arc<Bvh>, full: Option<Arc<Self>>, start: Instant) -> Self {
+        let lights = Arc::new(LightGrid::new(&scene));
+        let metered = full.as_ref().map(|full| full.metered.clone()).unwrap_or_default();
+        let (epoch, build_secs) = (SceneEpoch::next(), start.elapsed().as_secs_f64());
+        Self { scene, bvh, lights, epoch, build_secs, metered, full }
     }
 
     /// Returns a tracer of a scene with the same triangles, whose materials or lights may differ.
-    /// It shares the hierarchy.
+    /// It shares the hierarchy, and what is known of the scene at full light.
     ///
     /// # Panics
     /// If the numbers of triangles differ.
@@ -64,7 +74,34 @@ impl Tracer {
     pub fn with_same_geometry(&self, scene: Arc<Scene>) -> Self {
         let counts = [&scene, &self.scene].map(|scene| scene.triangles.len());
         assert_eq!(counts[0], counts[1], "another geometry needs another hierarchy");
-        Self::with_bvh(scene, self.bvh.clone(), Instant::now())
+        let start = Instant::now();
+        let known = self.full.as_deref().unwrap_or(self);
+        let is_known = known.scene.hash == scene.full_hash();
+        match &scene.full {
+            None if is_known => Self { scene, epoch: SceneEpoch::next(), ..known.clone() },
+            None => Self::with_bvh(scene, self.bvh.clone(), None, start),
+            Some(full) => {
+                let full = match is_known {
+                    true => self.full.clone().unwrap_or_else(|| Arc::new(known.clone())),
+                    false => Arc::new(Self::with_bvh(full.clone(), self.bvh.clone(), None, start)),
+                };
+                Self::with_bvh(scene, self.bvh.clone(), Some(full), start)
+            }
+        }
+    }
+
+    /// The tracer of the same scene at full light whose places leave out lights only where these
+    /// bring next to nothing of their own group's light: where the other groups are dimmed, it is
+    /// seen.
+    pub(crate) fn by_groups(&self) -> Self {
+        let full = self.full.as_deref().unwrap_or(self);
+        let lights = Arc::new(LightGrid::by_groups(&full.scene));
+        Self { lights, ..full.clone() }
+    }
+
+    /// The tracer of the scene with all lights as the files have them; `None` where this is it.
+    pub fn full(&self) -> Option<&Arc<Self>> {
+        self.full.as_ref()
     }
 
     /// The scene that is traced.
@@ -72,9 +109,13 @@ impl Tracer {
         &self.scene
     }
 
-    /// Mutable access, for parts that no picture depends on: views and the camera path.
-    pub(super) fn scene_mut(&mut self) -> &mut Arc<Scene> {
-        &mut self.scene
+    /// Changes parts that no picture depends on, views and the camera path, also of the scene at
+    /// full light.
+    pub(super) fn change_views(&mut self, change: impl Fn(&mut Scene)) {
+        change(Arc::make_mut(&mut self.scene));
+        if let Some(full) = &mut self.full {
+            change(Arc::make_mut(&mut Arc::make_mut(full).scene));
+        }
     }
 
     /// The hierarchy over the scene's triangles.

@@ -146,6 +146,7 @@ fn sky_values(sky: &Sky, model: &Path) -> Result<Vec<(&'static str, Item)>, Stri
             ("rotation_deg", value(number(sky.rotation_deg))),
             ("brightness", value(number(sky.brightness))),
         ],
+        Sky::Dimmed(dimmed) => sky_values(&dimmed.sky, model)?,
     })
 }
 

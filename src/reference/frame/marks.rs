@@ -99,6 +99,7 @@ impl ReferenceFrame {
             self.lost = marks;
         }
         self.origin = origin;
+        self.forget_layers();
     }
 
     /// Forgets the stale light of a pixel.

@@ -10,11 +10,13 @@
 //! again.
 
 mod damage;
+mod layered;
 mod marks;
 mod merge;
 mod parts;
 mod stale_light;
 
+use layered::TracedLight;
 pub(crate) use parts::ReferenceParts;
 use stale_light::StaleLight;
 
@@ -22,6 +24,7 @@ use crate::bsdf::albedo;
 use crate::camera::{Camera, NEAREST_DEPTH, View};
 use crate::raster::rgb9e5::Rgb9e5Scale;
 use crate::reference::DisparityTiles;
+use crate::reference::layers::LightLayers;
 use crate::reference::light::{UNLIT, pack_light};
 use crate::reference::stale::Mark;
 use crate::reference::{sample_sums::SampleSums, smooth_samples::SmoothSamples};
@@ -82,6 +85,10 @@ pub struct ReferenceFrame {
     stale: Option<Box<StaleLight>>,
     /// What holds at most of each pixel, because an object moved; empty where none did.
     lost: Vec<Mark>,
+    /// Light by groups of lights, where it was traced.
+    layers: Option<Arc<LightLayers>>,
+    /// Light as it was traced, where that of other settings of the lights is shown.
+    traced: Option<Box<TracedLight>>,
 }
 
 impl ReferenceFrame {
@@ -196,6 +203,8 @@ impl ReferenceFrame {
             is_dense: false,
             stale: None,
             lost: Vec::new(),
+            layers: None,
+            traced: None,
         }
     }
 
@@ -268,6 +277,9 @@ impl ReferenceFrame {
         }
         self.lit = self.lit.saturating_sub(forgotten);
         self.is_dense &= forgotten == 0;
+        if forgotten > 0 {
+            self.forget_layers();
+        }
         forgotten
     }
 
@@ -288,7 +300,8 @@ impl ReferenceFrame {
 
     /// Memory of the picture in bytes.
     pub fn bytes(&self) -> usize {
-        self.view.pixel_count() * 12 + 4 * self.smooth.len() + self.reflections.len() + self.stale_bytes()
+        let picture = self.view.pixel_count() * 12 + 4 * self.smooth.len() + self.reflections.len();
+        picture + self.stale_bytes() + self.layer_bytes()
     }
 
     /// Number of pixels whose light is stored.

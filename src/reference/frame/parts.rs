@@ -53,6 +53,8 @@ impl ReferenceFrame {
             is_dense: parts.is_dense,
             stale: None,
             lost: Vec::new(),
+            layers: None,
+            traced: None,
         }
     }
 

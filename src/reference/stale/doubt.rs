@@ -8,6 +8,7 @@ use crate::trace::{PathStop, RayCounts, SurfacePoint, TraceSettings, Tracer};
 use arrayvec::ArrayVec;
 use glam::Vec3;
 use std::f32::consts::PI;
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
 /// Dimensions of the random numbers that choose a source at the stops of a path, and a point of it.
@@ -146,36 +147,39 @@ impl DifferenceLight {
         let scenes = [&**self.old.scene(), &*self.new];
         let mut stops = 0;
         let bounces = self.bounces;
-        self.old.follow_path(point, (sequence, sample), bounces, rays, |stop, share| match stop {
-            PathStop::Sky(direction) => {
-                let Some(skies) = &self.sources.skies else { return };
-                let [a, b] = [&skies[0], &skies[1]]
-                    .map(|sky| sky.as_ref().map_or(Vec3::ZERO, |sky| sky.diffuse_radiance(*direction)));
-                let difference = share * (b - a).abs();
-                if bounces == 0 { found.direct += difference } else { found.smooth += difference }
-            }
-            PathStop::Surface { point: next, length, was_reflected } => {
-                stops += 1;
-                if let Some((radius, emission, reflection)) = self.sources.radiance_of(scenes, next)
-                    && (*was_reflected || *length < NEAR * radius)
-                {
-                    // A lamp in a mirror brings smooth light.
-                    let is_lamp = stops == 1 && !was_reflected;
-                    if is_lamp {
-                        found.direct += share * emission
-                    } else {
-                        found.smooth += share * emission
-                    }
-                    found.smooth += share * reflection;
+        self.old.follow_path(point, (sequence, sample), bounces, rays, |stop, share, _| {
+            match stop {
+                PathStop::Sky(direction) => {
+                    let Some(skies) = &self.sources.skies else { return ControlFlow::Break(()) };
+                    let [a, b] = [&skies[0], &skies[1]]
+                        .map(|sky| sky.as_ref().map_or(Vec3::ZERO, |sky| sky.diffuse_radiance(*direction)));
+                    let difference = share * (b - a).abs();
+                    if bounces == 0 { found.direct += difference } else { found.smooth += difference }
                 }
-                let (emitted, reflected) = self.one_of_sources(next, random(stops), &mut shadow);
-                let lamps = if self.sources.lamps.is_empty() {
-                    Vec3::ZERO
-                } else {
-                    self.lamps(next, 1, sequence.key(sample).with(stops), &mut shadow)
-                };
-                found.smooth += share * next.albedo(self.old.scene()) * (emitted + reflected + lamps);
+                PathStop::Surface { point: next, length, was_reflected } => {
+                    stops += 1;
+                    if let Some((radius, emission, reflection)) = self.sources.radiance_of(scenes, next)
+                        && (*was_reflected || *length < NEAR * radius)
+                    {
+                        // A lamp in a mirror brings smooth light.
+                        let is_lamp = stops == 1 && !was_reflected;
+                        if is_lamp {
+                            found.direct += share * emission
+                        } else {
+                            found.smooth += share * emission
+                        }
+                        found.smooth += share * reflection;
+                    }
+                    let (emitted, reflected) = self.one_of_sources(next, random(stops), &mut shadow);
+                    let lamps = if self.sources.lamps.is_empty() {
+                        Vec3::ZERO
+                    } else {
+                        self.lamps(next, 1, sequence.key(sample).with(stops), &mut shadow)
+                    };
+                    found.smooth += share * next.albedo(self.old.scene()) * (emitted + reflected + lamps);
+                }
             }
+            ControlFlow::Continue(())
         });
         *rays += shadow;
         found

@@ -68,7 +68,7 @@ impl Renumbering {
             materials,
             textures,
             lights: old.lights.iter().filter(is_point).cloned().collect(),
-            ..new.clone()
+            ..(*new.at_full()).clone()
         };
         state.with_daylight(Daylight { sun: old.sun, sky: old.sky.clone() })
     }

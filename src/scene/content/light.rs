@@ -165,6 +165,11 @@ fn hash_sky(sky: &Sky) -> ContentHash {
             sky.image.digest().iter().for_each(|&byte| hasher.word(u64::from(byte)));
             [sky.rotation_deg, sky.brightness].into_iter().for_each(|n| hasher.number(n));
         }
+        Sky::Dimmed(dimmed) => {
+            hasher.word(10);
+            hasher.word(hash_sky(&dimmed.sky));
+            hasher.triple(dimmed.factor);
+        }
     }
     hasher.finish()
 }

@@ -28,6 +28,17 @@ pub enum Sky {
     Physical(PhysicalSky),
     /// A picture in latitude and longitude.
     Picture(PictureSky),
+    /// Another sky whose light is dimmed or coloured.
+    Dimmed(Box<DimmedSky>),
+}
+
+/// A sky whose light is dimmed or coloured.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DimmedSky {
+    /// The sky at full light.
+    pub sky: Sky,
+    /// Factor of each channel of its light.
+    pub factor: Vec3,
 }
 
 /// The kinds of skies, without their values.
@@ -79,6 +90,7 @@ impl Sky {
             Self::Cie(CieSky { kind: CieKind::Clear, .. }) => SkyKind::Clear,
             Self::Physical(_) => SkyKind::Physical,
             Self::Picture(_) => SkyKind::Picture,
+            Self::Dimmed(dimmed) => dimmed.sky.kind(),
         }
     }
 
@@ -96,6 +108,7 @@ impl Sky {
                 let file = sky.image.file().display();
                 format!("picture {file}, {width}x{height}, {suns} texels sampled as suns")
             }
+            Self::Dimmed(dimmed) => format!("{}, dimmed", dimmed.sky.describe()),
         }
     }
 
@@ -106,6 +119,7 @@ impl Sky {
             Self::Cie(sky) => sky.radiance(direction),
             Self::Physical(sky) => sky.radiance(direction),
             Self::Picture(sky) => sky.radiance(direction),
+            Self::Dimmed(dimmed) => dimmed.sky.radiance(direction) * dimmed.factor,
         }
     }
 
@@ -115,6 +129,7 @@ impl Sky {
     pub fn diffuse_radiance(&self, direction: Vec3) -> Vec3 {
         match self {
             Self::Picture(sky) => sky.diffuse_radiance(direction),
+            Self::Dimmed(dimmed) => dimmed.sky.diffuse_radiance(direction) * dimmed.factor,
             other => other.radiance(direction),
         }
     }
@@ -124,7 +139,20 @@ impl Sky {
     pub fn with_suns(&self) -> Option<&PictureSky> {
         match self {
             Self::Picture(sky) if sky.image.sun_texels() > 0 => Some(sky),
+            Self::Dimmed(dimmed) => dimmed.sky.with_suns(),
             _ => None,
+        }
+    }
+
+    /// Returns a direction of the suns of the picture for a point `u` of the unit square, chosen by
+    /// luminance; none where there are no suns.
+    pub fn sample_suns(&self, u: [f32; 2]) -> Option<SkySample> {
+        match self {
+            Self::Dimmed(dimmed) => {
+                let sample = dimmed.sky.sample_suns(u)?;
+                Some(SkySample { radiance: sample.radiance * dimmed.factor, ..sample })
+            }
+            sky => sky.with_suns()?.sample_suns(u),
         }
     }
 
@@ -133,7 +161,7 @@ impl Sky {
         match self {
             Self::Gradient(sky) => sky.zenith,
             Self::Cie(sky) => sky.zenith,
-            Self::Physical(_) | Self::Picture(_) => self.radiance(Vec3::Y),
+            Self::Physical(_) | Self::Picture(_) | Self::Dimmed(_) => self.radiance(Vec3::Y),
         }
     }
 
@@ -144,6 +172,7 @@ impl Sky {
             Self::Cie(sky) => vec![&mut sky.zenith, &mut sky.ground],
             Self::Physical(sky) => vec![sky.ground_mut()],
             Self::Picture(_) => Vec::new(),
+            Self::Dimmed(dimmed) => dimmed.sky.colors_mut(),
         }
     }
 }

@@ -7,9 +7,12 @@ use super::quad::Points;
 use super::sample::{add_samples, is_behind, sample_count};
 use super::share::{LightTurn, SHARING};
 use crate::math::key::Key;
-use crate::scene::Light;
+use crate::scene::{Light, MAX_LIGHT_GROUPS};
 use crate::trace::{BUNDLE_RAYS, RayBundle, RayCounts, SurfacePoint, Tracer};
 use glam::Vec3;
+
+/// Light of each group of a scene's lights.
+pub(crate) type GroupLight = [Vec3; MAX_LIGHT_GROUPS];
 
 /// Which lights are sampled by shadow rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,11 +40,42 @@ impl Tracer {
         shift: impl Fn(u32) -> [f32; 2],
         rays: &mut RayCounts,
     ) -> Vec3 {
-        self.irradiance_through(kinds, point, samples, shift, |bundle, clamped, passed| {
+        let mut total = Vec3::ZERO;
+        let add = |_, irradiance| total += irradiance;
+        self.irradiance_through(kinds, point, samples, shift, self.traced(rays), add);
+        total
+    }
+
+    /// Adds the irradiance that arrives straight from some kinds of lights to those of their groups.
+    /// Takes the rays of [`Self::irradiance_of`].
+    pub(crate) fn add_irradiance_by_group(
+        &self,
+        kinds: LightKinds,
+        point: &SurfacePoint,
+        samples: u32,
+        shift: impl Fn(u32) -> [f32; 2],
+        (rays, groups): (&mut RayCounts, &mut GroupLight),
+    ) {
+        let of_light = &self.scene().light_groups.of_light;
+        let add = |light: u32, irradiance| {
+            let group = of_light.get(light as usize).map(|&group| usize::from(group));
+            if let Some(sum) = group.and_then(|group| groups.get_mut(group)) {
+                *sum += irradiance;
+            }
+        };
+        self.irradiance_through(kinds, point, samples, shift, self.traced(rays), add);
+    }
+
+    /// Traces bundles of shadow rays and counts their rays.
+    fn traced<'r>(
+        &'r self,
+        rays: &'r mut RayCounts,
+    ) -> impl FnMut(&RayBundle, u64, &mut [Vec3; BUNDLE_RAYS]) + 'r {
+        |bundle, clamped, passed| {
             rays.shadow += bundle.len() as u64;
             rays.clamped += clamped;
             self.transmittances(bundle, passed);
-        })
+        }
     }
 
     /// Returns the irradiance that arrives straight from one light, which need not be one of the
@@ -76,12 +110,12 @@ impl Tracer {
     pub fn shadow_bundles(&self, point: &SurfacePoint, samples: u32, key: Key, bundles: &mut Vec<RayBundle>) {
         let shift = |light| key.with(light).pair();
         let push = |bundle: &RayBundle, _, _: &mut _| bundles.push(bundle.clone());
-        self.irradiance_through(LightKinds::All, point, samples, shift, push);
+        self.irradiance_through(LightKinds::All, point, samples, shift, push, |_, _| ());
     }
 
-    /// Sums the irradiance of all lights. `trace` receives each bundle of shadow rays with the
-    /// number of its rays whose irradiance was bounded, and writes the share of light that passes
-    /// along each.
+    /// Finds the irradiance of each light, and passes it to `add` with the light's index. `trace`
+    /// receives each bundle of shadow rays with the number of its rays whose irradiance was bounded,
+    /// and writes the share of light that passes along each.
     #[inline(always)]
     fn irradiance_through(
         &self,
@@ -90,9 +124,9 @@ impl Tracer {
         samples: u32,
         shift: impl Fn(u32) -> [f32; 2],
         mut trace: impl FnMut(&RayBundle, u64, &mut [Vec3; BUNDLE_RAYS]),
-    ) -> Vec3 {
-        let origin = point.origin_in_front();
-        let (mut total, mut passed) = (Vec3::ZERO, [Vec3::ZERO; BUNDLE_RAYS]);
+        mut add: impl FnMut(u32, Vec3),
+    ) {
+        let (origin, mut passed) = (point.origin_in_front(), [Vec3::ZERO; BUNDLE_RAYS]);
         let turns = self.lights_at(point.position).turns(samples, || shift(SHARING)[0]);
         for LightTurn { index, samples, weight } in turns {
             // Skip a light that lies wholly behind the surface.
@@ -117,8 +151,7 @@ impl Tracer {
                     sum += *unblocked * *passed;
                 }
             }
-            total += sum / count as f32 * weight;
+            add(index, sum / count as f32 * weight);
         }
-        total
     }
 }

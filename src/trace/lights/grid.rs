@@ -10,7 +10,7 @@
 use super::sample::point_on;
 use super::share::CellLights;
 use crate::math::{Ray, key::Key};
-use crate::scene::{Light, Scene};
+use crate::scene::{Light, MAX_LIGHT_GROUPS, Scene};
 use crate::trace::Bvh;
 use glam::{UVec3, Vec3};
 use std::sync::OnceLock;
@@ -44,8 +44,12 @@ pub struct LightGrid {
     dimensions: UVec3,
     /// Lights of each cell; no cells in a scene of few lights.
     cells: Vec<OnceLock<CellLights>>,
-    /// All lights.
+    /// All lights that are on.
     all: CellLights,
+    /// Number of lights in the scene.
+    lights: usize,
+    /// Lights are compared with others of their group only.
+    is_by_groups: bool,
 }
 
 /// Statistics of the lights that the cells used so far have culled.
@@ -66,13 +70,19 @@ impl LightGrid {
     pub(in crate::trace) fn new(scene: &Scene) -> Self {
         let bounds = scene.bounds_m.map(|p| scene.frame.scene_from_world_f64(p).as_vec3());
         let all = all_lights(scene, (bounds[0] + bounds[1]) / 2.0, bounds[0].distance(bounds[1]) / 2.0);
-        let dimensions = if all.len() < MIN_LIGHTS {
+        let dimensions = if scene.lights.len() < MIN_LIGHTS {
             UVec3::ZERO
         } else {
             ((bounds[1] - bounds[0]) / CELL).floor().as_uvec3() + 1
         };
         let count = dimensions.as_usizevec3().element_product();
-        Self { low: bounds[0], dimensions, cells: (0..count).map(|_| OnceLock::new()).collect(), all }
+        let cells = (0..count).map(|_| OnceLock::new()).collect();
+        Self { low: bounds[0], dimensions, cells, all, lights: scene.lights.len(), is_by_groups: false }
+    }
+
+    /// A grid that compares each light with others of its group.
+    pub(in crate::trace) fn by_groups(scene: &Scene) -> Self {
+        Self { is_by_groups: true, ..Self::new(scene) }
     }
 
     /// Returns the lights to sample at a point.
@@ -96,7 +106,7 @@ impl LightGrid {
         let kept: usize = visited.iter().map(|c| c.len()).sum();
         LightCuts {
             cells: visited.len(),
-            lights: self.all.len(),
+            lights: self.lights,
             kept_mean: kept as f64 / visited.len().max(1) as f64,
             sharing_cells: visited.iter().filter(|c| c.is_shared()).count(),
         }
@@ -108,11 +118,16 @@ impl LightGrid {
         let region = Region { low, size: CELL * 2.0, key: Key::of_pixel(0, index) };
         // Enclose the region in a sphere.
         let (centre, radius) = (region.low + region.size / 2.0, region.size / 2.0 * 3f32.sqrt());
-        let all = 0..self.all.len() as u32;
-        let (mut seen, mut estimates) = (vec![false; all.len()], vec![0.0; all.len()]);
-        let first_lines = FIRST_LINES.min((CELL_LINES / all.end).max(1));
+        let is_on = |light: &u32| !scene.is_switched_off(*light as usize);
+        let all = (0..self.lights as u32).filter(is_on);
+        let (mut seen, mut estimates) = (vec![false; self.lights], vec![0.0; self.lights]);
+        let first_lines = FIRST_LINES.min((CELL_LINES / self.lights as u32).max(1));
         let mut lines_left = CELL_LINES;
-        let mut arriving = 0.0;
+        let group_of = |light: u32| match scene.light_groups.of_light.get(light as usize) {
+            Some(&group) if self.is_by_groups => usize::from(group).min(MAX_LIGHT_GROUPS),
+            _ => 0,
+        };
+        let mut arriving = [0.0; MAX_LIGHT_GROUPS + 1];
         // Draw a few lines to every light.
         for light in all.clone() {
             let lines = 0..first_lines;
@@ -122,13 +137,13 @@ impl LightGrid {
             // Estimate the light for the far side of the cell, so that a lamp near the middle does
             // not make the others seem negligible.
             estimates[light as usize] = share * unshadowed(&scene.lights[light as usize], centre, -radius);
-            arriving += estimates[light as usize];
+            arriving[group_of(light)] += estimates[light as usize];
         }
         // Draw more lines to each light that none has reached, until its bound is low enough.
         for light in all.clone().filter(|&light| !seen[light as usize]).collect::<Vec<_>>() {
             let most = unshadowed(&scene.lights[light as usize], centre, radius);
             // In a dark cell the quotient is infinite: every light counts.
-            let needed = (3.0 * most / (TOLERANCE * arriving)).min(MAX_LINES as f32) as u32;
+            let needed = (3.0 * most / (TOLERANCE * arriving[group_of(light)])).min(MAX_LINES as f32) as u32;
             let mut lines = first_lines..needed.max(first_lines);
             // Keep a light for which no lines are left: it may be visible.
             seen[light as usize] = match lines_left.checked_sub(lines.len() as u32) {
@@ -147,7 +162,8 @@ impl LightGrid {
 /// All lights, with estimates for the far side of a sphere around the scene.
 fn all_lights(scene: &Scene, centre: Vec3, radius: f32) -> CellLights {
     let estimate = |(index, light)| (index, unshadowed(light, centre, -radius));
-    weighed(scene, (0..).zip(&scene.lights).map(estimate).collect())
+    let is_on = |(index, _): &(u32, &Light)| !scene.is_switched_off(*index as usize);
+    weighed(scene, (0..).zip(&scene.lights).filter(is_on).map(estimate).collect())
 }
 
 /// Lights with their estimated irradiance. The sky is worth all the others: it is large, and a

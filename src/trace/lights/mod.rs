@@ -9,6 +9,6 @@ mod sample;
 mod shadow;
 mod share;
 
-pub(crate) use direct::LightKinds;
+pub(crate) use direct::{GroupLight, LightKinds};
 pub use grid::{LightCuts, LightGrid};
 pub(in crate::trace) use share::CellLights;

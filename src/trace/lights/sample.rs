@@ -89,7 +89,7 @@ pub(super) fn sample(
             distant(d, *irradiance * cos)
         }
         Light::SkySuns => {
-            let s = scene.sky.as_ref()?.with_suns()?.sample_suns(u)?;
+            let s = scene.sky.as_ref()?.sample_suns(u)?;
             let cos = cosine(point, s.direction)?;
             distant(s.direction, s.radiance * (cos / s.pdf))
         }

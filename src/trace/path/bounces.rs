@@ -7,7 +7,7 @@ use crate::math::{Ray, sequence::Sequence};
 use crate::trace::lights::LightKinds;
 use crate::trace::{RayCounts, SurfacePoint, Tracer};
 use glam::Vec3;
-use std::ops::Range;
+use std::ops::{ControlFlow, Range};
 
 /// Number of mirrors and panes in a row after which a path ends.
 const MAX_CHAIN: u32 = 64;
@@ -86,16 +86,17 @@ pub(crate) enum PathStop {
 }
 
 impl Tracer {
-    /// Follows one path of a point over up to `bounces` diffuse surfaces. `visit` is given each
-    /// stop, and the share of the radiance that leaves it towards the path that arrives at the
-    /// point, as radiance of a white surface.
+    /// Follows one path of a point over up to `bounces` diffuse surfaces, with the random numbers of
+    /// [`Self::smooth_light`]. `visit` is given each stop, and the share of the radiance that leaves
+    /// it towards the path that arrives at the point, as radiance of a white surface; it may end the
+    /// path.
     pub(crate) fn follow_path(
         &self,
         start: &SurfacePoint,
         (sequence, sample): (Sequence, u32),
         bounces: u32,
         rays: &mut RayCounts,
-        mut visit: impl FnMut(&PathStop, Vec3),
+        mut visit: impl FnMut(&PathStop, Vec3, &mut RayCounts) -> ControlFlow<()>,
     ) {
         let settings = SmoothSettings { bounces, cache: None, footprint: 0.0, samples: 1 };
         let path = Path { tracer: self, sequence, sample, settings };
@@ -109,10 +110,16 @@ impl Tracer {
             let ray = Ray::new(point.origin_in_front(), direction);
             match path.next(ray, &mut throughput, bounce, rays) {
                 Next::Lost => return,
-                Next::Sky(direction) => return visit(&PathStop::Sky(direction), throughput),
+                Next::Sky(direction) => {
+                    let _ = visit(&PathStop::Sky(direction), throughput, rays);
+                    return;
+                }
                 Next::Surface(..) if bounce == bounces => return,
                 Next::Surface(next, length, was_reflected) => {
-                    visit(&PathStop::Surface { point: next, length, was_reflected }, throughput);
+                    let stop = PathStop::Surface { point: next, length, was_reflected };
+                    if visit(&stop, throughput, rays).is_break() {
+                        return;
+                    }
                     throughput *= next.albedo(self.scene());
                     point = next;
                 }

@@ -161,6 +161,6 @@ impl Tracer {
 }
 
 /// The lights that shadow rays find: all but the sky where paths find it.
-fn kinds_of(trace: &TraceSettings) -> LightKinds {
+pub(super) fn kinds_of(trace: &TraceSettings) -> LightKinds {
     if trace.bounces > 0 { LightKinds::AllButSky } else { LightKinds::All }
 }

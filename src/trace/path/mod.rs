@@ -2,6 +2,7 @@
 //! mirrors and glass add.
 
 mod bounces;
+mod by_group;
 mod cached_light;
 mod diffuse;
 mod dimension;
@@ -10,6 +11,7 @@ mod specular;
 
 pub use bounces::MAX_PATH;
 pub(crate) use bounces::{PathStop, SmoothSettings};
+pub(crate) use by_group::{CachedGroups, GroupSettings};
 pub use cached_light::{CachedLight, Reader};
 pub use diffuse::{ArrivingLight, LightSettings};
 pub use pixel::PixelTrace;

@@ -21,7 +21,6 @@ use crate::camera::{Camera, CameraPath};
 use crate::scene::{Light, NamedView, orbit};
 use building::Building;
 use sight::Sight;
-use std::sync::Arc;
 
 /// Smallest share of back faces among what the view from outside shows of the building at which the
 /// model is one of rooms. Chosen by where models should begin: living room, staircase and office
@@ -47,18 +46,19 @@ impl Tracer {
         }
         let outside = overview::best_overview(&self);
         let inside = rooms::best_view(&self).filter(|inside| self.is_entered(&outside, inside));
-        let scene = Arc::make_mut(self.scene_mut());
         let view = |name: &str, camera| NamedView { name: name.to_owned(), camera };
-        scene.views = match inside {
-            Some(inside) => vec![view("start", inside), view("outside", outside)],
-            None => vec![view("start", outside)],
-        };
-        if !scene.brings_walk {
-            scene.walk = match inside {
-                Some(inside) => CameraPath::turning(&inside),
-                None => orbit(scene.building_m, &outside),
+        self.change_views(|scene| {
+            scene.views = match inside {
+                Some(inside) => vec![view("start", inside), view("outside", outside)],
+                None => vec![view("start", outside)],
             };
-        }
+            if !scene.brings_walk {
+                scene.walk = match inside {
+                    Some(inside) => CameraPath::turning(&inside),
+                    None => orbit(scene.building_m, &outside),
+                };
+            }
+        });
         self
     }
 
