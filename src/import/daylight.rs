@@ -4,7 +4,7 @@ use super::{options::Limits, sky_picture::load_sky};
 use crate::scene::place::PlaceAndTime;
 use crate::scene::solar::SunPosition;
 use crate::scene::{
-    Daylight, DaylightModel, NO_LIGHT, PictureSky, Scene, SceneEdit, Sky, SkyKind, Sun, Warning,
+    Daylight, DaylightModel, LightSetting, NO_LIGHT, PictureSky, Scene, SceneEdit, Sky, SkyKind, Sun, Warning,
 };
 use std::path::{Path, PathBuf};
 use std::{convert::Infallible, str::FromStr, sync::Arc};
@@ -36,9 +36,44 @@ impl FromStr for SkyChoice {
     }
 }
 
-/// Daylight that the user asks for. The default leaves that of the scene.
+/// How the user wants a group of lights, given by its name, to be set.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LightChoice {
+    /// Name of the group.
+    pub name: String,
+    /// How it is set.
+    pub setting: LightSetting,
+}
+
+impl FromStr for LightChoice {
+    type Err = String;
+
+    /// Reads `NAME=FACTOR`, where the factor is a number, `on` or `off`.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let expected = || format!("NAME=FACTOR with a factor from 0 to {}", LightSetting::MAX_INTENSITY);
+        let (name, factor) = text.rsplit_once('=').ok_or_else(|| format!("it must be {}", expected()))?;
+        let full = LightSetting::FULL;
+        let setting = match factor.trim() {
+            "on" => full,
+            "off" => LightSetting { is_on: false, ..full },
+            number => {
+                let intensity =
+                    number.parse().ok().filter(|n| (0.0..=LightSetting::MAX_INTENSITY).contains(n));
+                LightSetting {
+                    intensity: intensity.ok_or_else(|| format!("it must be {}", expected()))?,
+                    ..full
+                }
+            }
+        };
+        Ok(Self { name: name.trim().to_owned(), setting })
+    }
+}
+
+/// Daylight and lights that the user asks for. The default leaves those of the scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DaylightOptions {
+    /// Groups of lights that are set differently.
+    pub lights: Vec<LightChoice>,
     /// The sky.
     pub sky: Option<SkyChoice>,
     /// Place and time, from which the position of the sun follows.
@@ -52,6 +87,33 @@ impl DaylightOptions {
     /// which keeps its own.
     #[must_use]
     pub fn apply(&self, scene: Scene) -> Scene {
+        self.set_lights(self.apply_daylight(scene))
+    }
+
+    /// Sets groups of lights. A name that no group has is a warning of the scene.
+    fn set_lights(&self, scene: Scene) -> Scene {
+        if self.lights.is_empty() {
+            return scene;
+        }
+        let (mut edit, groups) = (scene.to_edit(), &scene.light_groups.list);
+        let mut problems = Vec::new();
+        for LightChoice { name, setting } in &self.lights {
+            match groups.iter().find(|group| group.name.eq_ignore_ascii_case(name)) {
+                Some(group) => edit.lights.set(&group.name, *setting),
+                None => {
+                    let names: Vec<&str> = groups.iter().map(|group| group.name.as_str()).collect();
+                    let message =
+                        format!("no group of lights is named '{name}'; there are {}", names.join(", "));
+                    problems.push(warning("", message));
+                }
+            }
+        }
+        let mut lit = scene.with_edit(&edit);
+        lit.warnings.extend(problems);
+        lit
+    }
+
+    fn apply_daylight(&self, scene: Scene) -> Scene {
         if self.sky.is_none() && self.sun.is_none() {
             return scene;
         }

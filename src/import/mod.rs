@@ -29,7 +29,7 @@ mod text;
 mod trouble;
 mod units;
 
-pub use daylight::{DaylightOptions, SkyChoice};
+pub use daylight::{DaylightOptions, LightChoice, SkyChoice};
 pub use formats::{FORMATS, Format, extensions};
 pub use load::load;
 pub use options::{ImportOptions, Limits};

@@ -1,4 +1,4 @@
-//! Saving edited materials and daylight in the sidecar of a model. Everything else in
+//! Saving edited materials, daylight and lights in the sidecar of a model. Everything else in
 //! the file stays: other keys, their order and comments.
 
 use super::light::{SKY_KEYS, SUN_KEYS};
@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use toml_edit::{Array, ArrayOfTables, DocumentMut, Item, Table, value};
 
 /// Saves the differences between `before` and `now` in the `.afterimage.toml` next to a model, and
-/// returns its path. The next import of the model has the materials and daylight of `now`.
+/// returns its path. The next import of the model has the materials, daylight and lights of `now`.
 ///
 /// # Errors
 /// [`SceneError::Read`] where the existing file is not valid TOML, or where the file cannot be
@@ -29,6 +29,8 @@ pub fn save_edit(model: &Path, before: &SceneEdit, now: &SceneEdit) -> Result<Pa
             unreadable(&path, cause, "nothing was written; copy it there and choose it again")
         })?;
     }
+    super::lights::write(&mut document, &before.lights, &now.lights)
+        .ok_or_else(|| damaged(&path, "'lights' is not written as [[lights]]"))?;
     write_atomically(&path, document.to_string().as_bytes()).map_err(|error| {
         let remedy = "nothing was changed; free some space or choose a folder that can be written to";
         unreadable(&path, error.to_string(), remedy)

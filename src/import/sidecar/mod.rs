@@ -3,6 +3,7 @@
 
 mod edit;
 mod light;
+mod lights;
 mod read;
 mod table;
 

@@ -4,6 +4,7 @@
 //! A broken sidecar is a warning: the model is shown without it.
 
 use super::light::Light;
+use super::lights::Lights;
 use super::table::{Notes, Section, suggestion};
 use crate::camera::{Camera, CameraKey, CameraPath};
 use crate::import::units::{Unit, UnknownWord, Up};
@@ -60,6 +61,7 @@ pub(in crate::import) struct Sidecar {
     overrides: Vec<Override>,
     point_lights: Vec<(DVec3, Vec3)>,
     light: Light,
+    lights: Lights,
     start: Option<Camera>,
     views: Vec<NamedView>,
     walk: Option<CameraPath>,
@@ -102,8 +104,19 @@ impl Sidecar {
     }
 
     fn of(table: &DeTable, notes: &mut Notes) -> Self {
-        let known =
-            ["unit", "up", "material", "point_light", "sun", "sky", "start", "walk", "view", "settings"];
+        let known = [
+            "unit",
+            "up",
+            "material",
+            "point_light",
+            "sun",
+            "sky",
+            "lights",
+            "start",
+            "walk",
+            "view",
+            "settings",
+        ];
         let top = Section::new(table, "", 0, &known, notes);
         Self {
             file_name: String::new(),
@@ -112,6 +125,7 @@ impl Sidecar {
             overrides: overrides(&top, notes),
             point_lights: point_lights(&top, notes),
             light: Light::read(&top, notes),
+            lights: Lights::read(&top, notes),
             start: start(&top, notes),
             views: views(&top, notes),
             walk: walk(&top, notes),
@@ -167,6 +181,7 @@ impl Sidecar {
     /// Adds lights, sky, views and walk.
     pub(in crate::import) fn apply(self, finder: &mut Finder, builder: &mut SceneBuilder) {
         builder.point_lights.extend(self.point_lights);
+        self.lights.apply(builder);
         self.light.apply(&self.file_name, finder, builder);
         // The first frame of a walk is a better start than a view of the whole model from outside.
         let start = self.start.or_else(|| self.walk.as_ref()?.camera(0, 2));

@@ -139,6 +139,14 @@ impl<'t> Section<'t> {
         })
     }
 
+    /// Returns a list of texts.
+    pub(super) fn texts(&self, key: &str, notes: &mut Notes) -> Option<Vec<String>> {
+        let text = |v: &'t Spanned<DeValue<'t>>| v.get_ref().as_str().map(str::to_owned);
+        self.value(key, "a list of texts, like [\"a\", \"b\"]", notes, |v| {
+            v.as_array()?.iter().map(text).collect()
+        })
+    }
+
     /// Returns a colour or radiance: one number for grey, or three, each from 0 to `max`.
     pub(super) fn color(&self, key: &str, max: f32, notes: &mut Notes) -> Option<Vec3> {
         let expected = if max <= 1.0 {

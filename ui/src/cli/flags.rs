@@ -3,7 +3,7 @@
 use super::paths;
 use crate::picture::pose_text::parse_point;
 use crate::settings::{DEFAULT_BOUNCES, named, picture_size};
-use afterimage::import::{DaylightOptions, SkyChoice, Unit, Up};
+use afterimage::import::{DaylightOptions, LightChoice, SkyChoice, Unit, Up};
 use afterimage::raster::{color::ToneMap, exposure::Exposure};
 use afterimage::scene::place::{PlaceAndTime, parse_place};
 use afterimage::store::StoreSettings;
@@ -105,6 +105,10 @@ pub(crate) struct Flags {
     #[arg(long, global = true, value_name = "DEG", default_value_t = 0.0, allow_hyphen_values = true)]
     #[arg(value_parser = number_in(-360.0..=360.0, " degrees"))]
     pub(crate) north: f64,
+    /// Dims or raises a group of lights by a factor, or `off`; `inspect` lists the groups. May be
+    /// given several times.
+    #[arg(long, global = true, value_name = "NAME=FACTOR", value_parser = str::parse::<LightChoice>)]
+    pub(crate) light: Vec<LightChoice>,
     /// Print exactly one JSON object on stdout.
     #[arg(long, global = true)]
     pub(crate) json: bool,
@@ -165,7 +169,7 @@ impl Flags {
         RenderSettings { mode: self.mode, trace: self.trace() }
     }
 
-    /// Sun and sky that replace those of the scene. The error is for the user.
+    /// Sun, sky and settings of lights that replace those of the scene. The error is for the user.
     pub(crate) fn daylight(&self) -> Result<DaylightOptions, String> {
         let sun = match (self.sun_place, &self.sun_time) {
             (None, None) => None,
@@ -174,7 +178,8 @@ impl Flags {
             }
             _ => return Err("--sun-place and --sun-time need each other".to_owned()),
         };
-        Ok(DaylightOptions { sky: self.sky.clone(), sun, north_deg: self.north })
+        let (sky, lights) = (self.sky.clone(), self.light.clone());
+        Ok(DaylightOptions { lights, sky, sun, north_deg: self.north })
     }
 
     /// The store of references; `default` is used where none is given.

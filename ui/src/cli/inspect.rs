@@ -34,6 +34,7 @@ fn object(loaded: &Loaded) -> Value {
         "textures": scene.textures.len(),
         "lights": scene.lights.len(),
         "light_kinds": kinds,
+        "light_groups": scene.light_groups.list.iter().map(|group| group.name.as_str()).collect::<Vec<_>>(),
         "sky": scene.sky.as_ref().map(Sky::describe),
         "bounds_m": scene.bounds_m.map(|b| b.to_array()),
         "building_m": scene.building_m.map(|b| b.to_array()),
@@ -102,6 +103,10 @@ fn table(loaded: &Loaded) -> String {
         ("building", format!("{:.2} x {:.2} x {:.2} m", building.x, building.y, building.z)),
         ("materials", format!("{}, {textured} textured", scene.materials.len())),
         ("lights", format!("{} ({})", scene.lights.len(), kinds.collect::<Vec<_>>().join(", "))),
+        (
+            "light groups",
+            scene.light_groups.list.iter().map(|g| g.name.as_str()).collect::<Vec<_>>().join(", "),
+        ),
         ("sky", scene.sky.as_ref().map_or("none".to_owned(), Sky::describe)),
         ("left out", if left_out.is_empty() { "nothing".to_owned() } else { left_out.join(", ") }),
         (

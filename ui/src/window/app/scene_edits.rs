@@ -20,6 +20,10 @@ pub(super) fn handle_edit(app: &mut Parts, command: EditCommand) {
             }
         }
         EditCommand::SetSun(sun) => app.state.sun = sun,
+        EditCommand::KnowLights => {
+            app.state.knows_lights = true;
+            app.services.render.send(RenderCommand::KnowLights(true));
+        }
         EditCommand::BrowseSky => browse_sky(app),
         EditCommand::Undo => step(&mut app.state, true),
         EditCommand::Redo => step(&mut app.state, false),
@@ -132,6 +136,8 @@ pub(super) fn begin_edits(app: &mut Parts, scene: &Scene, is_reload: bool) {
     app.state.sun.show(&edits.now().daylight);
     app.state.edits = Some(edits);
     if !is_reload {
+        app.state.knows_lights = false;
+        app.services.render.send(RenderCommand::KnowLights(false));
         app.state.selection = Selection::default();
     }
     rebuild(app);

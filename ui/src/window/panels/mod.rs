@@ -5,6 +5,7 @@ pub mod daylight;
 pub mod help;
 pub mod inspector;
 pub mod legend;
+pub mod lights;
 pub mod material;
 pub mod menu;
 pub mod notices;

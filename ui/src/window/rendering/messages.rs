@@ -44,6 +44,9 @@ pub enum RenderCommand {
     Clear,
     /// Reads again what the store holds: something else has added to it.
     ReadStore,
+    /// Whether the light of references is traced by groups of lights, so that these are dimmed
+    /// without a ray, before any is dimmed.
+    KnowLights(bool),
     /// Asks for [`Message::Picture`] of the next complete frame, or of the current one while
     /// paused.
     Picture,

@@ -23,7 +23,7 @@ pub(crate) use full_trace::{FullTrace, Subject};
 pub(crate) use lock::locked;
 pub use messages::{Message, Picture, ReferenceRadiance, RenderCommand, RenderRequest};
 pub(crate) use pool::{background_pool, lower_priority, reference_pool};
-use references::{Job, Outcome};
+use references::{Job, Outcome, Traceable};
 pub use render_thread::RenderThread;
 pub(crate) use scene_loading::Loading;
 pub use scene_loading::SceneSource;

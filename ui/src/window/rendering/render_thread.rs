@@ -53,7 +53,10 @@ impl RenderThread {
     /// Sends a command, and returns the generation of the first frame that shows its effect.
     pub fn send(&self, command: RenderCommand) -> u64 {
         match command {
-            RenderCommand::Picture | RenderCommand::AddReference(_) | RenderCommand::ShowReference(_) => {
+            RenderCommand::Picture
+            | RenderCommand::KnowLights(_)
+            | RenderCommand::AddReference(_)
+            | RenderCommand::ShowReference(_) => {
                 self.shared.note(|inbox| inbox.commands.push(command));
                 self.generation()
             }

@@ -54,6 +54,8 @@ pub struct AppState {
     pub edits: Option<Edits>,
     /// Position of the sun, as its controls show it.
     pub sun: SunControls,
+    /// Light is traced by groups, because the controls of the lights were shown.
+    pub knows_lights: bool,
     /// The pixel, distance, material and reference that are selected.
     pub selection: Selection,
     /// The plan of the floor.

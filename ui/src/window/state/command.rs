@@ -76,6 +76,8 @@ pub enum NavigationCommand {
 pub enum EditCommand {
     Change(Change),
     SetSun(SunControls),
+    /// Trace light by groups from now on, so that lights are dimmed without a ray.
+    KnowLights,
     /// Choose a picture of the sky in a dialog.
     BrowseSky,
     Undo,

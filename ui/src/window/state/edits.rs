@@ -1,7 +1,7 @@
 //! Edits of the scene since it was opened, with undo and redo.
 
 use super::SavedView;
-use afterimage::scene::{Daylight, Material, MaterialId, SceneEdit};
+use afterimage::scene::{Daylight, LightSetting, Material, MaterialId, SceneEdit};
 use std::time::{Duration, Instant};
 
 /// Changes of one thing within this time are one step: a slider is being dragged, or a colour
@@ -15,6 +15,8 @@ pub enum Change {
     Material(MaterialId, Material),
     /// Sun and sky have other values.
     Daylight(Daylight),
+    /// A group of lights, given by its name, is set differently.
+    Light(String, LightSetting),
     /// The saved views. They are not part of the scene's files.
     Views(Vec<SavedView>),
 }
@@ -24,6 +26,7 @@ impl Change {
         match (self, other) {
             (Self::Material(a, _), Self::Material(b, _)) => a == b,
             (Self::Daylight(_), Self::Daylight(_)) => true,
+            (Self::Light(a, _), Self::Light(b, _)) => a == b,
             _ => false,
         }
     }
@@ -50,12 +53,12 @@ impl Edits {
         Self { now: saved.clone(), saved, done, undone, changed: None, is_unsaved: false }
     }
 
-    /// Returns materials and daylight with all edits.
+    /// Returns materials, daylight and lights with all edits.
     pub fn now(&self) -> &SceneEdit {
         &self.now
     }
 
-    /// Returns materials and daylight as the scene's files hold them.
+    /// Returns materials, daylight and lights as the scene's files hold them.
     pub fn saved(&self) -> &SceneEdit {
         &self.saved
     }
@@ -137,6 +140,12 @@ impl Edits {
         if self.now.daylight != self.saved.daylight {
             carried.change(Change::Daylight(self.now.daylight.clone()), &mut Vec::new());
         }
+        for (name, _) in self.now.lights.iter().chain(self.saved.lights.iter()) {
+            let setting = self.now.lights.get(name);
+            if setting != self.saved.lights.get(name) {
+                carried.change(Change::Light(name.to_owned(), setting), &mut Vec::new());
+            }
+        }
         carried
     }
 
@@ -150,6 +159,11 @@ impl Edits {
             Change::Daylight(daylight) => {
                 Change::Daylight(std::mem::replace(&mut self.now.daylight, daylight))
             }
+            Change::Light(name, setting) => {
+                let before = self.now.lights.get(&name);
+                self.now.lights.set(&name, setting);
+                Change::Light(name, before)
+            }
             Change::Views(new) => Change::Views(std::mem::replace(views, new)),
         };
         self.is_unsaved = self.now != self.saved;
@@ -160,11 +174,12 @@ impl Edits {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use afterimage::scene::LightSettings;
     use glam::Vec3;
 
     fn edit() -> SceneEdit {
         let materials = ["a", "b"].map(|name| Material::diffuse(name, Vec3::splat(0.5))).into();
-        SceneEdit { materials, daylight: Daylight::default() }
+        SceneEdit { materials, daylight: Daylight::default(), lights: LightSettings::default() }
     }
 
     fn red(id: u32, amount: f32) -> Change {
@@ -176,7 +191,8 @@ mod tests {
     fn every_change_can_be_taken_back_and_made_again() {
         let (mut edits, mut views) = (Edits::new(edit()), Vec::new());
         let mut states = vec![edits.now().clone()];
-        for change in [red(0, 0.1), red(1, 0.2), red(0, 0.3)] {
+        let dim = |intensity| Change::Light("lamp".into(), LightSetting { intensity, ..LightSetting::FULL });
+        for change in [red(0, 0.1), dim(0.5), red(1, 0.2), dim(0.0), red(0, 0.3)] {
             edits.change(change, &mut views);
             states.push(edits.now().clone());
         }
@@ -209,13 +225,15 @@ mod tests {
     fn unsaved_changes_survive_a_reload_by_name() {
         let (mut edits, mut views) = (Edits::new(edit()), Vec::new());
         edits.change(red(1, 0.4), &mut views);
+        let off = LightSetting { is_on: false, ..LightSetting::FULL };
+        edits.change(Change::Light("lamp".into(), off), &mut views);
         let mut reloaded = edit();
         reloaded.materials.reverse();
         reloaded.materials.push(Material::diffuse("new", Vec3::ONE));
         let carried = edits.carried_to(reloaded);
         assert_eq!(carried.now().materials[0].diffuse, Vec3::new(0.4, 0.0, 0.0));
         assert_eq!(carried.now().materials[1].diffuse, Vec3::splat(0.5));
-        assert!(carried.is_unsaved() && carried.can_undo());
+        assert!(carried.is_unsaved() && carried.can_undo() && !carried.now().lights.get("lamp").is_on);
         edits.set_saved(edits.now().clone());
         assert!(!edits.carried_to(edit()).is_unsaved());
     }

@@ -2,7 +2,7 @@
 
 use crate::window::input::fly_camera::speed_for;
 use crate::window::rendering::SceneSource;
-use afterimage::scene::{Scene, SceneFeatures, Warning};
+use afterimage::scene::{LightGroup, Scene, SceneFeatures, Warning};
 use afterimage::{Camera, Tracer};
 
 /// A saved view of the scene.
@@ -33,6 +33,8 @@ pub struct SceneInfo {
     pub vertices: usize,
     /// Number of lights of the scene.
     pub lights: usize,
+    /// Groups in which the lights can be dimmed.
+    pub light_groups: Vec<LightGroup>,
     /// Numerical conditioning of the scene, in sentences.
     pub conditioning: Vec<String>,
     /// Number of textures of the scene.
@@ -57,6 +59,7 @@ impl SceneInfo {
             triangles: scene.triangles.len(),
             vertices: scene.positions.len(),
             lights: scene.lights.len(),
+            light_groups: scene.light_groups.list.clone(),
             conditioning: scene.conditioning.sentences(),
             textures: scene.textures.len(),
             extent_m: (scene.bounds_m[1] - scene.bounds_m[0]).to_array(),
@@ -68,6 +71,7 @@ impl SceneInfo {
     /// Updates lights and features after an edit of materials or daylight.
     pub fn relight(&mut self, scene: &Scene) {
         (self.lights, self.features) = (scene.lights.len(), scene.features);
+        self.light_groups.clone_from(&scene.light_groups.list);
         self.conditioning = scene.conditioning.sentences();
     }
 }

@@ -1,6 +1,7 @@
 //! The work of the render thread.
 
 mod frames;
+mod layers;
 mod references;
 mod replies;
 mod run_loop;

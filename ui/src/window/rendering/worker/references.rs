@@ -1,6 +1,6 @@
 //! Tracing references: when one is requested, and what is done with its outcome.
 
-use super::super::{Job, Message, Outcome};
+use super::super::{Job, Message, Outcome, Traceable};
 use super::state::Worker;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -9,6 +9,9 @@ use std::time::Instant;
 impl Worker {
     /// Inserts a reference that was traced into the cache, or notes why there is none.
     pub(super) fn take_reference(&mut self, outcome: Outcome) {
+        if let Outcome::Layers(traced) = outcome {
+            return self.take_layers(traced);
+        }
         let is_wanted = self.running.take().is_some_and(|cancel| !cancel.load(Ordering::Acquire));
         self.schedule.end_reference(is_wanted && matches!(outcome, Outcome::Panicked(_)));
         self.shared.is_adding.store(false, Ordering::Release);
@@ -23,7 +26,7 @@ impl Worker {
             Outcome::Panicked(text) => {
                 self.send(Message::Failed(format!("tracing a reference failed: {text}")));
             }
-            Outcome::Traced(_) | Outcome::Cancelled => {}
+            Outcome::Traced(_) | Outcome::Cancelled | Outcome::Layers(_) => {}
         }
         (self.wake)();
     }
@@ -38,7 +41,10 @@ impl Worker {
         let (Some(walk), Some(request)) = (&mut self.walk, self.request) else { return };
         let Some(camera) = self.schedule.next_reference(walk, generation, request.size) else { return };
         let cancel = Arc::new(AtomicBool::new(false));
-        let job = Job { reference: walk.reference_job(camera, request.size), cancel: cancel.clone() };
+        let work = Traceable::Reference(walk.reference_job(camera, request.size));
+        let job = Job { work, cancel: cancel.clone() };
+        // Light of a view that is unknown comes before that of groups.
+        self.cancel_layers();
         if self.jobs.send(job).is_ok() {
             self.running = Some(cancel);
             self.shared.is_adding.store(true, Ordering::Release);
@@ -123,7 +129,8 @@ mod tests {
         let trace_one = |worker: &mut Worker| {
             worker.request_reference();
             let job = sent.try_recv().ok()?;
-            let frame = job.reference.trace(&|| false).expect("it is not stopped");
+            let Traceable::Reference(reference) = job.work else { return None };
+            let frame = reference.trace(&|| false).expect("it is not stopped");
             worker.take_reference(Outcome::Traced(Box::new(frame)));
             worker.render(0);
             Some(())

@@ -22,10 +22,12 @@ impl Worker {
                 step => self.proceed(step, generation),
             }
             self.request_reference();
+            self.request_layers();
             self.shared.is_deciding.store(false, Ordering::Release);
             self.send_picture();
         }
         self.cancel_reference();
+        self.cancel_layers();
         // The light of a view at rest is stored.
         if let Some(walk) = &mut self.walk {
             walk.drop_refinement();
@@ -119,6 +121,7 @@ impl Worker {
         match (command, &mut self.walk) {
             (RenderCommand::SetTracer(tracer), _) => {
                 self.cancel_reference();
+                self.cancel_layers_except(tracer.scene().full_hash());
                 self.shared.abandon.store(false, Ordering::Release);
                 let settings = self.request.map(|r| r.settings).unwrap_or_default();
                 // A new walkthrough: with another tracer in the old one, pixels that the first
@@ -134,6 +137,7 @@ impl Worker {
             }
             (RenderCommand::AddReference(camera), _) => self.schedule.add_reference(Some(camera)),
             (RenderCommand::Picture, _) => self.wants_picture = true,
+            (RenderCommand::KnowLights(knows), _) => self.knows_lights = knows,
             (RenderCommand::Remove(id), Some(walk)) => {
                 walk.cache_mut().remove(id);
             }
@@ -152,6 +156,7 @@ impl Worker {
             (RenderCommand::Clear, Some(walk)) => {
                 walk.cache_mut().clear();
                 self.cancel_reference();
+                self.cancel_layers();
             }
             (_, None) => {}
         }

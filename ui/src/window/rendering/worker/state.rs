@@ -1,6 +1,7 @@
 //! `Worker`: state of the render thread (walkthrough, request, schedule).
 
 use super::super::{Job, Message, RenderRequest, Shared, Wake};
+use super::layers::Layering;
 use afterimage::Walkthrough;
 use afterimage::reference::ReferenceId;
 use afterimage::render::schedule::{Schedule, Step};
@@ -24,6 +25,11 @@ pub(in crate::window::rendering) struct Worker {
     pub(super) framed: Option<Instant>,
     /// Cancels the reference that is being traced.
     pub(super) running: Option<Arc<AtomicBool>>,
+    /// The light by groups that is being traced.
+    pub(super) layering: Option<Layering>,
+    /// Light is traced by groups, because the window shows the controls of the lights.
+    pub(super) knows_lights: bool,
+    pub(super) has_failed_layers: bool,
     pub(super) wants_picture: bool,
     /// Times at which references were added.
     pub(super) added: Vec<(ReferenceId, Instant)>,
@@ -51,6 +57,9 @@ impl Worker {
             schedule: Schedule::default(),
             framed: None,
             running: None,
+            layering: None,
+            knows_lights: false,
+            has_failed_layers: false,
             wants_picture: false,
             added: Vec::new(),
             store: None,
