@@ -296,18 +296,17 @@ impl ReferenceCache {
         (others, moves_light)
     }
 
-    /// Adds the light by groups of a reference, and shows that of the tracer's scene. Returns false
-    /// if there is no reference with this identity.
+    /// Adds the light by groups of a reference. Returns true where it shows other light of the
+    /// tracer's scene than before.
     pub(crate) fn set_layers(&mut self, id: ReferenceId, layers: Arc<LightLayers>, tracer: &Tracer) -> bool {
         let Some(entry) = self.entries.iter_mut().find(|entry| entry.id == id) else { return false };
-        let lit = entry.frame.lit();
-        Arc::make_mut(&mut entry.frame).set_layers(layers, tracer);
-        if entry.frame.lit() != lit {
+        let has_changed = Arc::make_mut(&mut entry.frame).set_layers(layers, tracer);
+        if has_changed {
             self.add_to_directory();
+            self.version += 1;
         }
-        self.version += 1;
         self.evict();
-        true
+        has_changed
     }
 
     /// Follows the triangles of a model that was loaded again to their new numbers, before

@@ -2,7 +2,7 @@
 
 use super::Folder;
 use afterimage::import::save_edit;
-use afterimage::scene::{DaylightModel, Material, SceneEdit, SkyKind, solar::SunPosition};
+use afterimage::scene::{DaylightModel, LightSetting, Material, SceneEdit, SkyKind, solar::SunPosition};
 use glam::Vec3;
 use std::fs;
 
@@ -72,4 +72,28 @@ fn a_file_that_is_not_valid_toml_is_not_changed() {
         assert!(error.to_string().contains("scene.afterimage.toml"), "{error}");
         assert_eq!(fs::read_to_string(&file).unwrap(), broken);
     }
+}
+
+#[test]
+fn settings_of_lights_are_saved_and_imported_again() {
+    let mtl = "newmtl wall\nKd 0.5 0.5 0.5\nnewmtl pane\nKe 1 1 1\nnewmtl floor\nKe 2 2 2\n";
+    let notes = "# mine\n[[lights]]\nname = \"both\" # together\nmaterials = [\"pane\", \"floor\"]\n";
+    let model = format!("mtllib scene.mtl\n{MODEL}");
+    let folder = Folder::with_obj(&model).add("scene.mtl", mtl).add("scene.afterimage.toml", notes);
+    let scene = folder.load();
+    assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+    let names: Vec<&str> = scene.light_groups.list.iter().map(|group| group.name.as_str()).collect();
+    assert_eq!((names, &scene.light_groups.of_light[..]), (vec!["both"], &[0, 0][..]));
+    let before = scene.to_edit();
+    let mut now = before.clone();
+    let color = Vec3::new(1.0, 0.5, 1.0 / 3.0);
+    now.lights.set("both", LightSetting { is_on: false, intensity: 0.3, color });
+    now.lights.set("Sky", LightSetting { intensity: 2.0, ..LightSetting::FULL });
+    let file = save_edit(&folder.path("scene.obj"), &before, &now).unwrap();
+    let again = folder.load();
+    assert_eq!((&again.to_edit(), again.full_hash()), (&now, scene.hash.as_str()));
+    assert!(again.materials.iter().all(|material| !material.is_emissive()));
+    save_edit(&folder.path("scene.obj"), &now, &before).unwrap();
+    assert_eq!(fs::read_to_string(&file).unwrap(), notes, "only settings are written");
+    assert_eq!(folder.load().hash, scene.hash);
 }

@@ -23,19 +23,24 @@ impl ReferenceFrame {
     }
 
     /// Adds the light by groups, and shows that of the tracer's scene. Light that was traced in the
-    /// same scene, and still holds, keeps its bits.
-    pub(crate) fn set_layers(&mut self, layers: Arc<LightLayers>, tracer: &Tracer) {
+    /// same scene, and still holds, keeps its bits. Returns true where other light is shown than
+    /// before.
+    pub(crate) fn set_layers(&mut self, layers: Arc<LightLayers>, tracer: &Tracer) -> bool {
         let scene = tracer.scene();
         if !layers.are_of(scene.full_hash()) {
-            return;
+            return false;
         }
+        let is_shown = self.epoch == tracer.epoch() && self.stale.is_none();
         self.layers = Some(layers);
-        if self.knows_lights(scene) {
-            self.set_lights(tracer);
-        } else {
-            (self.stale, self.traced, self.lost) = (None, None, Vec::new());
-            self.show_sum(tracer);
+        match self.knows_lights(scene) {
+            true if is_shown => return false,
+            true => self.set_lights(tracer),
+            false => {
+                (self.stale, self.traced, self.lost) = (None, None, Vec::new());
+                self.show_sum(tracer);
+            }
         }
+        true
     }
 
     /// True where the light of a state of the scene follows from what is known, without a ray: it

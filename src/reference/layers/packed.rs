@@ -95,14 +95,18 @@ impl LightWords {
     pub(crate) fn scaled(&self, factor: Vec3) -> Self {
         /// Largest value that a scale holds, so that products stay finite.
         const LARGEST: f32 = f32::MAX / 4.0;
+        /// Words that a thread takes at a time.
+        const CHUNK: usize = 1 << 14;
         let scaled = |words: &[u32], scale: Rgb9e5Scale, has_holes: bool| {
             let new = Rgb9e5Scale::for_largest((scale.largest() * factor.max_element()).min(LARGEST));
-            let pack = |&word: &u32| match has_holes && word == UNLIT {
-                true => UNLIT,
-                false if has_holes => not_unlit(new.pack_sum(scale.unpack(word) * factor)),
-                false => new.pack_sum(scale.unpack(word) * factor),
-            };
-            (words.par_iter().map(pack).collect(), new)
+            let mut scaled = words.to_vec();
+            scaled.par_chunks_mut(CHUNK).for_each(|words| {
+                for word in words.iter_mut().filter(|word| !has_holes || **word != UNLIT) {
+                    let sum = new.pack_sum(scale.unpack(*word) * factor);
+                    *word = if has_holes { not_unlit(sum) } else { sum };
+                }
+            });
+            (scaled, new)
         };
         let (light, light_scale) = scaled(&self.light, self.light_scale, true);
         let (smooth, smooth_scale) = scaled(&self.smooth, self.smooth_scale, false);

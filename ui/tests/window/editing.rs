@@ -100,6 +100,40 @@ fn the_sun_is_switched_on_and_moved() {
 }
 
 #[test]
+fn a_group_of_lights_is_switched_off_and_dimmed_by_keys_and_undone() {
+    let mut harness = app();
+    let name = scene(harness.state()).light_groups[0].name.clone();
+    let before = edits(harness.state()).now().clone();
+    harness.get_by_label("Lights").click_accesskit();
+    harness.run_steps(30);
+    assert!(harness.state().state().knows_lights);
+    let setting = |app: &App, name: &str| edits(app).now().lights.get(name);
+    let newest = generation(&harness);
+    harness.get_by_label(&name).click_accesskit();
+    harness.run_steps(2);
+    assert!(!setting(harness.state(), &name).is_on);
+    step_until(&mut harness, "a picture without the light", |app| {
+        app.state().frame.as_ref().expect("a frame").generation > newest
+    });
+    harness.get_by_label(&name).click_accesskit();
+    harness.run_steps(2);
+    assert_eq!(*edits(harness.state()).now(), before);
+    harness.get_by_label(&format!("{name}: intensity")).focus();
+    harness.run_steps(2);
+    harness.key_press(Key::ArrowLeft);
+    harness.run_steps(2);
+    assert!(setting(harness.state(), &name).intensity < 1.0);
+    harness.get_by_label(&format!("{name}: stops"));
+    harness.get_by_label(&format!("{name}: colour"));
+    while edits(harness.state()).can_undo() {
+        harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+        harness.run_steps(2);
+    }
+    assert!(!edits(harness.state()).is_unsaved() && *edits(harness.state()).now() == before);
+    settle(&mut harness);
+}
+
+#[test]
 fn a_dropped_sky_picture_is_shown_and_one_that_is_no_sky_leaves_the_old_one() {
     let folder = tempfile::tempdir().expect("a folder");
     let (good, square) = (folder.path().join("sky.hdr"), folder.path().join("square.hdr"));

@@ -31,14 +31,13 @@ impl Worker {
         }
     }
 
-    /// Adds the light of a reference by groups. Where lights are dimmed, the next frame shows it.
+    /// Adds the light of a reference by groups. The next frame shows it where it was stale.
     pub(super) fn take_layers(&mut self, traced: Option<Box<TracedLayers>>) {
         let is_wanted = self.layering.take().is_some_and(|l| !l.cancel.load(Ordering::Acquire));
         let Some(walk) = self.walk.as_mut().filter(|_| is_wanted) else { return };
         match traced {
             Some(traced) => {
-                let is_added = walk.insert_layers(*traced);
-                if is_added && walk.tracer().full().is_some() {
+                if walk.insert_layers(*traced) {
                     self.shared.change(|_| ());
                 }
             }
