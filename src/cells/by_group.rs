@@ -1,9 +1,8 @@
 //! Cells that hold the light of each group of lights.
 
 use super::compute::{Anchor, Cell, POINTS, for_each_sample, light_shift, serves};
-use super::key::CellKey;
-use super::table::Table;
-use super::{MAX_SPLITS, SurfaceCells};
+use super::key::{CellKey, MAX_SPLITS};
+use super::table::{MAX_BYTES, Table};
 use crate::bsdf::Diffuse;
 use crate::math::key::mix;
 use crate::trace::{
@@ -23,7 +22,7 @@ pub(crate) struct GroupCells {
 impl GroupCells {
     /// Creates an empty cache for paths of these settings, in a scene with this number of groups.
     pub(crate) fn new(groups: usize, settings: &TraceSettings) -> Self {
-        let bytes = if settings.bounces > 0 { SurfaceCells::BYTES } else { 0 };
+        let bytes = if settings.bounces > 0 { MAX_BYTES } else { 0 };
         let bounces = settings.bounces.saturating_sub(1);
         Self { bounces, seed: settings.seed, groups, table: Table::new(bytes) }
     }

@@ -20,6 +20,10 @@ const SHARED_SAMPLES: f32 = 16.0;
 /// less than the cell.
 const MIN_FOOTPRINTS: f32 = 16.0;
 
+/// Finer cells that are tried where a cell lies on both sides of a wall, before the path is traced
+/// on.
+pub(super) const MAX_SPLITS: i32 = 2;
+
 /// Moves the borders of cells, in cells, off the round coordinates that walls tend to have.
 const BORDER: Vec3 = Vec3::new(0.391, 0.631, 0.457);
 

@@ -26,11 +26,8 @@ use crate::scene::Scene;
 use crate::trace::{CachedLight, Reader, SurfacePoint, TraceSettings, Tracer};
 use compute::{Cell, compute, serves};
 use glam::Vec3;
-use table::Table;
-
-/// Finer cells that are tried where a cell lies on both sides of a wall, before the path is traced
-/// on.
-const MAX_SPLITS: i32 = 2;
+use key::MAX_SPLITS;
+use table::{MAX_BYTES, Table};
 
 /// Cells of one scene, for paths of one setting. Shared by threads.
 #[derive(Debug)]
@@ -43,7 +40,7 @@ pub struct SurfaceCells {
 
 impl SurfaceCells {
     /// Memory of the table, bytes.
-    pub const BYTES: usize = 32 << 20;
+    pub const BYTES: usize = MAX_BYTES;
 
     /// Creates an empty cache for paths of these settings. Scenes without light, and paths without
     /// bounces, need none.

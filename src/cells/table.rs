@@ -9,6 +9,9 @@ use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 /// Slots that are searched for a key before the table counts as full.
 const PROBES: usize = 16;
 
+/// Memory of a table, bytes.
+pub(super) const MAX_BYTES: usize = 32 << 20;
+
 /// A key with its value. Zero is no key, and no value yet.
 #[derive(Debug, Default)]
 struct Slot {

@@ -21,7 +21,7 @@ fn tracer(change: impl FnOnce(&mut SceneEdit)) -> Arc<Tracer> {
 /// A box with a lamp, open to a sky and a sun that shines into it.
 fn day() -> Arc<Tracer> {
     tracer(|edit| {
-        let direction = Vec3::new(0.3, 0.5, 0.8).normalize();
+        let direction = Vec3::new(0.3, 0.5, 0.8).normalize_or(Vec3::Y);
         edit.daylight.sun = Some(Sun { direction, ..Sun::clear_day() });
         edit.daylight.sky = Some(Sky::even(Vec3::new(0.5, 0.7, 1.0)));
     })

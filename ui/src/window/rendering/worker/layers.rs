@@ -1,17 +1,10 @@
 //! Tracing the light of references by groups, so that lights are dimmed without a ray.
 
 use super::super::{Job, Traceable};
-use super::state::Worker;
+use super::state::{Layering, Worker};
 use afterimage::render::TracedLayers;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-
-/// Light by groups that is being traced.
-pub(super) struct Layering {
-    cancel: Arc<AtomicBool>,
-    /// Hash of the scene at full light.
-    scene: String,
-}
 
 impl Worker {
     /// Starts to trace the light of a reference by groups, where lights are dimmed or the window

@@ -1,7 +1,6 @@
 //! `Worker`: state of the render thread (walkthrough, request, schedule).
 
 use super::super::{Job, Message, RenderRequest, Shared, Wake};
-use super::layers::Layering;
 use afterimage::Walkthrough;
 use afterimage::reference::ReferenceId;
 use afterimage::render::schedule::{Schedule, Step};
@@ -35,6 +34,13 @@ pub(in crate::window::rendering) struct Worker {
     pub(super) added: Vec<(ReferenceId, Instant)>,
     /// The store of references; `None` for none.
     pub(in crate::window::rendering) store: Option<StoreSettings>,
+}
+
+/// Light by groups that is being traced.
+pub(super) struct Layering {
+    pub(super) cancel: Arc<AtomicBool>,
+    /// Hash of the scene at full light.
+    pub(super) scene: String,
 }
 
 impl Worker {
