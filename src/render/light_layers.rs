@@ -29,11 +29,6 @@ impl LayerJob {
     pub fn trace(&self, stop: Stop<'_>) -> Option<TracedLayers> {
         Some(TracedLayers { id: self.id, layers: self.light.trace(&self.frame, stop)? })
     }
-
-    /// True while the result fits the scene of a walk, however its lights are set.
-    pub fn fits(&self, scene: &crate::scene::Scene) -> bool {
-        self.light.is_of(scene.full_hash())
-    }
 }
 
 impl Walkthrough {
