@@ -9,14 +9,17 @@ use super::bytes::{ByteReader, ByteWriter};
 use super::summary::list;
 use crate::scene::content::{ContentHash, LightContent};
 use crate::scene::{
-    CieKind, CieSky, Gradient, Material, MaterialKind, PhysicalSky, PictureSky, Scene, SceneEdit, Sky, Sun,
-    TextureId, TextureRef,
+    CieKind, CieSky, DimmedSky, Gradient, LightSettings, Material, MaterialKind, PhysicalSky, PictureSky,
+    Scene, SceneEdit, Sky, Sun, TextureId, TextureRef,
 };
 use glam::{Vec2, Vec3};
 use std::collections::HashMap;
 
 /// Largest number of materials of a state, and of its point lights.
 const MAX_ENTRIES: usize = 1 << 16;
+
+/// Tag of a sky that is dimmed.
+const DIMMED: u8 = 6;
 
 /// Fewest bytes of a material.
 const MATERIAL_BYTES: usize = 16 + 2 * 12 + 3;
@@ -64,7 +67,8 @@ pub(super) fn read_state(bytes: &[u8], scene: &Scene, names: &StateNames) -> Opt
     let stored: HashMap<u128, Material> = stored.into_iter().collect();
     let lights = list(&mut from, MAX_ENTRIES, 8, ByteReader::u64)?;
     (lights == names.light.point_lights).then_some(())?;
-    let mut edit = scene.to_edit();
+    // Materials, sun and sky are written as their groups of lights were set.
+    let mut edit = SceneEdit { lights: LightSettings::default(), ..scene.to_edit() };
     for (material, name) in edit.materials.iter_mut().zip(&names.materials).filter(|(_, name)| **name != 0) {
         let known = stored.get(name)?;
         *material = Material { name: std::mem::take(&mut material.name), ..known.clone() };
@@ -73,7 +77,7 @@ pub(super) fn read_state(bytes: &[u8], scene: &Scene, names: &StateNames) -> Opt
         0 => None,
         _ => Some(Sun { direction: from.vector()?, angular_radius: from.f32()?, irradiance: from.vector()? }),
     };
-    edit.daylight.sky = read_sky(&mut from, scene.sky.as_ref())?;
+    edit.daylight.sky = read_sky(&mut from, edit.daylight.sky.as_ref())?;
     from.0.is_empty().then_some(edit)
 }
 
@@ -147,11 +151,27 @@ fn write_sky(to: &mut ByteWriter, sky: Option<&Sky>) {
             to.0.extend(sky.image.digest());
             [sky.rotation_deg, sky.brightness].iter().for_each(|value| to.f32(*value));
         }
+        Some(Sky::Dimmed(dimmed)) => {
+            to.0.push(DIMMED);
+            to.vector(dimmed.factor);
+            write_sky(to, Some(&dimmed.sky));
+        }
     }
 }
 
-/// Reads a sky. Of pictures only that of the scene is known.
+/// Reads a sky, dimmed or not.
 fn read_sky(from: &mut ByteReader<'_>, now: Option<&Sky>) -> Option<Option<Sky>> {
+    if from.0.first() != Some(&DIMMED) {
+        return read_full_sky(from, now);
+    }
+    from.byte()?;
+    let factor = from.vector()?;
+    let sky = read_full_sky(from, now)??;
+    Some(Some(Sky::Dimmed(Box::new(DimmedSky { sky, factor }))))
+}
+
+/// Reads a sky that is not dimmed. Of pictures only that of the scene is known.
+fn read_full_sky(from: &mut ByteReader<'_>, now: Option<&Sky>) -> Option<Option<Sky>> {
     let sky = match from.byte()? {
         0 => return Some(None),
         1 => {

@@ -34,6 +34,7 @@ impl ReferenceFrame {
         let smooth = |pixel| mean(pixel, &|frame| frame.smooth_scale.unpack(frame.smooth[pixel]));
         let is_lit = |pixel: &usize| lit(self, *pixel) || lit(earlier, *pixel);
         let mut merged = self.clone();
+        merged.forget_layers();
         merged.settings.samples = old.saturating_add(new);
         merged.light_scale = scale_of(pixels().filter(is_lit).map(direct));
         for pixel in pixels().filter(is_lit) {
