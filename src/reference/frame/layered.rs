@@ -1,6 +1,7 @@
 //! References in scenes whose groups of lights are dimmed, switched and coloured.
 
 use super::ReferenceFrame;
+use super::traced_light::TracedLight;
 use crate::reference::layers::{LightLayers, LightWords};
 use crate::reference::light::UNLIT;
 use crate::reference::stale::Mark;
@@ -8,13 +9,6 @@ use crate::scene::Scene;
 use crate::trace::Tracer;
 use glam::Vec3;
 use std::sync::Arc;
-
-/// The light of a reference as it was traced, while it shows that of other settings of the lights.
-#[derive(Clone, Debug)]
-pub(super) struct TracedLight {
-    words: LightWords,
-    origin: Arc<Scene>,
-}
 
 impl ReferenceFrame {
     /// True where the light is known by groups for a scene, given by its hash at full light.

@@ -15,10 +15,11 @@ mod marks;
 mod merge;
 mod parts;
 mod stale_light;
+mod traced_light;
 
-use layered::TracedLight;
 pub(crate) use parts::ReferenceParts;
 use stale_light::StaleLight;
+use traced_light::TracedLight;
 
 use crate::bsdf::albedo;
 use crate::camera::{Camera, NEAREST_DEPTH, View};
