@@ -126,7 +126,7 @@ pub const BINDINGS: &[Binding] = &[
     press(Action::ClearCache, &[shift(Key::Delete)], "clear all references (asks first)"),
     press(
         Action::Bake,
-        &[plain(Key::B)],
+        &[shift(Key::B)],
         "light the whole scene in the background, into the store, or stop that",
     ),
     press(Action::Pause, &[plain(Key::P)], "pause or resume the renderer"),
