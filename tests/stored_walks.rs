@@ -4,7 +4,7 @@ use crate::rooms::{dvec, room_camera, room_tracer};
 use afterimage::camera::{CameraKey, CameraPath};
 use afterimage::experiment::{TourEvent, TourRecord, TourSettings, run_tour};
 use afterimage::scene::{SceneEdit, builtin};
-use afterimage::store::{StoreIndex, StoreSession, StoreSettings};
+use afterimage::store::{RecordSummary, StoreIndex, StoreSession, StoreSettings, prune};
 use afterimage::trace::{TraceSettings, parallel::NEVER};
 use afterimage::{Mode, RenderSettings, Tracer, Walkthrough, WalkthroughSettings};
 use std::path::Path;
@@ -114,6 +114,15 @@ fn a_view_at_rest_goes_on_with_the_light_of_earlier_visits() {
         walk.store_mut().unwrap().finish();
         std::mem::forget(walk);
     }
+    // Of the records of the view, the last holds the light of all.
+    let (before, after) =
+        (StoreIndex::read(folder.path()).unwrap().len(), prune(folder.path(), u64::MAX).unwrap());
+    assert!(
+        before > 4 && after.duplicates >= 4 && after.records + after.duplicates == before,
+        "{before} {after:?}"
+    );
+    let samples = |(_, summary, _): (_, &RecordSummary, _)| summary.settings.samples;
+    assert_eq!(StoreIndex::read(folder.path()).unwrap().records().map(samples).max(), Some(last));
 }
 
 /// The same scene with other materials.

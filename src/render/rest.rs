@@ -313,12 +313,12 @@ impl RestPicture {
         let start = Instant::now();
         (self.is_lit, self.frames) = (true, 0);
         let Some(growing) = self.growing.as_ref().filter(|growing| growing.samples() > 0) else { return };
-        let lit = growing.finish();
+        let mut lit = growing.finish();
         let earlier = self.earlier.iter().flatten().find(|earlier| lit.can_merge(earlier));
-        let lit = match earlier {
-            Some(earlier) => lit.merged(earlier),
-            None => lit,
-        };
+        if let Some(earlier) = earlier {
+            lit = lit.merged(earlier);
+        }
+        lit.is_refined = true;
         self.own_samples = lit.settings.samples;
         if let Some(last) = self.own.replace(cache.insert(Arc::new(lit))) {
             cache.remove(last);

@@ -87,6 +87,7 @@ pub(super) fn decode(
         smooth_scale: summary.smooth_scale,
         reflections: if summary.has_reflections { vec![0; count] } else { Vec::new() },
         is_dense: summary.is_dense,
+        is_refined: summary.is_refined,
     };
     let disparities: Vec<Option<(u32, f32)>> = (0..columns.stored.len())
         .into_par_iter()

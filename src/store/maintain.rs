@@ -4,6 +4,7 @@ use super::append::{Appender, SEGMENT_BYTES};
 use super::codec::is_sound;
 use super::index::StoreIndex;
 use super::segment::{Segment, StoredRecord};
+use super::summary::RecordSummary;
 use super::{StoreError, budget};
 use std::collections::HashSet;
 use std::fs::File;
@@ -18,7 +19,7 @@ pub struct MaintenanceReport {
     pub bytes: u64,
     /// Records that were added.
     pub added: usize,
-    /// Whole records that were there more than once.
+    /// Whole records that were there more than once, and those whose light another one holds.
     pub duplicates: usize,
     /// Records and other bytes that are damaged, or cannot be read, one line each.
     pub problems: Vec<String>,
@@ -43,7 +44,7 @@ pub fn verify(folder: &Path) -> Result<MaintenanceReport, StoreError> {
     Ok(report)
 }
 
-/// Removes what is damaged or there twice, and then whole segments, the longest unused first, until
+/// Removes what is damaged or there twice, records whose light a later one holds, and then whole segments, the longest unused first, until
 /// the store has at most `max_bytes`. Segments that a process is writing, and those of another
 /// version of the program, are not rewritten.
 ///
@@ -53,10 +54,14 @@ pub fn prune(folder: &Path, max_bytes: u64) -> Result<MaintenanceReport, StoreEr
     let index = StoreIndex::read(folder)?;
     let mut report = MaintenanceReport { problems: index.problems.clone(), ..MaintenanceReport::default() };
     let mut known = Known::new();
+    let refined = refined_records(&index);
     for segment in &index.segments {
         // The lock is held until the segment is replaced.
         let lock = File::open(&segment.path).ok().filter(|file| file.try_lock().is_ok());
-        let Some(whole) = whole_records(segment, &mut known, &mut report) else { continue };
+        let Some(mut whole) = whole_records(segment, &mut known, &mut report) else { continue };
+        let count = whole.len();
+        whole.retain(|record| !refined.iter().any(|other| record.summary.is_in(other)));
+        report.duplicates += count - whole.len();
         let is_clean = segment.problems.is_empty() && whole.len() == segment.records.len();
         if !is_clean && !segment.is_foreign && lock.is_some() {
             let mut appender = Appender::new(folder, u64::MAX);
@@ -95,6 +100,17 @@ pub fn merge(folder: &Path, others: &[PathBuf]) -> Result<MaintenanceReport, Sto
     let index = StoreIndex::read(folder)?;
     (report.records, report.bytes) = (index.len(), index.bytes());
     Ok(report)
+}
+
+/// The whole records of views that were refined.
+fn refined_records(index: &StoreIndex) -> Vec<&RecordSummary> {
+    let is_whole = |segment: &Segment, record: &StoredRecord| {
+        let payload = record.payload(&segment.path).ok().flatten();
+        payload.is_some_and(|bytes| is_sound(&bytes, &record.summary))
+    };
+    let of = |segment| move |record: &&StoredRecord| record.summary.is_refined && is_whole(segment, record);
+    let records = index.segments.iter().flat_map(|segment| segment.records.iter().filter(of(segment)));
+    records.map(|record| &record.summary).collect()
 }
 
 /// The records of a segment that are whole and not known yet. They are known afterwards. `None`

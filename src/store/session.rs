@@ -61,22 +61,11 @@ pub struct StoreReport {
 
 /// Leaves out records of a view that was refined further: a later one holds their light as well.
 fn leave_out_improved(index: &StoreIndex, places: &mut Vec<RecordPlace>) {
-    let view = |summary: &RecordSummary| {
-        let camera = &summary.camera;
-        let place = camera.eye.to_array().map(f64::to_bits);
-        (place, [camera.yaw, camera.pitch, camera.fov_y].map(f64::to_bits), summary.size)
-    };
-    let mut most = HashMap::new();
-    for place in places.iter() {
-        let summary = index.summary(*place);
-        let found: &mut (u32, u32) = most.entry(view(summary)).or_default();
-        *found = (*found).max((summary.settings.samples, summary.lit));
-    }
-    places.retain(|place| {
-        let summary = index.summary(*place);
-        let (samples, lit) = most[&view(summary)];
-        summary.settings.samples == samples || summary.lit > lit
-    });
+    let refined: Vec<RecordPlace> =
+        places.iter().copied().filter(|place| index.summary(*place).is_refined).collect();
+    let is_improved =
+        |place: &RecordPlace| refined.iter().any(|other| index.summary(*place).is_in(index.summary(*other)));
+    places.retain(|place| !is_improved(place));
 }
 
 /// A store in use by a walk.
@@ -352,12 +341,14 @@ impl StoreSession {
 
     /// Reads no record again whose light is in a reference that was refined.
     fn forget_improved(&mut self, reference: &ReferenceFrame) {
-        let (settings, size) = (&reference.settings, reference.view.size);
-        for candidate in &mut self.candidates {
-            let old = self.index.summary(candidate.place);
-            let is_same_view = old.camera == reference.camera && old.size == size;
-            if is_same_view && settings.samples > old.settings.samples && reference.lit() >= old.lit as usize
-            {
+        let is_held = |old: &RecordSummary| {
+            old.is_refined
+                && old.camera == reference.camera
+                && old.size == reference.view.size
+                && old.settings.samples < reference.settings.samples
+        };
+        for candidate in self.candidates.iter_mut().filter(|_| reference.is_refined) {
+            if is_held(self.index.summary(candidate.place)) {
                 candidate.state = State::Resting(u64::MAX);
             }
         }

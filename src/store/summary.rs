@@ -22,6 +22,7 @@ const DENSE: u32 = 1;
 const SMOOTH: u32 = 2;
 const REFLECTIONS: u32 = 4;
 const WARPED: u32 = 8;
+const REFINED: u32 = 16;
 
 /// What a reference is traced for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,6 +46,8 @@ pub struct RecordSummary {
     pub lit: u32,
     /// True if every pixel was lit, as in the paper's references.
     pub is_dense: bool,
+    /// True if it holds the light of all records of the view that were refined less.
+    pub is_refined: bool,
     /// What it was traced for.
     pub purpose: Purpose,
     /// Hashes of everything that the light depends on.
@@ -76,6 +79,7 @@ impl RecordSummary {
             settings: reference.settings,
             lit: reference.lit() as u32,
             is_dense: reference.is_dense(),
+            is_refined: reference.is_refined,
             dependencies: content.dependencies().to_vec(),
             geometry: content.geometry(),
             state: content.state().1,
@@ -103,6 +107,17 @@ impl RecordSummary {
         self.geometry == content.geometry()
     }
 
+    /// True where another record holds all of this one's light: of the same view and light, and
+    /// refined further.
+    pub(super) fn is_in(&self, other: &Self) -> bool {
+        let is_view = self.camera == other.camera && self.size == other.size;
+        let is_light = self.dependencies == other.dependencies
+            && self.settings.bounces == other.settings.bounces
+            && self.purpose == other.purpose;
+        let is_refined = self.is_refined && other.is_refined;
+        is_view && is_light && is_refined && other.settings.samples > self.settings.samples
+    }
+
     pub(super) fn write(&self) -> Vec<u8> {
         let mut to = ByteWriter::default();
         to.point(self.camera.eye);
@@ -119,7 +134,8 @@ impl RecordSummary {
             (u32::from(self.is_dense) * DENSE)
                 | (u32::from(self.has_smooth) * SMOOTH)
                 | (u32::from(self.has_reflections) * REFLECTIONS)
-                | (u32::from(self.purpose == Purpose::Warp) * WARPED),
+                | (u32::from(self.purpose == Purpose::Warp) * WARPED)
+                | (u32::from(self.is_refined) * REFINED),
         );
         to.u32(self.light_scale.exponent_offset);
         to.u32(self.smooth_scale.exponent_offset);
@@ -152,6 +168,7 @@ impl RecordSummary {
             settings,
             lit,
             is_dense: flags & DENSE != 0,
+            is_refined: flags & REFINED != 0,
             purpose: if flags & WARPED == 0 { Purpose::LookUp } else { Purpose::Warp },
             dependencies: list(&mut from, MAX_DEPENDENCIES, 16, ByteReader::u128)?,
             geometry: from.u128()?,

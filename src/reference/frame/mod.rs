@@ -82,6 +82,9 @@ pub struct ReferenceFrame {
     reflections: Vec<u8>,
     lit: usize,
     is_dense: bool,
+    /// True if its light includes that of every earlier reference of the same view that was refined
+    /// less.
+    pub(crate) is_refined: bool,
     /// Light that no longer holds; `None` where all does.
     stale: Option<Box<StaleLight>>,
     /// What holds at most of each pixel, because an object moved; empty where none did.
@@ -202,6 +205,7 @@ impl ReferenceFrame {
             reflections: if features.mirror || features.glass { vec![0; count] } else { Vec::new() },
             lit: 0,
             is_dense: false,
+            is_refined: false,
             stale: None,
             lost: Vec::new(),
             layers: None,

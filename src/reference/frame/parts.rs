@@ -22,6 +22,7 @@ pub(crate) struct ReferenceParts {
     pub(crate) smooth_scale: Rgb9e5Scale,
     pub(crate) reflections: Vec<u8>,
     pub(crate) is_dense: bool,
+    pub(crate) is_refined: bool,
 }
 
 impl ReferenceFrame {
@@ -51,6 +52,7 @@ impl ReferenceFrame {
             smooth_scale: parts.smooth_scale,
             reflections: parts.reflections,
             is_dense: parts.is_dense,
+            is_refined: parts.is_refined,
             stale: None,
             lost: Vec::new(),
             layers: None,

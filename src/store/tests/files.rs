@@ -95,7 +95,10 @@ fn segments_of_another_version_or_kind_are_left_as_they_are() {
     foreign.extend_from_slice(&[7; 500]);
     let (folder, path) = with_file(&foreign);
     let (read, problems) = read_all(folder.path());
-    assert!(read.is_empty() && problems.len() == 1 && problems[0].contains(&format!("format {}", VERSION + 1)), "{problems:?}");
+    assert!(
+        read.is_empty() && problems.len() == 1 && problems[0].contains(&format!("format {}", VERSION + 1)),
+        "{problems:?}"
+    );
     prune(folder.path(), u64::MAX).unwrap();
     assert_eq!(std::fs::read(&path).unwrap(), foreign);
     // A record of another version between others.

@@ -101,7 +101,7 @@ fn words(folder: &Path, report: &MaintenanceReport) -> String {
     let MaintenanceReport { records, added, duplicates, problems, .. } = report;
     let folder = folder.display();
     format!(
-        "{folder}: {records} references, {:.1} MB; {added} added, {duplicates} there twice, {} problems\n",
+        "{folder}: {records} references, {:.1} MB; {added} added, {duplicates} held by others, {} problems\n",
         report.bytes as f64 / 1e6,
         problems.len()
     )
