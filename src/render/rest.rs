@@ -266,9 +266,9 @@ impl RestPicture {
         cache.entries().iter().find(|entry| Some(entry.id) == self.own).map(|entry| &entry.frame)
     }
 
-    /// The same, to be kept, unless an earlier visit has left it.
+    /// The same, to be kept, unless it is coarse, or an earlier visit has left it.
     pub(super) fn reference(&self, cache: &ReferenceCache) -> Option<Arc<ReferenceFrame>> {
-        let own = self.own(cache)?;
+        let own = self.own(cache).filter(|own| own.view.size == self.size)?;
         let is_new = !self.earlier.iter().flatten().any(|earlier| Arc::ptr_eq(earlier, own));
         is_new.then(|| Arc::clone(own))
     }

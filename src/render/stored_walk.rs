@@ -51,10 +51,9 @@ impl Walkthrough {
     fn store_grown(&mut self, times: u32) {
         let Some((refinement, store)) = self.refinement.as_ref().zip(self.store.as_mut()) else { return };
         let Some(reference) = refinement.reference(&self.cache) else { return };
-        let is_larger = reference.view.pixel_count() > self.refined_stored.0;
-        let samples = if is_larger { 0 } else { self.refined_stored.1 };
-        if reference.settings.samples >= samples.saturating_mul(times).max(samples + 1) {
-            self.refined_stored = (reference.view.pixel_count(), reference.settings.samples);
+        let samples = self.refined_stored;
+        if reference.settings.samples >= samples.saturating_mul(times).max(samples.saturating_add(1)) {
+            self.refined_stored = reference.settings.samples;
             store.keep(&reference, self.settings.render.mode.purpose());
         }
     }
@@ -64,6 +63,6 @@ impl Walkthrough {
     pub fn drop_refinement(&mut self) {
         self.store_grown(1);
         self.refinement = None;
-        self.refined_stored = (0, 0);
+        self.refined_stored = 0;
     }
 }

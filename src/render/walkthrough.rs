@@ -44,8 +44,8 @@ pub struct Walkthrough {
     measures: FrameMeasures,
     /// The picture of the last frame's pose, once [`Self::refine`] has begun it.
     pub(super) refinement: Option<Refinement>,
-    /// Pixels and samples of the last reference that was stored of it.
-    pub(super) refined_stored: (usize, u32),
+    /// Samples of the last reference that was stored of it.
+    pub(super) refined_stored: u32,
     has_previews: bool,
     /// `None` where references are not stored.
     pub(super) store: Option<StoreSession>,
@@ -74,7 +74,7 @@ impl Walkthrough {
             rendered_from: 0,
             measures: FrameMeasures::default(),
             refinement: None,
-            refined_stored: (0, 0),
+            refined_stored: 0,
             has_previews: false,
             store: None,
             group_tracer: None,
