@@ -82,8 +82,7 @@ pub struct ReferenceFrame {
     reflections: Vec<u8>,
     lit: usize,
     is_dense: bool,
-    /// True if its light includes that of every earlier reference of the same view that was refined
-    /// less.
+    /// True if it includes the light of each reference of the view that was refined less.
     pub(crate) is_refined: bool,
     /// Light that no longer holds; `None` where all does.
     stale: Option<Box<StaleLight>>,
@@ -365,8 +364,7 @@ impl ReferenceFrame {
         material.emission + albedo * self.light(pixel)
     }
 
-    /// True if the stored triangle exists in the scene or is [`NO_TRIANGLE`]: always, unless memory
-    /// was corrupted.
+    /// True if the stored triangle exists or is [`NO_TRIANGLE`]: always, unless memory is corrupt.
     #[inline(always)]
     pub fn is_sound(&self, tracer: &Tracer, pixel: u32) -> bool {
         let triangle = self.triangle[pixel as usize];
