@@ -27,6 +27,7 @@ mod lookup;
 mod metrics;
 mod moving;
 mod numbers;
+mod objects;
 mod placement;
 mod refine;
 mod reuse;

@@ -87,16 +87,17 @@ impl<'a> Import<'a> {
 
     /// Applies the sidecar, and makes the scene.
     pub(super) fn finish(self) -> Result<Scene, SceneError> {
-        let Self { path, steps, sidecar, mut finder, mut builder, defined_materials, .. } = self;
+        let Self { path, steps, mut sidecar, mut finder, mut builder, defined_materials, .. } = self;
         sidecar.override_materials(&defined_materials, &mut builder);
         sidecar.apply(&mut finder, &mut builder);
         steps.at(Phase::Building, 1.0)?;
         let triangles = builder.triangles.len();
-        builder.finish().map_err(|error| match error {
+        let scene = builder.finish().map_err(|error| match error {
             SceneError::Empty { .. } => {
                 unreadable(path, format!("none of its {triangles} triangles has an area"), CORRECT)
             }
             other => other,
-        })
+        })?;
+        Ok(sidecar.edit_objects(scene))
     }
 }

@@ -103,7 +103,13 @@ impl PixelResolver<'_> {
         let seed = PointSeed::of_pixel(trace.seed, pixel, self.view.size[0], trace.samples);
         let footprint = hit.map_or(0.0, |hit| self.view.footprint(ray.direction, hit.t));
         let settings = self.lookup.light_settings(&trace, footprint);
-        let settings = LightSettings { direct: self.held_irradiance(&ray, hit), ..settings };
+        let held = hit.filter(|_| self.lookup.has_preview()).and_then(|hit| {
+            let point = self.tracer.surface(&ray, &hit);
+            let footprint = self.view.scene_from_pixel.x_axis.length() * length(&ray, &hit);
+            let key = SurfaceKey { position: point.position, normal: point.geometric_normal, footprint };
+            self.held_irradiance(&key, point.triangle, trace.samples)
+        });
+        let settings = LightSettings { direct: held, ..settings };
         let (mut traced, point) = self.tracer.shade_hit(&ray, hit, &settings, seed, &mut tally.rays);
         if let (Some(hit), Some(point)) = (hit, point) {
             traced.radiance += resolver.specular(&point, &ray, &hit, pixel, tally);
@@ -111,14 +117,14 @@ impl PixelResolver<'_> {
         traced
     }
 
-    /// The irradiance straight from the lights at a hit, where an edit of the scene left it as it
-    /// was.
-    fn held_irradiance(&self, ray: &Ray, hit: Option<Hit>) -> Option<Vec3> {
-        let hit = hit.filter(|_| self.lookup.has_preview())?;
-        let point = self.tracer.surface(ray, &hit);
-        let footprint = self.view.scene_from_pixel.x_axis.length() * length(ray, &hit);
-        let key = SurfaceKey { position: point.position, normal: point.geometric_normal, footprint };
-        self.lookup.held_irradiance(&key, point.triangle)
+    /// The irradiance straight from the lights at a point, where an edit of the scene left it as it
+    /// was: references hold it, or an earlier frame traced it at this point.
+    fn held_irradiance(&self, near: &SurfaceKey, triangle: u32, samples: u32) -> Option<Vec3> {
+        if !self.lookup.has_preview() {
+            return None;
+        }
+        let traced = || Some(self.points.find(&near.exact(), samples)?.light * PI);
+        self.lookup.held_irradiance(near, triangle).or_else(traced)
     }
 
     /// Compares a guess of a pixel's direct light with light traced there. Smooth light is kept as
@@ -136,7 +142,9 @@ impl PixelResolver<'_> {
         let point = self.tracer.surface(&ray, &hit);
         let key = Key::of_pixel(self.trace.seed, pixel);
         let end = PathEnd { pixel, distance: length(&ray, &hit), share: 1.0, key };
-        let mut diffuse = match guess.between {
+        let held =
+            || self.held_irradiance(&self.surface_key(&point, &end), triangle, self.trace.samples_for(1.0));
+        let mut diffuse = match guess.between.or_else(held) {
             Some(irradiance) => {
                 let lit = guess.certain
                     + Diffuse { albedo: point.albedo(self.tracer.scene()) }.radiance(irradiance);
@@ -280,7 +288,10 @@ impl PixelResolver<'_> {
     /// point's diffuse radiance.
     fn trace_unknown(&self, point: &SurfacePoint, end: &PathEnd, tally: &mut Tally, key: SurfaceKey) -> Vec3 {
         let footprint = self.surface_key(point, end).footprint;
-        let (settings, rays) = (self.lookup.light_settings(&self.trace, footprint), &mut tally.rays);
+        let samples = self.trace.samples_for(end.share);
+        let direct = self.held_irradiance(&self.surface_key(point, end), point.triangle, samples);
+        let settings = LightSettings { direct, ..self.lookup.light_settings(&self.trace, footprint) };
+        let rays = &mut tally.rays;
         let light = self.tracer.arriving_light(point, end.share, &settings, end.key.into(), rays);
         let traced = Traced { light: light.direct(), smooth: Some(light.smooth()), replaced_guess: false };
         self.store(point, end, tally, &[key], traced);

@@ -6,6 +6,7 @@
 //! | File | Contents |
 //! |---|---|
 //! | `point` | [`LookupSet`] holds the references of a frame and finds light at single points |
+//! | `held` | direct light that an edit of the scene left as it was |
 //! | `found` | what a look-up finds: light, and how sure it is |
 //! | `band` | `BandLookup` fills eight rows of a frame and lists the pixels that it leaves open |
 //! | `tile` | the surfaces of 8 x 8 pixels, and the light found for them |
@@ -28,6 +29,7 @@ mod exact;
 mod found;
 mod gather;
 mod growing;
+mod held;
 mod open_pixels;
 mod planned;
 mod point;

@@ -21,7 +21,6 @@ use crate::reference::{CachedReference, ReferenceCache, ReferenceFrame, Referenc
 use crate::trace::{CachedLight, LightSettings, SceneEpoch, TraceSettings, Tracer};
 use arrayvec::ArrayVec;
 use glam::{Mat3, Vec3};
-use std::f32::consts::PI;
 
 /// A reference prepared for look-ups.
 #[derive(Debug)]
@@ -36,9 +35,9 @@ pub(super) struct LookupReference<'a> {
     pub(super) scale: Rgb9e5Scale,
     pub(super) smooth_scale: Rgb9e5Scale,
     /// Homogeneous picture coordinates from an offset from the eye; the third is depth.
-    pixel_from_scene: Mat3,
-    scene_from_pixel: Mat3,
-    eye: Vec3,
+    pub(super) pixel_from_scene: Mat3,
+    pub(super) scene_from_pixel: Mat3,
+    pub(super) eye: Vec3,
     /// Distance between two samples at depth one.
     pub(super) step: f32,
     pub(super) size: [f32; 2],
@@ -196,8 +195,8 @@ pub struct LookupSet<'a> {
     pub(super) noise: f32,
     /// Where the paths of smooth light may end.
     pub(super) cells: Option<&'a SurfaceCells>,
-    /// Direct light that holds where smooth light is stale; `None` where there is none.
-    held: Option<Box<Self>>,
+    /// Direct light that holds, also where smooth light is stale; `None` where it nowhere is.
+    pub(super) held: Option<Box<Self>>,
     /// Light that no longer holds, to be shown until there is other; `None` where there is none.
     preview: Option<Box<Self>>,
 }
@@ -262,13 +261,6 @@ impl<'a> LookupSet<'a> {
     pub(crate) fn light_settings(&self, trace: &TraceSettings, footprint: f32) -> LightSettings<'_> {
         let cache = self.cells.map(|cells| cells as &dyn CachedLight);
         LightSettings { trace: *trace, cache, footprint, direct: None }
-    }
-
-    /// The irradiance straight from the lights at a point, where references know it for certain
-    /// though their smooth light is stale.
-    pub(crate) fn held_irradiance(&self, point: &SurfaceKey, triangle: u32) -> Option<Vec3> {
-        let found = self.held.as_ref()?.light_at(point, triangle)?;
-        (!found.is_guess).then_some(found.light * PI)
     }
 
     /// True where references hold light that is stale.

@@ -54,7 +54,7 @@ pub struct Renderer {
     /// The open pixels of each band of rows, before they are collected in the lists.
     open: Vec<OpenPixels>,
     /// Light that earlier frames traced at single points.
-    points: PointCache,
+    pub(super) points: PointCache,
     /// Points traced in this frame, for the next one.
     fresh_points: Vec<TracedPoint>,
     warped: WarpBuffer,

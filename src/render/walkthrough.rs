@@ -27,7 +27,7 @@ pub struct Walkthrough {
     pub(super) tracer: Arc<Tracer>,
     pub(super) cache: ReferenceCache,
     selector: ReferenceSelector,
-    renderer: Renderer,
+    pub(super) renderer: Renderer,
     pub(super) settings: WalkthroughSettings,
     previous: Option<Camera>,
     wanted: Option<Camera>,

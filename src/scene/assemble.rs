@@ -26,6 +26,7 @@ impl SceneBuilder {
     pub fn finish(mut self) -> Result<Scene, SceneError> {
         self.check_sizes()?;
         let count = self.triangles.len();
+        self.objects.number();
         if self.materials.is_empty() {
             self.add_material(Material::diffuse("default", Vec3::splat(0.6)));
         }
@@ -67,6 +68,8 @@ impl SceneBuilder {
             positions: Arc::new(positions),
             triangles: Arc::new(self.triangles),
             triangle_materials: Arc::new(self.triangle_materials),
+            objects: Arc::new(self.objects),
+            edited_objects: None,
             solids: Vec::new(),
             materials: self.materials,
             textures: Arc::new(self.textures),
@@ -138,6 +141,7 @@ impl SceneBuilder {
             self.triangles.retain(|_| is_kept.next() == Some(&true));
             let mut is_kept = kept.iter();
             self.triangle_materials.retain(|_| is_kept.next() == Some(&true));
+            self.objects.retain(&kept);
             self.warn_of_scene(format!("{dropped} triangles {what} were left out"));
         }
         dropped
@@ -183,7 +187,7 @@ impl SceneBuilder {
 }
 
 /// True if the cross product of two edges, computed in f64 from the f32 corners, is not zero.
-fn has_area([a, b, c]: [Vec3; 3]) -> bool {
+pub(super) fn has_area([a, b, c]: [Vec3; 3]) -> bool {
     let (a, b, c) = (a.as_dvec3(), b.as_dvec3(), c.as_dvec3());
     (b - a).cross(c - a).length_squared() > 0.0
 }

@@ -2,7 +2,7 @@
 
 use super::daylight::nits_per_unit;
 use super::light_groups::{LampGroup, LightSettings};
-use super::{Material, MaterialId, NamedView, Sky, Sun, Texture, TextureId, Warning};
+use super::{Material, MaterialId, NamedView, Objects, Sky, Sun, Texture, TextureId, Warning};
 use crate::camera::CameraPath;
 use crate::raster::exposure::Exposure;
 use glam::{DVec3, Vec2, Vec3};
@@ -24,6 +24,8 @@ pub struct SceneBuilder {
     pub triangles: Vec<[u32; 3]>,
     /// Material of each triangle.
     pub triangle_materials: Vec<MaterialId>,
+    /// The named objects that the triangles belong to.
+    pub objects: Objects,
     /// All materials.
     pub materials: Vec<Material>,
     /// All textures.
@@ -80,6 +82,17 @@ impl SceneBuilder {
     pub fn add_triangle(&mut self, vertices: [u32; 3], material: MaterialId) {
         self.triangles.push(vertices);
         self.triangle_materials.push(material);
+    }
+
+    /// Begins an object: the triangles that are added from now on belong to it.
+    pub fn begin_object(&mut self, name: &str) {
+        let object = self.objects.add(name);
+        self.objects.begin(self.triangles.len() as u32, Some(object));
+    }
+
+    /// Ends an object: the triangles that are added from now on belong to none.
+    pub fn end_object(&mut self) {
+        self.objects.begin(self.triangles.len() as u32, None);
     }
 
     /// Adds a flat quadrilateral. The corners run counter-clockwise seen from the front, and the

@@ -3,8 +3,8 @@
 use super::daylight::nits_per_unit;
 use super::light_groups::{LampGroup, LightGroups, LightSettings};
 use super::{
-    Conditioning, Light, Material, MaterialId, NamedView, SceneFeatures, SceneFrame, Sky, Sun, Texture,
-    Warning,
+    Conditioning, EditedObjects, Light, Material, MaterialId, NamedView, Objects, SceneFeatures, SceneFrame,
+    Sky, Sun, Texture, Warning,
 };
 use crate::camera::{Camera, CameraPath};
 use crate::raster::exposure::Exposure;
@@ -33,6 +33,10 @@ pub struct Scene {
     pub triangles: Arc<Vec<[u32; 3]>>,
     /// Material of each triangle.
     pub triangle_materials: Arc<Vec<MaterialId>>,
+    /// The named objects that the triangles belong to.
+    pub objects: Arc<Objects>,
+    /// The edits of objects, and what was loaded; `None` where that is what is here.
+    pub edited_objects: Option<Arc<EditedObjects>>,
     /// How each triangle bounds a solid of glass. Empty if the scene has no glass; the entries of
     /// triangles that are not glass have no meaning.
     pub solids: Vec<SolidSide>,

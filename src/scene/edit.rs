@@ -1,11 +1,11 @@
-//! Changes of a complete scene that keep its geometry.
+//! Changes of a complete scene: of its materials, its sun and sky, and its objects.
 
 use super::light_groups::LightSettings;
-use super::{Daylight, Light, Material, Scene, sanitize};
+use super::{Daylight, Light, Material, ObjectEdits, Scene, sanitize};
 use std::sync::Arc;
 
-/// The parts of a scene that can be changed without touching its geometry: materials, sun, sky, and
-/// how the groups of lights are set.
+/// The parts of a scene that can be changed: materials, sun, sky, where its objects are, and how the
+/// groups of lights are set.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneEdit {
     /// All materials, by [`MaterialId`](super::MaterialId), with their lamps at full light.
@@ -14,6 +14,8 @@ pub struct SceneEdit {
     pub daylight: Daylight,
     /// How the groups of lights are set.
     pub lights: LightSettings,
+    /// Objects that are moved, hidden or deleted.
+    pub objects: ObjectEdits,
 }
 
 impl Scene {
@@ -24,6 +26,7 @@ impl Scene {
             materials: full.materials.clone(),
             daylight: full.daylight(),
             lights: self.light_settings.clone(),
+            objects: self.object_edits(),
         }
     }
 
@@ -36,9 +39,11 @@ impl Scene {
         Arc::ptr_eq(&self.triangles, &other.triangles) && Arc::ptr_eq(&self.positions, &other.positions)
     }
 
-    /// Returns this scene with other materials, sun and sky, and other settings of its lights.
-    /// Lights, features, solids and hash are recomputed; where only settings of lights change, this
-    /// takes no time that grows with the geometry.
+    /// Returns this scene with other materials, sun and sky, its objects elsewhere, and other settings
+    /// of its lights. Lights, features, solids and hash are recomputed; where only settings of lights
+    /// change, this takes no time that grows with the geometry. Where no object is edited, the geometry
+    /// is the one that was loaded, to the bit. Edits of objects that the scene does not have, and of
+    /// ways that are not finite or too long, are left out; so are all where no triangle would be left.
     ///
     /// # Panics
     /// If the edit has more or fewer materials than the scene, and so belongs to another one.
@@ -46,7 +51,9 @@ impl Scene {
     pub fn with_edit(&self, edit: &SceneEdit) -> Self {
         assert_eq!(edit.materials.len(), self.materials.len(), "the edit belongs to another scene");
         let full = self.at_full();
-        let is_same = edit.materials == full.materials && edit.daylight == full.daylight();
+        let is_same = edit.materials == full.materials
+            && edit.daylight == full.daylight()
+            && edit.objects == full.object_edits();
         let full = if is_same { full } else { Arc::new(full.with_surfaces(edit)) };
         let mut edited = full.with_light_settings(&edit.lights);
         // Views may have been chosen since.
@@ -55,9 +62,9 @@ impl Scene {
         edited
     }
 
-    /// Returns this scene at full light with the materials, sun and sky of an edit.
+    /// Returns this scene at full light with the materials, objects, sun and sky of an edit.
     fn with_surfaces(&self, edit: &SceneEdit) -> Self {
-        let mut edited = self.clone();
+        let mut edited = self.with_objects(&edit.objects);
         edited.materials.clone_from(&edit.materials);
         for material in &mut edited.materials {
             let (clamped, is_scaled) = sanitize::sanitize_material(material);

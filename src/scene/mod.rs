@@ -26,6 +26,9 @@ mod hash;
 mod light;
 mod light_groups;
 mod material;
+mod move_objects;
+mod object_edits;
+mod objects;
 #[cfg(feature = "import")]
 pub mod place;
 mod sanitize;
@@ -55,6 +58,8 @@ pub use light_groups::{
     MAX_LIGHT_GROUPS, NO_LIGHT_GROUP,
 };
 pub use material::{Material, MaterialId, MaterialKind};
+pub use object_edits::{EditedObjects, ObjectEdit, ObjectEdits};
+pub use objects::{ObjectKey, Objects};
 pub use sky::{
     CieKind, CieSky, DimmedSky, Gradient, PhysicalSky, PictureSky, Sky, SkyImage, SkyImageError, SkyKind,
     SkySample,

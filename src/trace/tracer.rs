@@ -104,6 +104,13 @@ impl Tracer {
         self.full.as_ref()
     }
 
+    /// Returns a tracer of another state of the scene. It shares the hierarchy where the geometry is
+    /// the same.
+    #[must_use]
+    pub fn with_state(&self, scene: Arc<Scene>) -> Self {
+        if scene.has_same_geometry(&self.scene) { self.with_same_geometry(scene) } else { Self::new(scene) }
+    }
+
     /// The scene that is traced.
     pub fn scene(&self) -> &Arc<Scene> {
         &self.scene

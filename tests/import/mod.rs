@@ -4,6 +4,7 @@ mod gltf;
 mod limits;
 mod lines;
 mod materials;
+mod objects;
 mod properties;
 mod real;
 mod saving;

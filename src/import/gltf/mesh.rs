@@ -190,6 +190,8 @@ impl<'a> Mesher<'a, '_> {
             let vertices = local.positions.len();
             let reserved = self.builder.positions.try_reserve(vertices);
             reserved.map_err(|_| self.no_memory(vertices))?;
+            let first = self.builder.triangles.len() as u32;
+            self.builder.objects.begin(first, Some(placement.object));
             self.bake(local, &placement.world_from_mesh)?;
         }
         Ok(())

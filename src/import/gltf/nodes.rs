@@ -14,6 +14,8 @@ use glam::{DMat4, DQuat, DVec3, Vec3};
 pub(super) struct Placement {
     pub(super) mesh: usize,
     pub(super) world_from_mesh: DMat4,
+    /// Object of the node.
+    pub(super) object: u32,
 }
 
 /// Walks the nodes of a document. Adds lights and views to the builder, and returns the instances
@@ -129,7 +131,9 @@ impl Walker<'_, '_> {
             if node.skin.is_some() {
                 self.note(index, Trouble::SKIN, node.name.as_deref().unwrap_or(""));
             }
-            self.placements.push(Placement { mesh, world_from_mesh: world_from_node });
+            let name = node.name.clone().filter(|name| name.len() <= Limits::NAME_BYTES);
+            let object = self.builder.objects.add(&name.unwrap_or_else(|| format!("node {index}")));
+            self.placements.push(Placement { mesh, world_from_mesh: world_from_node, object });
         }
         if let Some(camera) = node.camera {
             let view = self.view(camera, node, world_from_node);

@@ -29,6 +29,9 @@ pub(super) struct Model {
     /// Material names in the order of their first use by a face. A name is empty for faces before
     /// any `usemtl`.
     pub(super) material_names: Vec<String>,
+    /// Objects, or groups where the file has no objects: the number of faces before each, and the
+    /// name.
+    pub(super) shapes: Vec<(usize, String)>,
     /// `mtllib` lines: line number and operand.
     pub(super) libraries: Vec<(u64, String)>,
     pub(super) tally: Tally,
@@ -94,7 +97,12 @@ impl Model {
         model.normals.reserve_exact(total.normals);
         model.uvs.reserve_exact(total.uvs);
         let mut materials = MaterialRuns::default();
+        let has_objects = pieces.iter().any(|piece| piece.shapes.iter().any(|shape| shape.1));
+        let mut faces = 0;
         for piece in &mut pieces {
+            let shapes = piece.shapes.drain(..).filter(|shape| shape.1 == has_objects);
+            model.shapes.extend(shapes.map(|(face, _, name)| (faces + face, name)));
+            faces += piece.faces.len();
             model.positions.append(&mut piece.positions);
             model.normals.append(&mut piece.normals);
             model.uvs.append(&mut piece.uvs);

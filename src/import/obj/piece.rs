@@ -43,7 +43,9 @@ pub(super) struct Piece {
     pub(super) faces: Vec<Face>,
     /// `usemtl` lines: the number of faces before each, and the name.
     pub(super) switches: Vec<(usize, String)>,
-    /// The same after the pieces are joined: the end of each run of faces, and the number of its
+    /// `o` and `g` lines: the number of faces before each, whether it is an `o`, and the name.
+    pub(super) shapes: Vec<(usize, bool, String)>,
+    /// `usemtl` after the pieces are joined: the end of each run of faces, and the number of its
     /// material.
     pub(super) runs: Vec<(usize, u32)>,
     pub(super) libraries: Vec<(u64, String)>,
@@ -121,7 +123,8 @@ impl Reader {
             "f" | "fo" => self.face(number, rest),
             "usemtl" => self.material(number, rest),
             "mtllib" => self.piece.libraries.push((number, rest.to_owned())),
-            "" | "o" | "g" | "s" | "mg" | "usemap" | "maplib" | "lod" | "bevel" | "c_interp" | "d_interp"
+            "o" | "g" => self.shape(number, key == "o", rest),
+            "" | "s" | "mg" | "usemap" | "maplib" | "lod" | "bevel" | "c_interp" | "d_interp"
             | "shadow_obj" | "trace_obj" => {}
             "l" | "p" => self.piece.tally.add(Trouble::LINE_OR_POINT, number, String::new),
             "vp" | "cstype" | "deg" | "bmat" | "step" | "curv" | "curv2" | "surf" | "parm" | "trim"
@@ -167,6 +170,15 @@ impl Reader {
             return;
         }
         self.piece.switches.push((self.piece.faces.len(), name.to_owned()));
+    }
+
+    fn shape(&mut self, number: u64, is_object: bool, rest: &str) {
+        let name = text::name(rest);
+        if name.len() > Limits::NAME_BYTES {
+            self.piece.tally.add(Trouble::NAME_TOO_LONG, number, String::new);
+            return;
+        }
+        self.piece.shapes.push((self.piece.faces.len(), is_object, name.to_owned()));
     }
 
     fn face(&mut self, number: u64, rest: &str) {

@@ -8,6 +8,7 @@ use crate::import::progress::{Phase, Steps};
 use crate::import::{files::no_memory, trouble::Trouble};
 use crate::scene::{MaterialId, SceneBuilder, SceneError};
 use glam::{Vec2, Vec3};
+use std::collections::HashMap;
 
 /// Number of corners between two reports of progress.
 const STEP_CORNERS: usize = 1 << 16;
@@ -23,12 +24,14 @@ pub(super) fn build(model: &mut Model, builder: &mut SceneBuilder, steps: &Steps
     let mut filler = Filler::new();
     let mut corners_m = Vec::new();
     let mut since = STEP_CORNERS;
+    let mut shapes = Shapes { open: &model.shapes, numbers: HashMap::new() };
     for (i, face) in model.faces().enumerate() {
         since += face.corners.len();
         if since >= STEP_CORNERS {
             since = 0;
             steps.at(Phase::Building, i as f32 / face_count as f32)?;
         }
+        shapes.begin(i, builder);
         corners_m.clear();
         corners_m.extend(face.corners.iter().map(|c| positions_m[c.position as usize]));
         if let Some(bad) = corners_m.iter().position(|p| !p.is_finite()) {
@@ -45,6 +48,24 @@ pub(super) fn build(model: &mut Model, builder: &mut SceneBuilder, steps: &Steps
     }
     model.tally = tally;
     Ok(())
+}
+
+/// The objects of a file that are still to come. Those of one name are one object.
+struct Shapes<'a> {
+    open: &'a [(usize, String)],
+    numbers: HashMap<&'a str, u32>,
+}
+
+impl Shapes<'_> {
+    /// Begins the object that starts with a face, if one does.
+    fn begin(&mut self, face: usize, builder: &mut SceneBuilder) {
+        let started = self.open.partition_point(|shape| shape.0 <= face);
+        let Some((_, name)) = started.checked_sub(1).map(|last| &self.open[last]) else { return };
+        self.open = &self.open[started..];
+        let add = || builder.objects.add(name);
+        let object = (!name.is_empty()).then(|| *self.numbers.entry(name).or_insert_with(add));
+        builder.objects.begin(builder.triangles.len() as u32, object);
+    }
 }
 
 fn reserve(builder: &mut SceneBuilder, faces: usize, vertices: usize) -> Result<(), SceneError> {

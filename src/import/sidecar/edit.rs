@@ -1,4 +1,4 @@
-//! Saving edited materials, daylight and lights in the sidecar of a model. Everything else in
+//! Saving edited materials, objects, daylight and lights in the sidecar of a model. Everything else in
 //! the file stays: other keys, their order and comments.
 
 use super::light::{SKY_KEYS, SUN_KEYS};
@@ -6,13 +6,16 @@ use super::read::MAX_BYTES;
 use crate::import::files::{self, unreadable};
 use crate::import::text;
 use crate::raster::atomic_file::write_atomically;
-use crate::scene::{Daylight, Gradient, Material, MaterialKind, SceneEdit, SceneError, Sky, Sun};
-use glam::Vec3;
+use crate::scene::{
+    Daylight, Gradient, Material, MaterialKind, ObjectEdit, ObjectKey, SceneEdit, SceneError, Sky, Sun,
+};
+use glam::{DVec3, Vec3};
 use std::path::{Path, PathBuf};
 use toml_edit::{Array, ArrayOfTables, DocumentMut, Item, Table, value};
 
 /// Saves the differences between `before` and `now` in the `.afterimage.toml` next to a model, and
-/// returns its path. The next import of the model has the materials, daylight and lights of `now`.
+/// returns its path. The next import of the model has the materials, objects, daylight and lights of
+/// `now`.
 ///
 /// # Errors
 /// [`SceneError::Read`] where the existing file is not valid TOML, or where the file cannot be
@@ -23,6 +26,13 @@ pub fn save_edit(model: &Path, before: &SceneEdit, now: &SceneEdit) -> Result<Pa
     for (was, is) in before.materials.iter().zip(&now.materials).filter(|(was, is)| was != is) {
         write_material(&mut document, was, is)
             .ok_or_else(|| damaged(&path, "'material' is not written as [[material]]"))?;
+    }
+    for key in before.objects.keys().chain(now.objects.keys()) {
+        let [was, is] = [before, now].map(|edit| edit.objects.get(key).copied().unwrap_or_default());
+        if was != is {
+            write_object(&mut document, key, &is)
+                .ok_or_else(|| damaged(&path, "'object' is not written as [[object]]"))?;
+        }
     }
     if before.daylight != now.daylight {
         write_daylight(&mut document, model, &now.daylight).map_err(|cause| {
@@ -86,6 +96,45 @@ fn write_material(document: &mut DocumentMut, was: &Material, is: &Material) -> 
             set(table, "transmittance", color(transmittance));
         }
     }
+    Some(())
+}
+
+/// Changes the `[[object]]` of this name and number, adds one, or removes it where nothing is
+/// changed about it. `None` where `object` is something else than a list of tables.
+fn write_object(document: &mut DocumentMut, key: &ObjectKey, edit: &ObjectEdit) -> Option<()> {
+    let item = document.entry("object").or_insert_with(|| Item::ArrayOfTables(ArrayOfTables::new()));
+    let tables = item.as_array_of_tables_mut()?;
+    let number = |t: &Table| t.get("number").and_then(Item::as_integer).unwrap_or(1);
+    let is_it = |t: &Table| {
+        t.get("name").and_then(Item::as_str) == Some(&key.name) && number(t) == i64::from(key.number)
+    };
+    if edit.is_none() {
+        tables.retain(|table| !is_it(table));
+        if tables.is_empty() {
+            document.remove("object");
+        }
+        return Some(());
+    }
+    // The last of several tables of an object decides.
+    let at = (0..tables.len()).rev().find(|&i| tables.get(i).is_some_and(is_it)).unwrap_or_else(|| {
+        let mut table = Table::new();
+        table["name"] = value(&key.name);
+        if key.number > 1 {
+            table["number"] = value(i64::from(key.number));
+        }
+        tables.push(table);
+        tables.len() - 1
+    });
+    let table = tables.get_mut(at)?;
+    let mut put = |name: &str, item: Option<Item>| match item {
+        Some(item) => set(table, name, item),
+        None => drop(table.remove(name)),
+    };
+    let is_moved = edit.moved_m != DVec3::ZERO;
+    put("move_m", is_moved.then(|| value(edit.moved_m.to_array().into_iter().collect::<Array>())));
+    put("turn_deg", (edit.turned_deg != 0.0).then(|| value(edit.turned_deg)));
+    put("hidden", edit.is_hidden.then(|| value(true)));
+    put("deleted", edit.is_deleted.then(|| value(true)));
     Some(())
 }
 

@@ -4,6 +4,7 @@
 mod edit;
 mod light;
 mod lights;
+mod objects;
 mod read;
 mod table;
 

@@ -5,11 +5,12 @@
 
 use super::light::Light;
 use super::lights::Lights;
+use super::objects::{self, ObjectLine};
 use super::table::{Notes, Section, suggestion};
 use crate::camera::{Camera, CameraKey, CameraPath};
 use crate::import::units::{Unit, UnknownWord, Up};
 use crate::import::{files, options::Limits, search::Finder, text};
-use crate::scene::{Material, MaterialKind, NamedView, SceneBuilder};
+use crate::scene::{Material, MaterialKind, NamedView, Scene, SceneBuilder};
 use glam::{DVec3, Vec3};
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
@@ -59,6 +60,7 @@ pub(in crate::import) struct Sidecar {
     pub(in crate::import) unit: Option<Unit>,
     pub(in crate::import) up: Option<Up>,
     overrides: Vec<Override>,
+    objects: Vec<ObjectLine>,
     point_lights: Vec<(DVec3, Vec3)>,
     light: Light,
     lights: Lights,
@@ -108,6 +110,7 @@ impl Sidecar {
             "unit",
             "up",
             "material",
+            "object",
             "point_light",
             "sun",
             "sky",
@@ -123,6 +126,7 @@ impl Sidecar {
             unit: top.word("unit", notes),
             up: top.word("up", notes),
             overrides: overrides(&top, notes),
+            objects: objects::read(&top, notes),
             point_lights: point_lights(&top, notes),
             light: Light::read(&top, notes),
             lights: Lights::read(&top, notes),
@@ -178,18 +182,23 @@ impl Sidecar {
         }
     }
 
+    /// Moves, hides and deletes objects of the finished scene.
+    pub(in crate::import) fn edit_objects(&mut self, scene: Scene) -> Scene {
+        objects::apply(std::mem::take(&mut self.objects), &self.file_name, scene)
+    }
+
     /// Adds lights, sky, views and walk.
-    pub(in crate::import) fn apply(self, finder: &mut Finder, builder: &mut SceneBuilder) {
-        builder.point_lights.extend(self.point_lights);
-        self.lights.apply(builder);
-        self.light.apply(&self.file_name, finder, builder);
+    pub(in crate::import) fn apply(&mut self, finder: &mut Finder, builder: &mut SceneBuilder) {
+        builder.point_lights.append(&mut self.point_lights);
+        std::mem::take(&mut self.lights).apply(builder);
+        std::mem::take(&mut self.light).apply(&self.file_name, finder, builder);
         // The first frame of a walk is a better start than a view of the whole model from outside.
         let start = self.start.or_else(|| self.walk.as_ref()?.camera(0, 2));
         let of_model = std::mem::take(&mut builder.views);
         builder.views.extend(start.map(|camera| NamedView { name: "start".to_owned(), camera }));
-        builder.views.extend(self.views);
+        builder.views.append(&mut self.views);
         builder.views.extend(of_model);
-        builder.walk = self.walk;
+        builder.walk = self.walk.take();
     }
 }
 

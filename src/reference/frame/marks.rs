@@ -32,10 +32,16 @@ impl ReferenceFrame {
         self.stale.as_ref().map_or(0, |stale| stale.count)
     }
 
-    /// Packed direct light of the pixels whose smooth light alone is stale; empty where there are
-    /// none.
+    /// Packed direct light of the pixels where that holds, whether their smooth light does or not;
+    /// empty where it holds in no stale pixel.
     pub(crate) fn held_direct(&self) -> &[u32] {
         self.stale.as_ref().map_or(&[], |stale| &stale.held)
+    }
+
+    /// Number of stale pixels whose direct light holds.
+    pub(crate) fn stale_with_direct(&self) -> usize {
+        let held = self.held_direct().iter().zip(&self.light);
+        held.filter(|&(&held, &light)| held != UNLIT && light == UNLIT).count()
     }
 
     /// Packed direct light of all pixels as it was traced, where some is stale; else empty.
@@ -63,15 +69,11 @@ impl ReferenceFrame {
             self.light = traced;
             return;
         }
-        let only = |wanted: Mark| -> Vec<u32> {
-            traced
-                .iter()
-                .zip(&marks)
-                .map(|(&word, &mark)| if mark == wanted { word } else { UNLIT })
-                .collect()
+        let up_to = |worst: Mark| -> Vec<u32> {
+            traced.iter().zip(&marks).map(|(&word, &mark)| if mark <= worst { word } else { UNLIT }).collect()
         };
-        self.light = only(Mark::Holds);
-        let held = if marks.contains(&Mark::DirectHolds) { only(Mark::DirectHolds) } else { Vec::new() };
+        self.light = up_to(Mark::Holds);
+        let held = if marks.contains(&Mark::DirectHolds) { up_to(Mark::DirectHolds) } else { Vec::new() };
         self.stale = Some(Box::new(StaleLight { traced, held, count }));
     }
 
@@ -97,9 +99,16 @@ impl ReferenceFrame {
                 *mark = lost.max(*mark);
             }
             self.lost = marks;
+            self.moves = self.moves.saturating_add(1);
         }
         self.origin = origin;
         self.forget_layers();
+    }
+
+    /// The share of the tolerated change that one more edit may use: each time that objects moved
+    /// took half, because they are compared with the state before, not with the first.
+    pub(crate) fn share_of_change(&self) -> f32 {
+        0.5f32.powi(i32::from(self.moves))
     }
 
     /// Forgets the stale light of a pixel.

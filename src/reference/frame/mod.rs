@@ -92,6 +92,8 @@ pub struct ReferenceFrame {
     layers: Option<Arc<LightLayers>>,
     /// Light as it was traced, where that of other settings of the lights is shown.
     traced: Option<Box<TracedLight>>,
+    /// How often objects have moved since its light was traced.
+    moves: u8,
 }
 
 impl ReferenceFrame {
@@ -209,6 +211,7 @@ impl ReferenceFrame {
             lost: Vec::new(),
             layers: None,
             traced: None,
+            moves: 0,
         }
     }
 

@@ -57,6 +57,7 @@ impl ReferenceFrame {
             lost: Vec::new(),
             layers: None,
             traced: None,
+            moves: 0,
         }
     }
 

@@ -5,7 +5,7 @@
 pub(super) struct StaleLight {
     /// Packed direct light of all pixels as it was traced.
     pub(super) traced: Vec<u32>,
-    /// Packed direct light of the stale pixels where that holds; empty where it holds nowhere.
+    /// Packed direct light of all pixels where that holds; empty where it holds in no stale one.
     pub(super) held: Vec<u32>,
     /// Number of stale pixels.
     pub(super) count: usize,

@@ -10,9 +10,12 @@
 //! | `elements` | surfaces cut into pieces and grouped by place |
 //! | `doubt` | a bound on the difference of the light at a point |
 //! | `places` | the same for all places that references show |
+//! | `samples` | samples of a difference, and what they say |
 //! | `renumber` | the triangles of a model that was loaded again |
-//! | `moved` | direct light that an object that moved can change |
+//! | `moved` | what surfaces that moved, came, went or let light pass otherwise can change |
+//! | `changed_lights` | lights that came or went |
 //! | `shaft` | what lies between two boxes |
+//! | `transport` | the difference of smooth light that surfaces make which are not in both states |
 //!
 //! Sources: shafts decide what an object that moved can hide (Haines and Wallace, "Shaft Culling
 //! for Efficient Ray-Traced Radiosity", 1991; Drettakis and Sillion, "Interactive Update of Global
@@ -20,29 +23,29 @@
 //! material or a lamp can change is not bounded by form factors of boxes, but estimated as the
 //! light of other lamps, because the difference of two pictures obeys the rendering equation too.
 
+mod changed_lights;
 mod doubt;
 mod elements;
 mod mark;
 mod moved;
 mod places;
 mod renumber;
+mod samples;
 mod shaft;
 mod sources;
+mod transport;
 
 use super::{Directory, ReferenceFrame};
 use crate::trace::{TraceSettings, Tracer, parallel::Stop};
 use doubt::DifferenceLight;
-pub use mark::Mark;
+pub use mark::{MAX_CHANGE, Mark};
+use mark::{SAFETY, was_black};
+use moved::Moved;
+pub(crate) use moved::keeps_direct_light;
 use places::Places;
 use rayon::prelude::*;
 pub(crate) use renumber::Renumbering;
-
-/// Light that differs by at most this share of a pixel's light still holds.
-pub const MAX_CHANGE: f32 = 0.01;
-
-/// The share of [`MAX_CHANGE`] at which a pixel is marked: an estimate of few samples may be too
-/// low.
-const SAFETY: f32 = 0.5;
+use transport::TransportDifference;
 
 /// The share of the change that direct light may have where it is kept.
 const MAX_DIRECT_SHARE: f32 = 0.25;
@@ -83,11 +86,21 @@ pub(crate) fn marks_of(
     if stop() || !origin.has_same_geometry(tracer.scene()) {
         return None;
     }
-    let difference = DifferenceLight::new(origin, tracer, &settings)?;
+    let Some(difference) = DifferenceLight::new(origin, tracer, &settings) else {
+        let old = tracer.with_same_geometry(origin.clone());
+        let moved = Moved::by_transmission(origin, tracer.scene());
+        return Some(moved.marks(frames, [&old, tracer], directory, &|triangle| triangle, stop));
+    };
     if difference.is_dark() {
         return holds();
     }
-    let places = Places::new(&difference, (tracer, directory), frames, stop);
+    let places = match difference.states(tracer) {
+        Some(states) => {
+            let transport = TransportDifference::new(states, &[], &settings).with_direct(&difference);
+            Places::new(&transport, (tracer, directory), frames, stop)
+        }
+        None => Places::new(&difference, (tracer, directory), frames, stop),
+    };
     carried.places += places.len();
     let least = if difference.changes_mirrors() { Mark::DirectHolds } else { Mark::Holds };
     Some(frames.iter().map(|frame| marks_of_frame(frame, tracer, &places, least)).collect())
@@ -98,9 +111,10 @@ fn marks_of_frame(frame: &ReferenceFrame, tracer: &Tracer, places: &Places<'_>, 
     let mark = |pixel: u32| {
         let Some(doubt) = places.doubt(tracer, frame, pixel) else { return Mark::Holds };
         let light = frame.traced_light(pixel).max_element();
-        let most = SAFETY * MAX_CHANGE * light;
+        let most = frame.share_of_change() * SAFETY * MAX_CHANGE * light;
         // No ray was traced for black surfaces.
-        if light == 0.0 && changes_colour(frame, tracer, pixel) {
+        let triangle = frame.triangle()[pixel as usize];
+        if light == 0.0 && was_black([(&frame.origin, triangle), (tracer.scene(), triangle)]) {
             return Mark::Stale;
         }
         if doubt.direct + doubt.smooth <= most {
@@ -112,11 +126,4 @@ fn marks_of_frame(frame: &ReferenceFrame, tracer: &Tracer, places: &Places<'_>, 
         }
     };
     (0..frame.view.pixel_count() as u32).into_par_iter().map(mark).collect()
-}
-
-/// True where the surface of a pixel reflects other light than before.
-fn changes_colour(frame: &ReferenceFrame, tracer: &Tracer, pixel: u32) -> bool {
-    let triangle = frame.triangle()[pixel as usize];
-    let [before, now] = [&frame.origin, tracer.scene()].map(|scene| scene.material_of(triangle));
-    (before.diffuse, before.diffuse_texture) != (now.diffuse, now.diffuse_texture)
 }

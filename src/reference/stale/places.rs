@@ -4,19 +4,12 @@
 //! reference they are: the cost of an edit follows the size of the building that was seen, not the
 //! number of references.
 
-use super::doubt::{DifferenceLight, Doubt, DoubtSamples};
 use super::elements::side_of;
+use super::samples::{Difference, Doubt, DoubtSamples};
 use crate::math::key::Key;
 use crate::reference::{Directory, ReferenceFrame};
 use crate::trace::{NO_TRIANGLE, Tracer, parallel::Stop};
 use rayon::prelude::*;
-
-/// Samples at each of a place's points, at least and at most.
-const SAMPLES: [u32; 2] = [3, 32];
-
-/// Samples at one point of every place together, while each has the least number or more: 0.2
-/// seconds on two cores.
-const MAX_SAMPLES: u32 = 1 << 15;
 
 /// No place.
 const NOWHERE: u32 = u32::MAX;
@@ -49,8 +42,8 @@ fn place_of(directory: &Directory, tracer: &Tracer, frame: &ReferenceFrame, pixe
 
 impl<'a> Places<'a> {
     /// Estimates the doubt about the light of all places that some references show.
-    pub(super) fn new(
-        difference: &DifferenceLight,
+    pub(super) fn new<D: Difference>(
+        difference: &D,
         (tracer, directory): (&Tracer, &'a Directory),
         frames: &[&ReferenceFrame],
         stop: Stop<'_>,
@@ -61,7 +54,8 @@ impl<'a> Places<'a> {
         for (number, place) in (0..).zip(&places) {
             index[place[0].0 as usize] = number;
         }
-        let samples = (MAX_SAMPLES / places.len().max(1) as u32).clamp(SAMPLES[0], SAMPLES[1]);
+        let [least, most] = D::SAMPLES;
+        let samples = (D::MAX_SAMPLES / places.len().max(1) as u32).clamp(least, most);
         let doubt = |place: &&[Seen]| {
             if stop() {
                 return DoubtSamples::default();
@@ -79,7 +73,7 @@ impl<'a> Places<'a> {
             doubts.fold(DoubtSamples::default(), DoubtSamples::and)
         };
         let samples: Vec<DoubtSamples> = places.par_iter().map(doubt).collect();
-        let pooled = |place: &&[Seen]| pooled(directory, &index, &samples, place[0].0);
+        let pooled = |place: &&[Seen]| pooled::<D>(directory, &index, &samples, place[0].0);
         let doubts = places.par_iter().map(pooled).collect();
         Self { directory, index, doubts }
     }
@@ -96,17 +90,20 @@ impl<'a> Places<'a> {
     }
 }
 
-/// The doubt about a place: that of its own samples, or of all samples around it, whichever is
-/// larger. Few samples may miss a small source.
-fn pooled(directory: &Directory, index: &[u32], samples: &[DoubtSamples], place: u32) -> Doubt {
+/// The doubt about a place, by its own samples and those around it.
+fn pooled<D: Difference>(
+    directory: &Directory,
+    index: &[u32],
+    samples: &[DoubtSamples],
+    place: u32,
+) -> Doubt {
     let (cell, side) = (place / 6, place % 6);
     let own = samples[index[place as usize] as usize];
     let around = directory
         .cells_around(cell)
         .filter_map(|near| samples.get(index[(near * 6 + side) as usize] as usize))
         .fold(DoubtSamples::default(), |sum, near| sum.and(*near));
-    let (own, around) = (own.mean(), around.upper());
-    Doubt { direct: own.direct.max(around.direct), smooth: own.smooth.max(around.smooth) }
+    D::doubt(&own, &around)
 }
 
 /// The places that some references show, ascending, each with its first and its last pixel in every

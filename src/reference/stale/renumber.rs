@@ -22,7 +22,7 @@ pub(crate) struct Renumbering {
 
 impl Renumbering {
     /// Finds the triangles of one scene in another. Returns `None` where the two lie differently in
-    /// scene space, where fewer than half of the triangles are in both, or where a lamp moved.
+    /// scene space, or where fewer than half of the triangles are in both.
     pub(crate) fn between(old: &Scene, new: &Scene) -> Option<Self> {
         let counts = [old, new].map(|scene| scene.triangles.len());
         if old.frame != new.frame || counts[0] > 2 * counts[1] || counts[1] > 2 * counts[0] {
@@ -31,11 +31,7 @@ impl Renumbering {
         let contents = [old, new].map(GeometryContent::of);
         let (new_of_old, old_of_new) = matched(contents.each_ref().map(|content| content.sorted()));
         let [gone, added] = [&new_of_old, &old_of_new].map(|numbers| unmatched(numbers));
-        let is_lamp = |scene: &Scene, triangles: &[u32]| {
-            triangles.iter().any(|&triangle| scene.material_of(triangle).is_emissive())
-        };
-        let is_other = gone.len() + added.len() > counts[0];
-        if is_other || is_lamp(old, &gone) || is_lamp(new, &added) {
+        if gone.len() + added.len() > counts[0] {
             return None;
         }
         let has_moved = !gone.is_empty() || !added.is_empty();
@@ -44,10 +40,12 @@ impl Renumbering {
     }
 
     /// A state of the old scene, with the triangles of the new one. Those that were added have the
-    /// materials of the new one.
+    /// materials of the new one, which are appended where they differ from the old ones.
     pub(crate) fn state_of(&self, old: &Scene, new: &Scene) -> Scene {
         let is_point = |light: &&Light| matches!(light, Light::Point { .. });
-        let first = old.materials.len() as u32;
+        let shares_textures = Arc::ptr_eq(&old.textures, &new.textures);
+        let adds = self.moved.is_some() && !(shares_textures && old.materials.starts_with(&new.materials));
+        let first = if adds { old.materials.len() as u32 } else { 0 };
         let material = |(new_triangle, &t): (usize, &u32)| -> MaterialId {
             match old.triangle_materials.get(t as usize) {
                 Some(&material) => material,
@@ -55,8 +53,8 @@ impl Renumbering {
             }
         };
         let (mut materials, mut textures) = (old.materials.clone(), old.textures.clone());
-        if self.moved.is_some() {
-            let shift = if Arc::ptr_eq(&old.textures, &new.textures) { 0 } else { textures.len() as u32 };
+        if adds {
+            let shift = if shares_textures { 0 } else { textures.len() as u32 };
             materials.extend(new.materials.iter().map(|material| with_textures_after(material, shift)));
             if shift > 0 {
                 let all: Vec<Texture> = old.textures.iter().chain(new.textures.iter()).cloned().collect();

@@ -55,8 +55,11 @@ pub(super) fn add_to(b: &mut SceneBuilder, contents: Contents) {
 
 /// Adds the short and the tall box, given by the four corners of the top and the height.
 fn boxes(b: &mut SceneBuilder, white: MaterialId) {
+    b.begin_object("short box");
     standing(b, [[130.0, 65.0], [82.0, 225.0], [240.0, 272.0], [290.0, 114.0]], 165.0, white);
+    b.begin_object("tall box");
     standing(b, [[423.0, 247.0], [265.0, 296.0], [314.0, 456.0], [472.0, 406.0]], 330.0, white);
+    b.end_object();
 }
 
 fn standing(b: &mut SceneBuilder, top: [[f64; 2]; 4], height: f64, material: MaterialId) {
@@ -73,6 +76,9 @@ fn spheres(b: &mut SceneBuilder) {
     let glass = b.add_material(Material::glass("glass", 1.5, Vec3::ONE));
     // 1 mm above the floor: a solid of glass must not share a plane with another surface.
     let at = |x, y, z| Local::at(world([x, y, z]));
+    b.begin_object("mirror sphere");
     icosphere(b, &at(390.0, 100.1, 370.0), 4, mirror, |d| d);
+    b.begin_object("glass sphere");
     icosphere(b, &at(170.0, 100.1, 190.0), 4, glass, |d| d);
+    b.end_object();
 }

@@ -64,9 +64,21 @@ impl Tracer {
         let mut sums = [Vec3::ZERO; 2];
         for sample in samples {
             let path = Path { tracer: self, sequence, sample, settings };
-            sums[(sample & 1) as usize] += path.radiance(point, rays);
+            sums[(sample & 1) as usize] += path.radiance(point, None, rays);
         }
         sums
+    }
+
+    /// The radiance that smooth light brings to a point from one direction, a unit vector on the
+    /// lit side, by one sample of a sequence.
+    pub(crate) fn smooth_light_along(
+        &self,
+        (point, direction): (&SurfacePoint, Vec3),
+        (sequence, sample): (Sequence, u32),
+        settings: SmoothSettings<'_>,
+        rays: &mut RayCounts,
+    ) -> Vec3 {
+        Path { tracer: self, sequence, sample, settings }.radiance(point, Some(direction), rays)
     }
 }
 
@@ -140,8 +152,9 @@ struct Path<'a> {
 }
 
 impl Path<'_> {
-    /// The radiance that the path brings to a white surface.
-    fn radiance(&self, start: &SurfacePoint, rays: &mut RayCounts) -> Vec3 {
+    /// The radiance that the path brings to a white surface, or from its first direction where one
+    /// is given.
+    fn radiance(&self, start: &SurfacePoint, first: Option<Vec3>, rays: &mut RayCounts) -> Vec3 {
         let scene = self.tracer.scene();
         let bounces = self.settings.bounces.min(MAX_PATH);
         let (mut point, mut throughput, mut radiance) = (*start, Vec3::ONE, Vec3::ZERO);
@@ -152,10 +165,11 @@ impl Path<'_> {
                 return radiance;
             }
             // Follow a diffusely scattered ray to the next diffuse surface.
-            let u = self.sequence.pair(self.sample, DIRECTION + bounce);
-            let Some(direction) = Diffuse::sample_direction(&point.facing(scene), u) else {
-                return radiance;
-            };
+            let direction = first.filter(|_| bounce == 0).or_else(|| {
+                let u = self.sequence.pair(self.sample, DIRECTION + bounce);
+                Diffuse::sample_direction(&point.facing(scene), u)
+            });
+            let Some(direction) = direction else { return radiance };
             let ray = Ray::new(point.origin_in_front(), direction);
             let (next, length, was_reflected) = match self.next(ray, &mut throughput, bounce, rays) {
                 Next::Surface(next, length, was_reflected) => (next, length, was_reflected),

@@ -31,6 +31,8 @@ fn object(loaded: &Loaded) -> Value {
         "triangles": scene.triangles.len(),
         "vertices": scene.positions.len(),
         "materials": scene.materials.iter().map(material).collect::<Vec<_>>(),
+        "objects": scene.all_objects().keys().len(),
+        "edited_objects": scene.object_edits().keys().map(ToString::to_string).collect::<Vec<_>>(),
         "textures": scene.textures.len(),
         "lights": scene.lights.len(),
         "light_kinds": kinds,
@@ -86,6 +88,17 @@ fn mirrors(scene: &Scene) -> (f32, Option<f32>) {
     (r, bound.is_finite().then_some(bound))
 }
 
+/// The number of named objects, and how many of them are moved or not shown.
+fn objects(scene: &Scene) -> String {
+    let edits = scene.object_edits();
+    let gone = edits.values().filter(|edit| edit.is_gone()).count();
+    let (all, moved) = (scene.all_objects().keys().len(), edits.len() - gone);
+    match edits.is_empty() {
+        true => format!("{all} named"),
+        false => format!("{all} named, {moved} moved, {gone} not shown"),
+    }
+}
+
 fn table(loaded: &Loaded) -> String {
     let scene = loaded.scene();
     let [low, high] = scene.bounds_m;
@@ -102,6 +115,7 @@ fn table(loaded: &Loaded) -> String {
         ("size", format!("{:.2} x {:.2} x {:.2} m", size.x, size.y, size.z)),
         ("building", format!("{:.2} x {:.2} x {:.2} m", building.x, building.y, building.z)),
         ("materials", format!("{}, {textured} textured", scene.materials.len())),
+        ("objects", objects(scene)),
         ("lights", format!("{} ({})", scene.lights.len(), kinds.collect::<Vec<_>>().join(", "))),
         (
             "light groups",

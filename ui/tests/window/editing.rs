@@ -214,3 +214,41 @@ fn a_deleted_view_comes_back() {
     harness.run_steps(2);
     assert_eq!(scene(harness.state()).views, views);
 }
+
+#[test]
+fn a_clicked_object_is_moved_hidden_shown_and_everything_undone() {
+    let mut harness = app();
+    // The middle of the tall box, as the start view sees it.
+    let camera = *harness.state().state().navigation.fly.camera();
+    let (to, forward) = (glam::DVec3::new(-2.4, 0.8, -1.2) - camera.eye, camera.forward());
+    let right = forward.cross(glam::DVec3::Y).normalize_or(glam::DVec3::X);
+    let height = harness.get_by_label("3D viewport").rect().height();
+    let scale = f64::from(height) / 2.0 / (camera.fov_y / 2.0).tan() / to.dot(forward);
+    let down = -to.dot(right.cross(forward));
+    click(&mut harness, (to.dot(right) * scale) as f32, (down * scale) as f32);
+    let key = harness.state().state().selection.object.clone().expect("an object");
+    assert_eq!(key.to_string(), "tall box");
+    let before = edits(harness.state()).now().clone();
+    let triangles = scene(harness.state()).triangles;
+    let newest = harness.state().threads().generation();
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::ArrowLeft);
+    step_until(&mut harness, "the new scene", |app| app.threads().generation() > newest);
+    let moved = edits(harness.state()).object(&key).moved_m;
+    assert!((moved.x + 0.1).abs() < 1e-9 && moved.y == 0.0 && moved.z == 0.0, "{moved}");
+    settle(&mut harness);
+    harness.key_press(Key::H);
+    step_until(&mut harness, "the box to go", |app| scene(app).triangles + 12 == triangles);
+    harness.get_by_label("Unsaved changes");
+    harness.get_by_label("Show tall box").click_accesskit();
+    step_until(&mut harness, "the box to come back", |app| scene(app).triangles == triangles);
+    assert_eq!(edits(harness.state()).object(&key).moved_m, moved);
+    for _ in 0..3 {
+        harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+        harness.step();
+    }
+    assert_eq!(*edits(harness.state()).now(), before);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Y);
+    harness.step();
+    assert_eq!(edits(harness.state()).object(&key).moved_m, moved);
+    settle(&mut harness);
+}

@@ -37,12 +37,16 @@ pub(super) fn room(name: &str) -> Result<Scene, SceneError> {
         Vec2::ONE,
         mirror,
     );
-    for (x, z, side, height, material) in
-        [(-2.4, -1.2, 0.9, 1.6, white), (2.3, -1.6, 0.8, 0.8, green), (0.6, -0.6, 0.5, 0.5, red)]
-    {
+    for (name, x, z, side, height, material) in [
+        ("tall box", -2.4, -1.2, 0.9, 1.6, white),
+        ("low box", 2.3, -1.6, 0.8, 0.8, green),
+        ("cube", 0.6, -0.6, 0.5, 0.5, red),
+    ] {
         let half = side / 2.0;
+        b.begin_object(name);
         outside_of_box(&mut b, at(x - half, 0.0, z - half), at(x + half, height, z + half), material);
     }
+    b.end_object();
     let view = |name: &str, eye, target| NamedView {
         name: name.to_owned(),
         camera: Camera::look_at(eye, target, 60.0),

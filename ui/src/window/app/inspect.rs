@@ -17,6 +17,7 @@ pub(super) fn handle_inspect(state: &mut AppState, services: &Services, command:
     match command {
         InspectCommand::CloseInspector => selection.inspection = None,
         InspectCommand::SelectMaterial(id) => selection.material = Some(id),
+        InspectCommand::SelectObject(key) => selection.object = Some(key),
         InspectCommand::ToggleMeasure => {
             selection.measure.is_on = !selection.measure.is_on;
             selection.measure.hover = None;

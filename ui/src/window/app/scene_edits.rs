@@ -1,4 +1,4 @@
-//! Commands about materials and daylight. An edit is shown by the panels at once; the scene is
+//! Commands about materials, objects and daylight. An edit is shown by the panels at once; the scene is
 //! rebuilt in the background, and the old picture stays until there is one of the new scene.
 
 use super::{AppEvent, Parts, PendingEdit};
@@ -93,7 +93,7 @@ fn rebuild(app: &mut Parts) {
         return;
     }
     let (edit, base, wanted) = (edits.now().clone(), tracer.clone(), edits.now().clone());
-    let work = move || Arc::new(base.with_same_geometry(Arc::new(base.scene().with_edit(&wanted))));
+    let work = move || Arc::new(base.with_state(Arc::new(base.scene().with_edit(&wanted))));
     let task = spawn_task("edit", app.services.wake.clone(), move |_| Ok(work()));
     app.services.edit = Some(PendingEdit { edit, task });
 }
@@ -113,6 +113,12 @@ pub(super) fn poll_edit(app: &mut Parts) {
 fn show_rebuilt(app: &mut Parts, tracer: Arc<Tracer>) {
     if let Some(scene) = &mut app.state.scene {
         scene.relight(tracer.scene());
+    }
+    let is_same = |shown: &Arc<Tracer>| shown.scene().has_same_geometry(tracer.scene());
+    if !app.current.tracer().is_some_and(is_same) {
+        // Triangles have other numbers, and the plan shows objects where they were.
+        app.state.selection.inspection = None;
+        (app.services.plan, app.state.plan.asked_m) = (None, None);
     }
     app.current.obstacles = Some(Obstacles::new(tracer.clone()));
     app.state.thumbnails.set_tracer(tracer.clone());
@@ -143,7 +149,7 @@ pub(super) fn begin_edits(app: &mut Parts, scene: &Scene, is_reload: bool) {
     rebuild(app);
 }
 
-/// Saves materials and daylight in the sidecar of the model.
+/// Saves materials, objects and daylight in the sidecar of the model.
 pub(super) fn save_sidecar(app: &mut Parts) {
     let (Some(edits), Some(scene)) = (&app.state.edits, &app.state.scene) else { return };
     let SceneSource::File { path, .. } = &scene.source else {

@@ -1,5 +1,6 @@
 //! Keys, the clipboard and dropped files as commands.
 
+use super::object_keys::object_command;
 use super::{Input, MoveMode, Obstacles, probe_at};
 use crate::window::input::aim;
 use crate::window::input::keymap::{Action, Attention, Pressed};
@@ -96,7 +97,7 @@ fn command_of(
         Action::SaveSequence => Command::Picture(PictureCommand::SaveSequence),
         Action::FullScreen => Command::FullScreen,
         Action::Escape => Command::Escape,
-        _ => Command::SetOptions(switched(o, action)?),
+        _ => object_command(state, action).or_else(|| Some(Command::SetOptions(switched(o, action)?)))?,
     })
 }
 

@@ -5,6 +5,7 @@ pub(crate) mod commands;
 pub mod fly_camera;
 pub(crate) mod inspect;
 pub mod keymap;
+mod object_keys;
 pub mod playback;
 pub(crate) mod pointer;
 pub mod walking;

@@ -134,6 +134,9 @@ fn click(state: &mut AppState, input: &Input, obstacles: Option<&Obstacles>, vie
             state.selection.inspection = inspect(state, obstacles, at);
             let found = state.selection.inspection.as_ref().map(|found| found.material);
             state.selection.material = found.or(state.selection.material);
+            if let Some(found) = &state.selection.inspection {
+                state.selection.object.clone_from(&found.object);
+            }
         } else if let Some(snap) = snap_at(state, obstacles, at, viewport.rect) {
             state.selection.measure.set(snap);
         }

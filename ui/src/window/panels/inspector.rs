@@ -3,6 +3,7 @@
 use super::super::state::{AppState, Command, InspectCommand, Inspection, Measure, PixelFacts};
 use crate::window::input::keymap::{Action, keys_of};
 use afterimage::raster::pixel_types::PixelType;
+use afterimage::scene::ObjectKey;
 use egui::{RichText, Ui};
 use glam::DVec3;
 
@@ -43,6 +44,7 @@ fn lines(state: &AppState, found: &Inspection) -> Vec<(&'static str, String)> {
     let material = material.map_or_else(String::new, |m| format!("{} ({})", m.name, m.kind_name()));
     let mut lines = vec![
         ("material", material),
+        ("object", found.object.as_ref().map_or_else(|| "none".to_owned(), ObjectKey::to_string)),
         ("position", format!("{} m", point(found.position_m, 3))),
         ("distance", format!("{:.3} m, depth {:.3} m", found.distance_m, found.depth_m)),
         ("normal", point(found.normal.as_dvec3(), 3)),

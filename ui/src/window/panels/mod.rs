@@ -9,6 +9,7 @@ pub mod lights;
 pub mod material;
 pub mod menu;
 pub mod notices;
+pub mod object;
 pub mod overlay;
 pub mod path;
 pub mod picture;

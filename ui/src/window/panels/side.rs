@@ -1,8 +1,8 @@
 //! The side panel with its sections.
 
 use super::{
-    comparison, daylight, inspector, legend, lights, material, path, plan, plots, quality, references, scene,
-    views,
+    comparison, daylight, inspector, legend, lights, material, object, path, plan, plots, quality,
+    references, scene, views,
 };
 use crate::window::state::{AppState, Command};
 use egui::{RichText, Ui};
@@ -20,6 +20,7 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
         section(ui, "Camera path", false, |ui| path::show(ui, state, commands));
         section(ui, "Pixel and distance", true, |ui| inspector::show(ui, state, commands));
         section(ui, "Material", true, |ui| material::show(ui, state, commands));
+        section(ui, "Object", true, |ui| object::show(ui, state, commands));
         section(ui, "Sun and sky", false, |ui| daylight::show(ui, state, commands));
         section(ui, "Lights", false, |ui| lights::show(ui, state, commands));
         section(ui, "Plan", true, |ui| plan::show(ui, state, commands));

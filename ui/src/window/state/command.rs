@@ -7,7 +7,7 @@ use crate::window::input::{MoveMode, Playback};
 use crate::window::rendering::{PlanView, SceneSource};
 use afterimage::Camera;
 use afterimage::reference::ReferenceId;
-use afterimage::scene::MaterialId;
+use afterimage::scene::{MaterialId, ObjectKey};
 use std::path::PathBuf;
 
 /// A command of a panel or a key.
@@ -71,7 +71,7 @@ pub enum NavigationCommand {
     ToggleRecording,
 }
 
-/// A command about the scene's materials and daylight.
+/// A command about the scene's materials, objects and daylight.
 #[derive(Clone, Debug)]
 pub enum EditCommand {
     Change(Change),
@@ -85,11 +85,12 @@ pub enum EditCommand {
     SaveSidecar,
 }
 
-/// A command about the selected pixel, distance, material or reference.
+/// A command about the selected pixel, distance, material, object or reference.
 #[derive(Clone, Debug)]
 pub enum InspectCommand {
     CloseInspector,
     SelectMaterial(MaterialId),
+    SelectObject(ObjectKey),
     ToggleMeasure,
     ClearMeasure,
     SelectReference(Option<ReferenceId>),

@@ -1,7 +1,7 @@
 //! Edits of the scene since it was opened, with undo and redo.
 
 use super::SavedView;
-use afterimage::scene::{Daylight, LightSetting, Material, MaterialId, SceneEdit};
+use afterimage::scene::{Daylight, LightSetting, Material, MaterialId, ObjectEdit, ObjectKey, SceneEdit};
 use std::time::{Duration, Instant};
 
 /// Changes of one thing within this time are one step: a slider is being dragged, or a colour
@@ -13,6 +13,8 @@ const ONE_GESTURE: Duration = Duration::from_millis(800);
 pub enum Change {
     /// A material has other properties.
     Material(MaterialId, Material),
+    /// An object is moved, hidden, deleted, or shown again.
+    Object(ObjectKey, ObjectEdit),
     /// Sun and sky have other values.
     Daylight(Daylight),
     /// A group of lights, given by its name, is set differently.
@@ -25,6 +27,7 @@ impl Change {
     fn is_of_same(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Material(a, _), Self::Material(b, _)) => a == b,
+            (Self::Object(a, before), Self::Object(b, now)) => a == b && before.is_gone() == now.is_gone(),
             (Self::Daylight(_), Self::Daylight(_)) => true,
             (Self::Light(a, _), Self::Light(b, _)) => a == b,
             _ => false,
@@ -61,6 +64,11 @@ impl Edits {
     /// Returns materials, daylight and lights as the scene's files hold them.
     pub fn saved(&self) -> &SceneEdit {
         &self.saved
+    }
+
+    /// Returns what is changed about an object.
+    pub fn object(&self, key: &ObjectKey) -> ObjectEdit {
+        self.now.objects.get(key).copied().unwrap_or_default()
     }
 
     /// True where the scene's files hold other values.
@@ -122,7 +130,8 @@ impl Edits {
         self.undone.clear();
     }
 
-    /// Applies the unsaved edits to a scene that was loaded again; materials are matched by name.
+    /// Applies the unsaved edits to a scene that was loaded again; materials and objects are matched
+    /// by name.
     #[must_use]
     pub fn carried_to(&self, saved: SceneEdit) -> Self {
         let mut carried = Self::new(saved);
@@ -135,6 +144,12 @@ impl Edits {
                 let (diffuse_texture, alpha_texture) = (place.diffuse_texture, place.alpha_texture);
                 let material = Material { diffuse_texture, alpha_texture, ..material.clone() };
                 carried.change(Change::Material(MaterialId(at as u32), material), &mut Vec::new());
+            }
+        }
+        for key in self.now.objects.keys().chain(self.saved.objects.keys()) {
+            let [now, saved] = [&self.now, &self.saved].map(|edit| edit.objects.get(key));
+            if now != saved && carried.object(key) != self.object(key) {
+                carried.change(Change::Object(key.clone(), self.object(key)), &mut Vec::new());
             }
         }
         if self.now.daylight != self.saved.daylight {
@@ -155,6 +170,14 @@ impl Edits {
             Change::Material(id, material) => {
                 let place = &mut self.now.materials[id.0 as usize];
                 Change::Material(id, std::mem::replace(place, material))
+            }
+            Change::Object(key, edit) => {
+                let objects = &mut self.now.objects;
+                let before = match edit.is_none() {
+                    true => objects.remove(&key),
+                    false => objects.insert(key.clone(), edit),
+                };
+                Change::Object(key, before.unwrap_or_default())
             }
             Change::Daylight(daylight) => {
                 Change::Daylight(std::mem::replace(&mut self.now.daylight, daylight))
@@ -179,7 +202,12 @@ mod tests {
 
     fn edit() -> SceneEdit {
         let materials = ["a", "b"].map(|name| Material::diffuse(name, Vec3::splat(0.5))).into();
-        SceneEdit { materials, daylight: Daylight::default(), lights: LightSettings::default() }
+        SceneEdit {
+            materials,
+            daylight: Daylight::default(),
+            lights: LightSettings::default(),
+            objects: Default::default(),
+        }
     }
 
     fn red(id: u32, amount: f32) -> Change {
@@ -209,6 +237,25 @@ mod tests {
         edits.undo(&mut views);
         edits.change(red(1, 0.9), &mut views);
         assert!(!edits.can_redo(), "another change was made");
+    }
+
+    #[test]
+    fn an_object_goes_and_comes_back_and_leaves_no_trace() {
+        let (mut edits, mut views) = (Edits::new(edit()), Vec::new());
+        let key = ObjectKey::first("chair");
+        let moved = |x: f64| ObjectEdit { moved_m: glam::DVec3::X * x, ..ObjectEdit::default() };
+        let hidden = ObjectEdit { is_hidden: true, ..moved(2.0) };
+        for change in [moved(1.0), moved(2.0), hidden] {
+            edits.change(Change::Object(key.clone(), change), &mut views);
+        }
+        assert_eq!(edits.object(&key), hidden);
+        // The drag is one step, hiding is another.
+        assert!(edits.undo(&mut views));
+        assert_eq!(edits.object(&key), moved(2.0));
+        assert!(edits.undo(&mut views) && !edits.can_undo() && !edits.is_unsaved());
+        assert!(edits.now().objects.is_empty());
+        assert!(edits.redo(&mut views) && edits.redo(&mut views));
+        assert_eq!(edits.carried_to(edit()).object(&key), hidden);
     }
 
     #[test]

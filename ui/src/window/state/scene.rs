@@ -2,8 +2,9 @@
 
 use crate::window::input::fly_camera::speed_for;
 use crate::window::rendering::SceneSource;
-use afterimage::scene::{LightGroup, Scene, SceneFeatures, Warning};
+use afterimage::scene::{LightGroup, Objects, Scene, SceneFeatures, Warning};
 use afterimage::{Camera, Tracer};
+use std::sync::Arc;
 
 /// A saved view of the scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,6 +28,8 @@ pub struct SceneInfo {
     pub views: Vec<SavedView>,
     /// Warnings of the import, listed in the Scene panel.
     pub warnings: Vec<Warning>,
+    /// Named objects of the model, also those that are hidden or deleted.
+    pub objects: Arc<Objects>,
     /// Number of triangles of the scene.
     pub triangles: usize,
     /// Number of vertices of the scene.
@@ -56,6 +59,7 @@ impl SceneInfo {
             source,
             views: scene.views.iter().enumerate().map(saved_view).collect(),
             warnings: scene.warnings.clone(),
+            objects: scene.all_objects().clone(),
             triangles: scene.triangles.len(),
             vertices: scene.positions.len(),
             lights: scene.lights.len(),
@@ -68,8 +72,14 @@ impl SceneInfo {
         }
     }
 
-    /// Updates lights and features after an edit of materials or daylight.
+    /// Way that an object may go along each axis, metres: ten times the size of the model.
+    pub fn reach_m(&self) -> f64 {
+        10.0 * self.extent_m.into_iter().fold(0.0, f64::max)
+    }
+
+    /// Updates the numbers that an edit changes.
     pub fn relight(&mut self, scene: &Scene) {
+        self.triangles = scene.triangles.len();
         (self.lights, self.features) = (scene.lights.len(), scene.features);
         self.light_groups.clone_from(&scene.light_groups.list);
         self.conditioning = scene.conditioning.sentences();

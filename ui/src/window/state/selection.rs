@@ -3,7 +3,7 @@
 use afterimage::Camera;
 use afterimage::raster::pixel_types::PixelType;
 use afterimage::reference::ReferenceId;
-use afterimage::scene::MaterialId;
+use afterimage::scene::{MaterialId, ObjectKey};
 use glam::{DVec3, Vec3};
 
 /// The surface that was clicked on.
@@ -23,6 +23,8 @@ pub struct Inspection {
     pub corners_m: [DVec3; 3],
     /// Material of the triangle in the scene's list.
     pub material: MaterialId,
+    /// Object that the triangle belongs to, if it has a name.
+    pub object: Option<ObjectKey>,
     /// What the shown frame knows about the pixel; `None` where the frame has another pose.
     pub pixel: Option<PixelFacts>,
 }
@@ -94,6 +96,8 @@ pub struct Selection {
     pub inspection: Option<Inspection>,
     /// The material whose properties are shown.
     pub material: Option<MaterialId>,
+    /// The object that can be moved, hidden and deleted.
+    pub object: Option<ObjectKey>,
     /// The distances that are being measured.
     pub measure: Measure,
     /// The reference that was selected in the plan or the list.

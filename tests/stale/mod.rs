@@ -1,13 +1,14 @@
 //! References after an edit of the scene: what still holds is kept, what does not is marked.
 
+mod edits;
+
 use super::content::written_again;
 use super::rooms::{RoomOptions, cuboid, dvec, room, room_camera, room_tracer};
-use afterimage::math::key::Key;
 use afterimage::reference::{ReferenceCache, ReferenceFrame, stale::MAX_CHANGE};
-use afterimage::scene::{MaterialId, SceneEdit, Sky, Sun, builtin};
+use afterimage::scene::{MaterialId, ObjectEdit, ObjectKey, SceneEdit, builtin};
 use afterimage::trace::{TraceSettings, parallel::NEVER};
 use afterimage::{Camera, Tracer, Walkthrough, WalkthroughSettings};
-use glam::{Quat, Vec3};
+use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
 const SMALL: [u32; 2] = [32, 24];
@@ -73,54 +74,21 @@ fn light_that_moved_is_marked_and_little_else() {
     assert!(moved > 1000 && marked <= 3 * moved && missed * 100 <= moved, "{sums:?}");
 }
 
-/// One random edit of a material's colour, a lamp, the sun or the sky, the same for every seed.
-fn random_edit(edit: &mut SceneEdit, seed: u64) {
-    let key = Key::of_pixel(seed, 77);
-    let number = |k: u32| key.with(k).pair()[0];
-    let chosen = |of: Vec<usize>| of.get((number(1) * of.len() as f32) as usize).copied();
-    let lamps: Vec<usize> = (0..edit.materials.len()).filter(|&m| edit.materials[m].is_emissive()).collect();
-    let sun = edit.daylight.sun.unwrap_or_else(Sun::clear_day);
-    match (number(0) * 8.0) as u32 {
-        0 if !lamps.is_empty() => {
-            // Off would change the random numbers of the other lamps.
-            let lamp = chosen(lamps).unwrap_or_default();
-            edit.materials[lamp].emission *= 0.01 + 2.0 * number(2);
-        }
-        1 => edit.daylight.sun = Some(Sun { irradiance: sun.irradiance * (0.5 + number(2)), ..sun }),
-        2 => {
-            let turned = Quat::from_rotation_y(0.3 * (number(2) - 0.5)) * sun.direction;
-            edit.daylight.sun = Some(Sun { direction: turned, ..sun });
-        }
-        3 => edit.daylight.sky = Some(Sky::even(Vec3::new(number(2), number(3), number(4)))),
-        _ => {
-            let material = chosen((0..edit.materials.len()).collect()).unwrap_or_default();
-            let color = Vec3::new(number(2), number(3), number(4)) * 0.9;
-            let diffuse = &mut edit.materials[material].diffuse;
-            *diffuse = diffuse.lerp(color, number(5));
-        }
-    }
-}
-
+/// Thirty edits of all kinds, and as many as the environment variable `AFTERIMAGE_EDITS` says.
 #[test]
-#[ignore = "takes minutes"]
-fn of_two_hundred_random_edits_nearly_all_light_that_moved_is_marked() {
-    let tracer = Tracer::new(Arc::new(builtin::build("cornell").unwrap()));
-    let trace = TraceSettings { samples: 64, bounces: TraceSettings::ALL_BOUNCES, seed: 3 };
-    let poses = [0, 100, 200].map(|frame| tracer.scene().walk.camera(frame, 300).unwrap());
-    let before = poses.map(|pose| traced(&tracer, &pose, &trace));
-    let mut sums = [0; 3];
-    for seed in 0..200 {
-        let new = edited(&tracer, |edit| random_edit(edit, seed));
-        let at = seed as usize % poses.len();
-        let after = traced(&new, &poses[at], &trace);
-        let mut cache = cache_of(&tracer, &before[at]);
-        cache.carry_to(&new, NEVER);
-        let found = compare(&before[at], &after, &cache.entries()[0].frame);
-        eprintln!("edit {seed}: moved, marked, missed {found:?}");
-        sums = [0, 1, 2].map(|k| sums[k] + found[k]);
+fn of_random_edits_of_all_kinds_nearly_all_light_that_moved_is_marked_and_not_much_else() {
+    let wanted = std::env::var("AFTERIMAGE_EDITS").ok().and_then(|count| count.parse().ok());
+    let sums = edits::run(0..wanted.unwrap_or(30), &mut |seed, kind, found, _| {
+        eprintln!("edit {seed}, {kind}: {found:?}");
+    });
+    let mut all = edits::Found::default();
+    for (kind, found) in sums {
+        eprintln!("{kind}: {found:?}");
+        // A pane changes little: the shadows that it dims are looked for on the safe side.
+        assert!(found.marked <= 3 * found.moved, "{kind}: {found:?}");
+        all += found;
     }
-    let [moved, marked, missed] = sums;
-    assert!(moved > 10_000 && marked <= 3 * moved && missed * 100 <= moved, "{sums:?}");
+    assert!(all.moved > 1000 && all.missed * 50 <= all.moved, "{all:?}");
 }
 
 #[test]
@@ -148,7 +116,7 @@ fn an_edit_without_effect_keeps_every_bit_and_an_undone_one_brings_them_back() {
 }
 
 #[test]
-fn a_colour_keeps_direct_light_and_glass_keeps_nothing() {
+fn a_colour_keeps_direct_light_and_walls_of_glass_keep_little() {
     let tracer = room_tracer(false, false);
     let trace = TraceSettings { samples: 4, bounces: 4, seed: 3 };
     let before = traced(&tracer, &room_camera(), &trace);
@@ -162,8 +130,8 @@ fn a_colour_keeps_direct_light_and_glass_keeps_nothing() {
     assert_eq!((carried.stale, carried.direct_holds), (carried.pixels, carried.pixels));
     let glass = afterimage::scene::Material::glass("glass", 1.5, Vec3::ONE).kind;
     let panes = edited(&dark, |edit| edit.materials[0].kind = glass);
-    assert_eq!(cache.carry_to(&panes, NEVER).dropped, 1);
-    assert!(cache.entries().is_empty());
+    let carried = cache.carry_to(&panes, NEVER);
+    assert!(carried.dropped == 0 && carried.stale * 10 > carried.pixels * 9, "{carried:?}");
 }
 
 #[test]
@@ -254,8 +222,8 @@ fn a_box_that_moves_leaves_the_direct_light_that_it_cannot_hide() {
         assert_eq!(carried.dropped, 0);
         let now = &next.cache().entries()[0].frame;
         if bounces > 0 {
-            assert_eq!(carried.stale, carried.pixels);
-            assert!(carried.direct_holds * 2 > carried.pixels, "{carried:?}");
+            let fully = carried.pixels - carried.stale;
+            assert!(fully > 0 && carried.direct_holds + fully > carried.pixels / 2, "{carried:?}");
             continue;
         }
         for pixel in (0..SMALL[0] * SMALL[1]).filter(|&pixel| before.has_light(pixel)) {
@@ -272,4 +240,56 @@ fn a_box_that_moves_leaves_the_direct_light_that_it_cannot_hide() {
     // The last but one: shadows that moved on surfaces that did not.
     let [moved, marked, shadows, missed] = sums;
     assert!(shadows > 0 && marked >= shadows && marked <= 3 * moved && missed == 0, "{sums:?}");
+}
+
+/// A walk in the Cornell box, and a tracer of it with the short box elsewhere.
+fn walk_and_moved(bounces: u32) -> (Walkthrough, Arc<Tracer>) {
+    let tracer = Arc::new(Tracer::new(Arc::new(builtin::build("cornell").unwrap())));
+    let mut settings = WalkthroughSettings::default();
+    settings.render.trace = TraceSettings { samples: 4, bounces, seed: 3 };
+    let mut walk = Walkthrough::new(tracer.clone(), settings);
+    walk.render(tracer.scene().start(), SIZE, NEVER);
+    let edit = ObjectEdit { moved_m: DVec3::new(0.4, 0.0, 0.3), ..ObjectEdit::default() };
+    let mut to = tracer.scene().to_edit();
+    to.objects.insert(ObjectKey::first("short box"), edit);
+    let moved = tracer.with_state(Arc::new(tracer.scene().with_edit(&to)));
+    (walk, Arc::new(moved))
+}
+
+#[test]
+fn a_move_that_is_undone_brings_all_light_back() {
+    let (walk, moved) = walk_and_moved(4);
+    let (settings, tracer) = (*walk.settings(), walk.tracer().clone());
+    let before = walk.cache().entries()[0].frame.clone();
+    let mut there = Walkthrough::new(moved.clone(), settings);
+    let carried = there.take_references(walk, NEVER);
+    assert!(carried.stale > 0 && carried.dropped == 0, "{carried:?}");
+    there.render(tracer.scene().start(), SIZE, NEVER);
+    let undone = tracer.with_state(Arc::new(moved.scene().with_edit(&tracer.scene().to_edit())));
+    let mut back = Walkthrough::new(Arc::new(undone), settings);
+    let carried = back.take_references(there, NEVER);
+    assert_eq!(carried.dropped, 0);
+    let after = &back.cache().entries()[0].frame;
+    let pixels = 0..SIZE[0] * SIZE[1];
+    assert_eq!((after.stale(), after.lit()), (0, before.lit()));
+    assert!(pixels.filter(|&p| before.has_light(p)).all(|p| before.light(p) == after.light(p)));
+    // A few pixels at edges are known to no reference, as before the move.
+    assert!(back.render(tracer.scene().start(), SIZE, NEVER).stats.types.unseen < 20);
+}
+
+#[test]
+fn after_a_colour_no_direct_light_is_traced_again() {
+    let tracer = Arc::new(room_tracer(false, false));
+    let mut settings = WalkthroughSettings::default();
+    settings.render.trace = TraceSettings { samples: 4, bounces: 0, seed: 3 };
+    let mut walk = Walkthrough::new(tracer.clone(), settings);
+    let mut shadow = [0; 5].map(|_| walk.render(&room_camera(), SIZE, NEVER).stats.rays.shadow);
+    assert!(shadow[1] > 0, "guesses are checked: {shadow:?}");
+    shadow.rotate_left(4);
+    let dark = edited(&tracer, |edit| edit.materials.iter_mut().for_each(|m| m.diffuse *= 0.5));
+    let mut next = Walkthrough::new(dark, settings);
+    let carried = next.take_references(walk, NEVER);
+    assert_eq!((carried.stale, carried.dropped), (0, 0));
+    let after = next.render(&room_camera(), SIZE, NEVER).stats.rays.shadow;
+    assert!(after <= shadow[0], "{after} shadow rays, {} before", shadow[0]);
 }

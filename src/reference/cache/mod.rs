@@ -1,40 +1,17 @@
 //! Cache of references with a byte budget, and the policy by which references are evicted.
 
+mod before;
+mod carry;
+mod entry;
+
 use super::directory::{Directory, MAX_SLOTS};
-use super::light::UNLIT;
-use super::stale::{self, Carried, Renumbering};
 use super::{LightLayers, ReferenceFrame};
 use crate::cells::SurfaceCells;
 use crate::scene::Scene;
-use crate::trace::{NO_TRIANGLE, SceneEpoch, TraceSettings, Tracer, parallel::Stop};
-use std::{sync::Arc, time::Instant};
-
-/// Identifies a reference. Unique while the program runs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct ReferenceId(pub u32);
-
-/// A reference in the cache.
-#[derive(Clone, Debug)]
-pub struct CachedReference {
-    /// Identity of the reference.
-    pub id: ReferenceId,
-    /// The reference image. A frame in flight keeps it alive after eviction.
-    pub frame: Arc<ReferenceFrame>,
-    /// Share of recent frames' pixels that the reference supplied, 0..1, as a decaying mean.
-    pub contribution: f32,
-    /// False if frames and new references ignore this reference.
-    pub is_enabled: bool,
-    last_used: u64,
-    /// Bit of the reference in the directory.
-    pub(crate) slot: usize,
-}
-
-impl CachedReference {
-    /// Returns true if the reference shows this state of the scene and is enabled.
-    pub(crate) fn is_usable(&self, epoch: SceneEpoch) -> bool {
-        self.is_enabled && self.frame.epoch == epoch
-    }
-}
+use crate::trace::TraceSettings;
+use before::Before;
+pub use entry::{CachedReference, ReferenceId};
+use std::sync::Arc;
 
 /// All references at one moment. Cheap to take: images and directory are shared until the cache
 /// changes.
@@ -73,6 +50,8 @@ pub struct ReferenceCache {
     version: u64,
     directory: Arc<Directory>,
     cells: Option<Arc<SurfaceCells>>,
+    /// References as they were before objects moved.
+    before: Before,
 }
 
 impl ReferenceCache {
@@ -87,6 +66,7 @@ impl ReferenceCache {
             version: 0,
             directory: Arc::new(Directory::new(scene)),
             cells: None,
+            before: Before::default(),
         }
     }
 
@@ -161,6 +141,7 @@ impl ReferenceCache {
     pub fn clear(&mut self) {
         self.version += 1;
         self.entries.clear();
+        self.before.clear();
         Arc::make_mut(&mut self.directory).clear();
     }
 
@@ -182,6 +163,7 @@ impl ReferenceCache {
 
     /// Removes a reference. Returns false if there is none with this identity.
     pub fn remove(&mut self, id: ReferenceId) -> bool {
+        self.before.forget(id);
         let at = self.entries.iter().position(|e| e.id == id);
         at.map(|at| self.remove_at(at)).is_some()
     }
@@ -209,93 +191,6 @@ impl ReferenceCache {
         entry.is_some_and(|entry| Arc::make_mut(&mut entry.frame).forget_light(corner, side) > 0)
     }
 
-    /// Carries the references over to another state of the scene: what still holds is kept, what is
-    /// stale is marked and no longer used, and references about which nothing can be said are
-    /// dropped.
-    ///
-    /// References that a stop leaves unexamined stay unused until they are carried over again.
-    pub fn carry_to(&mut self, tracer: &Tracer, stop: Stop<'_>) -> Carried {
-        let start = Instant::now();
-        let mut carried = Carried::default();
-        self.cells = None;
-        let (entries, mut moves_light) = self.set_lights(tracer, &mut carried);
-        moves_light |= !entries.is_empty();
-        let key = |entry: &CachedReference| (entry.frame.origin.hash.clone(), entry.frame.settings.bounces);
-        let mut groups: Vec<Vec<CachedReference>> = Vec::new();
-        for entry in entries {
-            match groups.iter_mut().find(|group| key(&group[0]) == key(&entry)) {
-                Some(group) => group.push(entry),
-                None => groups.push(vec![entry]),
-            }
-        }
-        for group in groups {
-            let frames: Vec<&ReferenceFrame> = group.iter().map(|entry| &*entry.frame).collect();
-            let marks = stale::marks_of(&frames, tracer, &self.directory, &mut carried, stop);
-            if stop() {
-                self.entries.extend(group);
-                continue;
-            }
-            let Some(marks) = marks else {
-                carried.dropped += group.len();
-                let directory = Arc::make_mut(&mut self.directory);
-                group.iter().for_each(|entry| directory.remove(entry.slot));
-                continue;
-            };
-            for (mut entry, marks) in group.into_iter().zip(marks) {
-                let frame = Arc::make_mut(&mut entry.frame);
-                frame.mark(tracer.epoch(), marks);
-                carried.pixels += frame.lit() + frame.stale();
-                carried.stale += frame.stale();
-                carried.direct_holds += frame.held_direct().iter().filter(|&&word| word != UNLIT).count();
-                self.entries.push(entry);
-            }
-        }
-        self.entries.sort_by_key(|entry| entry.id);
-        if moves_light {
-            self.add_to_directory();
-        }
-        self.version += 1;
-        self.evict();
-        carried.secs = start.elapsed().as_secs_f64();
-        carried
-    }
-
-    /// Marks what still holds of the light of references that were traced in another state of the
-    /// scene, and are not in the cache. Returns false where nothing can be said about it.
-    pub(crate) fn mark_others(
-        &self,
-        others: &mut [&mut ReferenceFrame],
-        origin: &Arc<Scene>,
-        tracer: &Tracer,
-        stop: Stop<'_>,
-    ) -> bool {
-        others.iter_mut().for_each(|frame| frame.set_origin(origin));
-        let frames: Vec<&ReferenceFrame> = others.iter().map(|frame| &**frame).collect();
-        let marks = stale::marks_of(&frames, tracer, &self.directory, &mut Carried::default(), stop);
-        let Some(marks) = marks else { return false };
-        others.iter_mut().zip(marks).for_each(|(frame, marks)| frame.mark(tracer.epoch(), marks));
-        true
-    }
-
-    /// Shows the light of the tracer's scene in the references where it follows from what is known,
-    /// without a ray: lights were dimmed, switched or coloured. Takes the others out, and returns
-    /// them; true where other pixels have light than before.
-    fn set_lights(&mut self, tracer: &Tracer, carried: &mut Carried) -> (Vec<CachedReference>, bool) {
-        let (mut others, mut moves_light) = (Vec::new(), false);
-        for mut entry in std::mem::take(&mut self.entries) {
-            if entry.frame.knows_lights(tracer.scene()) {
-                let lit = entry.frame.lit();
-                Arc::make_mut(&mut entry.frame).set_lights(tracer);
-                moves_light |= entry.frame.lit() != lit;
-                carried.pixels += entry.frame.lit();
-                self.entries.push(entry);
-            } else {
-                others.push(entry);
-            }
-        }
-        (others, moves_light)
-    }
-
     /// Adds the light by groups of a reference. Returns true where it shows other light of the
     /// tracer's scene than before.
     pub(crate) fn set_layers(&mut self, id: ReferenceId, layers: Arc<LightLayers>, tracer: &Tracer) -> bool {
@@ -307,39 +202,6 @@ impl ReferenceCache {
         }
         self.evict();
         has_changed
-    }
-
-    /// Follows the triangles of a model that was loaded again to their new numbers, before
-    /// [`Self::carry_to`]. Where objects moved, came or went, smooth light is marked as stale, and
-    /// direct light where they can change it. Drops the references of other models, and returns
-    /// their number.
-    pub fn renumber(&mut self, tracers: [&Tracer; 2]) -> usize {
-        let [old, new] = tracers.map(|tracer| &**tracer.scene());
-        let before = self.entries.len();
-        self.entries.retain(|entry| entry.frame.origin.has_same_geometry(old));
-        let renumbering = Renumbering::between(old, new);
-        if renumbering.is_none() {
-            self.entries.clear();
-        }
-        let mut states: Vec<(Arc<Scene>, Arc<Scene>)> = Vec::new();
-        for (entry, numbers) in self.entries.iter_mut().zip(renumbering.iter().cycle()) {
-            let frame = Arc::make_mut(&mut entry.frame);
-            let is_gone = |triangle: u32| numbers.new_of_old.get(triangle as usize) == Some(&NO_TRIANGLE);
-            let lights = &frame.origin.lights;
-            let moved = numbers.moved.as_ref();
-            let marks = moved.map(|moved| moved.marks(frame, lights, tracers, is_gone));
-            let known = states.iter().find(|(origin, _)| Arc::ptr_eq(origin, &frame.origin));
-            let state = known.map(|known| known.1.clone()).unwrap_or_else(|| {
-                let state = Arc::new(numbers.state_of(&frame.origin, new));
-                states.push((frame.origin.clone(), state.clone()));
-                state
-            });
-            frame.renumber(&numbers.new_of_old, state, marks);
-        }
-        self.directory = Arc::new(Directory::new(new));
-        self.add_to_directory();
-        self.version += 1;
-        before - self.entries.len()
     }
 
     /// Writes the directory again: light that was stale may hold again.
@@ -354,6 +216,7 @@ impl ReferenceCache {
     /// Evicts references while the budget is exceeded: smallest contribution first, then the
     /// longest unused. The newest is never evicted.
     fn evict(&mut self) {
+        self.before.shrink(self.budget_bytes.saturating_sub(self.bytes()));
         // One slot is kept free for the next reference.
         while self.entries.len() > 1 && (self.bytes() > self.budget_bytes || self.entries.len() >= MAX_SLOTS)
         {

@@ -1,0 +1,104 @@
+//! The selected object: moving, hiding and deleting it; and the objects that are not shown.
+
+use super::super::state::{AppState, Change, Command, EditCommand, Edits, InspectCommand};
+use super::widgets::key_hint;
+use crate::window::input::keymap::Action;
+use afterimage::scene::{ObjectEdit, ObjectKey, Objects};
+use egui::{DragValue, Ui};
+
+/// Names of the axes of the world.
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// Shows the selected object with its controls, and the list of hidden and deleted ones.
+pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
+    let (Some(edits), Some(scene)) = (&state.edits, &state.scene) else {
+        ui.weak("No scene yet.");
+        return;
+    };
+    if scene.objects.keys().is_empty() {
+        ui.weak("This model names no objects.");
+        return;
+    }
+    let chosen = state.selection.object.as_ref();
+    choice(ui, &scene.objects, chosen, commands);
+    match chosen {
+        None => {
+            ui.weak("Click an object or select one.");
+        }
+        Some(key) => controls(ui, key, &edits.object(key), scene.reach_m(), commands),
+    }
+    gone(ui, edits, commands);
+}
+
+fn choice(ui: &mut Ui, objects: &Objects, chosen: Option<&ObjectKey>, commands: &mut Vec<Command>) {
+    let keys = objects.keys();
+    let name = chosen.map_or_else(|| "none selected".to_owned(), ObjectKey::to_string);
+    let combo = egui::ComboBox::from_id_salt("chosen object").selected_text(name).width(230.0).truncate();
+    let response = combo.show_ui(ui, |ui| {
+        // Only visible rows are laid out: a model may have many thousands of objects.
+        let height = ui.text_style_height(&egui::TextStyle::Button) + 2.0 * ui.spacing().button_padding.y;
+        egui::ScrollArea::vertical().max_height(240.0).show_rows(ui, height, keys.len(), |ui, rows| {
+            for key in &keys[rows] {
+                if ui.selectable_label(chosen == Some(key), key.to_string()).clicked() {
+                    commands.push(Command::Inspect(InspectCommand::SelectObject(key.clone())));
+                }
+            }
+        });
+    });
+    response.response.accessible_name("Object to change");
+}
+
+/// Shows the controls of an object, which may go `reach_m` metres far along each axis.
+fn controls(ui: &mut Ui, key: &ObjectKey, now: &ObjectEdit, reach_m: f64, commands: &mut Vec<Command>) {
+    let mut edited = *now;
+    ui.horizontal(|ui| {
+        ui.label("Move");
+        for (axis, name) in AXES.into_iter().enumerate() {
+            let value = &mut edited.moved_m[axis];
+            let drag = DragValue::new(value).speed(0.01).range(-reach_m..=reach_m).max_decimals(3);
+            let drag = ui.add(drag.prefix(format!("{name} ")).suffix(" m"));
+            drag.on_hover_text(format!("Drag, or click and type; keys {}", key_hint(Action::ObjectAway)))
+                .accessible_name(format!("Way of the object along {name}, metres"));
+        }
+    });
+    ui.horizontal(|ui| {
+        let label = ui.label("Turn");
+        let drag = DragValue::new(&mut edited.turned_deg).speed(1.0).range(-180.0..=180.0).suffix("°");
+        ui.add(drag).labelled_by(label.id).accessible_name("Angle of the object, degrees");
+        let hide = ui.selectable_label(edited.is_hidden, "Hide").on_hover_text(key_hint(Action::HideObject));
+        edited.is_hidden ^= hide.accessible_name("Hide the object").clicked();
+        let delete = ui.add_enabled(!edited.is_deleted, egui::Button::new("Delete"));
+        let delete = delete.on_hover_text(key_hint(Action::DeleteObject));
+        edited.is_deleted |= delete.accessible_name("Delete the object").clicked();
+        let reset = ui.add_enabled(!now.is_none(), egui::Button::new("Reset"));
+        let reset = reset.on_hover_text("As the model has it").accessible_name("Reset the object");
+        if reset.clicked() {
+            edited = ObjectEdit::default();
+        }
+    });
+    if edited != *now {
+        commands.push(Command::Edit(EditCommand::Change(Change::Object(key.clone(), edited))));
+    }
+}
+
+/// Lists the objects that are hidden or deleted.
+fn gone(ui: &mut Ui, edits: &Edits, commands: &mut Vec<Command>) {
+    let gone: Vec<_> = edits.now().objects.iter().filter(|(_, edit)| edit.is_gone()).collect();
+    if gone.is_empty() {
+        return;
+    }
+    ui.weak("Not shown:");
+    let area = egui::ScrollArea::vertical().id_salt("gone objects").max_height(120.0);
+    area.auto_shrink([false, true]).show(ui, |ui| {
+        for (key, edit) in gone {
+            ui.horizontal(|ui| {
+                if ui.small_button("Show").accessible_name(format!("Show {key}")).clicked() {
+                    let shown = ObjectEdit { is_hidden: false, is_deleted: false, ..*edit };
+                    commands.push(Command::Edit(EditCommand::Change(Change::Object(key.clone(), shown))));
+                }
+                let how = if edit.is_deleted { "deleted" } else { "hidden" };
+                ui.add(egui::Label::new(format!("{key} ({how})")).truncate());
+            });
+        }
+    });
+}
