@@ -103,6 +103,19 @@ impl<'b> ByteReader<'b> {
     }
 }
 
+/// Reads a list with its length before it. The length is checked against the bytes that follow
+/// before memory is allocated.
+pub(super) fn list<'b, T>(
+    from: &mut ByteReader<'b>,
+    most: usize,
+    bytes: usize,
+    read: impl Fn(&mut ByteReader<'b>) -> Option<T>,
+) -> Option<Vec<T>> {
+    let count = from.u32()? as usize;
+    (count <= most && count * bytes <= from.0.len()).then_some(())?;
+    (0..count).map(|_| read(from)).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

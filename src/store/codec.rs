@@ -12,9 +12,9 @@
 //! 5. disparities that are stored
 //! 6. direct light, smooth light, reflections of the stored pixels
 
-use super::bytes::{ByteReader, ByteWriter};
+use super::bytes::{ByteReader, ByteWriter, list};
 use super::content::SceneContent;
-use super::summary::{RecordSummary, list};
+use super::summary::RecordSummary;
 use crate::camera::{NEAREST_DEPTH, View};
 use crate::reference::light::UNLIT;
 use crate::reference::{ReferenceFrame, ReferenceParts};

@@ -5,8 +5,7 @@
 //! edit while the program runs (`reference::stale`). Materials are named by their triangles, pictures
 //! by their texels.
 
-use super::bytes::{ByteReader, ByteWriter};
-use super::summary::list;
+use super::bytes::{ByteReader, ByteWriter, list};
 use crate::scene::content::{ContentHash, LightContent};
 use crate::scene::{
     CieKind, CieSky, DimmedSky, Gradient, LightSettings, Material, MaterialKind, PhysicalSky, PictureSky,

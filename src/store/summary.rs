@@ -1,6 +1,6 @@
 //! The part of a record that the index holds: what the reference is, and what it shows.
 
-use super::bytes::{ByteReader, ByteWriter};
+use super::bytes::{ByteReader, ByteWriter, list};
 use super::cells::{Cell, CellCount, CellCounts, MAX_CELLS};
 use super::content::SceneContent;
 use crate::camera::{Camera, SceneFrame};
@@ -207,17 +207,4 @@ fn cell(from: &mut ByteReader<'_>) -> Option<CellCount> {
     let cube = [from.u32()?, from.u32()?, from.u32()?].map(|coordinate| coordinate as i32);
     let cell = Cell { cube, face: from.u32()? };
     Some(CellCount { cell, lit: from.u32()?, seen: from.u32()? })
-}
-
-/// Reads a list with its length before it. The length is checked against the bytes that follow
-/// before memory is allocated.
-pub(super) fn list<'b, T>(
-    from: &mut ByteReader<'b>,
-    most: usize,
-    bytes: usize,
-    read: impl Fn(&mut ByteReader<'b>) -> Option<T>,
-) -> Option<Vec<T>> {
-    let count = from.u32()? as usize;
-    (count <= most && count * bytes <= from.0.len()).then_some(())?;
-    (0..count).map(|_| read(from)).collect()
 }

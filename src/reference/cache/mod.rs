@@ -8,7 +8,7 @@ use super::directory::{Directory, MAX_SLOTS};
 use super::{LightLayers, ReferenceFrame};
 use crate::cells::SurfaceCells;
 use crate::scene::Scene;
-use crate::trace::TraceSettings;
+use crate::trace::{TraceSettings, Tracer};
 use before::Before;
 pub use entry::{CachedReference, ReferenceId};
 use std::sync::Arc;
