@@ -277,6 +277,7 @@ fn asks(window: &mut Window, action: Action, chord: Chord) {
         | Action::ObjectDown
         | Action::HideObject
         | Action::DeleteObject
+        | Action::Bake
         | Action::Undo
         | Action::Redo => {
             let modifiers =
