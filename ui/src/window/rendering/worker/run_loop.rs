@@ -123,7 +123,9 @@ impl Worker {
                 self.cancel_reference();
                 self.cancel_layers_except(tracer.scene().full_hash());
                 self.shared.abandon.store(false, Ordering::Release);
-                let settings = self.request.map(|r| r.settings).unwrap_or_default();
+                // The request of the old scene may be dropped already.
+                let last = self.walk.as_ref().map(|walk| *walk.settings());
+                let settings = self.request.map(|r| r.settings).or(last).unwrap_or_default();
                 // A new walkthrough: with another tracer in the old one, pixels that the first
                 // frame has not traced yet would show the old scene. Of the references it takes
                 // over what still holds.
