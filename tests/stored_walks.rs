@@ -161,7 +161,7 @@ fn what_an_edit_left_of_stored_light_is_used_and_the_rest_is_marked() {
     let (unseen, held) = visit(&painted);
     assert!(unseen > 0.02 * all && unseen < 0.8 * all, "{unseen} of {all}");
     assert!(held[0].iter().all(|&count| count > 0), "{held:?}");
-    // What was traced anew is whole.
+    // What was traced again is whole.
     for tracer in [&tracer, &painted, &dimmed] {
         let (unseen, _) = visit(tracer);
         assert!(unseen < 0.1 * all, "{unseen} of {all}");

@@ -41,7 +41,7 @@ impl FromStr for SkyChoice {
 pub struct LightChoice {
     /// Name of the group.
     pub name: String,
-    /// How it is set.
+    /// Factor, colour and switch of the light.
     pub setting: LightSetting,
 }
 

@@ -90,9 +90,9 @@ impl PixelResolver<'_> {
     /// The light that references know at a point seen in a mirror or through glass, at a distance
     /// along the path to it.
     pub(crate) fn known_light(&self, point: &SurfacePoint, distance: f32) -> Option<Vec3> {
-        let footprint = self.view.scene_from_pixel.x_axis.length() * distance;
-        let key = SurfaceKey { position: point.position, normal: point.geometric_normal, footprint };
-        self.lookup.light_at(&key, point.triangle).map(|found| found.light + found.smooth)
+        self.lookup
+            .light_at(&self.key_at(point, distance), point.triangle)
+            .map(|found| found.light + found.smooth)
     }
 
     /// Shades a pixel that no reference knows. What its mirror or glass shows is looked up.
@@ -104,10 +104,7 @@ impl PixelResolver<'_> {
         let footprint = hit.map_or(0.0, |hit| self.view.footprint(ray.direction, hit.t));
         let settings = self.lookup.light_settings(&trace, footprint);
         let held = hit.filter(|_| self.lookup.has_preview()).and_then(|hit| {
-            let point = self.tracer.surface(&ray, &hit);
-            let footprint = self.view.scene_from_pixel.x_axis.length() * length(&ray, &hit);
-            let key = SurfaceKey { position: point.position, normal: point.geometric_normal, footprint };
-            self.held_irradiance(&key, point.triangle, trace.samples)
+            self.held_irradiance(&self.tracer.surface(&ray, &hit), length(&ray, &hit), trace.samples)
         });
         let settings = LightSettings { direct: held, ..settings };
         let (mut traced, point) = self.tracer.shade_hit(&ray, hit, &settings, seed, &mut tally.rays);
@@ -115,16 +112,6 @@ impl PixelResolver<'_> {
             traced.radiance += resolver.specular(&point, &ray, &hit, pixel, tally);
         }
         traced
-    }
-
-    /// The irradiance straight from the lights at a point, where an edit of the scene left it as it
-    /// was: references hold it, or an earlier frame traced it at this point.
-    fn held_irradiance(&self, near: &SurfaceKey, triangle: u32, samples: u32) -> Option<Vec3> {
-        if !self.lookup.has_preview() {
-            return None;
-        }
-        let traced = || Some(self.points.find(&near.exact(), samples)?.light * PI);
-        self.lookup.held_irradiance(near, triangle).or_else(traced)
     }
 
     /// Compares a guess of a pixel's direct light with light traced there. Smooth light is kept as
@@ -142,8 +129,7 @@ impl PixelResolver<'_> {
         let point = self.tracer.surface(&ray, &hit);
         let key = Key::of_pixel(self.trace.seed, pixel);
         let end = PathEnd { pixel, distance: length(&ray, &hit), share: 1.0, key };
-        let held =
-            || self.held_irradiance(&self.surface_key(&point, &end), triangle, self.trace.samples_for(1.0));
+        let held = || self.held_irradiance(&point, end.distance, self.trace.samples_for(end.share));
         let mut diffuse = match guess.between.or_else(held) {
             Some(irradiance) => {
                 let lit = guess.certain
@@ -169,7 +155,7 @@ impl PixelResolver<'_> {
 
     /// What traced smooth light adds to a pixel in place of the looked-up.
     fn smooth_instead(&self, guess: Guess, point: &SurfacePoint, end: &PathEnd, tally: &mut Tally) -> Vec3 {
-        let settings = self.lookup.light_settings(&self.trace, self.surface_key(point, end).footprint);
+        let settings = self.lookup.light_settings(&self.trace, self.key_at(point, end.distance).footprint);
         let (samples, seed) = (self.trace.samples.max(1), PointSeed::from(end.key));
         let smooth = settings.smooth(samples);
         let sums = self.tracer.smooth_light(point, 0..samples, seed.sequence, smooth, &mut tally.rays);
@@ -210,7 +196,7 @@ impl PixelResolver<'_> {
         if point.albedo(self.tracer.scene()) == Vec3::ZERO {
             return self.emission(point);
         }
-        let key = self.surface_key(point, end);
+        let key = self.key_at(point, end.distance);
         let found = match self.quality.checks_guesses {
             true => self.lookup.light_at(&key, point.triangle),
             false => self.lookup.unchecked_light_at(self.tracer, &key, point.triangle),
@@ -229,7 +215,7 @@ impl PixelResolver<'_> {
     /// The diffuse radiance of a point that no reference knows, traced once for all frames.
     fn cached_or_traced(&self, point: &SurfacePoint, end: &PathEnd, tally: &mut Tally) -> Vec3 {
         let samples = self.trace.samples_for(end.share);
-        let near = self.surface_key(point, end);
+        let near = self.key_at(point, end.distance);
         let all_light = |cached: CachedLight| Some(cached.light + cached.smooth?);
         match self.points.find(&near, samples) {
             Some(cached) if let Some(light) = all_light(cached) => {
@@ -260,7 +246,7 @@ impl PixelResolver<'_> {
         let albedo = point.albedo(self.tracer.scene());
         let lit = |light: Vec3| (guess.certain + albedo * light, light * PI);
         let samples = self.trace.samples_for(end.share);
-        let near = self.surface_key(point, end);
+        let near = self.key_at(point, end.distance);
         let mut trace = |keys: &[SurfaceKey]| {
             let traced = self.trace_guessed(point, end, tally, keys, guess);
             self.better(guess.radiance, traced, 1.0)
@@ -287,9 +273,8 @@ impl PixelResolver<'_> {
     /// Traces all light of a point that no reference knows, stores it under `key`, and returns the
     /// point's diffuse radiance.
     fn trace_unknown(&self, point: &SurfacePoint, end: &PathEnd, tally: &mut Tally, key: SurfaceKey) -> Vec3 {
-        let footprint = self.surface_key(point, end).footprint;
-        let samples = self.trace.samples_for(end.share);
-        let direct = self.held_irradiance(&self.surface_key(point, end), point.triangle, samples);
+        let footprint = self.key_at(point, end.distance).footprint;
+        let direct = self.held_irradiance(point, end.distance, self.trace.samples_for(end.share));
         let settings = LightSettings { direct, ..self.lookup.light_settings(&self.trace, footprint) };
         let rays = &mut tally.rays;
         let light = self.tracer.arriving_light(point, end.share, &settings, end.key.into(), rays);
@@ -326,7 +311,7 @@ impl PixelResolver<'_> {
             return;
         }
         let (samples, noise) = (self.trace.samples_for(end.share), self.trace.noise());
-        let (pixel, near) = (end.pixel, self.surface_key(point, end));
+        let (pixel, near) = (end.pixel, self.key_at(point, end.distance));
         let Traced { light, smooth, replaced_guess } = t;
         tally.points.extend(keys.iter().map(|&key| {
             let is_exact = key != near;
@@ -338,8 +323,9 @@ impl PixelResolver<'_> {
         self.tracer.scene().materials[point.material.0 as usize].emission
     }
 
-    fn surface_key(&self, point: &SurfacePoint, end: &PathEnd) -> SurfaceKey {
-        let footprint = self.view.scene_from_pixel.x_axis.length() * end.distance;
+    /// A point at a distance along the path to it, as look-ups name it.
+    pub(super) fn key_at(&self, point: &SurfacePoint, distance: f32) -> SurfaceKey {
+        let footprint = self.view.scene_from_pixel.x_axis.length() * distance;
         SurfaceKey { position: point.position, normal: point.geometric_normal, footprint }
     }
 

@@ -1,11 +1,28 @@
 //! Direct light that holds after an edit of the scene, where smooth light does not.
 
+use super::exact::PixelResolver;
 use super::point::{LookupReference, LookupSet};
 use super::point_cache::SurfaceKey;
 use crate::camera::NEAREST_DEPTH;
 use crate::reference::light::UNLIT;
+use crate::trace::SurfacePoint;
 use glam::Vec3;
 use std::f32::consts::PI;
+
+impl PixelResolver<'_> {
+    /// The irradiance straight from the lights at a point, at a distance along the path to it, where
+    /// an edit of the scene left it as it was: references hold it, or an earlier frame traced it
+    /// there.
+    pub(super) fn held_irradiance(&self, point: &SurfacePoint, distance: f32, samples: u32) -> Option<Vec3> {
+        // Without an edit there is nothing to look for.
+        if !self.lookup.has_preview() {
+            return None;
+        }
+        let near = self.key_at(point, distance);
+        let traced = || Some(self.points.find(&near.exact(), samples)?.light * PI);
+        self.lookup.held_irradiance(&near, point.triangle).or_else(traced)
+    }
+}
 
 impl LookupSet<'_> {
     /// The irradiance straight from the lights at a point, where references know it for certain: a

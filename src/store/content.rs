@@ -57,16 +57,15 @@ impl TriangleHashes {
 impl SceneContent {
     /// Hashes a scene.
     pub fn new(scene: &Scene) -> Self {
-        Self::with_triangles(scene, Arc::new(TriangleHashes::new(scene)))
+        Self::with_triangles(scene, Arc::new(TriangleHashes::new(scene)), LightContent::of(scene))
     }
 
-    /// The contents of a scene of the same geometry.
+    /// The contents of another state of the scene, which shares its geometry and textures.
     pub(super) fn edited(&self, scene: &Scene) -> Self {
-        Self::with_triangles(scene, Arc::clone(&self.triangles))
+        Self::with_triangles(scene, Arc::clone(&self.triangles), self.names.light.edited(scene))
     }
 
-    fn with_triangles(scene: &Scene, triangles: Arc<TriangleHashes>) -> Self {
-        let light = LightContent::of(scene);
+    fn with_triangles(scene: &Scene, triangles: Arc<TriangleHashes>, light: LightContent) -> Self {
         let (surfaces, materials) = hash_surfaces(scene, &light.materials);
         let dependencies = vec![surfaces, hash_of_light(scene, &light)];
         let geometry = hash_of_geometry(scene, &materials);
@@ -92,7 +91,7 @@ impl SceneContent {
     pub(super) fn in_state(&self, scene: &Scene, state: &[u8], dependencies: &[u128]) -> Option<Scene> {
         let edit: SceneEdit = read_state(state, scene, &self.names)?;
         let found = scene.with_edit(&edit);
-        let light = LightContent::of(&found);
+        let light = self.names.light.edited(&found);
         let found_dependencies = [hash_surfaces(&found, &light.materials).0, hash_of_light(&found, &light)];
         (found_dependencies == *dependencies).then_some(found)
     }

@@ -44,9 +44,9 @@ pub fn verify(folder: &Path) -> Result<MaintenanceReport, StoreError> {
     Ok(report)
 }
 
-/// Removes what is damaged or there twice, records whose light a later one holds, and then whole segments, the longest unused first, until
-/// the store has at most `max_bytes`. Segments that a process is writing, and those of another
-/// version of the program, are not rewritten.
+/// Removes what is damaged or there twice, records whose light a later one holds, and then whole
+/// segments, the longest unused first, until the store has at most `max_bytes`. Segments that a
+/// process is writing, and those of another version of the program, are not rewritten.
 ///
 /// # Errors
 /// [`StoreError`] if the folder cannot be read or written.

@@ -3,7 +3,7 @@
 use super::cells::{cells_of_view, side_m};
 use super::content::SceneContent;
 use super::index::{RecordPlace, StoreIndex};
-use super::serving::{Cover, WANTED_COVER, WANTED_STALE};
+use super::serving::{Cover, Shares, WANTED_COVER, WANTED_STALE};
 use super::states::States;
 use super::summary::{Purpose, RecordSummary};
 use super::writer::{StoreWriter, WriteJob, WriteReport};
@@ -68,6 +68,16 @@ fn leave_out_improved(index: &StoreIndex, places: &mut Vec<RecordPlace>) {
     places.retain(|place| !is_improved(place));
 }
 
+/// What candidates of one kind cover of a view.
+#[derive(Default)]
+struct Offers {
+    /// Of those that were read already.
+    read: Vec<Shares>,
+    /// Those that can be read, and what they cover.
+    open: Vec<usize>,
+    shares: Vec<Shares>,
+}
+
 /// A store in use by a walk.
 #[derive(Debug)]
 pub struct StoreSession {
@@ -80,6 +90,8 @@ pub struct StoreSession {
     candidates: Vec<Candidate>,
     /// The view for which references were chosen last, and how often that was done.
     chosen_for: Option<Camera>,
+    /// The pose ahead of the viewer for which all were read.
+    ahead: Option<Camera>,
     /// References serve that view that were not read yet.
     is_unfinished: bool,
     choices: u64,
@@ -110,6 +122,7 @@ impl StoreSession {
             kind: None,
             candidates: Vec::new(),
             chosen_for: None,
+            ahead: None,
             is_unfinished: false,
             choices: 0,
             states: States::default(),
@@ -135,7 +148,9 @@ impl StoreSession {
 
     /// Changes the scene.
     pub fn set_tracer(&mut self, tracer: &Arc<Tracer>) {
-        let content = match self.tracer.scene().has_same_geometry(tracer.scene()) {
+        let [before, now] = [&self.tracer, tracer].map(|tracer| tracer.scene());
+        let is_edit = before.has_same_geometry(now) && Arc::ptr_eq(&before.textures, &now.textures);
+        let content = match is_edit {
             true => self.content.edited(tracer.scene()),
             false => SceneContent::new(tracer.scene()),
         };
@@ -174,9 +189,11 @@ impl StoreSession {
         let start = Instant::now();
         let before = self.report.references_read;
         self.choose_candidates(trace.bounces, purpose, cache);
-        if self.candidates.iter().any(|candidate| candidate.state == State::Stored) {
+        let is_known = self.ahead.as_ref().is_some_and(|last| self.is_near(last, pose));
+        if !is_known && self.candidates.iter().any(|candidate| candidate.state == State::Stored) {
             let serving = self.serving(pose, size, cache);
-            self.read_some(&serving, cache);
+            let is_whole = self.read_some(&serving, cache) == serving.len();
+            self.ahead = is_whole.then_some(*pose);
         }
         self.report.secs += start.elapsed().as_secs_f64();
         self.report.references_read - before
@@ -192,16 +209,19 @@ impl StoreSession {
 
     /// True where the view differs from that of the last choice.
     fn has_moved(&mut self, camera: &Camera) -> bool {
-        let step = STEP * side_m(self.tracer.scene());
-        let is_near = |last: &Camera| {
-            let is_turned = last.forward().dot(camera.forward()) < TURN_COSINE;
-            last.eye.distance(camera.eye) <= step && !is_turned && last.fov_y >= camera.fov_y
-        };
-        let has_moved = self.is_unfinished || !self.chosen_for.as_ref().is_some_and(is_near);
+        let is_near = self.chosen_for.as_ref().is_some_and(|last| self.is_near(last, camera));
+        let has_moved = self.is_unfinished || !is_near;
         if has_moved {
             self.chosen_for = Some(*camera);
         }
         has_moved
+    }
+
+    /// True where what serves one camera serves the other.
+    fn is_near(&self, last: &Camera, camera: &Camera) -> bool {
+        let step = STEP * side_m(self.tracer.scene());
+        let is_turned = last.forward().dot(camera.forward()) < TURN_COSINE;
+        last.eye.distance(camera.eye) <= step && !is_turned && last.fov_y >= camera.fov_y
     }
 
     /// Lists the records that fit scene and settings, unless they are listed already.
@@ -217,7 +237,7 @@ impl StoreSession {
             let is_of_use = is_marked && self.states.may_serve(summary.state);
             is_kind && (summary.holds_in(&self.content) || is_of_use)
         };
-        self.chosen_for = None;
+        (self.chosen_for, self.ahead) = (None, None);
         let mut places: Vec<RecordPlace> = self.index.places().into_iter().filter(fits).collect();
         // Of references that serve equally well, those with the least noise come first.
         places.sort_by_key(|place| Reverse(self.index.summary(*place).settings.samples));
@@ -244,30 +264,32 @@ impl StoreSession {
         let seen = cells_of_view(&self.tracer, camera);
         let mut cover = Cover::new(&seen, size);
         let held: HashSet<ReferenceId> = cache.entries().iter().map(|entry| entry.id).collect();
-        let (mut open, mut shares) = (Vec::new(), Vec::new());
+        // First those all of whose light holds.
+        let mut offers = [(Offers::default(), WANTED_COVER), (Offers::default(), WANTED_STALE)];
         for (at, candidate) in self.candidates.iter_mut().enumerate() {
-            let covers = cover.shares(&self.index.summary(candidate.place).cells);
+            let summary = self.index.summary(candidate.place);
+            let is_stale = !summary.holds_in(&self.content);
+            let covers = cover.shares(&summary.cells);
             candidate.state = match candidate.state {
                 State::Read(id) if !held.contains(&id) => State::Resting(self.choices + REST),
                 State::Resting(until) if self.choices >= until => State::Stored,
                 state => state,
             };
+            let (offers, _) = &mut offers[usize::from(is_stale)];
             match candidate.state {
-                State::Read(_) => cover.add(&covers),
+                State::Read(_) => offers.read.push(covers),
+                State::Stored if is_stale && !self.states.may_serve(summary.state) => {}
                 State::Stored if !covers.is_empty() => {
-                    open.push(at);
-                    shares.push(covers);
+                    offers.open.push(at);
+                    offers.shares.push(covers);
                 }
                 _ => {}
             }
         }
-        // First those all of whose light holds.
-        let holds = |&at: &usize| self.index.summary(self.candidates[at].place).holds_in(&self.content);
-        let (whole, stale): (Vec<_>, Vec<_>) = open.into_iter().zip(shares).partition(|(at, _)| holds(at));
         let mut chosen = Vec::new();
-        for (list, wanted) in [(whole, WANTED_COVER), (stale, WANTED_STALE)] {
-            let (open, shares): (Vec<usize>, Vec<_>) = list.into_iter().unzip();
-            chosen.extend(cover.choose(&shares, wanted).into_iter().map(|chosen| open[chosen]));
+        for (offers, wanted) in offers {
+            offers.read.iter().for_each(|covers| cover.add(covers));
+            chosen.extend(cover.choose(&offers.shares, wanted).into_iter().map(|at| offers.open[at]));
         }
         chosen
     }

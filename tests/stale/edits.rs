@@ -203,7 +203,7 @@ fn change(before: &ReferenceFrame, after: &ReferenceFrame, pixel: u32) -> Vec3 {
     (after.light(pixel) - before.light(pixel)) / before.light(pixel).max_element().max(f32::MIN_POSITIVE)
 }
 
-/// The edits of some seeds, counted by kind. `report` is told about each.
+/// The edits of some seeds, counted by kind. `report` is called with each.
 pub(crate) fn run(
     seeds: impl Iterator<Item = u64>,
     report: &mut dyn FnMut(u64, &'static str, Found, f64),

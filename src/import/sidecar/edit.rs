@@ -1,5 +1,5 @@
-//! Saving edited materials, objects, daylight and lights in the sidecar of a model. Everything else in
-//! the file stays: other keys, their order and comments.
+//! Saving edited materials, objects, daylight and lights in the sidecar of a model. Everything else
+//! in the file stays: other keys, their order and comments.
 
 use super::light::{SKY_KEYS, SUN_KEYS};
 use super::read::MAX_BYTES;

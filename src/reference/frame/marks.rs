@@ -111,6 +111,25 @@ impl ReferenceFrame {
         0.5f32.powi(i32::from(self.moves))
     }
 
+    /// Discards the light in a square of pixels and returns how many pixels held light.
+    pub(crate) fn forget_light(&mut self, [x0, y0]: [u32; 2], side: u32) -> usize {
+        let [width, height] = self.view.size;
+        let mut forgotten = 0;
+        for y in y0..(y0 + side).min(height) {
+            for x in x0..(x0 + side).min(width) {
+                let pixel = (y * width + x) as usize;
+                self.forget_stale(pixel);
+                forgotten += usize::from(std::mem::replace(&mut self.light[pixel], UNLIT) != UNLIT);
+            }
+        }
+        self.lit = self.lit.saturating_sub(forgotten);
+        self.is_dense &= forgotten == 0;
+        if forgotten > 0 {
+            self.forget_layers();
+        }
+        forgotten
+    }
+
     /// Forgets the stale light of a pixel.
     pub(super) fn forget_stale(&mut self, pixel: usize) {
         let Some(stale) = &mut self.stale else { return };

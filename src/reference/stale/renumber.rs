@@ -1,7 +1,7 @@
 //! The triangles of a model that was loaded again, found by their content.
 
 use super::moved::Moved;
-use crate::scene::content::{ContentHash, GeometryContent};
+use crate::scene::content::{ContentHash, hashes_of_triangles};
 use crate::scene::{Daylight, Light, Material, MaterialId, Scene, Texture, TextureId};
 use std::cmp::Ordering;
 use std::sync::Arc;
@@ -28,8 +28,8 @@ impl Renumbering {
         if old.frame != new.frame || counts[0] > 2 * counts[1] || counts[1] > 2 * counts[0] {
             return None;
         }
-        let contents = [old, new].map(GeometryContent::of);
-        let (new_of_old, old_of_new) = matched(contents.each_ref().map(|content| content.sorted()));
+        let hashes = [old, new].map(hashes_of_triangles);
+        let (new_of_old, old_of_new) = matched(hashes.each_ref().map(Vec::as_slice));
         let [gone, added] = [&new_of_old, &old_of_new].map(|numbers| unmatched(numbers));
         if gone.len() + added.len() > counts[0] {
             return None;

@@ -11,7 +11,7 @@ use std::collections::{BTreeMap, HashMap};
 /// as many per axis, as in the look-up that decides what a planned reference leaves to others.
 const FINE: f64 = 4.0;
 
-/// What viewers see.
+/// How much viewers see of each surface cell, in pictures from all places of a bake.
 #[derive(Debug, Default)]
 pub(super) struct Demand {
     numbers: HashMap<SurfaceCell, u32>,
@@ -20,7 +20,7 @@ pub(super) struct Demand {
     total: f64,
 }
 
-/// How viewers see a cell.
+/// The pictures of viewers in which a surface cell is seen.
 #[derive(Debug, Default)]
 struct SeenCell {
     /// Pixels in which each viewer's picture shows it, ascending.

@@ -26,7 +26,7 @@ pub struct BakeSettings {
     pub repeats: bool,
 }
 
-/// How far a bake is.
+/// Progress of a bake, as it goes on.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BakeProgress {
     /// The pass, from zero on.
@@ -42,12 +42,12 @@ pub struct BakeProgress {
     /// The share of what can be seen from the walkable places, or from the camera path, that
     /// references of the plan light, 0..1.
     pub covered: f64,
-    /// Estimated error of the light that this process traced in this pass, as a share of the light;
-    /// `None` before the first reference.
+    /// Estimated error of the light that this process traced, as a share of the light: in the first
+    /// pass so far, then in the last whole pass. `None` before the first reference.
     pub error: Option<f64>,
 }
 
-/// What a bake has done.
+/// Result of a bake.
 #[derive(Debug, Default)]
 pub struct BakeReport {
     /// Where it ended.
@@ -60,7 +60,7 @@ pub struct BakeReport {
     pub passes: u32,
     /// The share of what can be seen that some pass has lit, 0..1.
     pub covered: f64,
-    /// Estimated error of the references that were traced in the last pass of which there are any.
+    /// Estimated error of the references that were traced in the last whole pass, or the first.
     pub error: Option<f64>,
     /// Why references could not be stored.
     pub problem: Option<StoreError>,
@@ -182,7 +182,12 @@ impl<'p> Pass<'p> {
     fn tell(&mut self, report: &mut BakeReport, observe: &mut impl FnMut(&BakeProgress)) {
         self.progress.part = if self.cost > 0.0 { self.cost_done / self.cost } else { 1.0 };
         (self.progress.covered, self.progress.error) = (self.cover.share(), self.error.relative());
-        report.error = self.progress.error.or(report.error);
+        // The estimate of a few references has outliers, so that of the last whole pass stays.
+        let is_whole = self.progress.stored == self.progress.planned;
+        if self.number == 0 || is_whole {
+            report.error = self.progress.error.or(report.error);
+        }
+        self.progress.error = report.error;
         report.covered = self.progress.covered.max(report.covered);
         report.progress = self.progress;
         observe(&self.progress);

@@ -1,4 +1,4 @@
-//! Hashes of triangles, and the triangles of a hash.
+//! Hashes of triangles.
 
 use super::hasher::{ContentHash, ContentHasher};
 use crate::scene::Scene;
@@ -13,59 +13,18 @@ use rayon::prelude::*;
 /// this step at most one triangle in twenty is hashed differently then, which costs time only.
 const STEPS_PER_UNIT: f64 = 512.0;
 
-/// The content of all triangles of a scene.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct GeometryContent {
-    by_triangle: Vec<ContentHash>,
-    /// Hashes and triangles, ascending.
-    index: Vec<(ContentHash, u32)>,
-}
-
-impl GeometryContent {
-    /// Hashes all triangles of a scene.
-    ///
-    /// A triangle is hashed by its corners in world space, their normals, and, where its material
-    /// has a texture, their texture coordinates. Its number, the order and the winding of its
-    /// corners, its material and the names and files that it belongs to do not matter. Light does
-    /// not depend on the winding: surfaces are lit and emit on both sides, and the inside of a
-    /// solid of glass follows from its mesh.
-    pub fn of(scene: &Scene) -> Self {
-        let by_triangle: Vec<ContentHash> =
-            scene.triangle_indices().into_par_iter().map(|t| hash_triangle(scene, t)).collect();
-        let mut index: Vec<(ContentHash, u32)> = by_triangle.iter().copied().zip(0..).collect();
-        index.par_sort_unstable();
-        Self { by_triangle, index }
-    }
-
-    /// Hash of each triangle.
-    pub fn hashes(&self) -> &[ContentHash] {
-        &self.by_triangle
-    }
-
-    /// Returns the triangles of a hash, ascending, each with the hash. There are several where
-    /// triangles coincide; rays meet the first of equal ones.
-    pub fn triangles(&self, hash: ContentHash) -> &[(ContentHash, u32)] {
-        let first = self.index.partition_point(|entry| entry.0 < hash);
-        let count = self.index[first..].partition_point(|entry| entry.0 == hash);
-        &self.index[first..first + count]
-    }
-
-    /// Returns the first triangle of a hash.
-    pub fn first_triangle(&self, hash: ContentHash) -> Option<u32> {
-        self.triangles(hash).first().map(|entry| entry.1)
-    }
-
-    /// Hashes and triangles, ascending by hash and then by triangle.
-    pub fn sorted(&self) -> &[(ContentHash, u32)] {
-        &self.index
-    }
-
-    /// Hash of all triangles, in whatever order they come.
-    pub fn hash(&self) -> ContentHash {
-        let mut hasher = ContentHasher::new(b"geometry");
-        self.index.iter().for_each(|entry| hasher.word(entry.0));
-        hasher.finish()
-    }
+/// Returns the hashes of all triangles of a scene, each with its triangle, ascending.
+///
+/// A triangle is hashed by its corners in world space, their normals, and, where its material has a
+/// texture, their texture coordinates. Its number, the order and the winding of its corners, its
+/// material and the names and files that it belongs to do not matter. Light does not depend on the
+/// winding: surfaces are lit and emit on both sides, and the inside of a solid of glass follows from
+/// its mesh.
+pub fn hashes_of_triangles(scene: &Scene) -> Vec<(ContentHash, u32)> {
+    let mut hashes: Vec<(ContentHash, u32)> =
+        scene.triangle_indices().into_par_iter().map(|t| (hash_triangle(scene, t), t)).collect();
+    hashes.par_sort_unstable();
+    hashes
 }
 
 /// A corner of a triangle as it is hashed: steps from the world's origin, normal and texture

@@ -45,7 +45,16 @@ pub struct LightContent {
 impl LightContent {
     /// Hashes the materials, lights, sun and sky of a scene.
     pub fn of(scene: &Scene) -> Self {
-        let textures: Vec<ContentHash> = scene.textures.iter().map(hash_texture).collect();
+        Self::with_textures(scene, scene.textures.iter().map(hash_texture).collect())
+    }
+
+    /// The content of an edited state of a scene, which shares its textures: they are not hashed
+    /// again.
+    pub(crate) fn edited(&self, scene: &Scene) -> Self {
+        Self::with_textures(scene, self.textures.clone())
+    }
+
+    fn with_textures(scene: &Scene, textures: Vec<ContentHash>) -> Self {
         let mut point_lights: Vec<ContentHash> =
             scene.lights.iter().filter_map(|light| hash_point_light(scene, light)).collect();
         point_lights.sort_unstable();

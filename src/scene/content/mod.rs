@@ -5,14 +5,14 @@
 //! | File | Contents |
 //! |---|---|
 //! | `hasher` | the function, with a version |
-//! | `geometry` | each triangle in world space, and the triangles of a hash |
+//! | `geometry` | each triangle in world space |
 //! | `light` | materials by what they reflect, let through and emit; lights, sun, sky |
 
 mod geometry;
 mod hasher;
 mod light;
 
-pub use geometry::GeometryContent;
+pub use geometry::hashes_of_triangles;
 pub use hasher::ContentHash;
 pub(crate) use light::materials_of_both;
 pub use light::{LightContent, MaterialContent};

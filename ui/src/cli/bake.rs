@@ -132,7 +132,7 @@ fn light(job: &Job, flags: &Flags, plan: &BakePlan, store: &mut StoreBuilder) ->
     bake(plan, &settings, store, &stop, |now| progress.note(job.part(now), &note(now)))
 }
 
-/// How far a bake is, in words.
+/// The line of progress of a bake: pass, references, coverage and error.
 fn note(now: &BakeProgress) -> String {
     let error = now.error.map_or(String::new(), |error| format!(", error {:.1} %", 100.0 * error));
     let pass = if now.pass > 0 { format!("pass {}, ", now.pass + 1) } else { String::new() };
