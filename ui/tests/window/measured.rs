@@ -131,7 +131,7 @@ fn latencies(person: &Person, moved: f64) -> Vec<f64> {
 }
 
 /// Returns the milliseconds between pictures that differ, over a time.
-pub(super) fn ms_between_pictures(person: &Person, time: Duration) -> f64 {
+fn ms_between_pictures(person: &Person, time: Duration) -> f64 {
     let (start, mut last, mut pictures) = (Instant::now(), person.picture(), 0);
     while start.elapsed() < time {
         let now = person.picture();
@@ -143,11 +143,30 @@ pub(super) fn ms_between_pictures(person: &Person, time: Duration) -> f64 {
 
 /// Returns the milliseconds between pictures while a key is held: the frame time of the display on
 /// this machine.
-pub(super) fn frame_ms(person: &Person) -> f64 {
+fn frame_ms(person: &Person) -> f64 {
     person.key(b'd', true);
     let ms = ms_between_pictures(person, Duration::from_secs(2));
     person.key(b'd', false);
     ms
+}
+
+/// Returns the milliseconds that a number of pictures take while the camera moves, each of them moved
+/// against the one before. The camera turns back with each of them, so the model stays in view however
+/// slow the machine is.
+pub(super) fn ms_of_pictures(person: &Person, count: u32) -> f64 {
+    let (start, mut last) = (Instant::now(), person.picture());
+    for i in 0..count {
+        let key = if i % 2 == 0 { b'd' } else { b'a' };
+        person.key(key, true);
+        let mut now = Vec::new();
+        ms_until(start, || {
+            now = person.picture();
+            changed(&last, &now) > MOVED
+        });
+        person.key(key, false);
+        last = now;
+    }
+    start.elapsed().as_secs_f64() * 1e3
 }
 
 fn say_latencies(what: &str, person: &Person, moved: f64) {

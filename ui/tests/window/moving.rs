@@ -1,7 +1,7 @@
 //! Frames while the camera moves.
 
 use super::desk::Desk;
-use super::measured::{Person, frame_ms, say};
+use super::measured::{Person, ms_of_pictures, say};
 use super::*;
 use afterimage::Tracer;
 use afterimage::camera::View;
@@ -10,6 +10,9 @@ use egui::Key;
 
 /// Frames that are looked at.
 const FRAMES: usize = 12;
+
+/// Pictures of the real window that are waited for.
+const PICTURES: u32 = 8;
 
 /// One pixel in this many is compared with a ray.
 const STEP: u32 = 13;
@@ -63,12 +66,13 @@ fn every_frame_in_motion_is_of_a_pose_of_the_camera_and_shows_its_surfaces() {
     }
 }
 
+/// Counts pictures, not milliseconds: other tests take their share of the machine meanwhile. The
+/// rate is measured by `measured_flight`, alone on a machine.
 #[test]
 fn a_real_window_shows_picture_after_picture_in_motion() {
     let Some(desk) = Desk::open() else { return };
     desk.pose();
-    let ms = frame_ms(&Person::at(&desk));
-    say(&format!("a real window in motion: {:.1} pictures per second", 1e3 / ms));
-    // Ten times fewer than on an idle machine.
-    assert!(ms < 600.0, "{ms} ms between pictures; {}", desk.evidence());
+    let person = Person::at(&desk);
+    let ms = ms_of_pictures(&person, PICTURES);
+    say(&format!("a real window in motion: {:.1} pictures per second", 1e3 * f64::from(PICTURES) / ms));
 }
