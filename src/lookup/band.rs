@@ -5,13 +5,15 @@
 //! nothing about visibility is guessed; the references save the shading. Where the look-up is a
 //! guess, mode `exact` traces a few rays to check it, and mode `fast` shows it as it is.
 
+use super::point_cache::Probe;
 use super::policy::{HYSTERESIS, OTHER_SIDE, is_bad_guess};
 use super::{
     LookupQuality, LookupSet, PointCache, SurfaceKey, TileLight, TileSurfaces, ViewLookup, pixels_of_tile,
 };
 use crate::camera::View;
 use crate::raster::pixel_types::{NO_SUPPLIER, PixelType};
-use crate::trace::{NO_TRIANGLE, TILE_SIDE, TraceSettings, Tracer, VisibilityBuffer};
+use crate::trace::{NO_TRIANGLE, TILE_RAYS, TILE_SIDE, TraceSettings, Tracer, VisibilityBuffer};
+use arrayvec::ArrayVec;
 use glam::Vec3;
 
 /// Some rows of a frame, to be written. Row-major.
@@ -137,18 +139,9 @@ impl<'a> BandLookup<'a> {
             if self.leaves_out_hidden {
                 self.lookup.leave_out_hidden(self.tracer, &surfaces.points, &mut light);
             }
-            let mut guesses = if self.checks_guesses { light.guesses() } else { 0 };
+            let guesses = if self.checks_guesses { light.guesses() } else { 0 };
+            let guesses = guesses & !self.settle_guesses(&surfaces, &mut light, guesses, &mut open.settled);
             for (ray, pixel) in pixels_of_tile([x0, y0], self.view.size) {
-                if guesses >> ray & 1 == 1
-                    && let Some(settled) = self.settle_guess(&surfaces, &light, ray)
-                {
-                    guesses &= !(1 << ray);
-                    open.settled.push((pixel as u32, settled.traced));
-                    if settled.replaces_guess {
-                        light.set(ray, settled.traced, light.smooth_at(ray));
-                        light.slot[ray] = NO_SUPPLIER;
-                    }
-                }
                 let is_guess = guesses >> ray & 1 == 1;
                 let kind = self.write_pixel(&surfaces, (&light, is_guess), ray, pixel - first, &mut rows);
                 if kind == PixelType::Uncertain {
@@ -164,17 +157,55 @@ impl<'a> BandLookup<'a> {
         }
     }
 
+    /// Settles guesses, one bit each, by light that earlier frames traced, and lists them with that
+    /// light. Returns those that are settled; the others need rays.
+    fn settle_guesses(
+        &self,
+        surfaces: &TileSurfaces,
+        light: &mut TileLight,
+        guesses: u64,
+        settled: &mut Vec<(u32, Vec3)>,
+    ) -> u64 {
+        let [x0, y0] = surfaces.points.corner;
+        let mut known = 0;
+        let rays = (0..TILE_RAYS).filter(|ray| guesses >> ray & 1 == 1);
+        // Where light may be held is looked up for all of them first.
+        let probes: ArrayVec<_, TILE_RAYS> = rays.filter_map(|ray| self.probe(surfaces, ray)).collect();
+        for (ray, key, probe) in &probes {
+            let Some(found) = self.settle_guess(light, *ray, key, probe) else { continue };
+            let (x, y) = (x0 + (ray % TILE_SIDE) as u32, y0 + (ray / TILE_SIDE) as u32);
+            settled.push((y * self.view.size[0] + x, found.traced));
+            known |= 1 << ray;
+            if found.replaces_guess {
+                light.set(*ray, found.traced, light.smooth_at(*ray));
+                light.slot[*ray] = NO_SUPPLIER;
+            }
+        }
+        known
+    }
+
+    /// The surface point of a pixel, and where its traced light may be held.
+    fn probe(&self, surfaces: &TileSurfaces, ray: usize) -> Option<(usize, SurfaceKey, Probe)> {
+        let key = self.lookup.key(&surfaces.points, ray);
+        let key = SurfaceKey { footprint: key.footprint * surfaces.direction(ray).length(), ..key };
+        Some((ray, key, self.traced.points.probe(&key)?))
+    }
+
     /// Settles a guess by light that earlier frames traced, as `PixelResolver::check_guess` does,
     /// while the tile is at hand: light traced within the pixel's footprint may confirm it where no
     /// shadow's edge is near, light traced at the same point may replace it. `None` where rays are
     /// needed.
-    fn settle_guess(&self, surfaces: &TileSurfaces, light: &TileLight, ray: usize) -> Option<Settled> {
+    fn settle_guess(
+        &self,
+        light: &TileLight,
+        ray: usize,
+        key: &SurfaceKey,
+        probe: &Probe,
+    ) -> Option<Settled> {
         let TracedPoints { points, trace } = self.traced;
         let (guess, smooth, samples) = (light.at(ray), light.smooth_at(ray), trace.samples_for(1.0));
-        let key = self.lookup.key(&surfaces.points, ray);
-        let key = SurfaceKey { footprint: key.footprint * surfaces.direction(ray).length(), ..key };
         let is_bad = |traced: Vec3, most| is_bad_guess(guess + smooth, traced + smooth, most, trace.noise());
-        let near = points.find(&key, samples)?;
+        let near = points.find_in(probe, key, samples)?;
         let most = if near.replaced_guess { 1.0 / HYSTERESIS } else { 1.0 };
         if !near.is_at_edge && !is_bad(near.light, most) {
             return Some(Settled { traced: near.light, replaces_guess: false });

@@ -120,6 +120,24 @@ struct Cell {
     side: f32,
 }
 
+/// The cells in which the light of a point may be held, widest first, and the tags of their
+/// buckets. All tags are read before any is compared, and those of several points before the first
+/// is searched for: each is a cache miss, and so they overlap.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Probe {
+    cells: [Cell; LEVELS_READ as usize],
+    tags: [Tags; LEVELS_READ as usize],
+}
+
+/// Where a point comes in the order of storing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Place {
+    bucket: u32,
+    pixel: u32,
+    /// Index in the list of points.
+    point: u32,
+}
+
 /// Cached light by surface point, for one epoch of the scene.
 #[derive(Debug, Default)]
 pub struct PointCache {
@@ -143,32 +161,32 @@ impl PointCache {
             self.entries = vec![[Entry::NONE; WAYS]; BUCKETS];
         }
         points.retain(|p| p.light.is_finite() && p.smooth.is_none_or(Vec3::is_finite));
-        // A frame that was stopped and resumed lists them in another order.
-        points.par_sort_by_key(|p| p.pixel);
         let cells: Vec<Cell> = points.par_iter().map(|p| cell_of(&p.key, level_of(&p.key))).collect();
-        self.store(points, &cells);
-        for [bucket, way] in self.edges(points, &cells) {
+        let order = order_of(points, &cells);
+        self.store(points, &cells, &order);
+        for [bucket, way] in self.edges(points, &cells, &order) {
             self.entries[bucket][way].samples |= AT_EDGE;
         }
         points.clear();
     }
 
-    /// Stores points in their cells. Each part of the table has a task of its own, which takes the
-    /// points in their order.
-    fn store(&mut self, points: &[TracedPoint], cells: &[Cell]) {
+    /// Stores points in their cells, in this order. Each part of the table has a task of its own.
+    fn store(&mut self, points: &[TracedPoint], cells: &[Cell], order: &[Place]) {
         let parts = self.tags.par_chunks_mut(PART).zip(self.entries.par_chunks_mut(PART)).enumerate();
         parts.for_each(|(part, (tags, entries))| {
-            for (point, cell) in points.iter().zip(cells).filter(|(_, cell)| cell.bucket / PART == part) {
-                let bucket = cell.bucket % PART;
-                store_one(&mut tags[bucket], &mut entries[bucket], point, cell);
+            let begin = |part: usize| order.partition_point(|place| (place.bucket as usize) < part * PART);
+            for place in &order[begin(part)..begin(part + 1)] {
+                let (bucket, point) = (place.bucket as usize % PART, place.point as usize);
+                store_one(&mut tags[bucket], &mut entries[bucket], &points[point], &cells[point]);
             }
         });
     }
 
     /// The bucket and way of each point whose light differs from that of a cell next to it, as on
     /// both sides of the edge of a shadow.
-    fn edges(&self, points: &[TracedPoint], cells: &[Cell]) -> Vec<[usize; 2]> {
-        let pairs = points.par_iter().zip(cells).filter(|(point, _)| !point.is_exact);
+    fn edges(&self, points: &[TracedPoint], cells: &[Cell], order: &[Place]) -> Vec<[usize; 2]> {
+        let pairs = order.par_iter().map(|place| place.point as usize).map(|i| (&points[i], &cells[i]));
+        let pairs = pairs.filter(|(point, _)| !point.is_exact);
         pairs.flat_map_iter(|(point, cell)| self.edges_near(point, cell)).collect()
     }
 
@@ -187,8 +205,7 @@ impl PointCache {
     /// The ways of a cell's bucket that have its tag.
     #[inline(always)]
     fn ways_of(&self, cell: &Cell) -> impl Iterator<Item = usize> + use<> {
-        let (tags, tag) = (self.tags[cell.bucket], cell.tag);
-        (0..WAYS).filter(move |&way| tags[way] == tag)
+        ways_with(self.tags[cell.bucket], cell.tag)
     }
 
     /// The entries next to a point that it differs from, and its own if there are any.
@@ -217,16 +234,28 @@ impl PointCache {
     /// epoch of the last insertion.
     #[inline]
     pub fn find(&self, key: &SurfaceKey, samples: u32) -> Option<CachedLight> {
+        self.find_in(&self.probe(key)?, key, samples)
+    }
+
+    /// Where light of a point may be held; `None` in an empty cache.
+    #[inline]
+    pub(super) fn probe(&self, key: &SurfaceKey) -> Option<Probe> {
         if self.tags.is_empty() {
             return None;
         }
         let level = level_of(key);
+        let cells = std::array::from_fn(|finer| cell_of(key, level - finer as i32));
+        Some(Probe { cells, tags: cells.map(|cell| self.tags[cell.bucket]) })
+    }
+
+    /// [`Self::find`] where the probe of the key found its cells.
+    #[inline]
+    pub(super) fn find_in(&self, probe: &Probe, key: &SurfaceKey, samples: u32) -> Option<CachedLight> {
         let samples = packed_samples(samples).max(1);
-        (0..LEVELS_READ).find_map(|finer| {
-            let cell = cell_of(key, level - finer);
+        probe.cells.iter().zip(&probe.tags).find_map(|(cell, tags)| {
             let entries = &self.entries[cell.bucket];
-            let mut held = self.ways_of(&cell).map(|way| &entries[way]);
-            let entry = held.find(|e| e.count() >= samples && e.serves(key, &cell))?;
+            let mut held = ways_with(*tags, cell.tag).map(|way| &entries[way]);
+            let entry = held.find(|e| e.count() >= samples && e.serves(key, cell))?;
             let has = |bit: u8| entry.samples & bit != 0;
             Some(CachedLight {
                 light: entry.light,
@@ -236,6 +265,25 @@ impl PointCache {
             })
         })
     }
+}
+
+/// The ways of a bucket that have a tag.
+#[inline(always)]
+fn ways_with(tags: Tags, tag: u32) -> impl Iterator<Item = usize> {
+    (0..WAYS).filter(move |&way| tags[way] == tag)
+}
+
+/// The order in which points are stored: by bucket, so that memory is read as it lies, and in each
+/// by pixel, because a frame that was stopped and resumed lists them in another order.
+fn order_of(points: &[TracedPoint], cells: &[Cell]) -> Vec<Place> {
+    let places = points.par_iter().zip(cells).enumerate().map(|(point, (traced, cell))| Place {
+        bucket: cell.bucket as u32,
+        pixel: traced.pixel,
+        point: point as u32,
+    });
+    let mut order: Vec<Place> = places.collect();
+    order.par_sort_unstable();
+    order
 }
 
 /// Stores a point in the bucket of its cell. The point that the cell holds stays, unless the new
