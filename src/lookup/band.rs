@@ -188,12 +188,12 @@ impl<'a> BandLookup<'a> {
     fn probe(&self, surfaces: &TileSurfaces, ray: usize) -> Option<(usize, SurfaceKey, Probe)> {
         let key = self.lookup.key(&surfaces.points, ray);
         let key = SurfaceKey { footprint: key.footprint * surfaces.direction(ray).length(), ..key };
-        Some((ray, key, self.traced.points.probe(&key)?))
+        Some((ray, key, self.traced.points.probe(&key.around())?))
     }
 
     /// Settles a guess by light that earlier frames traced, as `PixelResolver::check_guess` does,
-    /// while the tile is at hand: light traced within the pixel's footprint may confirm it where no
-    /// shadow's edge is near, light traced at the same point may replace it. `None` where rays are
+    /// while the tile is at hand: light traced nearby may confirm it where no shadow's edge is
+    /// near, light traced at the same point may replace it. `None` where rays are
     /// needed.
     fn settle_guess(
         &self,
@@ -205,7 +205,7 @@ impl<'a> BandLookup<'a> {
         let TracedPoints { points, trace } = self.traced;
         let (guess, smooth, samples) = (light.at(ray), light.smooth_at(ray), trace.samples_for(1.0));
         let is_bad = |traced: Vec3, most| is_bad_guess(guess + smooth, traced + smooth, most, trace.noise());
-        let near = points.find_in(probe, key, samples)?;
+        let near = points.find_in(probe, &key.around(), samples)?;
         let most = if near.replaced_guess { 1.0 / HYSTERESIS } else { 1.0 };
         if !near.is_at_edge && !is_bad(near.light, most) {
             return Some(Settled { traced: near.light, replaces_guess: false });

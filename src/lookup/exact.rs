@@ -246,12 +246,13 @@ impl PixelResolver<'_> {
         let albedo = point.albedo(self.tracer.scene());
         let lit = |light: Vec3| (guess.certain + albedo * light, light * PI);
         let samples = self.trace.samples_for(end.share);
-        let near = self.key_at(point, end.distance);
+        let key = self.key_at(point, end.distance);
+        let (near, exact) = (key.around(), key.exact());
         let mut trace = |keys: &[SurfaceKey]| {
             let traced = self.trace_guessed(point, end, tally, keys, guess);
             self.better(guess.radiance, traced, 1.0)
         };
-        let Some(cached) = self.points.find(&near, samples) else { return trace(&[near, near.exact()]) };
+        let Some(cached) = self.points.find(&near, samples) else { return trace(&[near, exact]) };
         let most = if cached.replaced_guess { 1.0 / HYSTERESIS } else { 1.0 };
         let near_light = lit(cached.light);
         if !cached.is_at_edge && !self.is_bad(guess.radiance, near_light.0, most) {
@@ -261,12 +262,12 @@ impl PixelResolver<'_> {
                 is_traced: false,
             };
         }
-        match self.points.find(&near.exact(), samples) {
+        match self.points.find(&exact, samples) {
             Some(cached) => {
                 let most = if cached.replaced_guess { 1.0 / HYSTERESIS } else { HYSTERESIS };
                 self.better(guess.radiance, lit(cached.light), most)
             }
-            None => trace(&[near.exact()]),
+            None => trace(&[exact]),
         }
     }
 
@@ -314,7 +315,7 @@ impl PixelResolver<'_> {
         let (pixel, near) = (end.pixel, self.key_at(point, end.distance));
         let Traced { light, smooth, replaced_guess } = t;
         tally.points.extend(keys.iter().map(|&key| {
-            let is_exact = key != near;
+            let is_exact = key.footprint < near.footprint;
             TracedPoint { key, light, smooth, samples, noise, pixel, is_exact, replaced_guess }
         }));
     }

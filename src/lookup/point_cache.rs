@@ -9,7 +9,8 @@
 //! threads.
 
 use super::policy::{
-    BLOCK, BLOCK_BUCKETS, BORDER, BUCKETS, CELL_EDGE, LEVELS, LEVELS_READ, PLANE_SHARE, WAYS,
+    BLOCK, BLOCK_BUCKETS, BORDER, BUCKETS, CELL_EDGE, CONFIRMED_WITHIN, LEVELS, LEVELS_READ, PLANE_SHARE,
+    WAYS,
 };
 use crate::math::{key::Key, rounding::floor};
 use crate::raster::rgbe;
@@ -32,6 +33,12 @@ pub struct SurfaceKey {
 }
 
 impl SurfaceKey {
+    /// A key that matches within [`CONFIRMED_WITHIN`] footprints, where traced light may confirm a
+    /// guess.
+    pub(super) fn around(self) -> Self {
+        Self { footprint: self.footprint * CONFIRMED_WITHIN, ..self }
+    }
+
     /// A key that matches only within an eighth of the footprint, which counts as the same point.
     pub fn exact(self) -> Self {
         Self { footprint: self.footprint * 0.125, ..self }

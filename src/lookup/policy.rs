@@ -152,6 +152,12 @@ pub(super) fn is_bad_guess(guess: Vec3, traced: Vec3, most: f32, noise: f32) -> 
     (traced - guess).abs().max_element() > most * BAD_GUESS * noise * traced.max(guess).max_element()
 }
 
+/// Light traced within this many footprints of a point may confirm a guess there, where no shadow's
+/// edge is near. In 200 frames of the gallery's walk, with one footprint 3.5 % of the pixels are
+/// checked by rays, with two 2.7 %, with four 2.5 %; with two, PSNR changes by -0.5 to +0.2 dB and
+/// stays 0.1 to 3.6 dB above mode `full` in ten frames.
+pub(super) const CONFIRMED_WITHIN: f32 = 2.0;
+
 /// Where traced direct light is below this share of the guess, the samples that the guess came from
 /// lie on the other side of an edge, and their smooth light is not used either.
 pub(super) const OTHER_SIDE: f32 = 0.1;

@@ -122,3 +122,27 @@ fn a_mark_stays_where_a_point_yields_to_one_of_more_samples_and_where_it_does_no
     }
     assert!(cache.find(&dark, 1).unwrap().is_at_edge, "it found an edge and then stayed out");
 }
+
+#[test]
+fn the_order_of_the_list_changes_nothing() {
+    let epoch = epochs()[0];
+    // Points of few cells and many levels, several for each pixel.
+    let points: Vec<TracedPoint> = (0..600u32)
+        .map(|i| {
+            let at = [(i * 7 % 13) as f32 * 0.3, 0.2, (i * 5 % 11) as f32 * 0.3];
+            let light = Vec3::splat((i * 31 % 17) as f32);
+            TracedPoint { pixel: i, ..traced(place(at, 0.25 * (1 + i % 3) as f32), light, 4 + i % 5) }
+        })
+        .collect();
+    let cached = |mut list: Vec<TracedPoint>| {
+        let mut cache = PointCache::default();
+        cache.insert(epoch, &mut list);
+        points.iter().map(|p| cache.find(&p.key, 1)).collect::<Vec<_>>()
+    };
+    let in_order = cached(points.clone());
+    assert!(in_order.iter().flatten().any(|found| found.is_at_edge));
+    assert_eq!(in_order, cached(points.iter().rev().copied().collect()));
+    let mut by_turns = points.clone();
+    by_turns.sort_by_key(|p| p.pixel % 7);
+    assert_eq!(in_order, cached(by_turns));
+}
