@@ -11,6 +11,7 @@ mod budget;
 mod builtin;
 mod bundles;
 mod bvh;
+mod coincident;
 mod content;
 mod corpus;
 mod entry_points;

@@ -1,6 +1,7 @@
 //! From a builder to a complete scene. Everything that cannot be traced is dropped and counted
 //! here, once.
 
+use super::coincident;
 use super::conditioning::{Conditioning, Repairs};
 use super::duplicates::Duplicates;
 use super::light_groups::{LightGroups, LightSettings};
@@ -45,6 +46,7 @@ impl SceneBuilder {
         let duplicates = Duplicates::find(&scene);
         (repairs.duplicates_hidden, repairs.duplicates_seen) = (duplicates.hidden.len(), duplicates.seen);
         scene.hidden = duplicates.hidden;
+        scene.coincident = Arc::new(coincident::find(&scene));
         scene.conditioning = Conditioning::of(&scene, repairs);
         scene.features.needles = scene.conditioning.needles > 0;
         scene.derive(point_lights);
@@ -91,6 +93,7 @@ impl SceneBuilder {
             bounds_m,
             building_m,
             hidden: Vec::new(),
+            coincident: Arc::default(),
             conditioning: Conditioning::default(),
         }
     }

@@ -87,7 +87,7 @@ fn map_options_are_read() {
         ("-s 2 wood.png", [2.0, 1.0], [0.0, 0.0]),
         ("-o 0.5 0.25 -s 4 4 4 wood.png", [4.0, 4.0], [0.5, 0.25]),
         (
-            "-clamp on -blendu off -bm 0.3 -mm 0 1 -imfchan r -texres 64 -t 0 0 0 wood.png",
+            "-clamp off -blendu on -bm 1.0 -mm 0 1 -imfchan l -texres 64 -t 0 0 0 wood.png",
             [1.0, 1.0],
             [0.0, 0.0],
         ),

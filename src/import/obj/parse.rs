@@ -9,7 +9,7 @@ use super::piece::{Corner, Counts, Face, NONE, Piece, Reader, count};
 use crate::import::progress::{Phase, Steps};
 use crate::import::{options::Limits, tally::Tally, text};
 use crate::scene::SceneError;
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec2, DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 use std::{collections::HashMap, path::Path, sync::atomic::AtomicUsize, sync::atomic::Ordering};
 
@@ -25,6 +25,12 @@ pub(super) struct Model {
     /// Unit vectors, or zero.
     pub(super) normals: Vec<Vec3>,
     pub(super) uvs: Vec<Vec2>,
+    /// Texture coordinates of which f32 keeps too few digits, by index, ascending.
+    pub(super) far_uvs: Vec<(u32, DVec2)>,
+    /// Colours of vertices as written, by the index of their position, ascending.
+    pub(super) colors: Vec<(u32, Vec3)>,
+    /// Smoothing groups: the number of faces before each, and the group; 0 is flat.
+    pub(super) smoothing: Vec<(usize, u32)>,
     pieces: Vec<Piece>,
     /// Material names in the order of their first use by a face. A name is empty for faces before
     /// any `usemtl`.
@@ -102,7 +108,11 @@ impl Model {
         for piece in &mut pieces {
             let shapes = piece.shapes.drain(..).filter(|shape| shape.1 == has_objects);
             model.shapes.extend(shapes.map(|(face, _, name)| (faces + face, name)));
+            model.smoothing.extend(piece.smoothing.drain(..).map(|(face, group)| (faces + face, group)));
             faces += piece.faces.len();
+            let (positions, uvs) = (model.positions.len(), model.uvs.len());
+            model.colors.extend(piece.colors.drain(..).map(|(i, color)| ((positions + i) as u32, color)));
+            model.far_uvs.extend(piece.far_uvs.drain(..).map(|(i, uv)| ((uvs + i) as u32, uv)));
             model.positions.append(&mut piece.positions);
             model.normals.append(&mut piece.normals);
             model.uvs.append(&mut piece.uvs);
@@ -125,6 +135,11 @@ impl Model {
     pub(super) fn face_positions(&self) -> impl Iterator<Item = DVec3> {
         let corners = self.pieces.iter().flat_map(|piece| &piece.corners);
         corners.filter_map(|corner| self.positions.get(corner.position as usize).copied())
+    }
+
+    /// Returns the corners of all faces, in the order of [`Self::faces`], to be changed.
+    pub(super) fn corners_mut(&mut self) -> impl Iterator<Item = &mut Corner> {
+        self.pieces.iter_mut().flat_map(|piece| &mut piece.corners)
     }
 
     /// Returns the polygons in the order of the file.

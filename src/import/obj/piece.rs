@@ -4,7 +4,7 @@ use crate::import::progress::{Phase, Steps};
 use crate::import::text::{self, Lines};
 use crate::import::{options::Limits, tally::Tally, trouble::Trouble};
 use crate::scene::SceneError;
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec2, DVec3, Vec2, Vec3};
 use std::path::Path;
 
 /// Index that stands for no texture coordinate or no normal.
@@ -14,6 +14,13 @@ pub(super) const NONE: u32 = u32::MAX;
 /// corners that crosses itself everywhere takes 0.14 s to triangulate; one of 65,536 took 11 s,
 /// without a chance to cancel.
 const FACE_CORNERS: usize = 4096;
+
+/// Texture coordinates from here on are wrapped before they are rounded to f32, which keeps a
+/// sixteenth of a texel of a picture of 4096 texels below.
+pub(super) const UV_FAR: f64 = 256.0;
+
+/// Largest texture coordinate of which f64 keeps an eighth of a picture.
+const UV_MAX: f64 = 1e15;
 
 /// A corner of a face: indices into the lists of the whole file, from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,12 +46,18 @@ pub(super) struct Piece {
     pub(super) positions: Vec<DVec3>,
     pub(super) normals: Vec<Vec3>,
     pub(super) uvs: Vec<Vec2>,
+    /// Texture coordinates of which f32 keeps too few digits, by their index in the piece.
+    pub(super) far_uvs: Vec<(usize, DVec2)>,
+    /// Colours of vertices as written (`v x y z r g b`), by their index in the piece.
+    pub(super) colors: Vec<(usize, Vec3)>,
     pub(super) corners: Vec<Corner>,
     pub(super) faces: Vec<Face>,
     /// `usemtl` lines: the number of faces before each, and the name.
     pub(super) switches: Vec<(usize, String)>,
     /// `o` and `g` lines: the number of faces before each, whether it is an `o`, and the name.
     pub(super) shapes: Vec<(usize, bool, String)>,
+    /// `s` lines: the number of faces before each, and the group; 0 is flat.
+    pub(super) smoothing: Vec<(usize, u32)>,
     /// `usemtl` after the pieces are joined: the end of each run of faces, and the number of its
     /// material.
     pub(super) runs: Vec<(usize, u32)>,
@@ -124,8 +137,12 @@ impl Reader {
             "usemtl" => self.material(number, rest),
             "mtllib" => self.piece.libraries.push((number, rest.to_owned())),
             "o" | "g" => self.shape(number, key == "o", rest),
-            "" | "s" | "mg" | "usemap" | "maplib" | "lod" | "bevel" | "c_interp" | "d_interp"
-            | "shadow_obj" | "trace_obj" => {}
+            "" => {}
+            "s" => self.smoothing(number, rest),
+            "mg" | "usemap" | "maplib" | "lod" | "bevel" | "c_interp" | "d_interp" | "shadow_obj"
+            | "trace_obj" => {
+                self.piece.tally.add(Trouble::WITHOUT_EFFECT, number, || key.to_owned());
+            }
             "l" | "p" => self.piece.tally.add(Trouble::LINE_OR_POINT, number, String::new),
             "vp" | "cstype" | "deg" | "bmat" | "step" | "curv" | "curv2" | "surf" | "parm" | "trim"
             | "hole" | "scrv" | "sp" | "end" | "con" => {
@@ -136,7 +153,10 @@ impl Reader {
     }
 
     fn position(&mut self, number: u64, rest: &str) {
-        let position = numbers::<3>(rest).map(DVec3::from_array);
+        let position = self.numbers::<3>(number, rest).map(DVec3::from_array);
+        if let Some(color) = position.and(color(rest)) {
+            self.piece.colors.push((self.piece.positions.len(), color));
+        }
         if position.is_none() {
             self.piece.tally.add(Trouble::VERTEX_UNREADABLE, number, || rest.to_owned());
         }
@@ -145,7 +165,7 @@ impl Reader {
     }
 
     fn normal(&mut self, number: u64, rest: &str) {
-        let normal = numbers::<3>(rest).map(DVec3::from_array);
+        let normal = self.numbers::<3>(number, rest).map(DVec3::from_array);
         if normal.is_none() {
             self.piece.tally.add(Trouble::NORMAL_UNREADABLE, number, || rest.to_owned());
         }
@@ -156,11 +176,40 @@ impl Reader {
     fn uv(&mut self, number: u64, rest: &str) {
         // `vt u` alone is valid; v is then 0.
         let uv = numbers::<2>(rest).or_else(|| numbers::<1>(rest).map(|[u]| [u, 0.0]));
-        let uv = uv.map(|[u, v]| Vec2::new(u as f32, v as f32)).filter(|uv| uv.is_finite());
+        let uv = uv.or_else(|| self.numbers::<2>(number, rest)).map(DVec2::from_array);
+        let uv = uv.filter(|uv| uv.abs().max_element() <= UV_MAX);
         if uv.is_none() {
             self.piece.tally.add(Trouble::UV_UNREADABLE, number, || rest.to_owned());
         }
-        self.piece.uvs.push(uv.unwrap_or(Vec2::ZERO));
+        let uv = uv.unwrap_or(DVec2::ZERO);
+        if uv.abs().max_element() >= UV_FAR {
+            self.piece.far_uvs.push((self.piece.uvs.len(), uv));
+        }
+        self.piece.uvs.push(uv.as_vec2());
+    }
+
+    /// Returns the first `N` numbers of a line, also those with decimal commas.
+    fn numbers<const N: usize>(&mut self, number: u64, rest: &str) -> Option<[f64; N]> {
+        numbers(rest).or_else(|| {
+            let found = numbers(&text::with_decimal_points(rest)?)?;
+            self.piece.tally.add(Trouble::DECIMAL_COMMA, number, || rest.to_owned());
+            Some(found)
+        })
+    }
+
+    /// `s off` and `s 0` end smoothing.
+    fn smoothing(&mut self, number: u64, rest: &str) {
+        let word = rest.split_ascii_whitespace().next().unwrap_or("off");
+        let group = match word.parse() {
+            Ok(group) => group,
+            Err(_) if word.eq_ignore_ascii_case("off") => 0,
+            Err(_) if word.eq_ignore_ascii_case("on") => 1,
+            Err(_) => {
+                self.piece.tally.add(Trouble::SMOOTHING_GROUP, number, || word.to_owned());
+                0
+            }
+        };
+        self.piece.smoothing.push((self.piece.faces.len(), group));
     }
 
     fn material(&mut self, number: u64, rest: &str) {
@@ -235,6 +284,14 @@ impl Reader {
         let or_none = |found: Option<(i64, Option<u32>)>| found.and_then(|(_, i)| i).unwrap_or(NONE);
         Ok(Corner { position, uv: or_none(uv_index), normal: or_none(normal_index) })
     }
+}
+
+/// Returns the colour of a vertex, red, green and blue, where three numbers or more follow the
+/// position. `v x y z w` has none; of seven numbers, the last is alpha.
+fn color(rest: &str) -> Option<Vec3> {
+    let mut tokens = rest.split_ascii_whitespace().skip(3).take_while(|token| !token.starts_with('#'));
+    let mut channel = || tokens.next().and_then(text::number).map(|number| number as f32);
+    Some(Vec3::new(channel()?, channel()?, channel()?)).filter(|color| color.is_finite())
 }
 
 /// Returns the first `N` numbers of a line. What follows (a weight, a colour) is ignored.

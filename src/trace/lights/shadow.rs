@@ -115,7 +115,7 @@ impl Tracer {
     /// True where every surface that a ray meets blocks it.
     fn is_any_hit_a_block(&self) -> bool {
         let features = self.scene().features;
-        !features.checks_hits() && !features.glass
+        !features.alpha && !features.needles && !features.glass
     }
 
     /// True where a surface lets nothing through; otherwise multiplies `passed` by its share.
@@ -133,7 +133,7 @@ impl Tracer {
                 *passed *= share;
                 false
             }
-            None => self.stands(ray, hit),
+            None => self.blocks_light(ray, hit),
         }
     }
 }
