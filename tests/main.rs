@@ -29,6 +29,7 @@ mod metrics;
 mod moving;
 mod numbers;
 mod objects;
+mod pictures_of_light;
 mod placement;
 mod refine;
 mod reuse;

@@ -114,8 +114,8 @@ troubles! {
         "after the first" => "left out; there is one sun";
     OUT_OF_RANGE: "material value" / "material values", "out of range" => "clamped";
     ALPHA_MODE: "material" / "materials", "with an unknown alphaMode" => "taken as opaque";
-    BLENDED: "material" / "materials",
-        "blended by the alpha of a picture" => "cut at one half instead";
+    BLENDED: "mirror" / "mirrors",
+        "blended by the alpha of a picture" => "cut out at one half instead";
     MASKED_AWAY: "material" / "materials", "masked away entirely" => "taken as opaque";
     TURNED_TEXTURE: "texture" / "textures",
         "rotated by KHR_texture_transform" => "used without rotation";

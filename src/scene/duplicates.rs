@@ -47,7 +47,10 @@ fn hides(scene: &Scene, first: u32, later: u32) -> bool {
     let [a, b] = [first, later].map(|t| scene.material_of(t));
     let is_same = scene.triangle_materials[first as usize] == scene.triangle_materials[later as usize];
     let looks_alike = is_same || is_wound_alike(&corner_keys(scene, first), &corner_keys(scene, later));
-    a.is_opaque() && b.is_opaque() && a.emission == b.emission && looks_alike
+    a.is_opaque()
+        && b.is_opaque()
+        && (a.emission, a.emission_texture) == (b.emission, b.emission_texture)
+        && looks_alike
 }
 
 /// True where two triangles with the same corners name them in the same order.

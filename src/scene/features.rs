@@ -45,7 +45,7 @@ impl SceneFeatures {
         Self {
             mirror: any(Material::is_mirror),
             glass: any(Material::is_glass),
-            textures: any(|m| m.diffuse_texture.is_some()),
+            textures: any(|m| m.diffuse_texture.or(m.emission_texture).or(m.coverage_texture).is_some()),
             alpha: any(|m| m.alpha_texture.is_some()),
             area_lights: lights.iter().any(|l| matches!(l, Light::Quad { .. } | Light::Triangles { .. })),
             sky,

@@ -26,6 +26,7 @@ mod group_lights;
 mod hash;
 mod light;
 mod light_groups;
+mod light_picture;
 mod material;
 mod move_objects;
 mod object_edits;
@@ -53,8 +54,8 @@ pub use daylight::{Daylight, DaylightModel};
 pub use edit::SceneEdit;
 pub use error::{SceneError, Warning};
 pub use features::SceneFeatures;
-pub use light::Light;
 pub(crate) use light::point_on_mesh;
+pub use light::{Light, LightPicture};
 pub use light_groups::{
     LampGroup, LightGroup, LightGroupKind, LightGroups, LightSetting, LightSettings, MAX_LAMP_GROUPS,
     MAX_LIGHT_GROUPS, NO_LIGHT_GROUP,

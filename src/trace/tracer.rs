@@ -8,7 +8,7 @@ use crate::camera::View;
 use crate::math::Ray;
 use crate::raster::exposure::Metered;
 use crate::scene::{Material, Scene, beats, share_plane};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
@@ -234,6 +234,18 @@ impl Tracer {
     pub fn albedo(&self, hit: &Hit) -> Vec3 {
         let uv = || interpolate_uv(&self.scene, hit.triangle, [hit.b1, hit.b2]);
         albedo(self.scene.material_of(hit.triangle), &self.scene.textures, uv)
+    }
+
+    /// Returns the texture coordinate at a hit.
+    pub(crate) fn uv(&self, hit: &Hit) -> Vec2 {
+        interpolate_uv(&self.scene, hit.triangle, [hit.b1, hit.b2])
+    }
+
+    /// Returns the radiance emitted at a hit.
+    #[inline(always)]
+    pub fn emission(&self, hit: &Hit) -> Vec3 {
+        let uv = || interpolate_uv(&self.scene, hit.triangle, [hit.b1, hit.b2]);
+        self.scene.material_of(hit.triangle).emission_at(&self.scene.textures, uv)
     }
 
     /// Material of a surface point.
