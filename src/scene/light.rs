@@ -194,7 +194,7 @@ mod tests {
             const COUNT: u32 = 1 << 16;
             let mut counts = vec![[0u32; 4]; mesh.0.len()];
             for i in 0..COUNT {
-                let (point, chosen) = point_on_mesh(&mesh.0, &mesh.1, Key::of_pixel(3, i).pair());
+                let (point, chosen, _) = point_on_mesh(&mesh.0, &mesh.1, Key::of_pixel(3, i).pair());
                 let [a, b, c] = mesh.0[chosen];
                 let whole = (b - a).cross(c - a).z;
                 let weights = [(c - b).cross(point - b), (a - c).cross(point - c), (b - a).cross(point - a)];
