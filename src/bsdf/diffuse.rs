@@ -62,11 +62,13 @@ impl Lobe for Diffuse {
 /// and is called for textured materials only.
 #[inline(always)]
 pub fn albedo(material: &Material, textures: &[Texture], uv: impl FnOnce() -> Vec2) -> Vec3 {
+    if material.coverage_texture.is_some() {
+        let uv = uv();
+        let texel = material.diffuse_texture.map_or(Vec3::ONE, |map| map.color(textures, uv));
+        return material.diffuse * texel * material.coverage_at(textures, || uv);
+    }
     match material.diffuse_texture {
         None => material.diffuse,
-        Some(map) => {
-            let uv = uv() * map.scale + map.offset;
-            material.diffuse * textures[map.texture.0 as usize].color(uv)
-        }
+        Some(map) => material.diffuse * map.color(textures, uv()),
     }
 }

@@ -28,6 +28,7 @@ mod tally;
 mod text;
 mod trouble;
 mod units;
+mod vertex_colors;
 
 pub use daylight::{DaylightOptions, LightChoice, SkyChoice};
 pub use formats::{FORMATS, Format, extensions};

@@ -83,7 +83,7 @@ fn quad(p: &[DVec3], normal: DVec3) -> Option<[[u32; 3]; 2]> {
 }
 
 /// Returns Newell's normal: its length is twice the area, for any flat polygon, convex or not.
-fn newell(corners: &[DVec3]) -> DVec3 {
+pub(super) fn newell(corners: &[DVec3]) -> DVec3 {
     let origin = corners[0];
     let edges = corners.windows(2).map(|w| (w[0] - origin).cross(w[1] - origin));
     edges.sum()

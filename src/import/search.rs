@@ -4,6 +4,7 @@
 use super::files::{Jail, Refusal};
 use std::path::{Component, Path, PathBuf};
 use std::{collections::HashMap, ffi::OsString};
+use unicode_normalization::UnicodeNormalization;
 
 /// Folders next to a model in which textures usually are.
 const DEFAULT_FOLDERS: [&str; 4] = ["textures", "maps", "images", "tex"];
@@ -25,7 +26,7 @@ pub(super) struct Found {
 /// Searches files, and remembers the contents of folders.
 pub(super) struct Finder {
     pub(super) jail: Jail,
-    /// For each folder that may be read: lower-case name -> name.
+    /// For each folder that may be read: name to be compared -> name.
     listings: HashMap<PathBuf, HashMap<String, OsString>>,
 }
 
@@ -103,8 +104,7 @@ impl Finder {
         for part in below.components() {
             match part {
                 Component::Normal(name) => {
-                    let lower = name.to_string_lossy().to_lowercase();
-                    let real = self.listing(&path)?.get(&lower)?.clone();
+                    let real = self.listing(&path)?.get(&comparable(&name.to_string_lossy()))?.clone();
                     path.push(real);
                 }
                 Component::ParentDir => {
@@ -126,10 +126,16 @@ impl Finder {
                 std::fs::read_dir(real).into_iter().flatten().flatten().map(|e| e.file_name()).collect();
             // Of two names that differ only in case, the choice is always the same.
             names.sort_by(|a, b| b.cmp(a));
-            names.into_iter().map(|n| (n.to_string_lossy().to_lowercase(), n)).collect()
+            names.into_iter().map(|n| (comparable(&n.to_string_lossy()), n)).collect()
         });
         Some(listing)
     }
+}
+
+/// Returns a name as names are compared: in lower case, with accents joined to their letters
+/// (NFC). Some systems write them apart.
+fn comparable(name: &str) -> String {
+    name.to_lowercase().nfc().collect()
 }
 
 fn push_new(candidates: &mut Vec<PathBuf>, candidate: PathBuf) {

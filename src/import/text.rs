@@ -194,6 +194,20 @@ pub(super) fn number(token: &str) -> Option<f64> {
     parsed.filter(|n| n.is_finite())
 }
 
+/// Returns numbers that are written with decimal commas (`1,5 -0,25`) with decimal points; `None`
+/// where a word is no such number.
+pub(super) fn with_decimal_points(rest: &str) -> Option<String> {
+    let is_number = |word: &str| {
+        let (whole, part) = word.split_once(',').unwrap_or((word, ""));
+        let is_part =
+            |text: &str| text.bytes().all(|b| b.is_ascii_digit() || matches!(b, b'e' | b'E' | b'-' | b'+'));
+        !word.contains('.') && is_part(whole) && is_part(part)
+    };
+    let words = || rest.split_ascii_whitespace().take_while(|word| !word.starts_with('#'));
+    (rest.contains(',') && words().all(is_number))
+        .then(|| words().collect::<Vec<_>>().join(" ").replace(',', "."))
+}
+
 /// Returns a name without its quotes. A comment is kept, because `wood #2` is a name; see
 /// [`without_comment`].
 pub(super) fn name(rest: &str) -> &str {

@@ -37,6 +37,10 @@ troubles! {
     FACE_WITHOUT_AREA: "polygon" / "polygons", "without area" => "skipped";
     FACE_CROSSES_ITSELF: "polygon" / "polygons",
         "with edges that cross" => "filled as far as possible";
+    SMOOTHING_GROUP: "smoothing group" / "smoothing groups", "without a number" => "shaded flat";
+    WITHOUT_EFFECT: "statement" / "statements",
+        "of display attributes (mg, lod, bevel, c_interp, d_interp, shadow_obj, trace_obj, usemap, maplib)"
+        => "ignored; the faces are shown without";
     LINE_OR_POINT: "line or point" / "lines or points", "without a surface" => "left out";
     FREE_FORM: "free-form statement" / "free-form statements",
         "of curves or surfaces, which are not supported"
@@ -59,9 +63,27 @@ troubles! {
         "that would be invisible (d 0 without a glass illum), usually an exporter's mistake"
         => "taken as opaque";
     UNKNOWN_ILLUM: "illum value" / "illum values", "outside 0 to 10" => "taken as matte";
-    DISTRUSTED: "bright, opaque material" / "bright, opaque materials",
-        "declared as mirror or glass, as some exporters write for everything"
+    DISTRUSTED: "opaque material" / "opaque materials",
+        "declared as mirror or glass by an illum that other values contradict, as some exporters write for everything"
         => "taken as matte; the scene's .afterimage.toml can override it";
+    MAYA_OPACITY: "material" / "materials",
+        "with illum 4, Ni 1 and a Tf, by which Maya writes opacity" => "taken as translucent";
+    BLACK_PICTURE: "material" / "materials",
+        "with Kd 0 in front of a picture, which would hide it" => "the picture is shown as it is";
+    AMBIENT_PICTURE: "material" / "materials",
+        "with a picture of ambient light (map_Ka) alone" => "shown with it as their colour";
+    DECIMAL_COMMA: "line" / "lines", "with decimal commas" => "read as decimal points";
+    RELIEF: "picture" / "pictures", "of bumps or normals" => "not used; the surface is shown smooth";
+    DISPLACEMENT: "picture" / "pictures",
+        "of displacement" => "not used; the surface keeps its shape";
+    GLOSS_PICTURE: "picture" / "pictures",
+        "of gloss, roughness or metalness" => "not used; the surface reflects evenly";
+    DECAL: "picture" / "pictures", "of a decal or a reflection" => "not used";
+    FINISH: "value" / "values",
+        "of sheen, clear coat or anisotropy" => "not used; the surface is shown without";
+    MAP_OPTION: "option of a picture" / "options of pictures",
+        "without support here" => "ignored; the picture is shown without";
+
 }
 
 // glTF.
@@ -92,8 +114,8 @@ troubles! {
         "after the first" => "left out; there is one sun";
     OUT_OF_RANGE: "material value" / "material values", "out of range" => "clamped";
     ALPHA_MODE: "material" / "materials", "with an unknown alphaMode" => "taken as opaque";
-    BLENDED: "material" / "materials",
-        "blended by the alpha of a picture" => "cut at one half instead";
+    BLENDED: "mirror" / "mirrors",
+        "blended by the alpha of a picture" => "cut out at one half instead";
     MASKED_AWAY: "material" / "materials", "masked away entirely" => "taken as opaque";
     TURNED_TEXTURE: "texture" / "textures",
         "rotated by KHR_texture_transform" => "used without rotation";

@@ -220,8 +220,8 @@ impl<'a> BandLookup<'a> {
 
     /// The emission and the reflected smooth light of a known pixel.
     fn certain_light(&self, surfaces: &TileSurfaces, light: &TileLight, ray: usize) -> Vec3 {
-        let material = &self.tracer.scene().materials[surfaces.material[ray].0 as usize];
-        material.emission + self.tracer.albedo(&surfaces.hit(ray)) * light.smooth_at(ray)
+        let hit = surfaces.hit(ray);
+        self.tracer.emission(&hit) + self.tracer.albedo(&hit) * light.smooth_at(ray)
     }
 
     /// Writes what is known of a pixel. Returns its type, which says what is left to do.
@@ -242,7 +242,8 @@ impl<'a> BandLookup<'a> {
             PixelType::Reused
         } else {
             let material = &self.tracer.scene().materials[surfaces.material[ray].0 as usize];
-            rows.radiance[at] = material.emission;
+            rows.radiance[at] =
+                material.emission_at(&self.tracer.scene().textures, || self.tracer.uv(&surfaces.hit(ray)));
             let is_wanted = surfaces.points.wanted >> ray & 1 == 1;
             let is_known = light.known >> ray & 1 == 1;
             if is_known {

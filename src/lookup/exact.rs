@@ -321,7 +321,7 @@ impl PixelResolver<'_> {
     }
 
     fn emission(&self, point: &SurfacePoint) -> Vec3 {
-        self.tracer.scene().materials[point.material.0 as usize].emission
+        point.emission(self.tracer.scene())
     }
 
     /// A point at a distance along the path to it, as look-ups name it.

@@ -148,7 +148,7 @@ impl Filler<'_> {
         let light = self.light_of(pixel, &ray, &hit).unwrap_or_default();
         let material = tracer.scene().material_of(hit.triangle);
         let specular = if material.is_view_dependent() { self.specular(pixel) } else { Vec3::ZERO };
-        material.emission + tracer.albedo(&hit) * light + specular
+        tracer.emission(&hit) + tracer.albedo(&hit) * light + specular
     }
 
     /// What the mirror or glass of a pixel shows.
@@ -159,7 +159,7 @@ impl Filler<'_> {
         let (key, distance) = (Key::of_pixel(*seed, pixel), hit.t * ray.direction.length());
         let shade = |next: &SurfacePoint, vertex: PathVertex| {
             let albedo = next.albedo(tracer.scene());
-            let emission = tracer.scene().materials[next.material.0 as usize].emission;
+            let emission = next.emission(tracer.scene());
             if albedo == Vec3::ZERO {
                 return emission;
             }

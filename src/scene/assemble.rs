@@ -1,6 +1,7 @@
 //! From a builder to a complete scene. Everything that cannot be traced is dropped and counted
 //! here, once.
 
+use super::coincident;
 use super::conditioning::{Conditioning, Repairs};
 use super::duplicates::Duplicates;
 use super::light_groups::{LightGroups, LightSettings};
@@ -45,6 +46,7 @@ impl SceneBuilder {
         let duplicates = Duplicates::find(&scene);
         (repairs.duplicates_hidden, repairs.duplicates_seen) = (duplicates.hidden.len(), duplicates.seen);
         scene.hidden = duplicates.hidden;
+        scene.coincident = Arc::new(coincident::find(&scene));
         scene.conditioning = Conditioning::of(&scene, repairs);
         scene.features.needles = scene.conditioning.needles > 0;
         scene.derive(point_lights);
@@ -56,8 +58,7 @@ impl SceneBuilder {
     fn into_scene(mut self, positions: Vec<Vec3>, frame: SceneFrame, bounds_m: [DVec3; 2]) -> Scene {
         let building_m = building::extent(&self.positions, &self.triangles, bounds_m, frame.units_per_metre);
         let (walk, [brings_view, brings_walk]) = self.views_and_walk(building_m);
-        let is_textured =
-            self.materials.iter().any(|m| m.diffuse_texture.is_some() || m.alpha_texture.is_some());
+        let is_textured = self.materials.iter().any(|m| m.textures().iter().any(Option::is_some));
         let has_normals = self.normals.iter().any(|n| *n != Vec3::ZERO);
         Scene {
             name: self.name,
@@ -91,6 +92,7 @@ impl SceneBuilder {
             bounds_m,
             building_m,
             hidden: Vec::new(),
+            coincident: Arc::default(),
             conditioning: Conditioning::default(),
         }
     }

@@ -83,6 +83,8 @@ pub struct Scene {
     pub building_m: [DVec3; 2],
     /// Triangles that coincide with an earlier one and look the same, ascending. Rays ignore them.
     pub hidden: Vec<u32>,
+    /// For each triangle, whether it may lie on one of another material; empty where none does.
+    pub coincident: Arc<Vec<bool>>,
     /// How demanding the scene is numerically, and what was repaired.
     pub conditioning: Conditioning,
 }
@@ -119,6 +121,11 @@ impl Scene {
     /// photometric units, else 10,000, so that a clear day is bright at an exposure of 0.
     pub fn nits_per_unit(&self) -> f32 {
         nits_per_unit(self.is_photometric)
+    }
+
+    /// True where a triangle may lie on one of another material.
+    pub fn is_coincident(&self, triangle: u32) -> bool {
+        self.coincident.get(triangle as usize).is_some_and(|is| *is)
     }
 
     /// Returns the camera of the start view.

@@ -15,8 +15,8 @@ impl Scene {
         self.lights.extend(self.sky.as_ref().and_then(Sky::with_suns).map(|_| Light::SkySuns));
         materials.resize(self.lights.len(), None);
         self.light_groups = group_lights::group(self, &materials);
-        self.features =
-            SceneFeatures::of(&self.materials, &self.lights, self.sky.is_some(), self.features.needles);
+        let of_triangles = [self.features.needles, !self.coincident.is_empty()];
+        self.features = SceneFeatures::of(&self.materials, &self.lights, self.sky.is_some(), of_triangles);
         self.solids = solids::classify(self);
         self.hash = hash::of(self);
     }

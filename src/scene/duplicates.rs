@@ -2,8 +2,8 @@
 //! Rounding would choose between two surfaces at the same distance pixel by pixel, so rays only
 //! meet the first.
 
-use super::connectivity::corner_keys;
-use super::{Material, Scene};
+use super::Scene;
+use super::connectivity::{PositionKey, corner_keys};
 use rayon::prelude::*;
 
 /// Triangles with the same corners as an earlier one.
@@ -11,7 +11,7 @@ pub(super) struct Duplicates {
     /// Triangles hidden by the earlier one, ascending.
     pub(super) hidden: Vec<u32>,
     /// Number of triangles that rays must still meet, because one of the two is glass, has an alpha
-    /// texture or emits differently.
+    /// texture, emits differently, or has another material and faces the other way.
     pub(super) seen: usize,
 }
 
@@ -29,7 +29,7 @@ impl Duplicates {
         for equal in order.chunk_by(|a, b| a.0 == b.0).filter(|group| group.len() > 1) {
             let first = equal[0].1;
             for &(_, later) in equal[1..].iter().filter(|(_, later)| corners(*later) == corners(first)) {
-                if hides(scene.material_of(first), scene.material_of(later)) {
+                if hides(scene, first, later) {
                     found.hidden.push(later);
                 } else {
                     found.seen += 1;
@@ -41,9 +41,21 @@ impl Duplicates {
     }
 }
 
-/// True if a surface of the first material hides one of the second in the same place.
-fn hides(first: &Material, later: &Material) -> bool {
-    first.is_opaque() && later.is_opaque() && first.emission == later.emission
+/// True if a triangle hides a later one in the same place. One of another material that faces the
+/// other way is seen from there.
+fn hides(scene: &Scene, first: u32, later: u32) -> bool {
+    let [a, b] = [first, later].map(|t| scene.material_of(t));
+    let is_same = scene.triangle_materials[first as usize] == scene.triangle_materials[later as usize];
+    let looks_alike = is_same || is_wound_alike(&corner_keys(scene, first), &corner_keys(scene, later));
+    a.is_opaque()
+        && b.is_opaque()
+        && (a.emission, a.emission_texture) == (b.emission, b.emission_texture)
+        && looks_alike
+}
+
+/// True where two triangles with the same corners name them in the same order.
+fn is_wound_alike(a: &[PositionKey; 3], b: &[PositionKey; 3]) -> bool {
+    (0..3).any(|turn| (0..3).all(|i| a[i] == b[(i + turn) % 3]))
 }
 
 fn fingerprint(corners: &[[u32; 3]; 3]) -> u64 {

@@ -1,7 +1,7 @@
 //! Lights made from emissive triangles.
 
 use super::connectivity::connected_groups;
-use super::{Light, MaterialId, Scene};
+use super::{Light, MaterialId, Scene, light_picture};
 use glam::Vec3;
 
 /// Returns the lights formed by the emissive triangles of a scene, each with its material.
@@ -13,11 +13,15 @@ pub(super) fn lights(scene: &Scene) -> Vec<(MaterialId, Light)> {
         scene.triangle_indices().filter(|&t| scene.material_of(t).is_emissive()).collect();
     connected_groups(scene, &emissive, |t| scene.triangle_materials[t as usize])
         .into_iter()
-        .map(|group| {
+        .filter_map(|group| {
+            let material = scene.triangle_materials[group[0] as usize];
+            if !scene.material_of(group[0]).emits_evenly() {
+                return light_picture::of(scene, &group).map(|light| (material, light));
+            }
             let radiance = scene.material_of(group[0]).emission;
             let corners: Vec<_> = group.iter().map(|&t| scene.corners(t)).collect();
             let light = as_quad(&corners, radiance).unwrap_or_else(|| as_mesh(corners, radiance));
-            (scene.triangle_materials[group[0] as usize], light)
+            Some((material, light))
         })
         .collect()
 }
@@ -53,5 +57,5 @@ fn as_mesh(corners: Vec<[Vec3; 3]>, radiance: Vec3) -> Light {
     if let Some(last) = cumulative_area.last_mut() {
         *last = 1.0;
     }
-    Light::Triangles { corners, cumulative_area, area, radiance }
+    Light::Triangles { corners, cumulative_area, area, radiance, picture: None }
 }

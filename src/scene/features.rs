@@ -22,6 +22,8 @@ pub struct SceneFeatures {
     /// A triangle is a needle ([`Conditioning::needles`](super::Conditioning::needles)), whose hits
     /// must be checked.
     pub needles: bool,
+    /// A triangle may lie on one of another material, so that hits on both must be compared.
+    pub coincident: bool,
 }
 
 impl SceneFeatures {
@@ -34,24 +36,27 @@ impl SceneFeatures {
         area_lights: true,
         sky: true,
         needles: true,
+        coincident: true,
     };
 
-    pub(super) fn of(materials: &[Material], lights: &[Light], sky: bool, needles: bool) -> Self {
+    pub(super) fn of(materials: &[Material], lights: &[Light], sky: bool, of_triangles: [bool; 2]) -> Self {
+        let [needles, coincident] = of_triangles;
         let any = |test: fn(&Material) -> bool| materials.iter().any(test);
         Self {
             mirror: any(Material::is_mirror),
             glass: any(Material::is_glass),
-            textures: any(|m| m.diffuse_texture.is_some()),
+            textures: any(|m| m.diffuse_texture.or(m.emission_texture).or(m.coverage_texture).is_some()),
             alpha: any(|m| m.alpha_texture.is_some()),
             area_lights: lights.iter().any(|l| matches!(l, Light::Quad { .. } | Light::Triangles { .. })),
             sky,
             needles,
+            coincident,
         }
     }
 
     /// True if the hit of a ray on a triangle may have to be rejected.
     pub(crate) fn checks_hits(&self) -> bool {
-        self.alpha || self.needles
+        self.alpha || self.needles || self.coincident
     }
 
     /// Returns the names of what the renderer skips because the scene does not need it.
@@ -64,6 +69,7 @@ impl SceneFeatures {
             (self.area_lights, "area lights"),
             (self.sky, "sky"),
             (self.needles, "check of hits on needles"),
+            (self.coincident, "order of faces in one place"),
         ]
         .into_iter()
         .filter_map(|(needed, name)| (!needed).then_some(name))

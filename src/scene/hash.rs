@@ -58,6 +58,13 @@ impl SceneHasher {
                 self.add(texture.map(|t| t.texture.0).as_slice());
                 self.add(texture.map(|t| [t.scale, t.offset]).as_slice());
             }
+            // Materials without these keep their bytes.
+            for (tag, texture) in [(1, material.coverage_texture), (2, material.emission_texture)] {
+                if let Some(t) = texture {
+                    self.add(&[tag, t.texture.0]);
+                    self.add(&[t.scale, t.offset]);
+                }
+            }
         }
     }
 

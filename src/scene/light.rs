@@ -1,8 +1,8 @@
 //! The light sources of a scene.
 
-use super::Sun;
+use super::{Material, MaterialId, Sun, Texture};
 use crate::math::sampling::uniform_triangle;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 /// A light source in scene space. Colours are linear Rec. 709.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,8 +27,10 @@ pub enum Light {
         cumulative_area: Vec<f32>,
         /// Total area in square scene units.
         area: f32,
-        /// Emitted radiance.
+        /// Emitted radiance, the mean where it has a picture.
         radiance: Vec3,
+        /// The picture that it shows; `None` where it emits evenly.
+        picture: Option<Box<LightPicture>>,
     },
     /// A point light.
     Point {
@@ -52,6 +54,41 @@ pub enum Light {
     SkySuns,
 }
 
+/// The picture of a [`Light::Triangles`], whose triangles are pieces of those of the scene. Its
+/// `cumulative_area` is of light instead of area: bright pieces are sampled more often.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LightPicture {
+    /// Material, whose textures are the picture.
+    pub(crate) material: MaterialId,
+    /// Mean of the picture over the area of the light.
+    pub(crate) mean: Vec3,
+    /// Texture coordinates of the corners of each piece.
+    pub(crate) uvs: Vec<[Vec2; 3]>,
+    /// Area that a sample of each piece stands for, square scene units.
+    pub(crate) sampled_area: Vec<f32>,
+}
+
+impl LightPicture {
+    /// Returns the area that a sample of a piece stands for, and its radiance over the mean, at
+    /// barycentrics (b1, b2).
+    pub(crate) fn sample(
+        &self,
+        (materials, textures): (&[Material], &[Texture]),
+        piece: usize,
+        [b1, b2]: [f32; 2],
+    ) -> (f32, Vec3) {
+        let [a, b, c] = self.uvs[piece];
+        let uv = a * (1.0 - b1 - b2) + b * b1 + c * b2;
+        let material = &materials[self.material.0 as usize];
+        let texel = material.emission_texel(textures, uv);
+        let relative = |channel: usize| match self.mean[channel] {
+            mean if mean > 0.0 => texel[channel] / mean,
+            _ => 0.0,
+        };
+        (self.sampled_area[piece], Vec3::from_array([0, 1, 2].map(relative)))
+    }
+}
+
 impl From<Sun> for Light {
     fn from(sun: Sun) -> Self {
         let Sun { direction, angular_radius, irradiance } = sun;
@@ -64,14 +101,18 @@ impl From<Sun> for Light {
 /// steps.
 const ROOT_OF_TWO: u32 = 0x6a09_e667;
 
-/// Maps a point `u` of the unit square to a point of a mesh, uniformly by area. Returns the point
-/// and the index of its triangle. `cumulative_area` is that of [`Light::Triangles`].
+/// Maps a point `u` of the unit square to a point of a mesh, uniformly by area. Returns the point,
+/// the index of its triangle, and its barycentrics there. `cumulative_area` is that of [`Light::Triangles`].
 ///
 /// The first coordinate selects the triangle, and its place within the triangle's share is the
 /// first coordinate there. On a mesh of equal triangles, points in equal steps all have the same
 /// place, so it is rotated by a multiple of the square root of two for each triangle (a Weyl
 /// sequence): still uniform, and stratified where a triangle holds several points.
-pub(crate) fn point_on_mesh(corners: &[[Vec3; 3]], cumulative_area: &[f32], u: [f32; 2]) -> (Vec3, usize) {
+pub(crate) fn point_on_mesh(
+    corners: &[[Vec3; 3]],
+    cumulative_area: &[f32],
+    u: [f32; 2],
+) -> (Vec3, usize, [f32; 2]) {
     let chosen = cumulative_area.partition_point(|&c| c <= u[0]).min(corners.len() - 1);
     let below = if chosen == 0 { 0.0 } else { cumulative_area[chosen - 1] };
     let within = ((u[0] - below) / (cumulative_area[chosen] - below)).clamp(0.0, 1.0);
@@ -79,7 +120,7 @@ pub(crate) fn point_on_mesh(corners: &[[Vec3; 3]], cumulative_area: &[f32], u: [
     let turned = within + turn;
     let [a, b, c] = corners[chosen];
     let [b1, b2] = uniform_triangle([if turned >= 1.0 { turned - 1.0 } else { turned }, u[1]]);
-    (a + (b - a) * b1 + (c - a) * b2, chosen)
+    (a + (b - a) * b1 + (c - a) * b2, chosen, [b1, b2])
 }
 
 #[cfg(test)]
@@ -153,7 +194,7 @@ mod tests {
             const COUNT: u32 = 1 << 16;
             let mut counts = vec![[0u32; 4]; mesh.0.len()];
             for i in 0..COUNT {
-                let (point, chosen) = point_on_mesh(&mesh.0, &mesh.1, Key::of_pixel(3, i).pair());
+                let (point, chosen, _) = point_on_mesh(&mesh.0, &mesh.1, Key::of_pixel(3, i).pair());
                 let [a, b, c] = mesh.0[chosen];
                 let whole = (b - a).cross(c - a).z;
                 let weights = [(c - b).cross(point - b), (a - c).cross(point - c), (b - a).cross(point - a)];

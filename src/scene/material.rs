@@ -1,8 +1,8 @@
 //! Surface materials. The diffuse part does not depend on the viewer, so that references can
 //! provide it; the specular part must be traced.
 
-use super::TextureRef;
-use glam::Vec3;
+use super::{Texture, TextureRef};
+use glam::{Vec2, Vec3};
 
 /// Index into [`Scene::materials`](super::Scene::materials).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -40,8 +40,14 @@ pub struct Material {
     pub diffuse_texture: Option<TextureRef>,
     /// Texture whose alpha channel removes the surface where it is below one half.
     pub alpha_texture: Option<TextureRef>,
+    /// Texture whose alpha channel is the share (0..1) of the surface that is there: it scales what
+    /// is reflected and emitted, and the rest of the light passes. The specular part must be glass
+    /// with an index of refraction of one; its transmittance does not count.
+    pub coverage_texture: Option<TextureRef>,
     /// Radiance emitted from both sides, linear Rec. 709.
     pub emission: Vec3,
+    /// Texture multiplied with `emission`.
+    pub emission_texture: Option<TextureRef>,
     /// The specular part.
     pub kind: MaterialKind,
 }
@@ -54,7 +60,9 @@ impl Material {
             diffuse,
             diffuse_texture: None,
             alpha_texture: None,
+            coverage_texture: None,
             emission: Vec3::ZERO,
+            emission_texture: None,
             kind: MaterialKind::Diffuse,
         }
     }
@@ -108,6 +116,47 @@ impl Material {
     /// True if the surface emits light.
     pub fn is_emissive(&self) -> bool {
         self.emission.max_element() > 0.0
+    }
+
+    /// Returns the radiance emitted at a point; `uv` returns its texture coordinate and is called
+    /// for textured materials only.
+    #[inline(always)]
+    pub fn emission_at(&self, textures: &[Texture], uv: impl FnOnce() -> Vec2) -> Vec3 {
+        if self.emits_evenly() { self.emission } else { self.emission * self.emission_texel(textures, uv()) }
+    }
+
+    /// True where no texture changes the emission.
+    pub(crate) fn emits_evenly(&self) -> bool {
+        self.emission_texture.is_none() && self.coverage_texture.is_none()
+    }
+
+    /// Returns what the textures multiply the emission with.
+    pub(crate) fn emission_texel(&self, textures: &[Texture], uv: Vec2) -> Vec3 {
+        let texel = self.emission_texture.map_or(Vec3::ONE, |map| map.color(textures, uv));
+        texel * self.coverage_at(textures, || uv)
+    }
+
+    /// Returns the share (0..1) of the surface that is there at a point.
+    #[inline(always)]
+    pub fn coverage_at(&self, textures: &[Texture], uv: impl FnOnce() -> Vec2) -> f32 {
+        self.coverage_texture.map_or(1.0, |map| map.alpha(textures, uv()))
+    }
+
+    /// Returns the share of light that passes a covered surface at a point; `None` for others.
+    #[inline(always)]
+    pub(crate) fn gap_at(&self, textures: &[Texture], uv: impl FnOnce() -> Vec2) -> Option<f32> {
+        self.coverage_texture.map(|map| 1.0 - map.alpha(textures, uv()))
+    }
+
+    /// Returns all uses of textures.
+    pub fn textures(&self) -> [Option<TextureRef>; 4] {
+        [self.diffuse_texture, self.alpha_texture, self.coverage_texture, self.emission_texture]
+    }
+
+    /// Makes the surface transparent by the alpha channel of a texture, without refraction.
+    pub fn cover_by(&mut self, texture: TextureRef) {
+        self.coverage_texture = Some(texture);
+        self.kind = MaterialKind::Glass { eta: 1.0, transmittance: Vec3::ZERO };
     }
 
     /// Returns the colour of the specular part: the reflectance of a mirror at normal incidence,

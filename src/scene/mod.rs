@@ -8,6 +8,7 @@ mod bounds;
 mod builder;
 mod building;
 pub mod builtin;
+mod coincident;
 mod compute_conditioning;
 mod conditioning;
 mod connectivity;
@@ -25,6 +26,7 @@ mod group_lights;
 mod hash;
 mod light;
 mod light_groups;
+mod light_picture;
 mod material;
 mod move_objects;
 mod object_edits;
@@ -45,14 +47,15 @@ pub use crate::camera::SceneFrame;
 pub(crate) use assemble::NO_LIGHT;
 pub(crate) use bounds::is_valid_position;
 pub use builder::SceneBuilder;
+pub(crate) use coincident::{beats, share_plane};
 pub use conditioning::{Conditioning, Repairs};
 pub use data::{Scene, SolidSide};
 pub use daylight::{Daylight, DaylightModel};
 pub use edit::SceneEdit;
 pub use error::{SceneError, Warning};
 pub use features::SceneFeatures;
-pub use light::Light;
 pub(crate) use light::point_on_mesh;
+pub use light::{Light, LightPicture};
 pub use light_groups::{
     LampGroup, LightGroup, LightGroupKind, LightGroups, LightSetting, LightSettings, MAX_LAMP_GROUPS,
     MAX_LIGHT_GROUPS, NO_LIGHT_GROUP,

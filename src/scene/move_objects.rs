@@ -2,6 +2,7 @@
 //! is undone brings back its very bits.
 
 use super::assemble::has_area;
+use super::coincident;
 use super::duplicates::Duplicates;
 use super::object_edits::{EditedObjects, LoadedGeometry, ObjectEdits};
 use super::{MaterialId, ObjectKey, Objects, Scene};
@@ -61,6 +62,7 @@ impl Scene {
                 triangle_materials: self.triangle_materials.clone(),
                 objects: self.objects.clone(),
                 hidden: self.hidden.clone(),
+                coincident: self.coincident.clone(),
             },
             |edited| edited.loaded.clone(),
         )
@@ -80,11 +82,11 @@ impl Scene {
         let loaded = self.loaded();
         let mut scene = self.clone();
         if edits.is_empty() {
-            let LoadedGeometry { positions, normals, uvs, triangles, triangle_materials, objects, hidden } =
-                loaded;
+            let LoadedGeometry { positions, normals, uvs, triangles, triangle_materials, .. } = loaded;
             (scene.positions, scene.normals, scene.uvs) = (positions, normals, uvs);
             (scene.triangles, scene.triangle_materials) = (triangles, triangle_materials);
-            (scene.objects, scene.hidden, scene.edited_objects) = (objects, hidden, None);
+            (scene.objects, scene.hidden, scene.edited_objects) = (loaded.objects, loaded.hidden, None);
+            scene.coincident = loaded.coincident;
             return scene;
         }
         let Some(moved) = self.moved(&loaded, &edits) else { return scene };
@@ -93,6 +95,7 @@ impl Scene {
         (scene.triangles, scene.triangle_materials, scene.objects) =
             (Arc::new(moved.triangles), Arc::new(moved.triangle_materials), Arc::new(moved.objects));
         scene.hidden = Duplicates::find(&scene).hidden;
+        scene.coincident = Arc::new(coincident::find(&scene));
         scene.edited_objects = Some(Arc::new(EditedObjects { loaded, edits }));
         scene
     }

@@ -35,6 +35,7 @@ pub(super) struct LoadedGeometry {
     pub(super) triangle_materials: Arc<Vec<MaterialId>>,
     pub(super) objects: Arc<Objects>,
     pub(super) hidden: Vec<u32>,
+    pub(super) coincident: Arc<Vec<bool>>,
 }
 
 /// The edits of a scene's objects, and what was there before.

@@ -26,6 +26,17 @@ impl TextureRef {
     pub fn plain(texture: TextureId) -> Self {
         Self { texture, scale: Vec2::ONE, offset: Vec2::ZERO }
     }
+
+    /// Returns the linear colour at a texture coordinate of the surface.
+    #[inline(always)]
+    pub fn color(&self, textures: &[Texture], uv: Vec2) -> Vec3 {
+        textures[self.texture.0 as usize].color(uv * self.scale + self.offset)
+    }
+
+    /// Returns the coverage at a texture coordinate of the surface, 0 to 1.
+    pub fn alpha(&self, textures: &[Texture], uv: Vec2) -> f32 {
+        textures[self.texture.0 as usize].alpha(uv * self.scale + self.offset)
+    }
 }
 
 /// How the stored numbers of a texture are decoded.

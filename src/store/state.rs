@@ -80,16 +80,28 @@ pub(super) fn read_state(bytes: &[u8], scene: &Scene, names: &StateNames) -> Opt
     from.0.is_empty().then_some(edit)
 }
 
+/// Byte in the place of a material's kind that says that two more textures come before it.
+const OTHER_TEXTURES: u8 = 0x80;
+
+fn write_texture(to: &mut ByteWriter, texture: Option<TextureRef>, textures: &[ContentHash]) {
+    let hash = texture.and_then(|used| textures.get(used.texture.0 as usize));
+    to.0.push(u8::from(hash.is_some()));
+    if let Some((used, &hash)) = texture.zip(hash) {
+        to.u64(hash);
+        [used.scale, used.offset].iter().for_each(|pair| to.pair(*pair));
+    }
+}
+
 fn write_material(to: &mut ByteWriter, material: &Material, textures: &[ContentHash]) {
     to.vector(material.diffuse);
     to.vector(material.emission);
     for texture in [material.diffuse_texture, material.alpha_texture] {
-        let hash = texture.and_then(|used| textures.get(used.texture.0 as usize));
-        to.0.push(u8::from(hash.is_some()));
-        if let Some((used, &hash)) = texture.zip(hash) {
-            to.u64(hash);
-            [used.scale, used.offset].iter().for_each(|pair| to.pair(*pair));
-        }
+        write_texture(to, texture, textures);
+    }
+    let others = [material.coverage_texture, material.emission_texture];
+    if others.iter().any(Option::is_some) {
+        to.0.push(OTHER_TEXTURES);
+        others.into_iter().for_each(|texture| write_texture(to, texture, textures));
     }
     match material.kind {
         MaterialKind::Diffuse => to.0.push(0),
@@ -109,13 +121,21 @@ fn write_material(to: &mut ByteWriter, material: &Material, textures: &[ContentH
 fn read_material(from: &mut ByteReader<'_>, textures: &HashMap<ContentHash, TextureId>) -> Option<Material> {
     let (diffuse, emission) = (from.vector()?, from.vector()?);
     let [diffuse_texture, alpha_texture] = [read_texture(from, textures)?, read_texture(from, textures)?];
-    let kind = match from.byte()? {
+    let mut tag = from.byte()?;
+    let mut others = [None; 2];
+    if tag == OTHER_TEXTURES {
+        others = [read_texture(from, textures)?, read_texture(from, textures)?];
+        tag = from.byte()?;
+    }
+    let kind = match tag {
         0 => MaterialKind::Diffuse,
         tag @ (1 | 2) => MaterialKind::Mirror { reflectance: from.vector()?, fresnel: tag == 2 },
         3 => MaterialKind::Glass { eta: from.f32()?, transmittance: from.vector()? },
         _ => return None,
     };
-    Some(Material { name: String::new(), diffuse, diffuse_texture, alpha_texture, emission, kind })
+    let [coverage_texture, emission_texture] = others;
+    let plain = Material { emission, kind, ..Material::diffuse("", diffuse) };
+    Some(Material { diffuse_texture, alpha_texture, coverage_texture, emission_texture, ..plain })
 }
 
 fn read_texture(

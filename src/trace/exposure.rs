@@ -128,8 +128,7 @@ impl Tracer {
             let traced = self.pixel(view, pixel, &settings, &mut RayCounts::default());
             sums.seen += f64::from(luminance(traced.radiance));
             let scatters = traced.hit.is_some_and(|hit| {
-                let emission = self.scene().material_of(hit.triangle).emission;
-                emission == Vec3::ZERO && self.albedo(&hit) != Vec3::ZERO
+                !self.scene().material_of(hit.triangle).is_emissive() && self.albedo(&hit) != Vec3::ZERO
             });
             if scatters {
                 sums.surfaces += 1.0;

@@ -82,6 +82,11 @@ impl SurfacePoint {
         albedo(&scene.materials[self.material.0 as usize], &scene.textures, || self.uv)
     }
 
+    /// Emitted radiance.
+    pub fn emission(&self, scene: &Scene) -> Vec3 {
+        scene.materials[self.material.0 as usize].emission_at(&scene.textures, || self.uv)
+    }
+
     /// The viewer's side of the surface, as scattering needs it.
     pub fn facing(&self, scene: &Scene) -> Facing {
         let enters_solid = match scene.solids.get(self.triangle as usize) {

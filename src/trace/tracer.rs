@@ -7,8 +7,8 @@ use crate::bsdf::albedo;
 use crate::camera::View;
 use crate::math::Ray;
 use crate::raster::exposure::Metered;
-use crate::scene::{Material, Scene};
-use glam::Vec3;
+use crate::scene::{Material, Scene, beats, share_plane};
+use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
@@ -167,7 +167,40 @@ impl Tracer {
     /// True where a hit counts: it is not cut out, and lies on its triangle.
     pub(super) fn stands(&self, ray: &Ray, hit: &Hit) -> bool {
         let features = self.scene.features;
+        self.blocks_light(ray, hit) && (!features.coincident || self.is_seen_first(ray, hit))
+    }
+
+    /// True where a hit of a shadow ray counts. Of faces in one place, any of them blocks.
+    pub(super) fn blocks_light(&self, ray: &Ray, hit: &Hit) -> bool {
+        let features = self.scene.features;
         (!features.alpha || self.is_covered(hit)) && (!features.needles || self.is_in_reach(ray, hit))
+    }
+
+    /// False where another face in the same place is seen instead: the one that faces the viewer,
+    /// else the first of the model.
+    pub(super) fn is_seen_first(&self, ray: &Ray, hit: &Hit) -> bool {
+        /// Length, relative to the distance, of the piece of the ray in which the other face is
+        /// looked for: 512 units in the last place.
+        const SLACK: f32 = 1.0 / 16_384.0;
+        /// The same, relative to the coordinates of the face, which bound the rounding of its
+        /// distance.
+        const ROUNDING: f32 = 1.0 / (1 << 20) as f32;
+        let scene = &*self.scene;
+        if !scene.is_coincident(hit.triangle) {
+            return true;
+        }
+        let largest = scene.corners(hit.triangle).iter().fold(0.0, |m: f32, p| m.max(p.abs().max_element()));
+        let slack = (hit.t * SLACK).max(largest * ROUNDING / ray.direction.length());
+        // The ray itself, not a piece of it: both faces are met or missed by the same arithmetic.
+        let until = Ray { t_max: ray.t_max.min(hit.t + slack), ..*ray };
+        !self.bvh.any(&until, |other| {
+            let (a, b) = (hit.triangle, other.triangle);
+            other.t >= hit.t - slack
+                && scene.is_coincident(b)
+                && a != b
+                && share_plane(scene.corners(a), scene.corners(b))
+                && beats(scene, b, a, ray.direction)
+        })
     }
 
     /// True where a hit lies between the nearest and the farthest corner of its triangle, within
@@ -201,6 +234,18 @@ impl Tracer {
     pub fn albedo(&self, hit: &Hit) -> Vec3 {
         let uv = || interpolate_uv(&self.scene, hit.triangle, [hit.b1, hit.b2]);
         albedo(self.scene.material_of(hit.triangle), &self.scene.textures, uv)
+    }
+
+    /// Returns the texture coordinate at a hit.
+    pub(crate) fn uv(&self, hit: &Hit) -> Vec2 {
+        interpolate_uv(&self.scene, hit.triangle, [hit.b1, hit.b2])
+    }
+
+    /// Returns the radiance emitted at a hit.
+    #[inline(always)]
+    pub fn emission(&self, hit: &Hit) -> Vec3 {
+        let uv = || interpolate_uv(&self.scene, hit.triangle, [hit.b1, hit.b2]);
+        self.scene.material_of(hit.triangle).emission_at(&self.scene.textures, uv)
     }
 
     /// Material of a surface point.

@@ -161,7 +161,7 @@ fn a_face_is_kept_without_a_missing_normal_or_texture_coordinate() {
 
 #[test]
 fn faces_of_a_vertex_that_is_not_finite_are_skipped() {
-    for bad in ["nan 0 0", "0 inf 0", "0 0 1e999", "0 0", "1,5 0 0", "-nan(ind) 0 0", "1.#QNAN 0 0"] {
+    for bad in ["nan 0 0", "0 inf 0", "0 0 1e999", "0 0", "1,5,2 0 0", "-nan(ind) 0 0", "1.#QNAN 0 0"] {
         let scene = load_obj(format!("{TRIANGLE}v {bad}\nv 0 0 1\nf 1 2 4\nf 1 2 5\n"));
         assert_eq!(scene.triangles.len(), 2, "{bad}");
         assert_eq!(warning(&scene, "finite number").1, 5);

@@ -87,7 +87,7 @@ fn map_options_are_read() {
         ("-s 2 wood.png", [2.0, 1.0], [0.0, 0.0]),
         ("-o 0.5 0.25 -s 4 4 4 wood.png", [4.0, 4.0], [0.5, 0.25]),
         (
-            "-clamp on -blendu off -bm 0.3 -mm 0 1 -imfchan r -texres 64 -t 0 0 0 wood.png",
+            "-clamp off -blendu on -bm 1.0 -mm 0 1 -imfchan l -texres 64 -t 0 0 0 wood.png",
             [1.0, 1.0],
             [0.0, 0.0],
         ),
@@ -107,6 +107,24 @@ fn a_map_without_a_file_is_ignored() {
     let scene = Folder::with_mtl(&["a"], "newmtl a\nmap_Kd\nmap_d -s 1 1 1\nKd 0.5 0.5 0.5\n").load();
     assert_eq!(material(&scene, "a").diffuse, Vec3::splat(0.5));
     assert!(material(&scene, "a").diffuse_texture.is_none());
+}
+
+#[test]
+fn cloth_lets_light_pass_by_its_alpha() {
+    let cloth: Vec<[u8; 4]> = (0..16).map(|i| [255, 255, 255, 40 + i * 8]).collect();
+    let folder = Folder::with_mtl(
+        &["a", "b"],
+        "newmtl a\nmap_Kd cloth.png\nmap_d cloth.png\nnewmtl b\nmap_Kd cloth.png\n",
+    );
+    let scene = folder.add("cloth.png", png(4, 4, &cloth)).load();
+    // The alpha of a colour picture counts without a map_d as well.
+    for name in ["a", "b"] {
+        let m = material(&scene, name);
+        assert!(
+            m.is_glass() && m.coverage_texture == m.diffuse_texture && m.alpha_texture.is_none(),
+            "{name}"
+        );
+    }
 }
 
 #[test]
@@ -162,12 +180,17 @@ fn a_surface_with_a_missing_mask_has_no_holes() {
 }
 
 #[test]
-fn a_glowing_texture_gives_its_mean_colour() {
+fn a_glowing_texture_multiplies_ke() {
     let glow = png(2, 1, &[[255, 0, 0, 255], [0, 0, 0, 255]]);
     let scene =
         |ke| Folder::with_mtl(&["a"], format!("newmtl a\n{ke}\nmap_Ke g.png\n")).add("g.png", &glow).load();
-    assert_eq!(material(&scene("Ke 4 4 4"), "a").emission.to_array(), [2.0, 0.0, 0.0]);
-    assert_eq!(material(&scene(""), "a").emission.to_array(), [0.5, 0.0, 0.0]);
+    for (ke, emission) in [("Ke 4 4 4", Vec3::splat(4.0)), ("", Vec3::ONE)] {
+        let scene = scene(ke);
+        let a = material(&scene, "a");
+        let at = |u: f32| a.emission_at(&scene.textures, || Vec2::new(u, 0.5));
+        assert_eq!([at(0.25), at(0.75)], [emission * Vec3::X, Vec3::ZERO]);
+        assert_eq!(scene.lights.len(), 1);
+    }
     assert!(!material(&scene("Ke 0 0 0"), "a").is_emissive());
 }
 

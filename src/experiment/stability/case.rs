@@ -94,6 +94,7 @@ impl Case {
     }
 
     /// Marks a case that is known not to hold.
+    #[allow(dead_code, reason = "every case holds now; the next one that does not needs it")]
     pub(super) const fn limited(self, known_limit: &'static str) -> Self {
         Self { known_limit, ..self }
     }

@@ -3,16 +3,15 @@
 //! - Transmission is glass: `ior` refracts, the base colour attenuates; the rest is diffuse.
 //! - Metal above 0.9 with a roughness below 0.1 is a mirror of the base colour.
 //! - Everything else is diffuse in its base colour: there is no glossy reflection here.
-//! - `emissiveFactor` times `emissiveStrength` is radiance; a texture of it contributes its mean
-//!   colour.
-//! - `MASK` removes what is below the cutoff. `BLEND` attenuates evenly, or cuts at one half where
-//!   the alpha of a texture varies.
+//! - `emissiveFactor` times `emissiveStrength` is radiance, multiplied with its texture.
+//! - `MASK` removes what is below the cutoff. `BLEND` lets light pass by the alpha of the material and
+//!   its texture.
 
 use super::document::{Document, List};
 use super::material::{Alpha, GltfMaterial, MaterialReader, Use, uv_set};
 use super::{pictures::Pictures, schema};
-use crate::import::picture::{self, Picture};
-use crate::import::surfaces::{is_polished_metal, thin, undefined};
+use crate::import::picture::{self, Picture, is_translucent};
+use crate::import::surfaces::{fade, is_polished_metal, undefined};
 use crate::import::{tally::Tally, trouble::Trouble};
 use crate::scene::{Material, MaterialId, MaterialKind, SceneBuilder, TextureId, TextureRef};
 use glam::Vec3;
@@ -77,8 +76,13 @@ impl EngineMaterials {
         document: &Document,
         tally: &mut Tally,
     ) {
-        let mut painter =
-            Painter { pictures, textures: HashMap::new(), masks: HashMap::new(), checker: None };
+        let mut painter = Painter {
+            pictures,
+            textures: HashMap::new(),
+            masks: HashMap::new(),
+            blended: HashMap::new(),
+            checker: None,
+        };
         for (index, id, read) in &self.materials {
             let name = std::mem::take(&mut builder.materials[id.0 as usize].name);
             let (material, trouble) = painter.material(&name, read, builder);
@@ -96,6 +100,8 @@ struct Painter<'a> {
     textures: HashMap<usize, TextureId>,
     /// Textures by image and by the bits of the threshold.
     masks: HashMap<(usize, u32), TextureId>,
+    /// Textures by image and by the bits of the opacity.
+    blended: HashMap<(usize, u32), TextureId>,
     checker: Option<TextureId>,
 }
 
@@ -111,7 +117,10 @@ impl Painter<'_> {
             let picture = used.and_then(|u| self.pictures.get(u.image));
             picture.map_or(Vec3::ONE, |p| picture::mean_color(&p.texture))
         };
-        material.emission = read.emission * mean(read.glow_use);
+        material.emission = read.emission;
+        if let Some(used) = read.glow_use {
+            material.emission_texture = self.shown(used, builder);
+        }
         let base = read.base_use.and_then(|u| self.pictures.get(u.image));
         let mean_base = read.base * mean(read.base_use);
         let kept = if read.transmission > 0.0 {
@@ -143,13 +152,18 @@ impl Painter<'_> {
     }
 
     fn color(&mut self, used: Use, builder: &mut SceneBuilder) -> TextureRef {
-        let Some(picture) = self.pictures.get(used.image) else {
-            let checker = *self.checker.get_or_insert_with(|| builder.add_texture(picture::checker()));
-            return TextureRef::plain(checker);
-        };
+        if let Some(shown) = self.shown(used, builder) {
+            return shown;
+        }
+        TextureRef::plain(*self.checker.get_or_insert_with(|| builder.add_texture(picture::checker())))
+    }
+
+    /// Returns a picture as a texture; `None` where it could not be read.
+    fn shown(&mut self, used: Use, builder: &mut SceneBuilder) -> Option<TextureRef> {
+        let picture = self.pictures.get(used.image)?;
         let new = || builder.add_texture(picture.texture.clone());
         let texture = *self.textures.entry(used.image).or_insert_with(new);
-        TextureRef { texture, scale: used.scale, offset: used.offset }
+        Some(TextureRef { texture, scale: used.scale, offset: used.offset })
     }
 
     /// Applies the alpha of a material: `MASK`, and `BLEND` with a texture of varying alpha, cut
@@ -166,22 +180,41 @@ impl Painter<'_> {
         let opacity = read.opacity * if varies { 1.0 } else { flat };
         match (read.alpha, read.base_use) {
             (Alpha::Opaque, _) => None,
-            (Alpha::Blend, _) if material.is_view_dependent() => None,
+            (Alpha::Blend, _) if material.is_glass() => None,
             (Alpha::Mask { cutoff }, Some(used)) if varies => {
                 material.alpha_texture = self.mask(used, cutoff / opacity, builder);
                 None
             }
-            (Alpha::Blend, Some(used)) if varies => {
-                material.alpha_texture = self.mask(used, 0.5 / opacity, builder);
-                Some(Trouble::BLENDED)
-            }
+            (Alpha::Blend, Some(used)) if varies => self.blend(used, opacity, material, builder),
             (Alpha::Mask { cutoff }, _) if opacity < cutoff => Some(Trouble::MASKED_AWAY),
             (Alpha::Blend, _) if opacity < 1.0 => {
-                thin(material, opacity);
+                fade(material, opacity);
                 None
             }
             _ => None,
         }
+    }
+
+    /// Makes the surface see-through by the alpha of its picture times `opacity`. A mirror is cut
+    /// out instead, and reported.
+    fn blend(
+        &mut self,
+        used: Use,
+        opacity: f32,
+        material: &mut Material,
+        builder: &mut SceneBuilder,
+    ) -> Option<Trouble> {
+        let picture = self.pictures.get(used.image)?;
+        let is_cut = opacity >= 1.0 && !is_translucent(picture.texture.texels.iter().map(|t| t[3]));
+        if is_cut || material.is_view_dependent() {
+            material.alpha_texture = self.mask(used, 0.5 / opacity, builder);
+            return (!is_cut).then_some(Trouble::BLENDED);
+        }
+        let faded = |a: u8| (f32::from(a) * opacity + 0.5) as u8;
+        let new = || builder.add_texture(picture::with_alpha(&picture.texture, faded));
+        let texture = *self.blended.entry((used.image, opacity.to_bits())).or_insert_with(new);
+        material.cover_by(TextureRef { texture, scale: used.scale, offset: used.offset });
+        None
     }
 
     /// Returns a texture whose alpha passes one half where that of the picture passes `threshold`;

@@ -10,8 +10,9 @@ use glam::Vec3;
 /// Diffuse reflectance above which a surface is neither a mirror nor clear glass.
 const DARK: f32 = 0.1;
 
-/// Share of all materials above which an improbable claim is a habit of the exporter.
-const DISTRUST_SHARE: f32 = 0.8;
+/// How many times as bright as the diffuse reflectance the specular one of a mirror is at least,
+/// where both together exceed one.
+const MIRROR_DOMINATES: f32 = 2.0;
 
 /// Illumination model that `illum` selects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,29 +37,95 @@ impl Model {
     }
 }
 
-fn is_bright(m: &MtlMaterial) -> bool {
-    m.diffuse.map_or(m.map_diffuse.is_some(), |kd| kd.max_element() > DARK)
+/// Returns the largest diffuse reflectance. `Kd 0` in front of a picture does not count.
+fn brightness(m: &MtlMaterial) -> f32 {
+    let stated = m.diffuse.filter(|kd| m.map_diffuse.is_none() || *kd != Vec3::ZERO);
+    stated.map_or(if m.map_diffuse.is_some() { 1.0 } else { 0.0 }, Vec3::max_element)
 }
 
-/// Returns the opacity: `d` where it is given, else `1 - Tr`.
+/// Returns the opacity: `d` where it is given, else `1 - Tr`, else that of Maya.
 fn opacity(m: &MtlMaterial) -> f32 {
-    m.opacity.or(m.transparency.map(|tr| 1.0 - tr)).unwrap_or(1.0)
+    m.opacity.or(m.transparency.map(|tr| 1.0 - tr)).or(opacity_of_maya(m)).unwrap_or(1.0)
 }
 
-/// True where more than [`DISTRUST_SHARE`] of all materials are bright and claim to be mirrors or
-/// glass: then the claim means nothing.
-pub(super) fn distrusted(all: &[MtlMaterial]) -> bool {
-    let claims = |m: &&MtlMaterial| Model::of(m) != Model::Matte && m.illum.is_some() && is_bright(m);
-    all.iter().filter(claims).count() as f32 > DISTRUST_SHARE * all.len() as f32
+/// Maya writes `illum 4`, `Ni 1.00` and its opacity as `Tf` for all materials that are not metal.
+fn opacity_of_maya(m: &MtlMaterial) -> Option<f32> {
+    let is_maya = m.illum == Some(4) && m.eta == Some(1.0);
+    is_maya.then(|| tint(m)).flatten().map(|tf| tf.element_sum() / 3.0)
+}
+
+/// Returns the filter where it says something: exporters write 1 and 0 for "not set".
+fn tint(m: &MtlMaterial) -> Option<Vec3> {
+    m.filter.map(|tf| tf.min(Vec3::ONE)).filter(|tf| *tf != Vec3::ZERO && *tf != Vec3::ONE)
+}
+
+/// The values that belong to an `illum` of mirror or glass. Where an exporter writes the same for
+/// a surface that is clearly neither, they mean nothing anywhere in the file.
+type Signature = (Option<u32>, Option<Vec3>, Option<f32>, Option<Vec3>);
+
+fn signature(m: &MtlMaterial) -> Signature {
+    (m.illum, m.specular, m.eta, m.filter)
+}
+
+/// What an exporter writes for `illum` without meaning it.
+#[derive(Default)]
+pub(super) struct Habits(Vec<Signature>);
+
+impl Habits {
+    /// Finds the habits in all materials of a model: the values of those that contradict
+    /// themselves.
+    pub(super) fn of(all: &[MtlMaterial]) -> Self {
+        let mut habits: Vec<Signature> = Vec::new();
+        for m in all.iter().filter(|m| Model::of(m) != Model::Matte && !agrees(m)) {
+            if !habits.contains(&signature(m)) {
+                habits.push(signature(m));
+            }
+        }
+        Self(habits)
+    }
+
+    /// True where a material is the mirror or the glass that its `illum` claims.
+    fn believe(&self, m: &MtlMaterial) -> bool {
+        m.illum.is_none() || opacity(m) < 1.0 || agrees(m) && !self.0.contains(&signature(m))
+    }
+}
+
+/// True where the other values of a material agree with an `illum` of mirror or glass.
+fn agrees(m: &MtlMaterial) -> bool {
+    if m.illum.is_none() || opacity(m) < 1.0 {
+        return true;
+    }
+    let (diffuse, specular) = (brightness(m), m.specular.map_or(0.0, Vec3::max_element));
+    match Model::of(m) {
+        Model::Glass => {
+            let is_black = m.diffuse.is_none_or(|kd| kd == Vec3::ZERO);
+            let refracts = m.eta.map_or(is_black, |ni| ni != 1.0);
+            m.map_diffuse.is_none() && diffuse <= DARK && (refracts || tint(m).is_some())
+        }
+        Model::Mirror { .. } => {
+            // Decimal numbers add up to slightly more than one.
+            let fits = diffuse + specular <= 1.01;
+            let dominates = m.map_diffuse.is_none() && specular >= MIRROR_DOMINATES * diffuse;
+            fits || dominates
+        }
+        Model::Matte => true,
+    }
 }
 
 /// Converts a material as written to one that can be traced, without its textures.
-pub(super) fn interpret(m: &MtlMaterial, distrusted: bool, tally: &mut Tally) -> Material {
+pub(super) fn interpret(m: &MtlMaterial, habits: &Habits, tally: &mut Tally) -> Material {
     let mut model = Model::of(m);
     let mut d = opacity(m);
-    if distrusted && model != Model::Matte && is_bright(m) && d >= 1.0 {
+    if model != Model::Matte && !habits.believe(m) {
         tally.add(Trouble::DISTRUSTED, m.line, || m.name.clone());
         model = Model::Matte;
+    }
+    if m.opacity.or(m.transparency).is_none() && opacity_of_maya(m).is_some() {
+        tally.add(Trouble::MAYA_OPACITY, m.line, || m.name.clone());
+        model = Model::Matte;
+    }
+    if m.diffuse == Some(Vec3::ZERO) && m.map_diffuse.is_some() && model == Model::Matte {
+        tally.add(Trouble::BLACK_PICTURE, m.line, || m.name.clone());
     }
     if d <= 0.0 && model != Model::Glass {
         tally.add(Trouble::INVERTED_TRANSPARENCY, m.line, || m.name.clone());
@@ -85,7 +152,8 @@ fn diffuse_of(m: &MtlMaterial, model: Model) -> Vec3 {
         Model::Matte if m.emission.is_none_or(|ke| ke == Vec3::ZERO) => NEUTRAL,
         _ => 0.0,
     };
-    m.diffuse.unwrap_or(Vec3::splat(default))
+    let is_hidden = |kd: &Vec3| m.map_diffuse.is_some() && model == Model::Matte && *kd == Vec3::ZERO;
+    m.diffuse.filter(|kd| !is_hidden(kd)).unwrap_or(Vec3::splat(default))
 }
 
 fn mirror(material: &mut Material, m: &MtlMaterial, fresnel: bool) {

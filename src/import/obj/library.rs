@@ -1,7 +1,7 @@
 //! The materials that the faces of a model name: found in its libraries, interpreted, and given
 //! their textures.
 
-use super::interpret::{distrusted, interpret};
+use super::interpret::{Habits, interpret};
 use super::mtl::{self, MtlMaterial};
 use super::parse::Model;
 use super::textures::{self, Library};
@@ -17,12 +17,12 @@ use std::path::Path;
 pub(super) fn add_materials(model: &Model, import: &mut Import) -> Result<(), SceneError> {
     let mut shelf = Shelf::read(model, import)?;
     let mut tallies = std::mem::take(&mut shelf.tallies);
-    let distrusted = distrusted(&shelf.materials);
+    let habits = Habits::of(&shelf.materials);
     let written: Vec<Option<&MtlMaterial>> = model.material_names.iter().map(|n| shelf.find(n)).collect();
     let mut missing = Vec::new();
     for (name, written) in model.material_names.iter().zip(&written) {
         import.builder.add_material(match written {
-            Some(m) => interpret(m, distrusted, &mut tallies[m.library]),
+            Some(m) => interpret(m, &habits, &mut tallies[m.library]),
             None => {
                 missing.push(name.clone());
                 surfaces::undefined(name)

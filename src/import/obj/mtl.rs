@@ -35,6 +35,8 @@ pub(super) struct MtlMaterial {
     pub(super) roughness: Option<f32>,
     pub(super) metallic: Option<f32>,
     pub(super) map_diffuse: Option<MapSpec>,
+    /// Used where there is no `map_diffuse`.
+    pub(super) map_ambient: Option<MapSpec>,
     pub(super) map_opacity: Option<MapSpec>,
     pub(super) map_emission: Option<MapSpec>,
 }
@@ -51,11 +53,27 @@ pub(super) fn parse(text: &str, library: usize, materials: &mut Vec<MtlMaterial>
         } else if !is_known(&key) {
             tally.add(Trouble::UNKNOWN_LINE, line.number, || key.clone());
         } else if let Some(material) = materials[start..].last_mut() {
-            if set(material, &key, rest, line.number, tally).is_none() {
+            note_unused(&key, rest, line.number, tally);
+            let mut read = set(material, &key, rest, line.number, tally);
+            if read.is_none()
+                && let Some(points) = text::with_decimal_points(rest)
+            {
+                read = set(material, &key, &points, line.number, tally);
+                if read.is_some() {
+                    tally.add(Trouble::DECIMAL_COMMA, line.number, || format!("{key} {rest}"));
+                }
+            }
+            if read.is_none() {
                 tally.add(Trouble::VALUE_UNREADABLE, line.number, || format!("{key} {rest}"));
             }
         } else if !key.is_empty() {
             tally.add(Trouble::BEFORE_FIRST_MATERIAL, line.number, || key.clone());
+        }
+    }
+    for material in &mut materials[start..] {
+        if material.map_diffuse.is_none() && material.map_ambient.is_some() {
+            tally.add(Trouble::AMBIENT_PICTURE, material.line, || material.name.clone());
+            material.map_diffuse = material.map_ambient.take();
         }
     }
 }
@@ -78,6 +96,22 @@ fn is_known(key: &str) -> bool {
     key.is_empty() || key == "halo" || is_colour || is_scalar || is_pbr || is_map
 }
 
+/// Counts a keyword that is known and has no effect. `Ka` is not among them: light is traced, so
+/// there is no ambient light that it could reflect.
+fn note_unused(key: &str, rest: &str, line: u64, tally: &mut Tally) {
+    let trouble = match key {
+        "bump" | "map_bump" | "norm" | "map_norm" | "map_kn" => Trouble::RELIEF,
+        "disp" | "map_disp" => Trouble::DISPLACEMENT,
+        "map_ks" | "map_ns" | "map_pr" | "map_pm" | "map_ps" | "map_ni" => Trouble::GLOSS_PICTURE,
+        "decal" | "map_decal" | "refl" | "map_refl" => Trouble::DECAL,
+        "ps" | "pc" | "pcr" | "aniso" | "anisor" if scalar(rest) != Some(0.0) => Trouble::FINISH,
+        _ => return,
+    };
+    if !rest.is_empty() {
+        tally.add(trouble, line, || format!("{key} {rest}"));
+    }
+}
+
 /// Sets the value of a keyword. `None` where the value cannot be read.
 fn set(m: &mut MtlMaterial, key: &str, rest: &str, line: u64, tally: &mut Tally) -> Option<()> {
     match key {
@@ -92,9 +126,10 @@ fn set(m: &mut MtlMaterial, key: &str, rest: &str, line: u64, tally: &mut Tally)
         "pr" => m.roughness = Some(scalar(rest)?),
         "pm" => m.metallic = Some(scalar(rest)?),
         // Exporters write a map without a file for "no texture".
-        "map_kd" => m.map_diffuse = map(rest, line),
-        "map_d" | "map_tr" => m.map_opacity = map(rest, line),
-        "map_ke" => m.map_emission = map(rest, line),
+        "map_kd" => m.map_diffuse = map(rest, line, tally),
+        "map_ka" => m.map_ambient = map(rest, line, tally),
+        "map_d" | "map_tr" | "map_opacity" => m.map_opacity = map(rest, line, tally),
+        "map_ke" | "map_emissive" => m.map_emission = map(rest, line, tally),
         _ => {}
     }
     Some(())
@@ -154,7 +189,7 @@ fn option_operands(option: &str) -> Option<(usize, usize)> {
 }
 
 /// Parses the operand of a `map_` line; `None` where it names no file.
-fn map(rest: &str, line: u64) -> Option<MapSpec> {
+fn map(rest: &str, line: u64, tally: &mut Tally) -> Option<MapSpec> {
     let mut spec = MapSpec { file: String::new(), scale: Vec2::ONE, offset: Vec2::ZERO, line };
     let mut left = rest.trim();
     loop {
@@ -176,11 +211,30 @@ fn map(rest: &str, line: u64) -> Option<MapSpec> {
         match option.to_ascii_lowercase().as_str() {
             "-s" => spec.scale = Vec2::new(value(0, 1.0), value(1, 1.0)),
             "-o" => spec.offset = Vec2::new(value(0, 0.0), value(1, 0.0)),
+            other if !is_default(other, &operands) => {
+                tally.add(Trouble::MAP_OPTION, line, || format!("{other} {}", operands.join(" ")));
+            }
             _ => {}
         }
     }
     spec.file = text::name(left).to_owned();
     (!spec.file.is_empty() && spec.file.len() <= Limits::NAME_BYTES).then_some(spec)
+}
+
+/// True for an option that asks for what is done anyway.
+fn is_default(option: &str, operands: &[&str]) -> bool {
+    let expected = match option {
+        "-blendu" | "-blendv" => "on",
+        "-cc" | "-clamp" => "off",
+        "-mm" => "0",
+        "-bm" => "1",
+        "-boost" => "0",
+        "-texres" | "-type" => return true,
+        "-imfchan" => "l",
+        _ => "0",
+    };
+    let is_zero = |text: &str| text::number(text) == text::number(expected) && text::number(text).is_some();
+    operands.first().is_none_or(|given| given.eq_ignore_ascii_case(expected) || is_zero(given))
 }
 
 fn first_word(text: &str) -> (&str, &str) {

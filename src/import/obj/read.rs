@@ -1,9 +1,9 @@
 //! The OBJ reader: its steps in order.
 
 use super::parse::{self, Model};
-use super::{library, weld};
+use super::{far_uvs, library, smoothing, weld};
 use crate::import::units::{self, Unit, Up};
-use crate::import::{context::Import, files, text};
+use crate::import::{context::Import, files, text, vertex_colors};
 use crate::scene::SceneError;
 
 /// Reads an OBJ file with its libraries and textures.
@@ -19,7 +19,9 @@ pub(in crate::import) fn read(import: &mut Import) -> Result<(), SceneError> {
     let mut model = parse::parse(&text.0, import.path, limits, &import.steps)?;
     drop(text);
     place(&mut model, declared_unit, import);
-    weld::build(&mut model, &mut import.builder, &import.steps)?;
+    smoothing::add_normals(&mut model);
+    far_uvs::wrap(&mut model);
+    let colors = weld::build(&mut model, &mut import.builder, &import.steps)?;
     model.positions = Vec::new(); // gives the memory back before pictures are decoded
     if looks_binary && import.builder.triangles.is_empty() {
         let cause = "this is a binary file, not the text of an OBJ model";
@@ -27,7 +29,9 @@ pub(in crate::import) fn read(import: &mut Import) -> Result<(), SceneError> {
     }
     import.report(std::mem::take(&mut model.tally))?;
     hint_up(import);
-    library::add_materials(&model, import)
+    library::add_materials(&model, import)?;
+    vertex_colors::show(&colors, import);
+    Ok(())
 }
 
 /// Converts positions and normals to world space.

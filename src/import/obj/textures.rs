@@ -4,7 +4,7 @@ use super::mtl::{MapSpec, MtlMaterial};
 use crate::import::picture::{self, Picture, PictureError};
 use crate::import::search::{Finder, Found};
 use crate::import::{
-    context::Import, decoding, files, options::Limits, progress::Steps, text::without_comment,
+    context::Import, decoding, files, options::Limits, progress::Steps, surfaces, text::without_comment,
 };
 use crate::scene::{SceneBuilder, SceneError, Texture, TextureId, TextureRef};
 use std::collections::HashMap;
@@ -25,6 +25,8 @@ struct Request<'a> {
     purpose: Purpose,
     spec: &'a MapSpec,
     library: usize,
+    /// The material has a picture of its coverage.
+    has_coverage: bool,
 }
 
 /// A material library: what messages and searches need of it.
@@ -78,7 +80,8 @@ fn requests<'a>(written: &[Option<&'a MtlMaterial>]) -> Vec<Request<'a>> {
             (Purpose::Glow, &m.map_emission),
         ];
         Some(maps.into_iter().filter_map(move |(purpose, spec)| {
-            Some(Request { material, purpose, spec: spec.as_ref()?, library: m.library })
+            let has_coverage = m.map_opacity.is_some();
+            Some(Request { material, purpose, spec: spec.as_ref()?, library: m.library, has_coverage })
         }))
     };
     written.iter().enumerate().filter_map(of_material).flatten().collect()
@@ -140,7 +143,7 @@ impl Painter<'_> {
         if self.missing > MAX_MISSING_SHOWN {
             return;
         }
-        let Request { purpose, spec, material, library } = request;
+        let Request { purpose, spec, material, library, .. } = request;
         let material = &self.builder.materials[*material].name;
         let outside = if found.outside {
             ". Files outside the scene's folder are opened only when that is allowed"
@@ -189,6 +192,9 @@ impl Painter<'_> {
             Purpose::Color => {
                 let texture = with(color, &as_it_is);
                 self.builder.materials[request.material].diffuse_texture = Some(texture);
+                if picture.alpha_varies && !request.has_coverage {
+                    surfaces::cover(&mut self.builder.materials[request.material], texture, picture);
+                }
             }
             Purpose::Coverage => {
                 let texture = if picture.alpha_varies {
@@ -196,10 +202,16 @@ impl Painter<'_> {
                 } else {
                     with(coverage, &|| picture::coverage(&picture.texture))
                 };
-                self.builder.materials[request.material].alpha_texture = Some(texture);
+                let covering = match picture.alpha_varies {
+                    true => picture::is_translucent(picture.texture.texels.iter().map(|t| t[3])),
+                    false => picture::is_translucent(picture.texture.texels.iter().map(picture::luma)),
+                };
+                let material = &mut self.builder.materials[request.material];
+                surfaces::cover_with(material, texture, covering);
             }
             Purpose::Glow => {
-                self.builder.materials[request.material].emission *= picture::mean_color(&picture.texture);
+                let texture = with(color, &as_it_is);
+                self.builder.materials[request.material].emission_texture = Some(texture);
             }
         }
     }

@@ -5,7 +5,7 @@ use super::parse::{Model, Polygon};
 use super::piece::{Corner, NONE};
 use crate::import::polygon::{Filled, Filler};
 use crate::import::progress::{Phase, Steps};
-use crate::import::{files::no_memory, trouble::Trouble};
+use crate::import::{files::no_memory, trouble::Trouble, vertex_colors::VertexColors};
 use crate::scene::{MaterialId, SceneBuilder, SceneError};
 use glam::{Vec2, Vec3};
 use std::collections::HashMap;
@@ -14,8 +14,12 @@ use std::collections::HashMap;
 const STEP_CORNERS: usize = 1 << 16;
 
 /// Adds the vertices and triangles of a model, whose positions are world metres, to a builder
-/// without vertices. Material numbers are those of the model.
-pub(super) fn build(model: &mut Model, builder: &mut SceneBuilder, steps: &Steps) -> Result<(), SceneError> {
+/// without vertices. Material numbers are those of the model. Returns the colours of the vertices.
+pub(super) fn build(
+    model: &mut Model,
+    builder: &mut SceneBuilder,
+    steps: &Steps,
+) -> Result<VertexColors, SceneError> {
     let mut tally = std::mem::take(&mut model.tally);
     let positions_m = &model.positions;
     let face_count = model.face_count();
@@ -46,8 +50,9 @@ pub(super) fn build(model: &mut Model, builder: &mut SceneBuilder, steps: &Steps
         }
         welder.add(&face, &filler.triangles, builder);
     }
+    let colors = welder.colors;
     model.tally = tally;
-    Ok(())
+    Ok(colors)
 }
 
 /// The objects of a file that are still to come. Those of one name are one object.
@@ -90,6 +95,7 @@ struct Welder<'a> {
     model: &'a Model,
     newest: Vec<u32>,
     variants: Vec<Variant>,
+    colors: VertexColors,
 }
 
 impl<'a> Welder<'a> {
@@ -98,7 +104,12 @@ impl<'a> Welder<'a> {
     const MAX_CHAIN: usize = 64;
 
     fn new(model: &'a Model) -> Self {
-        Self { model, newest: vec![NONE; model.positions.len()], variants: Vec::new() }
+        Self {
+            model,
+            newest: vec![NONE; model.positions.len()],
+            variants: Vec::new(),
+            colors: VertexColors::default(),
+        }
     }
 
     fn add(&mut self, face: &Polygon, triangles: &[[u32; 3]], builder: &mut SceneBuilder) {
@@ -126,6 +137,10 @@ impl<'a> Welder<'a> {
         let uv = self.model.uvs.get(corner.uv as usize).copied().unwrap_or(Vec2::ZERO);
         let vertex = builder.add_vertex(self.model.positions[corner.position as usize], normal, uv);
         self.newest[corner.position as usize] = vertex;
+        let color = self.model.colors.binary_search_by_key(&corner.position, |(of, _)| *of);
+        if let Ok(at) = color {
+            self.colors.set(vertex, self.model.colors[at].1);
+        }
         vertex
     }
 }

@@ -341,11 +341,12 @@ impl ReferenceFrame {
         }
         let scene = tracer.scene();
         let material = scene.material_of(triangle);
-        let albedo = albedo(material, &scene.textures, || {
+        let uv = || {
             let offset = self.offset_from_eye(pixel);
             SurfacePoint::from_position(scene, triangle, self.view.eye + offset, offset).uv
-        });
-        material.emission + albedo * self.light(pixel)
+        };
+        let albedo = albedo(material, &scene.textures, uv);
+        material.emission_at(&scene.textures, uv) + albedo * self.light(pixel)
     }
 
     /// True if the stored triangle exists or is [`NO_TRIANGLE`]: always, unless memory is corrupt.

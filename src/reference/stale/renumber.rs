@@ -96,7 +96,8 @@ fn unmatched(numbers: &[u32]) -> Vec<u32> {
 /// A material whose textures come after others.
 fn with_textures_after(material: &Material, shift: u32) -> Material {
     let mut shifted = material.clone();
-    for used in [&mut shifted.diffuse_texture, &mut shifted.alpha_texture].into_iter().flatten() {
+    let Material { diffuse_texture, alpha_texture, coverage_texture, emission_texture, .. } = &mut shifted;
+    for used in [diffuse_texture, alpha_texture, coverage_texture, emission_texture].into_iter().flatten() {
         used.texture = TextureId(used.texture.0 + shift);
     }
     shifted

@@ -97,6 +97,9 @@ fn content_of_material(material: &Material, textures: &[ContentHash]) -> Materia
     texture(&mut reflection, material.diffuse_texture);
     let mut transmission = ContentHasher::new(b"transmit");
     texture(&mut transmission, material.alpha_texture);
+    if material.coverage_texture.is_some() {
+        texture(&mut transmission, material.coverage_texture);
+    }
     match material.kind {
         MaterialKind::Diffuse => reflection.word(0),
         MaterialKind::Mirror { reflectance, fresnel } => {
@@ -110,6 +113,10 @@ fn content_of_material(material: &Material, textures: &[ContentHash]) -> Materia
     }
     let mut emission = ContentHasher::new(b"emission");
     emission.triple(material.emission);
+    // Materials without these keep their hashes.
+    for used in [material.emission_texture, material.coverage_texture].into_iter().filter(Option::is_some) {
+        texture(&mut emission, used);
+    }
     let [reflection, transmission, emission] =
         [reflection, transmission, emission].map(ContentHasher::finish);
     MaterialContent { reflection, transmission, emission }

@@ -64,11 +64,15 @@ pub(super) fn sample(
             let on_light = *corner + *edge_u * u[0] + *edge_v * u[1];
             area_sample(point, origin, on_light, edge_u.cross(*edge_v), *radiance)
         }
-        Light::Triangles { corners, cumulative_area, area, radiance } => {
-            let (on_light, chosen) = point_on_mesh(corners, cumulative_area, u);
+        Light::Triangles { corners, cumulative_area, area, radiance, picture } => {
+            let (on_light, chosen, place) = point_on_mesh(corners, cumulative_area, u);
             let [a, b, c] = corners[chosen];
             let normal = (b - a).cross(c - a).normalize_or(Vec3::Y);
-            area_sample(point, origin, on_light, normal * *area, *radiance)
+            let Some(picture) = picture else {
+                return area_sample(point, origin, on_light, normal * *area, *radiance);
+            };
+            let (area, relative) = picture.sample((&scene.materials, &scene.textures), chosen, place);
+            area_sample(point, origin, on_light, normal * area, *radiance * relative)
         }
         Light::Point { position, intensity } => {
             let d = *position - point.position;

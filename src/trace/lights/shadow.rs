@@ -30,7 +30,12 @@ impl Judge for Passage<'_> {
             let n = (b - a).cross(c - a);
             (cosines(n, self.bundle.directions(), first), scene.solids[triangle as usize])
         };
-        let Some(shares) = scene.material_of(triangle).straight_transmittances(passage) else { return false };
+        let material = scene.material_of(triangle);
+        // What a covered surface lets through differs from ray to ray.
+        if material.coverage_texture.is_some() {
+            return false;
+        }
+        let Some(shares) = material.straight_transmittances(passage) else { return false };
         for ray in Bits(met) {
             self.passed[first + ray] *= shares[ray];
         }
@@ -115,7 +120,7 @@ impl Tracer {
     /// True where every surface that a ray meets blocks it.
     fn is_any_hit_a_block(&self) -> bool {
         let features = self.scene().features;
-        !features.checks_hits() && !features.glass
+        !features.alpha && !features.needles && !features.glass
     }
 
     /// True where a surface lets nothing through; otherwise multiplies `passed` by its share.
@@ -128,12 +133,17 @@ impl Tracer {
             let cos = (n.dot(ray.direction).abs() / (n.length() * ray.direction.length())).min(1.0);
             (cos, scene.solids[hit.triangle as usize])
         };
-        match scene.material_of(hit.triangle).straight_transmittance(passage) {
+        let material = scene.material_of(hit.triangle);
+        if let Some(gap) = material.gap_at(&scene.textures, || self.uv(hit)) {
+            *passed *= gap;
+            return false;
+        }
+        match material.straight_transmittance(passage) {
             Some(share) => {
                 *passed *= share;
                 false
             }
-            None => self.stands(ray, hit),
+            None => self.blocks_light(ray, hit),
         }
     }
 }

@@ -182,7 +182,7 @@ impl Path<'_> {
             }
             // No shadow ray finds a light by way of a mirror, so its emission counts here.
             if was_reflected {
-                radiance += throughput * self.tracer.material(&next).emission;
+                radiance += throughput * next.emission(scene);
             }
             // The weight of a diffuse sample is the albedo.
             throughput *= next.albedo(scene);

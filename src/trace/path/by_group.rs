@@ -102,7 +102,7 @@ impl Tracer {
             // No shadow ray finds a light by way of a mirror, so its emission counts here.
             if was_reflected {
                 let group = groups.of_material.get(point.material.0 as usize);
-                add(group.map(|&group| usize::from(group)), share * self.material(&point).emission);
+                add(group.map(|&group| usize::from(group)), share * point.emission(self.scene()));
             }
             let share = share * point.albedo(self.scene());
             if share.max_element() <= 0.0 {

@@ -97,7 +97,7 @@ impl Tracer {
         rays: &mut RayCounts,
     ) -> Vec3 {
         let light = self.arriving_light(point, share, settings, seed.into(), rays);
-        self.material(point).emission + light.reflected(point.albedo(self.scene()))
+        point.emission(self.scene()) + light.reflected(point.albedo(self.scene()))
     }
 
     /// Returns the light that arrives at a surface point, which references store. For a black

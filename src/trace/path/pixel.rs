@@ -134,7 +134,7 @@ impl Tracer {
         };
         let point = self.surface(ray, &hit);
         let light = self.arriving_light(&point, 1.0, settings, seed, rays);
-        let radiance = self.material(&point).emission + light.reflected(point.albedo(self.scene()));
+        let radiance = point.emission(self.scene()) + light.reflected(point.albedo(self.scene()));
         (PixelTrace { light, radiance, hit: Some(hit), reflections: 0 }, Some(point))
     }
 }

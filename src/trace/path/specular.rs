@@ -115,6 +115,10 @@ impl Tracer {
     /// Samples the viewer-dependent lobe of a point seen along `direction` (any length).
     pub(super) fn scatter(&self, point: &SurfacePoint, direction: Vec3, key: Key) -> ScatterSet {
         let (facing, incident) = (point.facing(self.scene()), direction.normalize_or(Vec3::Y));
-        self.material(point).sample(&facing, incident, key.with(LOBE).pair())
+        let material = self.material(point);
+        match material.gap_at(&self.scene().textures, || point.uv) {
+            None => material.sample(&facing, incident, key.with(LOBE).pair()),
+            Some(gap) => ScatterSet::split((gap > 0.0).then_some((incident, Vec3::splat(gap))), None),
+        }
     }
 }

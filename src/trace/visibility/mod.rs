@@ -140,6 +140,13 @@ impl VisibilityBuffer {
                 open |= u64::from(!stands) << ray;
             }
         }
+        if features.coincident {
+            let known = !open;
+            for ray in (0..TILE_RAYS).filter(|ray| known >> ray & 1 == 1) {
+                let is_seen = hits.hit(ray).is_none_or(|hit| tracer.is_seen_first(&tile.ray(ray), &hit));
+                open |= u64::from(!is_seen) << ray;
+            }
+        }
         for ray in (0..TILE_RAYS).filter(|ray| open >> ray & 1 == 1) {
             hits.set(ray, self.closest(tracer, &tile.ray(ray)));
         }

@@ -79,7 +79,11 @@ fn emission_is_a_light_of_that_radiance() {
     // Half of the picture glows.
     let texture = model.texture(&png(2, 1, &[[255; 4], [0, 0, 0, 255]]));
     model.json["materials"][0]["emissiveTexture"] = json!({"index": texture});
-    assert_eq!(material(&model.load(), "lamp").emission, Vec3::new(4.0, 2.0, 0.0));
+    let scene = model.load();
+    let lamp = material(&scene, "lamp");
+    let at = |u: f32| lamp.emission_at(&scene.textures, || Vec2::new(u, 0.5));
+    assert_eq!([at(0.25), at(0.75)], [Vec3::new(8.0, 4.0, 0.0), Vec3::ZERO]);
+    assert!(matches!(&scene.lights[..], [Light::Triangles { picture: Some(_), .. }]), "{:?}", scene.lights);
 }
 
 const CHESS: [[u8; 4]; 4] = [[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255], [255, 255, 255, 255]];
@@ -152,14 +156,20 @@ fn a_mask_cuts_at_its_cutoff() {
 }
 
 #[test]
-fn a_blend_attenuates_evenly_or_cuts_where_the_picture_varies() {
+fn a_blend_attenuates_evenly_or_by_its_picture() {
     let thin = paint(
         json!({"alphaMode": "BLEND", "pbrMetallicRoughness": {"baseColorFactor": [1.0, 1.0, 1.0, 0.25]}}),
     );
     assert_eq!(thin.kind, MaterialKind::Glass { eta: 1.0, transmittance: Vec3::splat(0.75) });
     assert_eq!(thin.diffuse, Vec3::splat(0.25));
-    let (scene, cut) = with_alpha(json!({"alphaMode": "BLEND"}), &[[255, 255, 255, 0], [255, 255, 255, 255]]);
-    assert!(cut.alpha_texture.is_some() && warning(&scene, "one half").2.contains("blended"));
+    // Holes need no blending.
+    let (_, cut) = with_alpha(json!({"alphaMode": "BLEND"}), &[[255, 255, 255, 0], [255, 255, 255, 255]]);
+    assert!(cut.alpha_texture.is_some() && cut.coverage_texture.is_none());
+    let (scene, sheer) =
+        with_alpha(json!({"alphaMode": "BLEND"}), &[[255, 255, 255, 80], [255, 255, 255, 200]]);
+    let at = |u: f32| sheer.coverage_at(&scene.textures, || Vec2::new(u, 0.5));
+    assert_eq!([at(0.25), at(0.75)].map(|a| (a * 255.0).round()), [80.0, 200.0]);
+    assert!(sheer.is_glass() && sheer.alpha_texture.is_none());
 }
 
 #[test]

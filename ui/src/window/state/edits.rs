@@ -141,8 +141,10 @@ impl Edits {
             if let Some(at) = carried.now.materials.iter().position(|m| m.name == material.name) {
                 // Indices of textures change with every import.
                 let place = &carried.now.materials[at];
-                let (diffuse_texture, alpha_texture) = (place.diffuse_texture, place.alpha_texture);
-                let material = Material { diffuse_texture, alpha_texture, ..material.clone() };
+                let Material { diffuse_texture, alpha_texture, coverage_texture, emission_texture, .. } =
+                    *place;
+                let mut material = Material { diffuse_texture, alpha_texture, ..material.clone() };
+                (material.coverage_texture, material.emission_texture) = (coverage_texture, emission_texture);
                 carried.change(Change::Material(MaterialId(at as u32), material), &mut Vec::new());
             }
         }
