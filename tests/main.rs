@@ -32,6 +32,7 @@ mod placement;
 mod refine;
 mod reuse;
 mod rooms;
+mod rough_lobes;
 mod save;
 mod stability;
 mod stale;

@@ -9,6 +9,12 @@ pub(super) const NEUTRAL: f32 = 0.6;
 /// Index of refraction of glass that does not state its own: window glass.
 pub(super) const GLASS_ETA: f32 = 1.5;
 
+/// Reflectance of a clear coat at normal incidence: varnish, with an index of refraction of 1.5.
+pub(super) const COAT: f32 = 0.04;
+
+/// Roughness of a material that becomes rough and has none: a satin varnish.
+pub(super) const DEFAULT_ROUGHNESS: f32 = 0.3;
+
 /// Above this metalness a surface is a metal.
 pub(super) const METAL: f32 = 0.9;
 

@@ -190,7 +190,8 @@ impl<'a> BandLookup<'a> {
     /// The emission and the reflected smooth light of a known pixel.
     fn certain_light(&self, surfaces: &TileSurfaces, light: &TileLight, ray: usize) -> Vec3 {
         let material = &self.tracer.scene().materials[surfaces.material[ray].0 as usize];
-        material.emission + self.tracer.albedo(&surfaces.hit(ray)) * light.smooth_at(ray)
+        material.emission
+            + self.tracer.albedo(&surfaces.hit(ray), surfaces.direction(ray)) * light.smooth_at(ray)
     }
 
     /// Writes what is known of a pixel. Returns its type, which says what is left to do.
@@ -215,7 +216,7 @@ impl<'a> BandLookup<'a> {
             let is_wanted = surfaces.points.wanted >> ray & 1 == 1;
             let is_known = light.known >> ray & 1 == 1;
             if is_known {
-                let albedo = self.tracer.albedo(&surfaces.hit(ray));
+                let albedo = self.tracer.albedo(&surfaces.hit(ray), surfaces.direction(ray));
                 rows.radiance[at] += albedo * (light.at(ray) + light.smooth_at(ray));
                 rows.supplier[at] = light.slot[ray];
             }

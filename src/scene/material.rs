@@ -27,6 +27,23 @@ pub enum MaterialKind {
         /// Share of the light that remains after passing one surface, linear Rec. 709.
         transmittance: Vec3,
     },
+    /// A rough metal, or a rough clear coat over the diffuse part, which gets what the coat does not
+    /// reflect.
+    Glossy {
+        /// Reflectance at normal incidence, linear Rec. 709. It rises to one at grazing angles.
+        reflectance: Vec3,
+        /// Roughness, 0 to 1: the square root of the slope of the microfacets.
+        roughness: f32,
+    },
+    /// Glass with a rough surface, which scatters what it reflects and transmits.
+    Frosted {
+        /// Index of refraction, 1 to 10.
+        eta: f32,
+        /// Share of the light that remains after passing one surface, linear Rec. 709.
+        transmittance: Vec3,
+        /// Roughness, 0 to 1: the square root of the slope of the microfacets.
+        roughness: f32,
+    },
 }
 
 /// The material of a surface. The diffuse and the specular part never exceed one together.
@@ -85,9 +102,19 @@ impl Material {
         self.is_view_dependent() && !self.is_glass()
     }
 
-    /// True for glass, which transmits light.
+    /// True for glass, clear or frosted, which transmits light.
     pub fn is_glass(&self) -> bool {
-        matches!(self.kind, MaterialKind::Glass { .. })
+        matches!(self.kind, MaterialKind::Glass { .. } | MaterialKind::Frosted { .. })
+    }
+
+    /// True for a rough metal or coat.
+    pub fn is_glossy(&self) -> bool {
+        matches!(self.kind, MaterialKind::Glossy { .. })
+    }
+
+    /// True for frosted glass.
+    pub fn is_frosted(&self) -> bool {
+        matches!(self.kind, MaterialKind::Frosted { .. })
     }
 
     /// True if no light can pass: the material is not glass and has no alpha texture.
@@ -99,9 +126,9 @@ impl Material {
     pub fn max_mirror_reflectance(&self) -> f32 {
         match self.kind {
             // At grazing angles the Fresnel reflectance is 1.
-            MaterialKind::Mirror { fresnel: true, .. } => 1.0,
+            MaterialKind::Mirror { fresnel: true, .. } | MaterialKind::Glossy { .. } => 1.0,
             MaterialKind::Mirror { reflectance, .. } => reflectance.max_element(),
-            MaterialKind::Diffuse | MaterialKind::Glass { .. } => 0.0,
+            MaterialKind::Diffuse | MaterialKind::Glass { .. } | MaterialKind::Frosted { .. } => 0.0,
         }
     }
 
@@ -110,13 +137,17 @@ impl Material {
         self.emission.max_element() > 0.0
     }
 
-    /// Returns the colour of the specular part: the reflectance of a mirror at normal incidence,
-    /// the transmittance of glass, or zero.
+    /// Returns the colour of the specular part: the reflectance at normal incidence, the
+    /// transmittance of glass, or zero.
     pub fn specular(&self) -> Vec3 {
         match self.kind {
             MaterialKind::Diffuse => Vec3::ZERO,
-            MaterialKind::Mirror { reflectance, .. } => reflectance,
-            MaterialKind::Glass { transmittance, .. } => transmittance,
+            MaterialKind::Mirror { reflectance, .. } | MaterialKind::Glossy { reflectance, .. } => {
+                reflectance
+            }
+            MaterialKind::Glass { transmittance, .. } | MaterialKind::Frosted { transmittance, .. } => {
+                transmittance
+            }
         }
     }
 
@@ -124,17 +155,26 @@ impl Material {
     pub(super) fn specular_mut(&mut self) -> Option<&mut Vec3> {
         match &mut self.kind {
             MaterialKind::Diffuse => None,
-            MaterialKind::Mirror { reflectance, .. } => Some(reflectance),
-            MaterialKind::Glass { transmittance, .. } => Some(transmittance),
+            MaterialKind::Mirror { reflectance, .. } | MaterialKind::Glossy { reflectance, .. } => {
+                Some(reflectance)
+            }
+            MaterialKind::Glass { transmittance, .. } | MaterialKind::Frosted { transmittance, .. } => {
+                Some(transmittance)
+            }
         }
     }
 
-    /// Scales the diffuse and the specular part down so that their sum does not exceed one. Returns
-    /// true if they exceeded it by more than rounding.
+    /// Scales the diffuse and the specular part down so that their sum does not exceed one; neither
+    /// does so alone where a coat covers the diffuse part. Returns true if they exceeded it by more
+    /// than rounding.
     pub fn scale_to_conserve(&mut self) -> bool {
         /// Files hold decimal numbers: 0.8 and 0.2 may add up to slightly more than one.
         const TOLERANCE: f32 = 1e-4;
-        let sum = (self.diffuse + self.specular()).max_element();
+        let sum = match self.kind {
+            MaterialKind::Glossy { reflectance, .. } => self.diffuse.max(reflectance),
+            _ => self.diffuse + self.specular(),
+        };
+        let sum = sum.max_element();
         if sum <= 1.0 {
             return false;
         }
@@ -152,6 +192,9 @@ impl Material {
             MaterialKind::Diffuse => "diffuse",
             MaterialKind::Mirror { .. } => "mirror",
             MaterialKind::Glass { .. } => "glass",
+            MaterialKind::Glossy { .. } if self.diffuse == Vec3::ZERO => "rough metal",
+            MaterialKind::Glossy { .. } => "coated",
+            MaterialKind::Frosted { .. } => "frosted glass",
         }
     }
 }

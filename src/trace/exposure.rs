@@ -129,7 +129,7 @@ impl Tracer {
             sums.seen += f64::from(luminance(traced.radiance));
             let scatters = traced.hit.is_some_and(|hit| {
                 let emission = self.scene().material_of(hit.triangle).emission;
-                emission == Vec3::ZERO && self.albedo(&hit) != Vec3::ZERO
+                emission == Vec3::ZERO && self.albedo(&hit, view.direction_of_pixel(pixel)) != Vec3::ZERO
             });
             if scatters {
                 sums.surfaces += 1.0;

@@ -341,10 +341,14 @@ impl ReferenceFrame {
         }
         let scene = tracer.scene();
         let material = scene.material_of(triangle);
-        let albedo = albedo(material, &scene.textures, || {
+        let point = || {
             let offset = self.offset_from_eye(pixel);
-            SurfacePoint::from_position(scene, triangle, self.view.eye + offset, offset).uv
-        });
+            SurfacePoint::from_position(scene, triangle, self.view.eye + offset, offset)
+        };
+        let albedo = match material.is_glossy() {
+            true => point().albedo(scene),
+            false => albedo(material, &scene.textures, || point().uv),
+        };
         material.emission + albedo * self.light(pixel)
     }
 
