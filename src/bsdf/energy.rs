@@ -4,8 +4,9 @@
 //! integrals are known for all of them (Karis, "Real Shading in Unreal Engine 4", SIGGRAPH course
 //! 2013).
 
-use super::ggx::{Ggx, SMOOTH};
+use super::ggx::Ggx;
 use crate::math::sampling::lattice;
+use crate::scene::SMOOTH;
 use glam::{Vec2, Vec3};
 use std::sync::LazyLock;
 

@@ -7,11 +7,11 @@
 
 use super::dielectric::{Dielectric, fresnel_dielectric, of_sheet};
 use super::energy::{compensation, scattered_once};
-use super::ggx::{Ggx, SMOOTH};
+use super::ggx::Ggx;
 use super::lobe::{Facing, Lobe};
 use super::local::LocalFrame;
 use super::scatter::ScatterSet;
-use crate::scene::SolidSide;
+use crate::scene::{SMOOTH, SolidSide};
 use glam::Vec3;
 
 /// Smallest index of refraction of a solid whose face is rough: at 1 no roughness bends light, and

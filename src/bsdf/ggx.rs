@@ -11,10 +11,6 @@
 use glam::{Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 
-/// Roughness, 0..1, below which a lobe scatters into single directions. There the lobe is about a
-/// thousandth of a radian wide, as a pixel of a picture of 1,280 pixels and 60 degrees.
-pub(crate) const SMOOTH: f32 = 1.0 / 32.0;
-
 /// A distribution of the normals of microfacets.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ggx {

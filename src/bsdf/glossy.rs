@@ -6,10 +6,11 @@
 //! and the light that arrives at the base does not depend on the viewer.
 
 use super::energy::{RELATIVE_ERROR, compensation, reflected, scattered_once, schlick};
-use super::ggx::{Ggx, SMOOTH};
+use super::ggx::Ggx;
 use super::lobe::{Facing, Lobe};
 use super::local::LocalFrame;
 use super::scatter::ScatterSet;
+use crate::scene::SMOOTH;
 use glam::Vec3;
 
 /// The lobe; see [`crate::scene::MaterialKind::Glossy`].

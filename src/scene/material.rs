@@ -8,6 +8,11 @@ use glam::Vec3;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct MaterialId(pub u32);
 
+/// Roughness, 0 to 1, below which a surface reflects and transmits in single directions. There a rough
+/// lobe would be about a thousandth of a radian wide, as a pixel of a picture of 1,280 pixels and 60
+/// degrees.
+pub const SMOOTH: f32 = 1.0 / 32.0;
+
 /// The specular part of a material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MaterialKind {
