@@ -147,6 +147,26 @@ fn a_dielectric_is_lawful() {
 }
 
 #[test]
+fn a_glossy_lobe_is_lawful() {
+    for roughness in [0.0, 0.4, 0.7, 1.0] {
+        for reflectance in [Vec3::new(0.9, 0.5, 0.1), Vec3::splat(0.04)] {
+            let kind = MaterialKind::Glossy { reflectance, roughness };
+            assert_lawful(&Material { kind, ..Material::diffuse("metal", Vec3::ZERO) });
+        }
+    }
+}
+
+#[test]
+fn a_frosted_lobe_is_lawful() {
+    for roughness in [0.0, 0.5, 1.0] {
+        for eta in [1.33, 1.5, 2.4] {
+            let kind = MaterialKind::Frosted { eta, transmittance: Vec3::new(1.0, 0.8, 0.3), roughness };
+            assert_lawful(&Material { kind, ..Material::diffuse("pane", Vec3::ZERO) });
+        }
+    }
+}
+
+#[test]
 fn a_refracted_path_runs_back_along_itself_with_the_same_loss() {
     let glass = Material::glass("glass", 1.5, Vec3::ONE);
     let there = facings()[1];

@@ -148,6 +148,15 @@ fn check_material(m: &afterimage::scene::Material) {
             assert!((1.0..=10.0).contains(&eta), "{m:?}");
             transmittance
         }
+        MaterialKind::Glossy { reflectance, roughness } => {
+            assert!((0.0..=1.0).contains(&roughness) && reflectance.max_element() <= 1.0, "{m:?}");
+            // The coat covers the diffuse part, so their sum means nothing.
+            glam::Vec3::ZERO
+        }
+        MaterialKind::Frosted { eta, transmittance, roughness } => {
+            assert!((1.0..=10.0).contains(&eta) && (0.0..=1.0).contains(&roughness), "{m:?}");
+            transmittance
+        }
     };
     let sum = m.diffuse + specular;
     assert!(m.diffuse.min_element() >= 0.0 && specular.min_element() >= 0.0, "{m:?}");

@@ -34,6 +34,7 @@ mod placement;
 mod refine;
 mod reuse;
 mod rooms;
+mod rough_lobes;
 mod save;
 mod stability;
 mod stale;

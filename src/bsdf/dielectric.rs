@@ -6,6 +6,7 @@ use crate::scene::SolidSide;
 use glam::Vec3;
 
 /// A dielectric; see [`crate::scene::MaterialKind::Glass`].
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Dielectric {
     pub(super) eta: f32,
     pub(super) transmittance: Vec3,
@@ -76,7 +77,7 @@ fn reflected(facing: &Facing, incident: Vec3, share: f32) -> Option<(Vec3, Vec3)
 /// The share that a sheet reflects, from the share that each of its faces does: the geometric
 /// series of the light that bounces between them.
 #[inline(always)]
-fn of_sheet(single: f32) -> f32 {
+pub(super) fn of_sheet(single: f32) -> f32 {
     2.0 * single / (1.0 + single)
 }
 

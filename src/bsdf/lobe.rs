@@ -56,6 +56,17 @@ pub trait Lobe {
         true
     }
 
+    /// Returns how wide the lobe is: the slope of its microfacets, 0..1; 0 for single directions.
+    fn width(&self) -> f32 {
+        0.0
+    }
+
+    /// Returns the share (0..1) of light that the lobe scatters towards the viewer, of the channel of
+    /// which it is most.
+    fn total(&self, _facing: &Facing, _incident: Vec3) -> f32 {
+        1.0
+    }
+
     /// Returns the share of light, per channel, that passes straight through the surface along a
     /// shadow ray; `None` for an opaque surface.
     ///

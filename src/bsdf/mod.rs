@@ -12,7 +12,12 @@
 
 mod dielectric;
 mod diffuse;
+mod energy;
+mod frosted;
+mod ggx;
+mod glossy;
 mod lobe;
+mod local;
 mod mirror;
 mod scatter;
 
@@ -23,7 +28,7 @@ pub use scatter::{Scatter, ScatterSet};
 
 use crate::scene::{Material, MaterialKind, SolidSide};
 use glam::Vec3;
-use {dielectric::Dielectric, lobe::NoLobe, mirror::Mirror};
+use {dielectric::Dielectric, frosted::Frosted, glossy::Glossy, lobe::NoLobe, mirror::Mirror};
 
 /// Evaluates an expression with the lobe that a material's kind names. A new lobe is one line here.
 macro_rules! with_lobe {
@@ -32,6 +37,10 @@ macro_rules! with_lobe {
             MaterialKind::Diffuse => with_lobe!($lobe = NoLobe => $result),
             MaterialKind::Mirror { reflectance, fresnel } => with_lobe!($lobe = Mirror { reflectance, fresnel } => $result),
             MaterialKind::Glass { eta, transmittance } => with_lobe!($lobe = Dielectric { eta, transmittance } => $result),
+            MaterialKind::Glossy { reflectance, roughness } => with_lobe!($lobe = Glossy { reflectance, roughness } => $result),
+            MaterialKind::Frosted { eta, transmittance, roughness } => {
+                with_lobe!($lobe = Frosted { clear: Dielectric { eta, transmittance }, roughness } => $result)
+            }
         }
     };
     ($lobe:ident = $value:expr => $result:expr) => {{
@@ -58,6 +67,14 @@ impl Lobe for Material {
         with_lobe!(self, lobe => lobe.is_specular())
     }
 
+    fn width(&self) -> f32 {
+        with_lobe!(self, lobe => lobe.width())
+    }
+
+    fn total(&self, facing: &Facing, incident: Vec3) -> f32 {
+        with_lobe!(self, lobe => lobe.total(facing, incident))
+    }
+
     #[inline(always)]
     fn straight_transmittance(&self, passage: impl FnOnce() -> (f32, SolidSide)) -> Option<Vec3> {
         with_lobe!(self, lobe => lobe.straight_transmittance(passage))
@@ -66,5 +83,14 @@ impl Lobe for Material {
     #[inline(always)]
     fn straight_transmittances(&self, passage: impl FnOnce() -> ([f32; 8], SolidSide)) -> Option<[Vec3; 8]> {
         with_lobe!(self, lobe => lobe.straight_transmittances(passage))
+    }
+}
+
+/// Returns the share (0..1) of its light that the diffuse part of a material sends to a viewer, who
+/// sees the shading normal at a cosine (0..1): all of it, but for what a clear coat reflects.
+pub fn base_share(material: &Material, cos: f32) -> f32 {
+    match material.kind {
+        MaterialKind::Glossy { reflectance, roughness } => glossy::base_share(reflectance, roughness, cos),
+        _ => 1.0,
     }
 }

@@ -1,7 +1,7 @@
 //! Rules about materials that all formats share.
 
 use super::picture::{Picture, is_translucent};
-use crate::scene::{Material, MaterialKind, TextureRef};
+use crate::scene::{Material, MaterialKind, SMOOTH, TextureRef};
 use glam::Vec3;
 
 /// Diffuse reflectance of a face whose material is not defined: a neutral grey.
@@ -10,21 +10,71 @@ pub(super) const NEUTRAL: f32 = 0.6;
 /// Index of refraction of glass that does not state its own: window glass.
 pub(super) const GLASS_ETA: f32 = 1.5;
 
+/// Reflectance of a clear coat at normal incidence: varnish, with an index of refraction of 1.5.
+pub(super) const COAT: f32 = 0.04;
+
+/// Roughness of a material that becomes rough and has none: a satin varnish.
+pub(super) const DEFAULT_ROUGHNESS: f32 = 0.3;
+
 /// Above this metalness a surface is a metal.
 pub(super) const METAL: f32 = 0.9;
 
-/// Below this roughness a metal is a mirror.
-const POLISHED: f32 = 0.1;
+/// Roughness from which on a clear coat is left out. Over a base of albedo 0.5, a coat of 0.5 adds 4 %
+/// of the radiance seen from above and 8 % at 75 degrees, in even light; exporters write 0.5 where
+/// nobody chose a value.
+const MATTE_COAT: f32 = 0.5;
+
+/// Roughness from which on a metal is matte in its colour. Exporters that know no metal leave both
+/// values out, which means a metal of roughness 1.
+const MATTE_METAL: f32 = 0.95;
 
 /// The material of faces whose material is not defined.
 pub(super) fn undefined(name: &str) -> Material {
     Material::diffuse(name, Vec3::splat(NEUTRAL))
 }
 
-/// True for a metal that mirrors. Rougher metal is matte, because there is no glossy reflection
-/// here.
-pub(super) fn is_polished_metal(metalness: f32, roughness: f32) -> bool {
-    metalness > METAL && roughness < POLISHED
+/// How a surface of the metallic-roughness model reflects (glTF 2.0, section 3.9.2 and appendix B).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Gloss {
+    pub(super) metalness: f32,
+    pub(super) roughness: f32,
+    /// Reflectance at normal incidence of what is not metal.
+    pub(super) coat: Vec3,
+}
+
+impl Gloss {
+    /// Makes a material with the base colour as its diffuse part reflect. `mean_base` is the mean base
+    /// colour with its texture, which becomes the colour of metal.
+    pub(super) fn apply(self, material: &mut Material, mean_base: Vec3) {
+        let Self { metalness, roughness, coat } = self;
+        let is_metal = metalness > METAL;
+        if is_metal && roughness < SMOOTH {
+            material.diffuse = Vec3::ZERO;
+            material.kind = MaterialKind::Mirror { reflectance: mean_base, fresnel: false };
+            return;
+        }
+        let metalness = if is_metal { 1.0 } else { metalness };
+        let reflectance = coat.lerp(mean_base, metalness);
+        let matte = MATTE_COAT + (MATTE_METAL - MATTE_COAT) * metalness;
+        if roughness < matte && reflectance.max_element() > 0.0 {
+            material.diffuse *= 1.0 - metalness;
+            material.kind = MaterialKind::Glossy { reflectance, roughness };
+        }
+    }
+}
+
+/// Reflectance at normal incidence of a dielectric with this index of refraction.
+pub(super) fn reflectance_of(eta: f32) -> f32 {
+    let ratio = (eta - 1.0) / (eta + 1.0);
+    ratio * ratio
+}
+
+/// Clear or frosted glass.
+pub(super) fn glass_of(eta: f32, transmittance: Vec3, roughness: f32) -> MaterialKind {
+    match roughness < SMOOTH {
+        true => MaterialKind::Glass { eta, transmittance },
+        false => MaterialKind::Frosted { eta, transmittance, roughness },
+    }
 }
 
 /// Removes the surface where the alpha of its picture says so: cut out at one half, or see-through

@@ -221,7 +221,8 @@ impl<'a> BandLookup<'a> {
     /// The emission and the reflected smooth light of a known pixel.
     fn certain_light(&self, surfaces: &TileSurfaces, light: &TileLight, ray: usize) -> Vec3 {
         let hit = surfaces.hit(ray);
-        self.tracer.emission(&hit) + self.tracer.albedo(&hit) * light.smooth_at(ray)
+        let albedo = self.tracer.albedo(&hit, surfaces.direction(ray));
+        self.tracer.emission(&hit) + albedo * light.smooth_at(ray)
     }
 
     /// Writes what is known of a pixel. Returns its type, which says what is left to do.
@@ -247,7 +248,7 @@ impl<'a> BandLookup<'a> {
             let is_wanted = surfaces.points.wanted >> ray & 1 == 1;
             let is_known = light.known >> ray & 1 == 1;
             if is_known {
-                let albedo = self.tracer.albedo(&surfaces.hit(ray));
+                let albedo = self.tracer.albedo(&surfaces.hit(ray), surfaces.direction(ray));
                 rows.radiance[at] += albedo * (light.at(ray) + light.smooth_at(ray));
                 rows.supplier[at] = light.slot[ray];
             }

@@ -176,18 +176,20 @@ impl PixelResolver<'_> {
         if !tracer.is_view_dependent(point) {
             return Vec3::ZERO;
         }
-        let (key, distance) = (Key::of_pixel(self.trace.seed, pixel), length(ray, hit));
+        let samples = self.quality.unseen_trace(&self.trace).samples;
+        let seed = PointSeed::of_pixel(self.trace.seed, pixel, self.view.size[0], samples);
+        let distance = length(ray, hit);
         let max_points = tally.points.len() + MAX_POINTS_PER_PIXEL;
-        let mut secondary = 0;
+        let mut rays = RayCounts::default();
         let (radiance, _) =
-            tracer.follow_specular(point, ray.direction, key, &mut secondary, |next, vertex| {
+            tracer.follow_specular(point, ray.direction, (seed, samples), &mut rays, |next, vertex| {
                 let (share, key) = (vertex.share, vertex.key);
                 let end = PathEnd { pixel, distance: distance + vertex.length, share, key };
                 let radiance = self.diffuse(next, &end, tally);
                 tally.points.truncate(max_points);
                 radiance
             });
-        tally.rays.secondary += secondary;
+        tally.rays += rays;
         radiance
     }
 

@@ -2,7 +2,7 @@
 
 use super::frame::Frame;
 use crate::camera::View;
-use crate::math::key::Key;
+use crate::math::sequence::PointSeed;
 use crate::raster::pixel_types::{NO_SUPPLIER, PixelType};
 use crate::reference::ReferenceFrame;
 use crate::trace::{RayCounts, SurfacePoint, TraceSettings, Tracer};
@@ -58,7 +58,7 @@ impl WarpedPixels<'_> {
         let triangle = reference.triangle()[sample.pixel() as usize];
         let position = reference.view.eye + offset;
         let point = SurfacePoint::from_position(self.tracer.scene(), triangle, position, direction);
-        let key = Key::of_pixel(trace.seed, pixel);
-        self.tracer.specular_radiance(&point, direction, trace, key, rays).0
+        let seed = PointSeed::of_pixel(trace.seed, pixel, view.size[0], trace.samples);
+        self.tracer.specular_radiance(&point, direction, trace, seed, rays).0
     }
 }

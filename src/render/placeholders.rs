@@ -11,7 +11,7 @@ use crate::lookup::PixelResolver;
 use crate::math::{Ray, key::Key};
 use crate::raster::fill::{Levels, fill_unknown};
 use crate::raster::pixel_types::PixelType;
-use crate::trace::{Hit, NO_TRIANGLE, PathVertex, PixelTrace, SurfacePoint, Tracer};
+use crate::trace::{Hit, NO_TRIANGLE, PathVertex, PixelTrace, RayCounts, SurfacePoint, Tracer};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -136,7 +136,7 @@ impl Filler<'_> {
         let (ray, Some(hit)) = self.hit(pixel) else { return traced.radiance };
         let own = traced.light.total();
         let light = self.light_of(pixel, &ray, &hit).unwrap_or(own);
-        (traced.radiance + self.unfinished.tracer.albedo(&hit) * (light - own)).max(Vec3::ZERO)
+        (traced.radiance + self.unfinished.tracer.albedo(&hit, ray.direction) * (light - own)).max(Vec3::ZERO)
     }
 
     /// The radiance of a pixel that was not traced.
@@ -148,7 +148,7 @@ impl Filler<'_> {
         let light = self.light_of(pixel, &ray, &hit).unwrap_or_default();
         let material = tracer.scene().material_of(hit.triangle);
         let specular = if material.is_view_dependent() { self.specular(pixel) } else { Vec3::ZERO };
-        tracer.emission(&hit) + tracer.albedo(&hit) * light + specular
+        tracer.emission(&hit) + tracer.albedo(&hit, ray.direction) * light + specular
     }
 
     /// What the mirror or glass of a pixel shows.
@@ -168,7 +168,7 @@ impl Filler<'_> {
             let around = || self.light_around(pixel, &Lie::new(next.geometric_normal, length.recip()));
             emission + albedo * known.or_else(around).unwrap_or_default()
         };
-        tracer.follow_specular(&point, ray.direction, key, &mut 0, shade).0
+        tracer.follow_specular(&point, ray.direction, (key.into(), 1), &mut RayCounts::default(), shade).0
     }
 }
 

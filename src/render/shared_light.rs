@@ -16,9 +16,10 @@ pub(super) fn show(
     let view = frame.view;
     for (pixel, traced) in shaded.done() {
         let Some(hit) = traced.hit else { continue };
-        let point = tracer.surface(&Tracer::primary_ray(&view, pixel as u32), &hit);
+        let ray = Tracer::primary_ray(&view, pixel as u32);
+        let point = tracer.surface(&ray, &hit);
         let Some(shared) = reference.smooth_light_near(tracer, pixel as u32, &point) else { continue };
-        let change = tracer.albedo(&hit) * (shared - traced.light.smooth());
+        let change = tracer.albedo(&hit, ray.direction) * (shared - traced.light.smooth());
         if change.is_finite() {
             let radiance = &mut frame.radiance[pixel];
             *radiance = (*radiance + change).max(Vec3::ZERO);

@@ -75,6 +75,7 @@ impl SceneBuilder {
             materials: self.materials,
             textures: Arc::new(self.textures),
             lights: Vec::new(),
+            lamp_triangles: Vec::new(),
             sun: self.sun,
             sky: self.sky,
             light_groups: LightGroups::default(),

@@ -52,7 +52,9 @@ impl Scene {
 /// transmits.
 fn max_albedo(material: &Material) -> f32 {
     let specular = match material.kind {
-        MaterialKind::Mirror { fresnel: true, .. } => Vec3::ONE - material.diffuse,
+        MaterialKind::Mirror { fresnel: true, .. } | MaterialKind::Glossy { .. } => {
+            Vec3::ONE - material.diffuse
+        }
         _ => material.specular(),
     };
     (material.diffuse + specular).max_element()

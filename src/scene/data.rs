@@ -46,6 +46,8 @@ pub struct Scene {
     pub textures: Arc<Vec<Texture>>,
     /// All lights: emissive surfaces first, then point lights, the sun and the sky.
     pub lights: Vec<Light>,
+    /// Emissive triangles, ascending, each with the index of its light.
+    pub lamp_triangles: Vec<[u32; 2]>,
     /// The sun, if there is one. `lights` holds it as well.
     pub sun: Option<Sun>,
     /// The sky, if there is one. `lights` holds it as well.
@@ -110,6 +112,12 @@ impl Scene {
     /// Returns the material of a triangle.
     pub fn material_of(&self, triangle: u32) -> &Material {
         &self.materials[self.triangle_materials[triangle as usize].0 as usize]
+    }
+
+    /// Returns the index of the light that a triangle belongs to; `None` where it emits nothing.
+    pub(crate) fn lamp_of_triangle(&self, triangle: u32) -> Option<u32> {
+        let at = self.lamp_triangles.binary_search_by_key(&triangle, |lamp| lamp[0]).ok()?;
+        Some(self.lamp_triangles[at][1])
     }
 
     /// Returns the indices of all triangles.

@@ -6,8 +6,14 @@ impl Scene {
     /// Recomputes lights and their groups, features, solids and hash. Geometry, materials, textures,
     /// sun and sky must be final.
     pub(super) fn derive(&mut self, point_lights: Vec<Light>) {
+        let lamps = emissive::lights(self);
+        let of_lamp = |(light, lamp): (u32, &emissive::Lamp)| -> Vec<[u32; 2]> {
+            lamp.triangles.iter().map(|&triangle| [triangle, light]).collect()
+        };
+        self.lamp_triangles = (0..).zip(&lamps).flat_map(of_lamp).collect();
+        self.lamp_triangles.sort_unstable();
         let (mut materials, surfaces): (Vec<Option<MaterialId>>, Vec<Light>) =
-            emissive::lights(self).into_iter().map(|(material, light)| (Some(material), light)).unzip();
+            lamps.into_iter().map(|lamp| (Some(lamp.material), lamp.light)).unzip();
         self.lights = surfaces;
         self.lights.extend(point_lights);
         self.lights.extend(self.sun.map(Light::from));

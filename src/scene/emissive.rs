@@ -4,11 +4,18 @@ use super::connectivity::connected_groups;
 use super::{Light, MaterialId, Scene, light_picture};
 use glam::Vec3;
 
-/// Returns the lights formed by the emissive triangles of a scene, each with its material.
+/// A light of emissive triangles.
+pub(super) struct Lamp {
+    pub(super) material: MaterialId,
+    pub(super) light: Light,
+    pub(super) triangles: Vec<u32>,
+}
+
+/// Returns the lights formed by the emissive triangles of a scene.
 ///
 /// Triangles of one material that share vertex positions form one light. Two triangles that form a
 /// parallelogram become a [`Light::Quad`], which is sampled with less noise than two triangles.
-pub(super) fn lights(scene: &Scene) -> Vec<(MaterialId, Light)> {
+pub(super) fn lights(scene: &Scene) -> Vec<Lamp> {
     let emissive: Vec<u32> =
         scene.triangle_indices().filter(|&t| scene.material_of(t).is_emissive()).collect();
     connected_groups(scene, &emissive, |t| scene.triangle_materials[t as usize])
@@ -16,12 +23,13 @@ pub(super) fn lights(scene: &Scene) -> Vec<(MaterialId, Light)> {
         .filter_map(|group| {
             let material = scene.triangle_materials[group[0] as usize];
             if !scene.material_of(group[0]).emits_evenly() {
-                return light_picture::of(scene, &group).map(|light| (material, light));
+                let light = light_picture::of(scene, &group)?;
+                return Some(Lamp { material, light, triangles: group });
             }
             let radiance = scene.material_of(group[0]).emission;
             let corners: Vec<_> = group.iter().map(|&t| scene.corners(t)).collect();
             let light = as_quad(&corners, radiance).unwrap_or_else(|| as_mesh(corners, radiance));
-            Some((material, light))
+            Some(Lamp { material, light, triangles: group })
         })
         .collect()
 }

@@ -11,6 +11,10 @@ pub struct SceneFeatures {
     pub mirror: bool,
     /// A material is glass.
     pub glass: bool,
+    /// A material is a rough metal or has a rough coat.
+    pub glossy: bool,
+    /// A material is frosted glass.
+    pub frosted: bool,
     /// A material has a colour texture.
     pub textures: bool,
     /// A material has an alpha texture.
@@ -31,6 +35,8 @@ impl SceneFeatures {
     pub const EVERYTHING: Self = Self {
         mirror: true,
         glass: true,
+        glossy: true,
+        frosted: true,
         textures: true,
         alpha: true,
         area_lights: true,
@@ -45,6 +51,8 @@ impl SceneFeatures {
         Self {
             mirror: any(Material::is_mirror),
             glass: any(Material::is_glass),
+            glossy: any(Material::is_glossy),
+            frosted: any(Material::is_frosted),
             textures: any(|m| m.diffuse_texture.or(m.emission_texture).or(m.coverage_texture).is_some()),
             alpha: any(|m| m.alpha_texture.is_some()),
             area_lights: lights.iter().any(|l| matches!(l, Light::Quad { .. } | Light::Triangles { .. })),
@@ -64,6 +72,7 @@ impl SceneFeatures {
         [
             (self.mirror || self.glass, "secondary rays"),
             (self.glass, "refraction and solid bodies"),
+            (self.glossy || self.frosted, "rough reflection and transmission"),
             (self.textures || self.alpha, "texture coordinates"),
             (self.alpha, "alpha test"),
             (self.area_lights, "area lights"),

@@ -51,8 +51,13 @@ impl SceneHasher {
                 MaterialKind::Diffuse => [0, 0],
                 MaterialKind::Mirror { fresnel, .. } => [1, u32::from(fresnel)],
                 MaterialKind::Glass { eta, .. } => [2, eta.to_bits()],
+                MaterialKind::Glossy { roughness, .. } => [3, roughness.to_bits()],
+                MaterialKind::Frosted { eta, .. } => [4, eta.to_bits()],
             };
             self.add(&kind);
+            if let MaterialKind::Frosted { roughness, .. } = material.kind {
+                self.add(&[roughness]);
+            }
             self.add(&[material.diffuse, material.emission, material.specular()]);
             for texture in [material.diffuse_texture, material.alpha_texture] {
                 self.add(texture.map(|t| t.texture.0).as_slice());

@@ -8,6 +8,11 @@ use glam::{Vec2, Vec3};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct MaterialId(pub u32);
 
+/// Roughness, 0 to 1, below which a surface reflects and transmits in single directions. There a rough
+/// lobe would be about a thousandth of a radian wide, as a pixel of a picture of 1,280 pixels and 60
+/// degrees.
+pub const SMOOTH: f32 = 1.0 / 32.0;
+
 /// The specular part of a material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MaterialKind {
@@ -26,6 +31,23 @@ pub enum MaterialKind {
         eta: f32,
         /// Share of the light that remains after passing one surface, linear Rec. 709.
         transmittance: Vec3,
+    },
+    /// A rough metal, or a rough clear coat over the diffuse part, which gets what the coat does not
+    /// reflect.
+    Glossy {
+        /// Reflectance at normal incidence, linear Rec. 709. It rises to one at grazing angles.
+        reflectance: Vec3,
+        /// Roughness, 0 to 1: the square root of the slope of the microfacets.
+        roughness: f32,
+    },
+    /// Glass with a rough surface, which scatters what it reflects and transmits.
+    Frosted {
+        /// Index of refraction, 1 to 10.
+        eta: f32,
+        /// Share of the light that remains after passing one surface, linear Rec. 709.
+        transmittance: Vec3,
+        /// Roughness, 0 to 1: the square root of the slope of the microfacets.
+        roughness: f32,
     },
 }
 
@@ -93,9 +115,19 @@ impl Material {
         self.is_view_dependent() && !self.is_glass()
     }
 
-    /// True for glass, which transmits light.
+    /// True for glass, clear or frosted, which transmits light.
     pub fn is_glass(&self) -> bool {
-        matches!(self.kind, MaterialKind::Glass { .. })
+        matches!(self.kind, MaterialKind::Glass { .. } | MaterialKind::Frosted { .. })
+    }
+
+    /// True for a rough metal or coat.
+    pub fn is_glossy(&self) -> bool {
+        matches!(self.kind, MaterialKind::Glossy { .. })
+    }
+
+    /// True for frosted glass.
+    pub fn is_frosted(&self) -> bool {
+        matches!(self.kind, MaterialKind::Frosted { .. })
     }
 
     /// True if no light can pass: the material is not glass and has no alpha texture.
@@ -107,9 +139,9 @@ impl Material {
     pub fn max_mirror_reflectance(&self) -> f32 {
         match self.kind {
             // At grazing angles the Fresnel reflectance is 1.
-            MaterialKind::Mirror { fresnel: true, .. } => 1.0,
+            MaterialKind::Mirror { fresnel: true, .. } | MaterialKind::Glossy { .. } => 1.0,
             MaterialKind::Mirror { reflectance, .. } => reflectance.max_element(),
-            MaterialKind::Diffuse | MaterialKind::Glass { .. } => 0.0,
+            MaterialKind::Diffuse | MaterialKind::Glass { .. } | MaterialKind::Frosted { .. } => 0.0,
         }
     }
 
@@ -159,13 +191,17 @@ impl Material {
         self.kind = MaterialKind::Glass { eta: 1.0, transmittance: Vec3::ZERO };
     }
 
-    /// Returns the colour of the specular part: the reflectance of a mirror at normal incidence,
-    /// the transmittance of glass, or zero.
+    /// Returns the colour of the specular part: the reflectance at normal incidence, the
+    /// transmittance of glass, or zero.
     pub fn specular(&self) -> Vec3 {
         match self.kind {
             MaterialKind::Diffuse => Vec3::ZERO,
-            MaterialKind::Mirror { reflectance, .. } => reflectance,
-            MaterialKind::Glass { transmittance, .. } => transmittance,
+            MaterialKind::Mirror { reflectance, .. } | MaterialKind::Glossy { reflectance, .. } => {
+                reflectance
+            }
+            MaterialKind::Glass { transmittance, .. } | MaterialKind::Frosted { transmittance, .. } => {
+                transmittance
+            }
         }
     }
 
@@ -173,17 +209,26 @@ impl Material {
     pub(super) fn specular_mut(&mut self) -> Option<&mut Vec3> {
         match &mut self.kind {
             MaterialKind::Diffuse => None,
-            MaterialKind::Mirror { reflectance, .. } => Some(reflectance),
-            MaterialKind::Glass { transmittance, .. } => Some(transmittance),
+            MaterialKind::Mirror { reflectance, .. } | MaterialKind::Glossy { reflectance, .. } => {
+                Some(reflectance)
+            }
+            MaterialKind::Glass { transmittance, .. } | MaterialKind::Frosted { transmittance, .. } => {
+                Some(transmittance)
+            }
         }
     }
 
-    /// Scales the diffuse and the specular part down so that their sum does not exceed one. Returns
-    /// true if they exceeded it by more than rounding.
+    /// Scales the diffuse and the specular part down so that their sum does not exceed one; neither
+    /// does so alone where a coat covers the diffuse part. Returns true if they exceeded it by more
+    /// than rounding.
     pub fn scale_to_conserve(&mut self) -> bool {
         /// Files hold decimal numbers: 0.8 and 0.2 may add up to slightly more than one.
         const TOLERANCE: f32 = 1e-4;
-        let sum = (self.diffuse + self.specular()).max_element();
+        let sum = match self.kind {
+            MaterialKind::Glossy { reflectance, .. } => self.diffuse.max(reflectance),
+            _ => self.diffuse + self.specular(),
+        };
+        let sum = sum.max_element();
         if sum <= 1.0 {
             return false;
         }
@@ -201,6 +246,9 @@ impl Material {
             MaterialKind::Diffuse => "diffuse",
             MaterialKind::Mirror { .. } => "mirror",
             MaterialKind::Glass { .. } => "glass",
+            MaterialKind::Glossy { .. } if self.diffuse == Vec3::ZERO => "rough metal",
+            MaterialKind::Glossy { .. } => "coated",
+            MaterialKind::Frosted { .. } => "frosted glass",
         }
     }
 }

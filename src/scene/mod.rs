@@ -60,7 +60,7 @@ pub use light_groups::{
     LampGroup, LightGroup, LightGroupKind, LightGroups, LightSetting, LightSettings, MAX_LAMP_GROUPS,
     MAX_LIGHT_GROUPS, NO_LIGHT_GROUP,
 };
-pub use material::{Material, MaterialId, MaterialKind};
+pub use material::{Material, MaterialId, MaterialKind, SMOOTH};
 pub use object_edits::{EditedObjects, ObjectEdit, ObjectEdits};
 pub use objects::{ObjectKey, Objects};
 pub use sky::{

@@ -62,7 +62,13 @@ pub(super) fn sanitize_material(material: &mut Material) -> (usize, bool) {
     // hue.
     let mut clamped = clamp(&mut material.diffuse) + clamp(&mut material.emission);
     clamped += material.specular_mut().map_or(0, clamp);
-    if let MaterialKind::Glass { eta, .. } = &mut material.kind {
+    if let MaterialKind::Glossy { roughness, .. } | MaterialKind::Frosted { roughness, .. } =
+        &mut material.kind
+    {
+        let right = if roughness.is_nan() { 1.0 } else { roughness.clamp(0.0, 1.0) };
+        clamped += replace(roughness, right == *roughness, right);
+    }
+    if let MaterialKind::Glass { eta, .. } | MaterialKind::Frosted { eta, .. } = &mut material.kind {
         let right = if eta.is_nan() { *ETA.start() } else { eta.clamp(*ETA.start(), *ETA.end()) };
         clamped += replace(eta, right == *eta, right);
     }

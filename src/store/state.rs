@@ -114,6 +114,17 @@ fn write_material(to: &mut ByteWriter, material: &Material, textures: &[ContentH
             to.f32(eta);
             to.vector(transmittance);
         }
+        MaterialKind::Glossy { reflectance, roughness } => {
+            to.0.push(4);
+            to.vector(reflectance);
+            to.f32(roughness);
+        }
+        MaterialKind::Frosted { eta, transmittance, roughness } => {
+            to.0.push(5);
+            to.f32(eta);
+            to.vector(transmittance);
+            to.f32(roughness);
+        }
     }
 }
 
@@ -131,6 +142,11 @@ fn read_material(from: &mut ByteReader<'_>, textures: &HashMap<ContentHash, Text
         0 => MaterialKind::Diffuse,
         tag @ (1 | 2) => MaterialKind::Mirror { reflectance: from.vector()?, fresnel: tag == 2 },
         3 => MaterialKind::Glass { eta: from.f32()?, transmittance: from.vector()? },
+        4 => MaterialKind::Glossy { reflectance: from.vector()?, roughness: from.f32()? },
+        5 => {
+            let (eta, transmittance, roughness) = (from.f32()?, from.vector()?, from.f32()?);
+            MaterialKind::Frosted { eta, transmittance, roughness }
+        }
         _ => return None,
     };
     let [coverage_texture, emission_texture] = others;

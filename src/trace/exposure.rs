@@ -128,7 +128,8 @@ impl Tracer {
             let traced = self.pixel(view, pixel, &settings, &mut RayCounts::default());
             sums.seen += f64::from(luminance(traced.radiance));
             let scatters = traced.hit.is_some_and(|hit| {
-                !self.scene().material_of(hit.triangle).is_emissive() && self.albedo(&hit) != Vec3::ZERO
+                let albedo = self.albedo(&hit, view.direction_of_pixel(pixel));
+                !self.scene().material_of(hit.triangle).is_emissive() && albedo != Vec3::ZERO
             });
             if scatters {
                 sums.surfaces += 1.0;

@@ -34,10 +34,10 @@ impl Tracer {
         self.bvh().closest_in_tile(tile, false, is_there, hits);
     }
 
-    /// True for a triangle of glass without a diffuse part.
+    /// True for a triangle of clear glass without a diffuse part.
     pub(super) fn is_clear_glass(&self, triangle: u32) -> bool {
         let material = self.scene().material_of(triangle);
-        material.is_glass() && material.diffuse == Vec3::ZERO
+        material.is_glass() && !material.is_frosted() && material.diffuse == Vec3::ZERO
     }
 }
 

@@ -1,6 +1,7 @@
 //! A point on a surface, with all that shading needs.
 
-use crate::bsdf::{Facing, Scatter, albedo};
+use super::bvh::Hit;
+use crate::bsdf::{Facing, Scatter, albedo, base_share};
 use crate::math::{Ray, ray::offset_from_surface};
 use crate::scene::{MaterialId, Scene, SolidSide};
 use glam::{Vec2, Vec3};
@@ -23,6 +24,9 @@ pub struct SurfacePoint {
     pub triangle: u32,
     /// True where the viewer sees the side from which the corners run counter-clockwise.
     pub is_front: bool,
+    /// Share (0..1) of its light that the diffuse part sends to the viewer: less than all below a
+    /// coat.
+    base_share: f32,
     /// Largest coordinate of the triangle's corners, which scales the rounding error of the
     /// position.
     magnitude: f32,
@@ -37,15 +41,17 @@ impl SurfacePoint {
         let wound = unit_normal(e1, e2);
         let is_front = wound.dot(view_direction) <= 0.0;
         let geometric_normal = if is_front { wound } else { -wound };
+        let shading_normal = shading_normal(scene, triangle, [b1, b2], geometric_normal);
         let largest = |p: Vec3| p.abs().max_element();
         Self {
             position: a + e1 * b1 + e2 * b2,
             geometric_normal,
-            shading_normal: shading_normal(scene, triangle, [b1, b2], geometric_normal),
+            shading_normal,
             uv: interpolate_uv(scene, triangle, [b1, b2]),
             material: scene.triangle_materials[triangle as usize],
             triangle,
             is_front,
+            base_share: share_below_coat(scene, triangle, shading_normal, view_direction),
             magnitude: largest(a).max(largest(b)).max(largest(c)),
         }
     }
@@ -77,9 +83,21 @@ impl SurfacePoint {
         offset_from_surface(self.position, -self.geometric_normal, self.magnitude)
     }
 
-    /// Diffuse reflectance, per channel.
+    /// Diffuse reflectance towards the viewer, per channel: below a coat, of what the coat does not
+    /// reflect.
     pub fn albedo(&self, scene: &Scene) -> Vec3 {
-        albedo(&scene.materials[self.material.0 as usize], &scene.textures, || self.uv)
+        let material = &scene.materials[self.material.0 as usize];
+        albedo(material, &scene.textures, || self.uv) * self.base_share
+    }
+
+    /// The same point, seen along the same line from its other side.
+    pub(super) fn from_behind(&self) -> Self {
+        Self {
+            geometric_normal: -self.geometric_normal,
+            shading_normal: -self.shading_normal,
+            is_front: !self.is_front,
+            ..*self
+        }
     }
 
     /// Emitted radiance.
@@ -126,6 +144,34 @@ fn unit_normal(e1: Vec3, e2: Vec3) -> Vec3 {
         // The cross product of tiny edges underflows in f32; in f64 every triangle has an area.
         e1.as_dvec3().cross(e2.as_dvec3()).try_normalize().map_or(Vec3::Y, |n| n.as_vec3())
     })
+}
+
+/// Returns the share (0..1) of its light that the diffuse part of a triangle sends to a viewer who
+/// looks along `direction` (any length): less than all below a coat.
+fn share_below_coat(scene: &Scene, triangle: u32, normal: Vec3, direction: Vec3) -> f32 {
+    if !scene.features.glossy {
+        return 1.0;
+    }
+    let material = scene.material_of(triangle);
+    if !material.is_glossy() {
+        return 1.0;
+    }
+    base_share(material, normal.dot(-direction.normalize_or(Vec3::Y)).clamp(0.0, 1.0))
+}
+
+/// Returns [`SurfacePoint::albedo`] of the hit of a ray, without the rest of the point.
+#[inline(always)]
+pub(super) fn albedo_of_hit(scene: &Scene, hit: &Hit, direction: Vec3) -> Vec3 {
+    let (triangle, at) = (hit.triangle, [hit.b1, hit.b2]);
+    let material = scene.material_of(triangle);
+    let albedo = albedo(material, &scene.textures, || interpolate_uv(scene, triangle, at));
+    if !scene.features.glossy || !material.is_glossy() {
+        return albedo;
+    }
+    let [a, b, c] = scene.corners(triangle);
+    let wound = unit_normal(b - a, c - a);
+    let geometric = if wound.dot(direction) <= 0.0 { wound } else { -wound };
+    albedo * share_below_coat(scene, triangle, shading_normal(scene, triangle, at, geometric), direction)
 }
 
 /// Returns the interpolated unit normal, on the side of `geometric`.

@@ -2,8 +2,7 @@
 
 use super::bvh::{Bvh, Hit, NO_TRIANGLE};
 use super::lights::{CellLights, LightGrid};
-use super::surface::{SurfacePoint, interpolate_uv};
-use crate::bsdf::albedo;
+use super::surface::{SurfacePoint, albedo_of_hit, interpolate_uv};
 use crate::camera::View;
 use crate::math::Ray;
 use crate::raster::exposure::Metered;
@@ -229,11 +228,11 @@ impl Tracer {
             .flatten()
     }
 
-    /// Returns the diffuse reflectance at a hit, per channel.
+    /// Returns the diffuse reflectance at a hit, per channel, towards the origin of a ray of this
+    /// direction (any length).
     #[inline(always)]
-    pub fn albedo(&self, hit: &Hit) -> Vec3 {
-        let uv = || interpolate_uv(&self.scene, hit.triangle, [hit.b1, hit.b2]);
-        albedo(self.scene.material_of(hit.triangle), &self.scene.textures, uv)
+    pub fn albedo(&self, hit: &Hit, direction: Vec3) -> Vec3 {
+        albedo_of_hit(&self.scene, hit, direction)
     }
 
     /// Returns the texture coordinate at a hit.

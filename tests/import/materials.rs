@@ -176,7 +176,24 @@ fn polished_metal_is_a_mirror() {
     let m = material_a("Kd 0.9 0.6 0.3\nPm 1\nPr 0.02\n");
     let MaterialKind::Mirror { reflectance, .. } = m.kind else { panic!("{m:?}") };
     assert_eq!((reflectance.to_array(), m.diffuse), ([0.9, 0.6, 0.3], Vec3::ZERO));
-    assert_eq!(material_a("Kd 0.9 0.6 0.3\nPm 1\nPr 0.5\n").kind, MaterialKind::Diffuse);
+    let m = material_a("Kd 0.9 0.6 0.3\nPm 1\nPr 0.5\n");
+    let reflectance = Vec3::new(0.9, 0.6, 0.3);
+    assert_eq!((m.kind, m.diffuse), (MaterialKind::Glossy { reflectance, roughness: 0.5 }, Vec3::ZERO));
+}
+
+#[test]
+fn the_pbr_extension_makes_coats_and_gloss_alone_does_not() {
+    let coated = |roughness| MaterialKind::Glossy { reflectance: Vec3::splat(0.04), roughness };
+    let kd = "Kd 0.5 0.5 0.5\n";
+    assert_eq!(material_a(&format!("{kd}Pr 0.2\n")).kind, coated(0.2));
+    // The extension decides, whatever model an exporter writes beside it.
+    assert_eq!(material_a(&format!("{kd}Ks 0.5 0.5 0.5\nillum 3\nPr 0.2\n")).kind, coated(0.2));
+    assert_eq!(material_a(&format!("{kd}Pr 0.9\nPc 1\nPcr 0.1\n")).kind, coated(0.1));
+    for matte in ["Pr 0.5\n", "Ks 0.5 0.5 0.5\nNs 250\nillum 2\n"] {
+        assert_eq!(material_a(&format!("{kd}{matte}")).kind, MaterialKind::Diffuse, "{matte}");
+    }
+    let m = material_a("Kd 0.1 0.1 0.1\nillum 4\nNi 1.5\nPr 0.4\n");
+    assert_eq!(m.kind, MaterialKind::Frosted { eta: 1.5, transmittance: Vec3::ONE, roughness: 0.4 });
 }
 
 #[test]

@@ -47,5 +47,10 @@ fn look_up_all(tracer: &Tracer, view: &View, lookup: &ViewLookup<'_>) -> Duratio
 /// Returns the sum of the light that the known pixels of a tile reflect.
 fn reflected(tracer: &Tracer, surfaces: &TileSurfaces, light: &TileLight) -> Vec3 {
     let known = (0..TILE_RAYS).filter(|ray| light.known >> ray & 1 == 1);
-    known.map(|ray| tracer.albedo(&surfaces.hit(ray)) * (light.at(ray) + light.smooth_at(ray))).sum()
+    known
+        .map(|ray| {
+            tracer.albedo(&surfaces.hit(ray), surfaces.direction(ray))
+                * (light.at(ray) + light.smooth_at(ray))
+        })
+        .sum()
 }

@@ -1,8 +1,10 @@
 //! The materials of this engine, made from the metalness and roughness of those in use.
 //!
-//! - Transmission is glass: `ior` refracts, the base colour attenuates; the rest is diffuse.
-//! - Metal above 0.9 with a roughness below 0.1 is a mirror of the base colour.
-//! - Everything else is diffuse in its base colour: there is no glossy reflection here.
+//! - Transmission is glass, clear or frosted by its roughness: `ior` refracts, the base colour
+//!   attenuates; the rest is diffuse.
+//! - Metal is a mirror of the base colour, or rough. What is not metal has a clear coat, which is left
+//!   out where it is rougher than satin: it then looks matte from everywhere (`surfaces`).
+//! - A picture of metal and roughness counts with its mean.
 //! - `emissiveFactor` times `emissiveStrength` is radiance, multiplied with its texture.
 //! - `MASK` removes what is below the cutoff. `BLEND` lets light pass by the alpha of the material and
 //!   its texture.
@@ -11,9 +13,9 @@ use super::document::{Document, List};
 use super::material::{Alpha, GltfMaterial, MaterialReader, Use, uv_set};
 use super::{pictures::Pictures, schema};
 use crate::import::picture::{self, Picture, is_translucent};
-use crate::import::surfaces::{fade, is_polished_metal, undefined};
+use crate::import::surfaces::{COAT, Gloss, METAL, fade, glass_of, reflectance_of, undefined};
 use crate::import::{tally::Tally, trouble::Trouble};
-use crate::scene::{Material, MaterialId, MaterialKind, SceneBuilder, TextureId, TextureRef};
+use crate::scene::{Material, MaterialId, SceneBuilder, TextureId, TextureRef};
 use glam::Vec3;
 use std::collections::HashMap;
 
@@ -125,16 +127,17 @@ impl Painter<'_> {
         let mean_base = read.base * mean(read.base_use);
         let kept = if read.transmission > 0.0 {
             let transmittance = mean_base * read.transmission;
-            material.kind = MaterialKind::Glass { eta: read.eta, transmittance };
+            material.kind = glass_of(read.eta, transmittance, self.gloss(read).roughness);
             1.0 - read.transmission
-        } else if self.is_mirror(read) {
-            material.kind = MaterialKind::Mirror { reflectance: mean_base, fresnel: false };
-            0.0
         } else {
+            // What is seen through has no coat here.
+            if read.alpha != Alpha::Blend || opacity(read, base) >= 1.0 {
+                self.gloss(read).apply(&mut material, mean_base);
+            }
             1.0
         };
         material.diffuse *= kept;
-        if let Some(used) = read.base_use.filter(|_| kept > 0.0) {
+        if let Some(used) = read.base_use.filter(|_| material.diffuse != Vec3::ZERO) {
             material.diffuse_texture = Some(self.color(used, builder));
         }
         let trouble = self.cut(read, base, &mut material, builder);
@@ -144,11 +147,19 @@ impl Painter<'_> {
         (material, trouble)
     }
 
-    fn is_mirror(&self, read: &GltfMaterial) -> bool {
+    /// How the surface reflects. A clear coat takes the place of the reflection of what is below it,
+    /// unless that is metal.
+    fn gloss(&self, read: &GltfMaterial) -> Gloss {
         // Green is roughness, blue is metalness, both linear.
         let picture = read.metal_use.and_then(|u| self.pictures.get(u.image));
         let mean = picture.map_or(Vec3::ONE, |p| picture::mean_linear(&p.texture));
-        is_polished_metal(read.metallic * mean.z, read.roughness * mean.y)
+        let (metalness, mut roughness) = (read.metallic * mean.z, read.roughness * mean.y);
+        let mut coat = (read.specular * reflectance_of(read.eta)).min(Vec3::ONE);
+        let [share, of_coat] = read.clearcoat;
+        if share > 0.0 && metalness <= METAL && of_coat < roughness {
+            (coat, roughness) = (Vec3::splat(COAT * share), of_coat);
+        }
+        Gloss { metalness, roughness, coat }
     }
 
     fn color(&mut self, used: Use, builder: &mut SceneBuilder) -> TextureRef {
@@ -175,9 +186,7 @@ impl Painter<'_> {
         material: &mut Material,
         builder: &mut SceneBuilder,
     ) -> Option<Trouble> {
-        let varies = base.is_some_and(|p| p.alpha_varies);
-        let flat = base.and_then(|p| p.texture.texels.first()).map_or(1.0, |t| f32::from(t[3]) / 255.0);
-        let opacity = read.opacity * if varies { 1.0 } else { flat };
+        let (varies, opacity) = (base.is_some_and(|p| p.alpha_varies), opacity(read, base));
         match (read.alpha, read.base_use) {
             (Alpha::Opaque, _) => None,
             (Alpha::Blend, _) if material.is_glass() => None,
@@ -231,4 +240,10 @@ impl Painter<'_> {
         let texture = *self.masks.entry((used.image, threshold.to_bits())).or_insert_with(new);
         Some(TextureRef { texture, scale: used.scale, offset: used.offset })
     }
+}
+
+/// Opacity of a material, but for a texture of varying alpha.
+fn opacity(read: &GltfMaterial, base: Option<&Picture>) -> f32 {
+    let flat = || base.and_then(|p| p.texture.texels.first()).map_or(1.0, |t| f32::from(t[3]) / 255.0);
+    read.opacity * if base.is_some_and(|p| p.alpha_varies) { 1.0 } else { flat() }
 }

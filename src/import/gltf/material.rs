@@ -2,7 +2,7 @@
 
 use super::document::{Document, Found, List};
 use super::schema::{self, TextureInfo};
-use crate::import::surfaces::{GLASS_ETA, METAL};
+use crate::import::surfaces::GLASS_ETA;
 use crate::import::{options::Limits, tally::Tally, trouble::Trouble};
 use glam::{DVec3, Vec2, Vec3};
 
@@ -33,6 +33,10 @@ pub(super) struct GltfMaterial {
     pub(super) roughness: f32,
     pub(super) transmission: f32,
     pub(super) eta: f32,
+    /// Factor of the reflectance of what is not metal.
+    pub(super) specular: Vec3,
+    /// Share and roughness of a clear coat over all.
+    pub(super) clearcoat: [f32; 2],
     pub(super) emission: Vec3,
     /// Texture of base colour and alpha.
     pub(super) base_use: Option<Use>,
@@ -63,8 +67,10 @@ impl MaterialReader<'_, '_, '_> {
         let strength = json.extensions.emissive_strength.as_ref().and_then(|e| e.emissive_strength);
         let glow = DVec3::from_array(json.emissive_factor) * strength.unwrap_or(1.0);
         let metallic = self.within(pbr.metallic_factor, 1.0);
-        // The texture is needed only where the material may be a mirror.
-        let metal = pbr.metallic_roughness_texture.as_ref().filter(|_| metallic > METAL);
+        let metal = pbr.metallic_roughness_texture.as_ref();
+        let specular = self.specular(json.extensions.specular.as_ref());
+        let coat = json.extensions.clearcoat.as_ref();
+        let coat = coat.map_or([0.0; 2], |c| [c.clearcoat_factor, c.clearcoat_roughness_factor]);
         let transmission = json.extensions.transmission.as_ref().map_or(0.0, |t| t.transmission_factor);
         let ior = json.extensions.ior.as_ref().and_then(|i| i.ior).unwrap_or(f64::from(GLASS_ETA));
         GltfMaterial {
@@ -75,6 +81,8 @@ impl MaterialReader<'_, '_, '_> {
             roughness: self.within(pbr.roughness_factor, 1.0),
             transmission: self.within(transmission, 1.0),
             eta: self.eta(ior),
+            specular,
+            clearcoat: coat.map(|c| self.within(c, 1.0)),
             emission: Vec3::from_array(glow.to_array().map(|c| self.within(c, f64::from(Limits::RADIANCE)))),
             base_use: self.used(pbr.base_color_texture.as_ref()),
             metal_use: self.used(metal),
@@ -92,6 +100,12 @@ impl MaterialReader<'_, '_, '_> {
             self.note(Trouble::OUT_OF_RANGE, &format!("{value}"));
         }
         if value.is_nan() { 0.0 } else { value.clamp(0.0, max) as f32 }
+    }
+
+    fn specular(&mut self, specular: Option<&schema::Specular>) -> Vec3 {
+        let Some(specular) = specular else { return Vec3::ONE };
+        let color = DVec3::from_array(specular.specular_color_factor) * specular.specular_factor;
+        Vec3::from_array(color.to_array().map(|c| if c.is_nan() { 1.0 } else { c.clamp(0.0, 25.0) as f32 }))
     }
 
     /// Clamps an index of refraction to 1 to 10. In the extension, 0 stands for an infinite one,

@@ -8,10 +8,12 @@ use crate::scene::SceneError;
 use glam::{DMat4, DVec3};
 
 /// Extensions that are supported.
-const KNOWN: [&str; 6] = [
+const KNOWN: [&str; 8] = [
     "KHR_materials_transmission",
     "KHR_materials_ior",
     "KHR_materials_emissive_strength",
+    "KHR_materials_specular",
+    "KHR_materials_clearcoat",
     "KHR_lights_punctual",
     "KHR_texture_transform",
     "KHR_mesh_quantization",

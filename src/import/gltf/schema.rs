@@ -224,6 +224,30 @@ pub(super) struct MaterialExtensions {
     pub(super) ior: Option<Ior>,
     #[serde(rename = "KHR_materials_emissive_strength")]
     pub(super) emissive_strength: Option<EmissiveStrength>,
+    #[serde(rename = "KHR_materials_specular")]
+    pub(super) specular: Option<Specular>,
+    #[serde(rename = "KHR_materials_clearcoat")]
+    pub(super) clearcoat: Option<Clearcoat>,
+}
+
+#[derive(Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct Specular {
+    pub(super) specular_factor: f64,
+    pub(super) specular_color_factor: [f64; 3],
+}
+
+impl Default for Specular {
+    fn default() -> Self {
+        Self { specular_factor: 1.0, specular_color_factor: [1.0; 3] }
+    }
+}
+
+#[derive(Deserialize, Default)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct Clearcoat {
+    pub(super) clearcoat_factor: f64,
+    pub(super) clearcoat_roughness_factor: f64,
 }
 
 #[derive(Deserialize, Default)]

@@ -2,7 +2,7 @@
 //! exporters.
 
 use super::mtl::MtlMaterial;
-use crate::import::surfaces::{GLASS_ETA, NEUTRAL, is_polished_metal, thin};
+use crate::import::surfaces::{COAT, GLASS_ETA, Gloss, METAL, NEUTRAL, glass_of, thin};
 use crate::import::{tally::Tally, trouble::Trouble};
 use crate::scene::{Material, MaterialKind};
 use glam::Vec3;
@@ -28,10 +28,6 @@ impl Model {
             Some(3 | 8) => Self::Mirror { fresnel: false },
             Some(5) => Self::Mirror { fresnel: true },
             Some(4 | 6 | 7 | 9) => Self::Glass,
-            // The PBR extension of MTL has no `illum`.
-            None if is_polished_metal(m.metallic.unwrap_or(0.0), m.roughness.unwrap_or(1.0)) => {
-                Self::Mirror { fresnel: false }
-            }
             _ => Self::Matte,
         }
     }
@@ -41,6 +37,22 @@ impl Model {
 fn brightness(m: &MtlMaterial) -> f32 {
     let stated = m.diffuse.filter(|kd| m.map_diffuse.is_none() || *kd != Vec3::ZERO);
     stated.map_or(if m.map_diffuse.is_some() { 1.0 } else { 0.0 }, Vec3::max_element)
+}
+
+/// How a material of the PBR extension of MTL reflects; `None` where it does not use it. `Ks` and `Ns`
+/// alone say nothing: exporters write them for matte materials too.
+fn gloss(m: &MtlMaterial) -> Option<Gloss> {
+    if [m.roughness, m.metallic, m.coat].iter().all(Option::is_none) {
+        return None;
+    }
+    let share = |value: Option<f32>, default: f32| value.unwrap_or(default).clamp(0.0, 1.0);
+    let metalness = share(m.metallic, 0.0);
+    let (mut coat, mut roughness) = (Vec3::splat(COAT), share(m.roughness, 1.0));
+    let of_coat = share(m.coat_roughness, 0.0);
+    if share(m.coat, 0.0) > 0.0 && metalness <= METAL && of_coat < roughness {
+        (coat, roughness) = (Vec3::splat(COAT * share(m.coat, 0.0)), of_coat);
+    }
+    Some(Gloss { metalness, roughness, coat })
 }
 
 /// Returns the opacity: `d` where it is given, else `1 - Tr`, else that of Maya.
@@ -137,6 +149,11 @@ pub(super) fn interpret(m: &MtlMaterial, habits: &Habits, tally: &mut Tally) -> 
     match model {
         Model::Glass => glass(&mut material, m, d, tally),
         _ if d < 1.0 => thin(&mut material, d),
+        // The extension knows better than the model, of which exporters write the nearest.
+        _ if let Some(gloss) = gloss(m) => {
+            let base = material.diffuse;
+            gloss.apply(&mut material, base);
+        }
         Model::Mirror { fresnel } => mirror(&mut material, m, fresnel),
         Model::Matte => {}
     }
@@ -157,11 +174,7 @@ fn diffuse_of(m: &MtlMaterial, model: Model) -> Vec3 {
 }
 
 fn mirror(material: &mut Material, m: &MtlMaterial, fresnel: bool) {
-    let reflectance = if m.illum.is_none() {
-        std::mem::take(&mut material.diffuse) // the base colour of a metal is its reflectance
-    } else {
-        m.specular.unwrap_or(Vec3::ZERO)
-    };
+    let reflectance = m.specular.unwrap_or(Vec3::ZERO);
     if reflectance.max_element() > 0.0 {
         material.kind = MaterialKind::Mirror { reflectance, fresnel };
     }
@@ -177,5 +190,6 @@ fn glass(material: &mut Material, m: &MtlMaterial, d: f32, tally: &mut Tally) {
     // Exporters write `Tf 0 0 0` for "not set".
     let filter = m.filter.filter(|tf| *tf != Vec3::ZERO).unwrap_or(Vec3::ONE).min(Vec3::ONE);
     let transmittance = filter.min((Vec3::ONE - material.diffuse).max(Vec3::ZERO));
-    material.kind = MaterialKind::Glass { eta: eta.clamp(1.0, 10.0), transmittance };
+    let roughness = m.roughness.unwrap_or(0.0).clamp(0.0, 1.0);
+    material.kind = glass_of(eta.clamp(1.0, 10.0), transmittance, roughness);
 }

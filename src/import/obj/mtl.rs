@@ -34,6 +34,10 @@ pub(super) struct MtlMaterial {
     pub(super) illum: Option<u32>,
     pub(super) roughness: Option<f32>,
     pub(super) metallic: Option<f32>,
+    /// Share of a clear coat.
+    pub(super) coat: Option<f32>,
+    /// Roughness of the clear coat.
+    pub(super) coat_roughness: Option<f32>,
     pub(super) map_diffuse: Option<MapSpec>,
     /// Used where there is no `map_diffuse`.
     pub(super) map_ambient: Option<MapSpec>,
@@ -125,6 +129,8 @@ fn set(m: &mut MtlMaterial, key: &str, rest: &str, line: u64, tally: &mut Tally)
         "illum" => m.illum = Some(illum(rest, line, tally)?),
         "pr" => m.roughness = Some(scalar(rest)?),
         "pm" => m.metallic = Some(scalar(rest)?),
+        "pc" => m.coat = Some(scalar(rest)?),
+        "pcr" => m.coat_roughness = Some(scalar(rest)?),
         // Exporters write a map without a file for "no texture".
         "map_kd" => m.map_diffuse = map(rest, line, tally),
         "map_ka" => m.map_ambient = map(rest, line, tally),

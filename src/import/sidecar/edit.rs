@@ -76,7 +76,7 @@ fn write_material(document: &mut DocumentMut, was: &Material, is: &Material) -> 
         tables.len() - 1
     });
     let table = tables.get_mut(at)?;
-    for key in ["fresnel", "reflectance", "eta", "transmittance"] {
+    for key in ["fresnel", "reflectance", "eta", "transmittance", "roughness"] {
         table.remove(key);
     }
     set(table, "diffuse", color(is.diffuse));
@@ -94,6 +94,17 @@ fn write_material(document: &mut DocumentMut, was: &Material, is: &Material) -> 
             set(table, "kind", value("glass"));
             set(table, "eta", value(number(eta)));
             set(table, "transmittance", color(transmittance));
+        }
+        MaterialKind::Glossy { reflectance, roughness } => {
+            set(table, "kind", value("glossy"));
+            set(table, "reflectance", color(reflectance));
+            set(table, "roughness", value(number(roughness)));
+        }
+        MaterialKind::Frosted { eta, transmittance, roughness } => {
+            set(table, "kind", value("frosted"));
+            set(table, "eta", value(number(eta)));
+            set(table, "transmittance", color(transmittance));
+            set(table, "roughness", value(number(roughness)));
         }
     }
     Some(())

@@ -8,6 +8,7 @@ use super::lights::Lights;
 use super::objects::{self, ObjectLine};
 use super::table::{Notes, Section, suggestion};
 use crate::camera::{Camera, CameraKey, CameraPath};
+use crate::import::surfaces::{COAT, DEFAULT_ROUGHNESS};
 use crate::import::units::{Unit, UnknownWord, Up};
 use crate::import::{files, options::Limits, search::Finder, text};
 use crate::scene::{Material, MaterialKind, NamedView, Scene, SceneBuilder};
@@ -29,6 +30,7 @@ struct Override {
     reflectance: Option<Vec3>,
     eta: Option<f32>,
     transmittance: Option<Vec3>,
+    roughness: Option<f32>,
     emission: Option<Vec3>,
 }
 
@@ -37,6 +39,8 @@ enum Kind {
     Diffuse,
     Mirror,
     Glass,
+    Glossy,
+    Frosted,
 }
 
 impl std::str::FromStr for Kind {
@@ -47,7 +51,12 @@ impl std::str::FromStr for Kind {
             "diffuse" => Ok(Self::Diffuse),
             "mirror" => Ok(Self::Mirror),
             "glass" => Ok(Self::Glass),
-            _ => Err(UnknownWord::new(text, "a kind of material", "diffuse, mirror, glass")),
+            "glossy" => Ok(Self::Glossy),
+            "frosted" => Ok(Self::Frosted),
+            _ => {
+                let known = "diffuse, mirror, glass, glossy, frosted";
+                Err(UnknownWord::new(text, "a kind of material", known))
+            }
         }
     }
 }
@@ -205,37 +214,64 @@ impl Sidecar {
 impl Override {
     fn apply(&self, material: &mut Material) {
         let was = material.kind;
-        let (mut reflectance, mut fresnel) = (Vec3::splat(0.9), false);
-        let (mut eta, mut transmittance) = (1.5, Vec3::ONE);
+        material.kind = self.kind_after(was);
+        // A material that becomes a mirror or glass was matte in the file only because OBJ could
+        // not express it. Below a coat, the matte part stays.
+        let became_specular = material.is_view_dependent() && was == MaterialKind::Diffuse;
+        let stays = !became_specular || self.kind == Some(Kind::Glossy);
+        let kept = if stays { material.diffuse } else { Vec3::ZERO };
+        material.diffuse = self.diffuse.unwrap_or(kept);
+        material.emission = self.emission.unwrap_or(material.emission);
+    }
+
+    /// The kind of a material that was of another kind.
+    fn kind_after(&self, was: MaterialKind) -> MaterialKind {
+        let kind = self.kind.unwrap_or(match was {
+            MaterialKind::Diffuse => Kind::Diffuse,
+            MaterialKind::Mirror { .. } => Kind::Mirror,
+            MaterialKind::Glass { .. } => Kind::Glass,
+            MaterialKind::Glossy { .. } => Kind::Glossy,
+            MaterialKind::Frosted { .. } => Kind::Frosted,
+        });
+        let default_reflectance = if kind == Kind::Glossy { COAT } else { 0.9 };
+        let (mut reflectance, mut fresnel) = (Vec3::splat(default_reflectance), false);
+        let (mut eta, mut transmittance, mut roughness) = (1.5, Vec3::ONE, DEFAULT_ROUGHNESS);
         match was {
             MaterialKind::Mirror { reflectance: r, fresnel: f } => (reflectance, fresnel) = (r, f),
             MaterialKind::Glass { eta: e, transmittance: t } => (eta, transmittance) = (e, t),
+            MaterialKind::Glossy { reflectance: r, roughness: rough } => {
+                (reflectance, roughness) = (r, rough)
+            }
+            MaterialKind::Frosted { eta: e, transmittance: t, roughness: r } => {
+                (eta, transmittance, roughness) = (e, t, r);
+            }
             MaterialKind::Diffuse => {}
         }
-        let mirror = MaterialKind::Mirror {
-            reflectance: self.reflectance.unwrap_or(reflectance),
-            fresnel: self.fresnel.unwrap_or(fresnel),
-        };
-        let glass = MaterialKind::Glass {
-            eta: self.eta.unwrap_or(eta),
-            transmittance: self.transmittance.unwrap_or(transmittance),
-        };
-        material.kind = match (self.kind, was) {
-            (Some(Kind::Mirror), _) | (None, MaterialKind::Mirror { .. }) => mirror,
-            (Some(Kind::Glass), _) | (None, MaterialKind::Glass { .. }) => glass,
-            (Some(Kind::Diffuse), _) | (None, MaterialKind::Diffuse) => MaterialKind::Diffuse,
-        };
-        // A material that becomes a mirror or glass was matte in the file only because OBJ could
-        // not express it.
-        let became_specular = material.is_view_dependent() && was == MaterialKind::Diffuse;
-        let kept = if became_specular { Vec3::ZERO } else { material.diffuse };
-        material.diffuse = self.diffuse.unwrap_or(kept);
-        material.emission = self.emission.unwrap_or(material.emission);
+        let reflectance = self.reflectance.unwrap_or(reflectance);
+        let (eta, transmittance) = (self.eta.unwrap_or(eta), self.transmittance.unwrap_or(transmittance));
+        let roughness = self.roughness.unwrap_or(roughness);
+        match kind {
+            Kind::Diffuse => MaterialKind::Diffuse,
+            Kind::Mirror => MaterialKind::Mirror { reflectance, fresnel: self.fresnel.unwrap_or(fresnel) },
+            Kind::Glass => MaterialKind::Glass { eta, transmittance },
+            Kind::Glossy => MaterialKind::Glossy { reflectance, roughness },
+            Kind::Frosted => MaterialKind::Frosted { eta, transmittance, roughness },
+        }
     }
 }
 
 fn overrides(top: &Section, notes: &mut Notes) -> Vec<Override> {
-    let known = ["name", "kind", "fresnel", "diffuse", "reflectance", "eta", "transmittance", "emission"];
+    let known = [
+        "name",
+        "kind",
+        "fresnel",
+        "diffuse",
+        "reflectance",
+        "eta",
+        "transmittance",
+        "roughness",
+        "emission",
+    ];
     let sections = top.sections("material", "[[material]]", &known, notes);
     sections
         .into_iter()
@@ -253,6 +289,7 @@ fn overrides(top: &Section, notes: &mut Notes) -> Vec<Override> {
                 reflectance: s.color("reflectance", 1.0, notes),
                 eta: s.number("eta", 1.0..=10.0, notes).map(|n| n as f32),
                 transmittance: s.color("transmittance", 1.0, notes),
+                roughness: s.number("roughness", 0.0..=1.0, notes).map(|n| n as f32),
                 emission: s.color("emission", Limits::RADIANCE, notes),
             })
         })

@@ -341,12 +341,15 @@ impl ReferenceFrame {
         }
         let scene = tracer.scene();
         let material = scene.material_of(triangle);
-        let uv = || {
+        let point = || {
             let offset = self.offset_from_eye(pixel);
-            SurfacePoint::from_position(scene, triangle, self.view.eye + offset, offset).uv
+            SurfacePoint::from_position(scene, triangle, self.view.eye + offset, offset)
         };
-        let albedo = albedo(material, &scene.textures, uv);
-        material.emission_at(&scene.textures, uv) + albedo * self.light(pixel)
+        let albedo = match material.is_glossy() {
+            true => point().albedo(scene),
+            false => albedo(material, &scene.textures, || point().uv),
+        };
+        material.emission_at(&scene.textures, || point().uv) + albedo * self.light(pixel)
     }
 
     /// True if the stored triangle exists or is [`NO_TRIANGLE`]: always, unless memory is corrupt.

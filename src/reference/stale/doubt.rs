@@ -93,7 +93,7 @@ impl DifferenceLight {
         let scenes = [&**self.old.scene(), &*self.new];
         let mut stops = 0;
         let bounces = self.bounces;
-        self.old.follow_path(point, (sequence, sample), bounces, rays, |stop, share, _| {
+        self.old.follow_path(point, (sequence, sample), (bounces, false), rays, |stop, share, _| {
             match stop {
                 PathStop::Sky(direction) => {
                     let Some(skies) = &self.sources.skies else { return ControlFlow::Break(()) };
@@ -102,7 +102,8 @@ impl DifferenceLight {
                     let difference = share * (b - a).abs();
                     if bounces == 0 { found.direct += difference } else { found.smooth += difference }
                 }
-                PathStop::Surface { point: next, length, was_reflected } => {
+                PathStop::Lamp(_) => {}
+                PathStop::Surface { point: next, length, was_reflected, .. } => {
                     stops += 1;
                     if let Some((radius, emission, reflection)) = self.sources.radiance_of(scenes, next)
                         && (*was_reflected || *length < NEAR * radius)

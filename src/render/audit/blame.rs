@@ -161,7 +161,7 @@ fn differing_blocks<'a>(
     let Audited { tracer, frame, .. } = *audited;
     let Some(hit) = right[0].hit else { return Vec::new() };
     let light = right.map(|traced| traced.light.total());
-    let shown_share = audited.exposure() * tracer.albedo(&hit);
+    let shown_share = audited.exposure() * tracer.albedo(&hit, frame.view.direction_of_pixel(pixel));
     let (x, y) = (pixel % frame.view.size[0], pixel / frame.view.size[0]);
     let mut found = Vec::new();
     for entry in cache.entries().iter().filter(|e| e.frame.epoch == tracer.epoch()) {

@@ -110,6 +110,15 @@ fn content_of_material(material: &Material, textures: &[ContentHash]) -> Materia
             transmission.number(eta);
             transmission.triple(transmittance);
         }
+        MaterialKind::Glossy { reflectance, roughness } => {
+            reflection.word(3);
+            reflection.triple(reflectance);
+            reflection.number(roughness);
+        }
+        MaterialKind::Frosted { eta, transmittance, roughness } => {
+            [eta, roughness].into_iter().for_each(|number| transmission.number(number));
+            transmission.triple(transmittance);
+        }
     }
     let mut emission = ContentHasher::new(b"emission");
     emission.triple(material.emission);

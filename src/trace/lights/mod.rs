@@ -1,9 +1,10 @@
 //! Sampling of the scene's light sources: which of them matter where (`grid`), how many samples
 //! each gets (`share`), points on them (`sample`, `quad`), what passes on the way (`shadow`), and
-//! the irradiance that arrives (`direct`).
+//! the irradiance that arrives (`direct`), and what rough lobes scatter of it (`lobe`).
 
 mod direct;
 mod grid;
+mod lobe;
 mod quad;
 mod sample;
 mod shadow;
@@ -11,4 +12,5 @@ mod share;
 
 pub(crate) use direct::{GroupLight, LightKinds};
 pub use grid::{LightCuts, LightGrid};
+pub(in crate::trace) use lobe::{LitLobe, LobeRay};
 pub(in crate::trace) use share::CellLights;

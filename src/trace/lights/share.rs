@@ -64,6 +64,11 @@ impl CellLights {
         self.indices.len()
     }
 
+    /// True where a light, given by its index in the scene, matters in the cell.
+    pub(super) fn contains(&self, light: u32) -> bool {
+        self.indices.binary_search(&light).is_ok()
+    }
+
     /// True where the lights share samples.
     pub(super) fn is_shared(&self) -> bool {
         !self.ends.is_empty()

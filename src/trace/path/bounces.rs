@@ -1,10 +1,10 @@
 //! Smooth light: what arrives from the sky and by way of other diffuse surfaces, path traced.
 
 use super::cached_light::{CachedLight, Reader};
-use super::dimension::{DIRECTION, LIGHT, ROULETTE};
-use crate::bsdf::Diffuse;
-use crate::math::{Ray, sequence::Sequence};
-use crate::trace::lights::LightKinds;
+use super::dimension::{DIRECTION, LIGHT, LOBE_LIGHT, ROULETTE};
+use crate::bsdf::{Diffuse, Lobe, Scatter, ScatterSet};
+use crate::math::{Ray, key::Key, sequence::Sequence};
+use crate::trace::lights::{LightKinds, LitLobe, LobeRay};
 use crate::trace::{RayCounts, SurfacePoint, Tracer};
 use glam::Vec3;
 use std::ops::{ControlFlow, Range};
@@ -26,12 +26,23 @@ const MAX_SURVIVAL: f32 = 0.95;
 
 /// Where a diffusely scattered ray of a path ends.
 enum Next {
-    /// A surface that scatters diffusely, the length of the way there in scene units, and whether a
-    /// surface reflected the ray since it last scattered diffusely.
-    Surface(SurfacePoint, f32, bool),
+    /// A surface that scatters diffusely, the length of the way there in scene units, and how lamps
+    /// there count.
+    Surface(SurfacePoint, f32, Lamps),
     /// The sky, in this direction.
     Sky(Vec3),
     Lost,
+}
+
+/// How the emission of a surface counts that a path meets.
+#[derive(Clone, Copy)]
+enum Lamps {
+    /// Not at all: shadow rays from the last diffuse surface find it, also through glass.
+    Found,
+    /// All of it: a mirror has reflected the path since.
+    Reflected,
+    /// By the densities of both ways: a rough surface has reflected the path since.
+    Lobe(LobeRay),
 }
 
 /// What the paths of smooth light are traced with.
@@ -63,7 +74,7 @@ impl Tracer {
     ) -> [Vec3; 2] {
         let mut sums = [Vec3::ZERO; 2];
         for sample in samples {
-            let path = Path { tracer: self, sequence, sample, settings };
+            let path = Path { tracer: self, sequence, sample, settings, samples_lamps: true };
             sums[(sample & 1) as usize] += path.radiance(point, None, rays);
         }
         sums
@@ -78,7 +89,11 @@ impl Tracer {
         settings: SmoothSettings<'_>,
         rays: &mut RayCounts,
     ) -> Vec3 {
-        Path { tracer: self, sequence, sample, settings }.radiance(point, Some(direction), rays)
+        Path { tracer: self, sequence, sample, settings, samples_lamps: true }.radiance(
+            point,
+            Some(direction),
+            rays,
+        )
     }
 }
 
@@ -92,7 +107,12 @@ pub(crate) enum PathStop {
         length: f32,
         /// True where a mirror or a pane reflected the path on that way.
         was_reflected: bool,
+        /// Share (0..1) of the surface's emission that counts here, because no shadow ray finds it.
+        emission_share: f32,
     },
+    /// A rough surface on the way to the next stop, which scatters light straight from this light, an
+    /// index into those of the scene. The share is all of the radiance.
+    Lamp(u32),
     /// The sky, in this direction.
     Sky(Vec3),
 }
@@ -101,17 +121,17 @@ impl Tracer {
     /// Follows one path of a point over up to `bounces` diffuse surfaces, with the random numbers of
     /// [`Self::smooth_light`]. `visit` is given each stop, and the share of the radiance that leaves
     /// it towards the path that arrives at the point, as radiance of a white surface; it may end the
-    /// path.
+    /// path. Without `samples_lamps`, rough surfaces find lamps by the path alone, and no other lights.
     pub(crate) fn follow_path(
         &self,
         start: &SurfacePoint,
         (sequence, sample): (Sequence, u32),
-        bounces: u32,
+        (bounces, samples_lamps): (u32, bool),
         rays: &mut RayCounts,
         mut visit: impl FnMut(&PathStop, Vec3, &mut RayCounts) -> ControlFlow<()>,
     ) {
         let settings = SmoothSettings { bounces, cache: None, footprint: 0.0, samples: 1 };
-        let path = Path { tracer: self, sequence, sample, settings };
+        let path = Path { tracer: self, sequence, sample, settings, samples_lamps };
         let (mut point, mut throughput) = (*start, Vec3::ONE);
         for bounce in 0..bounces.min(MAX_PATH) + 1 {
             if !path.survives(bounce, &mut throughput) {
@@ -120,15 +140,22 @@ impl Tracer {
             let u = sequence.pair(sample, DIRECTION + bounce);
             let Some(direction) = Diffuse::sample_direction(&point.facing(self.scene()), u) else { return };
             let ray = Ray::new(point.origin_in_front(), direction);
-            match path.next(ray, &mut throughput, bounce, rays) {
+            let mut lit = Vec::new();
+            let next = path.next(ray, &mut throughput, bounce, &mut lit, rays);
+            for (light, radiance) in lit {
+                let _ = visit(&PathStop::Lamp(light), radiance, rays);
+            }
+            match next {
                 Next::Lost => return,
                 Next::Sky(direction) => {
                     let _ = visit(&PathStop::Sky(direction), throughput, rays);
                     return;
                 }
                 Next::Surface(..) if bounce == bounces => return,
-                Next::Surface(next, length, was_reflected) => {
-                    let stop = PathStop::Surface { point: next, length, was_reflected };
+                Next::Surface(next, length, lamps) => {
+                    let was_reflected = !matches!(lamps, Lamps::Found);
+                    let emission_share = path.emission_share(&next, lamps);
+                    let stop = PathStop::Surface { point: next, length, was_reflected, emission_share };
                     if visit(&stop, throughput, rays).is_break() {
                         return;
                     }
@@ -149,6 +176,8 @@ struct Path<'a> {
     sequence: Sequence,
     sample: u32,
     settings: SmoothSettings<'a>,
+    /// True where rough surfaces on the way are lit by samples of the lights.
+    samples_lamps: bool,
 }
 
 impl Path<'_> {
@@ -171,8 +200,13 @@ impl Path<'_> {
             });
             let Some(direction) = direction else { return radiance };
             let ray = Ray::new(point.origin_in_front(), direction);
-            let (next, length, was_reflected) = match self.next(ray, &mut throughput, bounce, rays) {
-                Next::Surface(next, length, was_reflected) => (next, length, was_reflected),
+            let mut lit = Vec::new();
+            let next = self.next(ray, &mut throughput, bounce, &mut lit, rays);
+            for (_, light) in lit {
+                radiance += light;
+            }
+            let (next, length, lamps) = match next {
+                Next::Surface(next, length, lamps) => (next, length, lamps),
                 // Shadow rays bring the suns of a sky picture.
                 Next::Sky(direction) => return radiance + throughput * self.tracer.diffuse_sky(direction),
                 Next::Lost => return radiance,
@@ -181,8 +215,9 @@ impl Path<'_> {
                 return radiance;
             }
             // No shadow ray finds a light by way of a mirror, so its emission counts here.
-            if was_reflected {
-                radiance += throughput * next.emission(scene);
+            let share = self.emission_share(&next, lamps);
+            if share > 0.0 {
+                radiance += throughput * (next.emission(scene) * share);
             }
             // The weight of a diffuse sample is the albedo.
             throughput *= next.albedo(scene);
@@ -225,12 +260,29 @@ impl Path<'_> {
         self.tracer.irradiance_of(LightKinds::AllButSky, point, 1, shift, rays)
     }
 
-    /// Follows a ray to the next point that scatters diffusely, through mirrors and glass on the
-    /// way. At a surface with several lobes one is chosen at random, by the share of light that it
-    /// carries.
-    fn next(&self, mut ray: Ray, throughput: &mut Vec3, bounce: u32, rays: &mut RayCounts) -> Next {
+    /// Share (0..1) of a surface's emission that counts.
+    fn emission_share(&self, surface: &SurfacePoint, lamps: Lamps) -> f32 {
+        match lamps {
+            Lamps::Found => 0.0,
+            Lamps::Reflected => 1.0,
+            Lamps::Lobe(lobe) => self.tracer.lamp_share(&lobe, surface),
+        }
+    }
+
+    /// Follows a ray to the next point that scatters diffusely, through mirrors, glass and rough
+    /// surfaces on the way. At a surface with several lobes one is chosen at random, by the share of
+    /// light that it carries. Appends to `lit` what rough surfaces scatter straight from lights, with
+    /// their indices.
+    fn next(
+        &self,
+        mut ray: Ray,
+        throughput: &mut Vec3,
+        bounce: u32,
+        lit: &mut Vec<(u32, Vec3)>,
+        rays: &mut RayCounts,
+    ) -> Next {
         let tracer = self.tracer;
-        let (mut was_reflected, mut length) = (false, 0.0);
+        let (mut lamps, mut length) = (Lamps::Found, 0.0);
         for link in 0..MAX_CHAIN {
             rays.indirect += 1;
             let Some(hit) = tracer.closest(&ray) else {
@@ -240,24 +292,85 @@ impl Path<'_> {
             // Directions are of unit length, so `t` is a distance.
             length += hit.t;
             if !tracer.is_view_dependent(&point) {
-                return Next::Surface(point, length, was_reflected);
+                return Next::Surface(point, length, lamps);
             }
             // Choose between the diffuse lobe and the other.
             let key = self.sequence.key(self.sample).with(bounce).with(link);
             let [random_branch, random_lobe] = key.pair();
             let continuations = tracer.scatter(&point, ray.direction, key);
             let diffuse = point.albedo(tracer.scene()).max_element();
-            let scatters = diffuse / (diffuse + continuations.total_weight());
+            let scatters = diffuse / (diffuse + self.weight_of_lobe(&point, &ray, &continuations));
             if random_lobe < scatters {
                 *throughput /= scatters;
-                return Next::Surface(point, length, was_reflected);
+                return Next::Surface(point, length, lamps);
             }
-            // Choose one of the other lobe's continuations.
+            // Light the rough lobe, and choose one of the other lobe's continuations.
+            let chosen = 1.0 - scatters;
+            if self.lights_lobe(&point, bounce) {
+                self.light_lobe(&point, ray.direction, (*throughput / chosen, key), lit, rays);
+            }
             let Some(next) = continuations.choose(random_branch) else { return Next::Lost };
-            was_reflected |= next.direction.dot(point.geometric_normal) > 0.0;
-            *throughput *= next.weight / (1.0 - scatters);
+            lamps = self.lamps_after(&point, &ray, &next, bounce, lamps);
+            *throughput *= next.weight / chosen;
             ray = point.scattered_ray(&next);
         }
         Next::Lost
+    }
+
+    /// What the lobe other than the diffuse one is estimated to carry. Where its sample is lost, its
+    /// light straight from the lights is not.
+    fn weight_of_lobe(&self, point: &SurfacePoint, ray: &Ray, continuations: &ScatterSet) -> f32 {
+        let material = self.tracer.material(point);
+        match material.is_glossy() {
+            true => material.total(&point.facing(self.tracer.scene()), ray.direction),
+            false => continuations.total_weight(),
+        }
+    }
+
+    /// True where the lobe of a point is lit by samples of the lights.
+    fn lights_lobe(&self, point: &SurfacePoint, bounce: u32) -> bool {
+        let material = self.tracer.material(point);
+        let is_bounce = bounce < self.settings.bounces.min(MAX_PATH);
+        self.samples_lamps && is_bounce && material.is_glossy() && !material.is_specular()
+    }
+
+    /// Appends what a rough lobe scatters straight from the lights towards the path, by one shadow
+    /// ray.
+    fn light_lobe(
+        &self,
+        point: &SurfacePoint,
+        incident: Vec3,
+        (throughput, key): (Vec3, Key),
+        lit: &mut Vec<(u32, Vec3)>,
+        rays: &mut RayCounts,
+    ) {
+        let (material, facing) = (self.tracer.material(point), point.facing(self.tracer.scene()));
+        let (lobe_rays, samples, shadow_rays) = (1, 1, 1);
+        let lobe = LitLobe { material, facing: &facing, incident, lobe_rays, samples, shadow_rays };
+        let key = key.with(LOBE_LIGHT);
+        let shift = |light| key.with(light).pair();
+        self.tracer.light_of_lobe(point, &lobe, shift, rays, |light, radiance| {
+            lit.push((light, throughput * radiance));
+        });
+    }
+
+    /// How lamps count after a path has continued.
+    fn lamps_after(
+        &self,
+        point: &SurfacePoint,
+        ray: &Ray,
+        next: &Scatter,
+        bounce: u32,
+        before: Lamps,
+    ) -> Lamps {
+        if next.direction.dot(point.geometric_normal) <= 0.0 {
+            return before;
+        }
+        if !self.lights_lobe(point, bounce) {
+            return Lamps::Reflected;
+        }
+        let facing = point.facing(self.tracer.scene());
+        let density = self.tracer.material(point).pdf(&facing, ray.direction, next.direction);
+        Lamps::Lobe(LobeRay { position: point.position, density, samples: 1 })
     }
 }

@@ -91,18 +91,24 @@ impl Tracer {
         };
         let (sky, mut bounce) = (groups.of_kind(LightGroupKind::Sky), 0);
         let of = (sequence, sample);
-        self.follow_path(start, of, settings.trace.bounces, rays, |stop, share, rays| {
-            let (point, length, was_reflected) = match *stop {
-                PathStop::Surface { point, length, was_reflected } => (point, length, was_reflected),
+        self.follow_path(start, of, (settings.trace.bounces, true), rays, |stop, share, rays| {
+            let (point, length, emission_share) = match *stop {
+                PathStop::Surface { point, length, emission_share, .. } => (point, length, emission_share),
+                PathStop::Lamp(light) => {
+                    let group = groups.of_light.get(light as usize);
+                    add(group.map(|&group| usize::from(group)), share);
+                    return ControlFlow::Continue(());
+                }
                 PathStop::Sky(direction) => {
                     add(sky, share * self.diffuse_sky(direction));
                     return ControlFlow::Break(());
                 }
             };
             // No shadow ray finds a light by way of a mirror, so its emission counts here.
-            if was_reflected {
+            if emission_share > 0.0 {
                 let group = groups.of_material.get(point.material.0 as usize);
-                add(group.map(|&group| usize::from(group)), share * point.emission(self.scene()));
+                let emission = point.emission(self.scene()) * emission_share;
+                add(group.map(|&group| usize::from(group)), share * emission);
             }
             let share = share * point.albedo(self.scene());
             if share.max_element() <= 0.0 {

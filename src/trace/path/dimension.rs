@@ -6,6 +6,9 @@ pub(super) const SPECULAR: u32 = 2 << 24;
 /// Dimension of the sample of the viewer-dependent lobe.
 pub(super) const LOBE: u32 = 3 << 24;
 
+/// Dimension of the lights that a rough lobe scatters straight; each takes its index below that.
+pub(super) const LOBE_LIGHT: u32 = 4 << 24;
+
 /// First dimension of the samples of lights that are added later to those of a point: one per
 /// light.
 pub(super) const LATER: u32 = 1 << 26;
@@ -13,6 +16,9 @@ pub(super) const LATER: u32 = 1 << 26;
 /// First dimension of the points of a [`Sequence`](crate::math::sequence::Sequence) that choose the
 /// directions of a path: one per bounce.
 pub(super) const DIRECTION: u32 = 0;
+
+/// Dimension of the rays of a pixel's rough lobe.
+pub(super) const LOBE_RAY: u32 = 1 << 27;
 
 /// First dimension for Russian roulette, one per bounce.
 pub(super) const ROULETTE: u32 = 1 << 24;

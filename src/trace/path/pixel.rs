@@ -3,7 +3,7 @@
 use super::diffuse::{ArrivingLight, LightSettings};
 use super::specular::PathVertex;
 use crate::camera::View;
-use crate::math::{Ray, key::Key, sequence::PointSeed};
+use crate::math::{Ray, sequence::PointSeed};
 use crate::trace::{Hit, RayCounts, SurfacePoint, TraceSettings, Tracer};
 use glam::Vec3;
 
@@ -42,8 +42,8 @@ impl Tracer {
         settings: &TraceSettings,
         rays: &mut RayCounts,
     ) -> PixelTrace {
-        self.pixel_with(of, hit, settings, rays, |point, direction, key, rays| {
-            self.specular_radiance(point, direction, settings, key, rays)
+        self.pixel_with(of, hit, settings, rays, |point, direction, seed, rays| {
+            self.specular_radiance(point, direction, settings, seed, rays)
         })
     }
 
@@ -68,9 +68,9 @@ impl Tracer {
         settings: &TraceSettings,
         rays: &mut RayCounts,
     ) -> PixelTrace {
-        self.pixel_with(of, hit, settings, rays, |point, direction, key, rays| {
+        self.pixel_with(of, hit, settings, rays, |point, direction, seed, rays| {
             let unshaded = |_: &SurfacePoint, _| Vec3::ZERO;
-            (Vec3::ZERO, self.follow_specular(point, direction, key, &mut rays.secondary, unshaded).1)
+            (Vec3::ZERO, self.follow_specular(point, direction, (seed, 0), rays, unshaded).1)
         })
     }
 
@@ -81,15 +81,14 @@ impl Tracer {
         hit: Option<Hit>,
         settings: &TraceSettings,
         rays: &mut RayCounts,
-        specular: impl FnOnce(&SurfacePoint, Vec3, Key, &mut RayCounts) -> (Vec3, u32),
+        specular: impl FnOnce(&SurfacePoint, Vec3, PointSeed, &mut RayCounts) -> (Vec3, u32),
     ) -> PixelTrace {
         let seed = PointSeed::of_pixel(settings.seed, pixel, view.size[0], settings.samples);
-        let key = seed.key;
         rays.primary += 1;
         let ray = Self::primary_ray(view, pixel);
         let (mut traced, point) = self.shade_hit(&ray, hit, &(*settings).into(), seed, rays);
         if let Some(point) = point.filter(|point| self.is_view_dependent(point)) {
-            let (radiance, reflections) = specular(&point, ray.direction, key, rays);
+            let (radiance, reflections) = specular(&point, ray.direction, seed, rays);
             traced.radiance += radiance;
             traced.reflections = reflections;
         }
@@ -103,15 +102,16 @@ impl Tracer {
         point: &SurfacePoint,
         direction: Vec3,
         settings: &TraceSettings,
-        key: Key,
+        seed: PointSeed,
         rays: &mut RayCounts,
     ) -> (Vec3, u32) {
-        let mut secondary = 0;
+        let mut own = RayCounts::default();
         let shade = |next: &SurfacePoint, vertex: PathVertex| {
             self.diffuse_radiance(next, vertex.share, &(*settings).into(), vertex.key, rays)
         };
-        let (radiance, bounces) = self.follow_specular(point, direction, key, &mut secondary, shade);
-        rays.secondary += secondary;
+        let (radiance, bounces) =
+            self.follow_specular(point, direction, (seed, settings.samples), &mut own, shade);
+        *rays += own;
         (radiance, bounces)
     }
 

@@ -28,7 +28,20 @@ fn metal_and_roughness_decide_the_kind() {
     let mirror = of(1.0, 0.0);
     assert_eq!(mirror.kind, MaterialKind::Mirror { reflectance: color, fresnel: false });
     assert_eq!(mirror.diffuse, Vec3::ZERO);
-    for (metal, rough) in [(1.0, 0.5), (0.0, 0.0), (0.5, 0.05)] {
+    let glossy = |metal, rough| {
+        let material = of(metal, rough);
+        let MaterialKind::Glossy { reflectance, roughness } = material.kind else { panic!("{material:?}") };
+        assert_eq!(roughness, rough as f32);
+        (reflectance, material.diffuse)
+    };
+    assert_eq!(glossy(1.0, 0.5), (color, Vec3::ZERO));
+    let is_near = |a: Vec3, b: Vec3| (a - b).abs().max_element() < 1e-6;
+    let (coat, base) = glossy(0.0, 0.0);
+    assert!(is_near(coat, Vec3::splat(0.04)) && base == color);
+    let (mixed, base) = glossy(0.5, 0.05);
+    assert!(is_near(mixed, Vec3::splat(0.02) + color * 0.5) && base == color * 0.5);
+    // A coat that is no glossier than exporters write by default is left out.
+    for (metal, rough) in [(0.0, 0.5), (0.0, 1.0), (1.0, 1.0)] {
         assert_eq!((of(metal, rough).kind, of(metal, rough).diffuse), (MaterialKind::Diffuse, color));
     }
     // The defaults are metal, and rough.
@@ -47,14 +60,39 @@ fn a_picture_of_metal_and_roughness_counts_with_its_mean() {
         material(&scene, "a").kind
     };
     assert!(matches!(with([0, 5, 255, 255]), MaterialKind::Mirror { .. }));
-    assert_eq!(with([0, 200, 255, 255]), MaterialKind::Diffuse);
-    assert_eq!(with([0, 5, 100, 255]), MaterialKind::Diffuse);
+    let MaterialKind::Glossy { roughness, .. } = with([0, 128, 255, 255]) else { panic!("not rough") };
+    assert!((roughness - 128.0 / 255.0).abs() < 1e-6);
+    assert_eq!(with([0, 250, 255, 255]), MaterialKind::Diffuse);
+    assert_eq!(with([0, 200, 0, 255]), MaterialKind::Diffuse);
+}
+
+#[test]
+fn coats_follow_their_extensions() {
+    let with = |extensions: Value| {
+        let mut json = pbr(json!({"metallicFactor": 0.0, "roughnessFactor": 0.9}));
+        json["extensions"] = extensions;
+        paint(json).kind
+    };
+    assert_eq!(with(json!({})), MaterialKind::Diffuse);
+    let coat = json!({"clearcoatFactor": 0.5, "clearcoatRoughnessFactor": 0.1});
+    let reflectance = Vec3::splat(0.02);
+    let varnished = with(json!({"KHR_materials_clearcoat": coat}));
+    assert_eq!(varnished, MaterialKind::Glossy { reflectance, roughness: 0.1 });
+    let mut json = pbr(json!({"metallicFactor": 0.0, "roughnessFactor": 0.25}));
+    json["extensions"] = json!({
+        "KHR_materials_ior": {"ior": 2.0},
+        "KHR_materials_specular": {"specularFactor": 0.5, "specularColorFactor": [1.0, 0.5, 0.0]},
+    });
+    let MaterialKind::Glossy { reflectance, roughness: 0.25 } = paint(json).kind else { panic!("no coat") };
+    assert!((reflectance - Vec3::new(1.0, 0.5, 0.0) / 18.0).abs().max_element() < 1e-6, "{reflectance}");
 }
 
 #[test]
 fn transmission_is_glass_and_the_rest_stays_diffuse() {
     let glass = |factor: f64, ior: Value| {
-        let mut json = pbr(json!({"baseColorFactor": [1.0, 0.5, 0.5, 1.0], "metallicFactor": 0.0}));
+        let color = [1.0, 0.5, 0.5, 1.0];
+        let smooth = json!({"baseColorFactor": color, "metallicFactor": 0.0, "roughnessFactor": 0.0});
+        let mut json = pbr(smooth);
         json["extensions"] =
             json!({"KHR_materials_transmission": {"transmissionFactor": factor}, "KHR_materials_ior": ior});
         paint(json)
@@ -65,6 +103,14 @@ fn transmission_is_glass_and_the_rest_stays_diffuse() {
     let milky = glass(0.25, json!({}));
     assert_eq!(milky.kind, MaterialKind::Glass { eta: 1.5, transmittance: Vec3::new(0.25, 0.125, 0.125) });
     assert_eq!(milky.diffuse, Vec3::new(0.75, 0.375, 0.375));
+}
+
+#[test]
+fn rough_transmission_is_frosted() {
+    let mut json = pbr(json!({"metallicFactor": 0.0, "roughnessFactor": 0.5}));
+    json["extensions"] = json!({"KHR_materials_transmission": {"transmissionFactor": 1.0}});
+    let frosted = MaterialKind::Frosted { eta: 1.5, transmittance: Vec3::ONE, roughness: 0.5 };
+    assert_eq!(paint(json).kind, frosted);
 }
 
 #[test]

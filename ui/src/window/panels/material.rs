@@ -1,4 +1,4 @@
-//! The editor of the selected material: matte, mirror or glass.
+//! The editor of the selected material: matte, glossy, mirror, glass or frosted glass.
 
 use super::super::state::{AppState, Change, Command, EditCommand, Edits, InspectCommand};
 use super::widgets::key_hint;
@@ -54,10 +54,15 @@ fn choice(ui: &mut Ui, edits: &Edits, chosen: Option<MaterialId>, commands: &mut
 /// Shows the controls and returns the edited material.
 fn controls(ui: &mut Ui, material: &Material, before: &Material) -> Material {
     let mut edited = material.clone();
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         let kind = std::mem::discriminant(&material.kind);
-        let kinds =
-            [("Matte", matte(material, before)), ("Mirror", mirror(material)), ("Glass", glass(material))];
+        let kinds = [
+            ("Matte", matte(material, before)),
+            ("Glossy", glossy(material, before)),
+            ("Mirror", mirror(material)),
+            ("Glass", glass(material)),
+            ("Frosted", frosted(material)),
+        ];
         for (name, other) in kinds {
             let is_it = std::mem::discriminant(&other.kind) == kind;
             if ui.radio(is_it, name).clicked() && !is_it {
@@ -82,19 +87,40 @@ fn controls(ui: &mut Ui, material: &Material, before: &Material) -> Material {
             ui.end_row();
         }
         MaterialKind::Glass { eta, transmittance } => {
-            let label = ui
-                .label("Refraction")
-                .on_hover_text("Index of refraction: water 1.33, window glass 1.52, diamond 2.42");
-            let slider = Slider::new(eta, 1.0..=3.0).clamping(SliderClamping::Edits).fixed_decimals(2);
-            ui.add(slider).labelled_by(label.id);
-            ui.end_row();
+            refraction_row(ui, eta);
             color_row(ui, "Tint", transmittance);
+        }
+        MaterialKind::Glossy { reflectance, roughness } => {
+            color_row(ui, "Base colour", &mut edited.diffuse);
+            color_row(ui, "Reflection", reflectance);
+            brightness_row(ui, "Reflectance", reflectance);
+            roughness_row(ui, roughness);
+        }
+        MaterialKind::Frosted { eta, transmittance, roughness } => {
+            refraction_row(ui, eta);
+            color_row(ui, "Tint", transmittance);
+            roughness_row(ui, roughness);
         }
     });
     if material.is_emissive() {
         ui.weak("This material also emits light; its emission is not edited here.");
     }
     edited
+}
+
+fn refraction_row(ui: &mut Ui, eta: &mut f32) {
+    let label = ui
+        .label("Refraction")
+        .on_hover_text("Index of refraction: water 1.33, window glass 1.52, diamond 2.42");
+    let slider = Slider::new(eta, 1.0..=3.0).clamping(SliderClamping::Edits).fixed_decimals(2);
+    ui.add(slider).labelled_by(label.id);
+    ui.end_row();
+}
+
+fn roughness_row(ui: &mut Ui, roughness: &mut f32) {
+    let label = ui.label("Roughness").on_hover_text("Polished 0, satin varnish 0.3, brushed metal 0.5");
+    ui.add(Slider::new(roughness, 0.0..=1.0).fixed_decimals(2)).labelled_by(label.id);
+    ui.end_row();
 }
 
 fn color_row(ui: &mut Ui, name: &str, color: &mut Vec3) {
@@ -133,6 +159,22 @@ fn mirror(material: &Material) -> Material {
 
 fn glass(material: &Material) -> Material {
     let kind = MaterialKind::Glass { eta: 1.52, transmittance: Vec3::splat(0.95) };
+    Material { kind, diffuse: Vec3::ZERO, ..material.clone() }
+}
+
+/// The material under a satin varnish; a mirror becomes rough metal.
+fn glossy(material: &Material, before: &Material) -> Material {
+    let is_metal = matches!(material.kind, MaterialKind::Mirror { .. });
+    let (reflectance, base) = match is_metal {
+        true => (material.specular(), Vec3::ZERO),
+        false => (Vec3::splat(0.04), matte(material, before).diffuse),
+    };
+    let kind = MaterialKind::Glossy { reflectance, roughness: 0.3 };
+    Material { kind, diffuse: base, ..material.clone() }
+}
+
+fn frosted(material: &Material) -> Material {
+    let kind = MaterialKind::Frosted { eta: 1.52, transmittance: Vec3::splat(0.95), roughness: 0.3 };
     Material { kind, diffuse: Vec3::ZERO, ..material.clone() }
 }
 

@@ -33,6 +33,7 @@ fn facts(ui: &mut Ui, scene: &SceneInfo) {
     let used = [
         (features.mirror, "mirrors"),
         (features.glass, "glass"),
+        (features.glossy || features.frosted, "rough surfaces"),
         (features.textures, "textures"),
         (features.alpha, "cut-outs"),
         (features.area_lights, "area lights"),
