@@ -3,7 +3,7 @@
 use afterimage::camera::Camera;
 use afterimage::math::{Ray, key::Key};
 use afterimage::render::WalkthroughSettings;
-use afterimage::scene::{Encoding, LightSetting, Material, Scene, SceneBuilder, Texture, TextureRef};
+use afterimage::scene::{Encoding, LightSetting, Material, MaterialKind, Scene, SceneBuilder, Texture, TextureRef};
 use afterimage::trace::RayCounts;
 use afterimage::trace::parallel::NEVER;
 use afterimage::{Mode, Tracer, Walkthrough};
@@ -84,6 +84,39 @@ fn a_picture_lights_the_room_in_proportion_without_a_bias() {
         assert!(error.max_element() < 0.02, "{at:?}: {mean} instead of {expected}");
         // A hundredth of the screen is bright: samples spread evenly would be off by 100 %.
         assert!(noise < 0.4, "{noise}");
+    }
+}
+
+/// A rough metal floor under a lit window of 1 m by 1 m, which is a part of a dark screen or a lamp.
+fn rough_floor(roughness: f32, is_picture: bool) -> SceneBuilder {
+    let mut b = SceneBuilder::new("rough floor");
+    let kind = MaterialKind::Glossy { reflectance: Vec3::splat(0.8), roughness };
+    let floor = b.add_material(Material { kind, ..Material::diffuse("floor", Vec3::ZERO) });
+    b.add_quad(plane(4.0, 0.0), Vec2::ONE, floor);
+    let mut lit = Material::emissive("screen", Vec3::splat(4.0));
+    if is_picture {
+        let window = |k: u32| (16..48).contains(&k);
+        let picture = texture(64, |x, y| if window(x) && window(y) { [255; 4] } else { [0, 0, 0, 255] });
+        lit.emission_texture = Some(TextureRef::plain(b.add_texture(picture)));
+    }
+    let lit = b.add_material(lit);
+    b.add_quad(plane(if is_picture { 1.0 } else { 0.5 }, 1.5), Vec2::ONE, lit);
+    b
+}
+
+#[test]
+fn a_rough_floor_shows_a_picture_as_it_shows_a_lamp_of_the_same_light() {
+    let camera = Camera::look_at(DVec3::new(0.0, 1.2, 3.0), DVec3::new(0.0, 0.0, 0.2), 40.0);
+    for roughness in [0.1, 0.3, 0.7] {
+        let [picture, lamp] = [true, false].map(|is_picture| {
+            let mut settings = WalkthroughSettings::default();
+            settings.render.mode = Mode::Full;
+            settings.render.trace.samples = 16;
+            let mut walk = Walkthrough::new(build(rough_floor(roughness, is_picture)), settings);
+            let frame = walk.render(&camera, [64, 48], NEVER);
+            frame.radiance.iter().map(|c| c.x).sum::<f32>() / frame.radiance.len() as f32
+        });
+        assert!(lamp > 0.01 && (picture / lamp - 1.0).abs() < 0.03, "{roughness}: {picture}, {lamp}");
     }
 }
 
