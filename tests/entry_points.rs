@@ -41,7 +41,10 @@ pub(crate) fn mtl(bytes: &[u8]) {
 
 /// The picture of a valid material. The first byte selects its name.
 pub(crate) fn texture(bytes: &[u8]) {
-    const NAMES: [&str; 6] = ["a.png", "a.jpg", "a.tga", "a.bmp", "a.hdr", "a"];
+    const NAMES: [&str; 12] = [
+        "a.png", "a.jpg", "a.tga", "a.bmp", "a.hdr", "a", "a.webp", "a.tif", "a.gif", "a.dds", "a.ppm",
+        "a.exr",
+    ];
     let Some((first, bytes)) = bytes.split_first() else { return };
     let name = NAMES[usize::from(*first) % NAMES.len()];
     let mtl = format!("newmtl a\nKd 1 1 1\nmap_Kd {name}\nmap_d {name}\nmap_Ke {name}\n");

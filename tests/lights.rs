@@ -101,7 +101,7 @@ fn hall() -> Scene {
         let at = scene.frame.scene_from_world_f64(place).as_vec3();
         let brightness = Vec3::splat(1.0 + 40.0 * f32::from(i % 23 == 0));
         scene.lights.push(if i % 2 == 0 {
-            Light::Point { position: at, intensity: brightness * (0.05 * unit * unit) }
+            Light::Point { position: at, intensity: brightness * (0.05 * unit * unit), beam: None }
         } else {
             let side = 0.2 * unit;
             Light::Quad { corner: at, edge_u: Vec3::X * side, edge_v: Vec3::Z * side, radiance: brightness }

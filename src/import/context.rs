@@ -90,6 +90,7 @@ impl<'a> Import<'a> {
         let Self { path, steps, mut sidecar, mut finder, mut builder, defined_materials, .. } = self;
         sidecar.override_materials(&defined_materials, &mut builder);
         sidecar.apply(&mut finder, &mut builder);
+        builder.add_daylight_to_weak_lamps();
         steps.at(Phase::Building, 1.0)?;
         let triangles = builder.triangles.len();
         let scene = builder.finish().map_err(|error| match error {

@@ -10,6 +10,7 @@
 
 mod context;
 mod daylight;
+mod dds;
 mod decoding;
 mod files;
 mod formats;

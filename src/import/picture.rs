@@ -1,7 +1,7 @@
 //! Decoding one picture file into texels, within limits. Pictures come from unknown sources, and
 //! decoders have panicked on some.
 
-use super::options::Limits;
+use super::{dds, options::Limits};
 use crate::raster::color::{linear_from_srgb, srgb_from_linear};
 use crate::scene::{Encoding, Texture};
 use glam::Vec3;
@@ -40,7 +40,10 @@ pub(super) enum PictureError {
 /// Takes a file's bytes, and its name for formats without a signature; returns width and height
 /// without decoding.
 pub(super) fn dimensions(bytes: &[u8], path: &Path, limits: &Limits) -> Result<[u32; 2], PictureError> {
-    let (width, height) = guarded(|| Ok(reader(bytes, path, limits)?.into_dimensions()?))?;
+    let (width, height) = match dds::plain_size(bytes) {
+        Some(size) => size,
+        None => guarded(|| Ok(reader(bytes, path, limits)?.into_dimensions()?))?,
+    };
     let decoded = u64::from(width) * u64::from(height) * bytes_per_texel(bytes, path);
     if width == 0 || height == 0 {
         return Err(PictureError::Empty);
@@ -55,7 +58,10 @@ pub(super) fn dimensions(bytes: &[u8], path: &Path, limits: &Limits) -> Result<[
 
 /// Takes a file's bytes, which [`dimensions`] must have accepted; returns the picture.
 pub(super) fn decode(bytes: &[u8], path: &Path, limits: &Limits) -> Result<Picture, PictureError> {
-    let image = guarded(|| Ok(reader(bytes, path, limits)?.decode()?))?;
+    let image = match dds::plain(bytes) {
+        Some(rgba) => DynamicImage::ImageRgba8(rgba),
+        None => guarded(|| Ok(reader(bytes, path, limits)?.decode()?))?,
+    };
     let rgba = match image {
         DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_) => from_float(&image.into_rgba32f()),
         other => other.into_rgba8(),
@@ -98,7 +104,8 @@ fn reader<'a>(
 
 fn bytes_per_texel(bytes: &[u8], path: &Path) -> u64 {
     let format = image::guess_format(bytes).or_else(|_| ImageFormat::from_path(path));
-    if matches!(format, Ok(ImageFormat::Hdr)) { 16 } else { 4 }
+    // Floats have four bytes a channel. Of a TIFF, the channels are not known yet.
+    if matches!(format, Ok(ImageFormat::Hdr | ImageFormat::OpenExr | ImageFormat::Tiff)) { 16 } else { 4 }
 }
 
 fn guarded<T>(work: impl FnOnce() -> Result<T, PictureError>) -> Result<T, PictureError> {

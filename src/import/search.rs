@@ -10,7 +10,8 @@ use unicode_normalization::UnicodeNormalization;
 const DEFAULT_FOLDERS: [&str; 4] = ["textures", "maps", "images", "tex"];
 /// Extensions tried where a file does not exist: exporters name the format that they read, not the
 /// one they wrote.
-const EXTENSIONS: [&str; 6] = ["png", "jpg", "jpeg", "tga", "bmp", "hdr"];
+const EXTENSIONS: [&str; 14] =
+    ["png", "jpg", "jpeg", "tga", "bmp", "hdr", "webp", "tif", "tiff", "gif", "dds", "ppm", "pgm", "exr"];
 
 /// Result of a search.
 #[derive(Debug)]

@@ -89,6 +89,7 @@ troubles! {
 // glTF.
 troubles! {
     ITEM_MISSING: "reference" / "references", "to an item that does not exist" => "left out";
+    ROOT_KEY: "key of the root" / "keys of the root", "that cannot be read" => "left out with all in it";
     ITEM_UNREADABLE: "item" / "items", "that cannot be read" => "left out";
     ACCESSOR: "accessor" / "accessors", "of a type that does not fit its use" => "left out";
     OUTSIDE_BUFFER: "range of data" / "ranges of data", "outside its buffer" => "left out";
@@ -105,11 +106,14 @@ troubles! {
     NO_POSITION: "primitive" / "primitives", "without positions" => "left out";
     TRIANGLE_VERTEX: "primitive" / "primitives",
         "with triangles that use a vertex that does not exist" => "shown without those";
-    ORTHOGRAPHIC: "camera" / "cameras", "without perspective" => "left out";
+    ORTHOGRAPHIC: "camera" / "cameras", "without perspective (orthographic)" => "left out";
+    ROLL: "camera" / "cameras", "tilted to the side" => "shown level";
     CAMERA: "camera" / "cameras", "without a direction" => "left out";
     LIGHT: "light" / "lights",
         "without a known type or direction, or with an impossible intensity" => "left out";
-    SPOT: "spot light" / "spot lights", "without support for their cone" => "used as point lights";
+    INVISIBLE: "node" / "nodes", "hidden by KHR_node_visibility" => "left out with all below";
+    COMPRESSED: "primitive" / "primitives",
+        "stored in compressed form alone" => "left out; export the model without compression";
     SECOND_SUN: "directional light" / "directional lights",
         "after the first" => "left out; there is one sun";
     OUT_OF_RANGE: "material value" / "material values", "out of range" => "clamped";
@@ -117,8 +121,6 @@ troubles! {
     BLENDED: "mirror" / "mirrors",
         "blended by the alpha of a picture" => "cut out at one half instead";
     MASKED_AWAY: "material" / "materials", "masked away entirely" => "taken as opaque";
-    TURNED_TEXTURE: "texture" / "textures",
-        "rotated by KHR_texture_transform" => "used without rotation";
     NO_PICTURE: "texture" / "textures", "without a picture of a supported format" => "left out";
     PICTURE: "picture" / "pictures",
         "that cannot be used" => "replaced by a magenta checker where it is a colour";

@@ -143,7 +143,8 @@ const DOUBTFUL_SMALL: f64 = 0.5;
 
 /// Guesses the unit from what the file declares and from its size in units. `how_to_set` ends every
 /// message.
-pub(super) fn guess(declared: Option<Unit>, across: f64, how_to_set: &str) -> Guess {
+pub(super) fn guess(declared: Option<Unit>, size: Option<Size>, how_to_set: &str) -> Guess {
+    let across = size.map_or(0.0, |size| size.across);
     if let Some(unit) = declared {
         let message =
             format!("the file's header declares the unit {}, which is used. {how_to_set}", unit.name());
@@ -156,6 +157,9 @@ pub(super) fn guess(declared: Option<Unit>, across: f64, how_to_set: &str) -> Gu
             across * Unit::Millimetre.metres()
         );
         return Guess { unit: Unit::Millimetre, message: Some(message) };
+    }
+    if let Some(unit) = size.and_then(absurd_in_metres) {
+        return Guess { unit, message: Some(taken_as(across, unit, how_to_set)) };
     }
     if across > DOUBTFUL_LARGE {
         return metre(Some(format!(
@@ -173,13 +177,77 @@ pub(super) fn guess(declared: Option<Unit>, across: f64, how_to_set: &str) -> Gu
     metre(None)
 }
 
-/// Returns the diagonal of the bounding box of all finite positions, in the file's units; zero
-/// where there are none.
-pub(super) fn across(positions: impl Iterator<Item = DVec3>) -> f64 {
-    let mut finite = positions.filter(|p| p.is_finite());
-    let Some(first) = finite.next() else { return 0.0 };
-    let (low, high) = finite.fold((first, first), |(low, high), p| (low.min(p), high.max(p)));
-    (high - low).length()
+/// Size of a model in its units, with +Y up.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Size {
+    /// Diagonal of the box without a few outliers.
+    pub(super) across: f64,
+    height: f64,
+    /// Median length of an edge.
+    edge: f64,
+}
+
+/// Measures a model without its outermost vertices, so that a stray one does not decide. `None`
+/// without triangles.
+pub(super) fn measure(positions: &[DVec3], triangles: &[[u32; 3]]) -> Option<Size> {
+    /// Share of the triangles' corners that is left out at each end of each axis.
+    const TRIMMED: usize = 1000;
+    /// Largest number of triangles that are looked at.
+    const LOOKED_AT: usize = 1 << 16;
+    let step = triangles.len().div_ceil(LOOKED_AT).max(1);
+    let corner = |v: &u32| positions.get(*v as usize).copied().filter(|p| p.is_finite());
+    let looked_at: Vec<[DVec3; 3]> = triangles
+        .iter()
+        .step_by(step)
+        .filter_map(|[a, b, c]| Some([corner(a)?, corner(b)?, corner(c)?]))
+        .collect();
+    let nth = |mut values: Vec<f64>, n: usize| *values.select_nth_unstable_by(n, f64::total_cmp).1;
+    let last = looked_at.len().checked_mul(3)?.checked_sub(1)?;
+    let trimmed = last / TRIMMED;
+    let extent = [0, 1, 2].map(|axis| {
+        let along = || looked_at.iter().flatten().map(|p| p[axis]).collect::<Vec<f64>>();
+        nth(along(), last - trimmed) - nth(along(), trimmed)
+    });
+    let edges: Vec<f64> = looked_at.iter().map(|[a, b, _]| a.distance(*b)).collect();
+    let middle = edges.len() / 2;
+    // Where the model lies on its side, its height is along Z.
+    let [x, y, z] = extent;
+    let height = if z > 0.0 && z < x.min(y) * 0.75 { z } else { y };
+    Some(Size { across: DVec3::from(extent).length(), height, edge: nth(edges, middle) })
+}
+
+/// Returns the unit of a model that no building, no street and no landscape would be in metres:
+/// the one in which its storeys are as high as storeys are. `None` where metres are possible.
+pub(super) fn absurd_in_metres(size: Size) -> Option<Unit> {
+    /// Metres across from which a model may be absurd.
+    const LARGE: f64 = 1000.0;
+    /// Height in metres of no building.
+    const TOO_HIGH: f64 = 400.0;
+    /// Length of an edge in metres that is usual in landscapes only, which are flat.
+    const LONG_EDGE: f64 = 25.0;
+    /// Height of a landscape over its size, at most.
+    const FLAT: f64 = 0.1;
+    let is_flat = size.height < FLAT * size.across;
+    let is_absurd = size.across > LARGE && !is_flat && (size.height > TOO_HIGH || size.edge > LONG_EDGE);
+    if !is_absurd {
+        return None;
+    }
+    // A house of one to four storeys first, then a tower; anything else is millimetres.
+    let heights = [2.0..14.0, 14.0..120.0];
+    let fits = |range: &std::ops::Range<f64>| {
+        let units = [Unit::Millimetre, Unit::Centimetre, Unit::Inch, Unit::Foot];
+        units.into_iter().find(|unit| range.contains(&(size.height * unit.metres())))
+    };
+    Some(heights.iter().find_map(fits).unwrap_or(Unit::Millimetre))
+}
+
+/// Returns the warning about a model that was taken as another unit.
+pub(super) fn taken_as(across: f64, unit: Unit, how_to_set: &str) -> String {
+    format!(
+        "the model would be {across:.0} m across in metres; it is taken as {} ({:.1} m). {how_to_set}",
+        unit.name(),
+        across * unit.metres()
+    )
 }
 
 /// Converts positions and normals to world space: metres, +Y up.

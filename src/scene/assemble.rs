@@ -6,8 +6,8 @@ use super::conditioning::{Conditioning, Repairs};
 use super::duplicates::Duplicates;
 use super::light_groups::{LightGroups, LightSettings};
 use super::{
-    Light, Material, NamedView, Scene, SceneBuilder, SceneError, SceneFeatures, SceneFrame, Sky, Sun, bounds,
-    building, is_valid_position, sanitize, views,
+    Light, Material, NamedView, Scene, SceneBuilder, SceneError, SceneFeatures, SceneFrame, Sky, SpotLight,
+    Sun, bounds, building, is_valid_position, sanitize, views,
 };
 use crate::camera::CameraPath;
 use glam::{DVec3, Vec3};
@@ -157,7 +157,8 @@ impl SceneBuilder {
     /// Adds a sun and a sky to a scene without any light.
     fn light_if_dark(&mut self) {
         let is_emissive = self.triangle_materials.iter().any(|m| self.materials[m.0 as usize].is_emissive());
-        if !is_emissive && self.point_lights.is_empty() && self.sun.is_none() && self.sky.is_none() {
+        let has_lamps = !self.point_lights.is_empty() || !self.spot_lights.is_empty();
+        if !is_emissive && !has_lamps && self.sun.is_none() && self.sky.is_none() {
             (self.sun, self.sky) = (Some(Sun::clear_day()), Some(Sky::CLEAR_DAY));
             self.warn_of_scene(NO_LIGHT.to_owned());
         }
@@ -168,8 +169,14 @@ impl SceneBuilder {
         let light = |&(position, intensity): &(DVec3, Vec3)| Light::Point {
             position: frame.scene_from_world_f64(position).as_vec3(),
             intensity: intensity * square,
+            beam: None,
         };
-        self.point_lights.iter().map(light).collect()
+        let spot = |spot: &SpotLight| Light::Point {
+            position: frame.scene_from_world_f64(spot.position_m).as_vec3(),
+            intensity: spot.intensity * square,
+            beam: Some(spot.beam),
+        };
+        self.point_lights.iter().map(light).chain(self.spot_lights.iter().map(spot)).collect()
     }
 
     /// Generates the view and the camera path that the model does not have. Returns the path, and

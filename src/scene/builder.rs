@@ -2,7 +2,7 @@
 
 use super::daylight::nits_per_unit;
 use super::light_groups::{LampGroup, LightSettings};
-use super::{Material, MaterialId, NamedView, Objects, Sky, Sun, Texture, TextureId, Warning};
+use super::{Material, MaterialId, NamedView, Objects, Sky, SpotLight, Sun, Texture, TextureId, Warning};
 use crate::camera::CameraPath;
 use crate::raster::exposure::Exposure;
 use glam::{DVec3, Vec2, Vec3};
@@ -32,6 +32,8 @@ pub struct SceneBuilder {
     pub textures: Vec<Texture>,
     /// Point lights: position in world metres, and intensity in radiance times square metres.
     pub point_lights: Vec<(DVec3, Vec3)>,
+    /// Spot lights.
+    pub spot_lights: Vec<SpotLight>,
     /// The sun.
     pub sun: Option<Sun>,
     /// The sky.

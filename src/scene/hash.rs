@@ -1,6 +1,6 @@
 //! The hash that identifies a scene.
 
-use super::{Encoding, Light, MaterialKind, Scene, Sky};
+use super::{Encoding, Light, MaterialKind, Sampling, Scene, Sky};
 use bytemuck::NoUninit;
 use glam::Vec3;
 use sha2::{Digest, Sha256};
@@ -63,6 +63,15 @@ impl SceneHasher {
                 self.add(texture.map(|t| t.texture.0).as_slice());
                 self.add(texture.map(|t| [t.scale, t.offset]).as_slice());
             }
+            for texture in material.textures().into_iter().flatten() {
+                if texture.sampling != Sampling::default() {
+                    let Sampling { turn, .. } = texture.sampling;
+                    self.add(&[3, texture.texture.0, u32::from(texture.sampling.code()), turn.to_bits()]);
+                }
+            }
+            if material.is_thin {
+                self.add(&[4u32]);
+            }
             // Materials without these keep their bytes.
             for (tag, texture) in [(1, material.coverage_texture), (2, material.emission_texture)] {
                 if let Some(t) = texture {
@@ -75,8 +84,11 @@ impl SceneHasher {
 
     fn add_light_sources(&mut self, scene: &Scene) {
         for light in &scene.lights {
-            if let Light::Point { position, intensity } = *light {
+            if let Light::Point { position, intensity, beam } = *light {
                 self.add(&[position, intensity]);
+                let cone = beam.map(|b| [b.direction, Vec3::new(b.cos_inner, b.cos_outer, 0.0)]);
+                // Lights without a cone keep their bytes.
+                cone.iter().for_each(|cone| self.add(cone));
             }
         }
         let sun = scene.sun.map(|s| [s.direction, Vec3::splat(s.angular_radius), s.irradiance]);

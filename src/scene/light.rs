@@ -2,7 +2,7 @@
 
 use super::{Material, MaterialId, Sun, Texture};
 use crate::math::sampling::uniform_triangle;
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 /// A light source in scene space. Colours are linear Rec. 709.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,6 +38,8 @@ pub enum Light {
         position: Vec3,
         /// Radiant intensity, in radiance times square scene units.
         intensity: Vec3,
+        /// The cone of a spot light; `None` shines in all directions.
+        beam: Option<Beam>,
     },
     /// The sun, a disk at infinity.
     Sun {
@@ -52,6 +54,48 @@ pub enum Light {
     Sky,
     /// The brightest parts of a sky picture, sampled by their light.
     SkySuns,
+}
+
+/// The cone of a spot light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Beam {
+    /// Unit direction in which it shines.
+    pub direction: Vec3,
+    /// Cosine of the angle up to which it shines fully.
+    pub cos_inner: f32,
+    /// Cosine of the angle from which on it does not shine.
+    pub cos_outer: f32,
+}
+
+impl Beam {
+    /// Returns the cone around a direction (any length) of two half angles in radians.
+    pub fn new(direction: Vec3, inner: f32, outer: f32) -> Self {
+        let direction = direction.normalize_or(Vec3::NEG_Y);
+        Self { direction, cos_inner: inner.cos(), cos_outer: outer.cos() }
+    }
+
+    /// Returns the share (0..1) of the intensity towards a direction (any length).
+    ///
+    /// Source: the fall-off that KHR_lights_punctual recommends.
+    pub fn share(&self, towards: Vec3) -> f32 {
+        /// Smallest difference of the cosines, which keeps the quotient finite.
+        const MIN_WIDTH: f32 = 1e-3;
+        let cos = towards.normalize_or_zero().dot(self.direction);
+        let share = (cos - self.cos_outer) / (self.cos_inner - self.cos_outer).max(MIN_WIDTH);
+        share.clamp(0.0, 1.0).powi(2)
+    }
+}
+
+/// A spot light of a model: position in world metres, and intensity on its axis in radiance times
+/// square metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpotLight {
+    /// Position, world metres.
+    pub position_m: DVec3,
+    /// Intensity on the axis.
+    pub intensity: Vec3,
+    /// The cone.
+    pub beam: Beam,
 }
 
 /// The picture of a [`Light::Triangles`], whose triangles are pieces of those of the scene. Its

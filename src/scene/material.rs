@@ -70,6 +70,8 @@ pub struct Material {
     pub emission: Vec3,
     /// Texture multiplied with `emission`.
     pub emission_texture: Option<TextureRef>,
+    /// True for glass that is a pane wherever it is: also a closed body refracts nothing.
+    pub is_thin: bool,
     /// The specular part.
     pub kind: MaterialKind,
 }
@@ -85,6 +87,7 @@ impl Material {
             coverage_texture: None,
             emission: Vec3::ZERO,
             emission_texture: None,
+            is_thin: false,
             kind: MaterialKind::Diffuse,
         }
     }

@@ -41,6 +41,7 @@ mod solids;
 mod sun;
 mod texture;
 mod views;
+mod weak_lamps;
 
 pub use crate::camera::SceneFrame;
 #[cfg(feature = "import")]
@@ -55,7 +56,7 @@ pub use edit::SceneEdit;
 pub use error::{SceneError, Warning};
 pub use features::SceneFeatures;
 pub(crate) use light::point_on_mesh;
-pub use light::{Light, LightPicture};
+pub use light::{Beam, Light, LightPicture, SpotLight};
 pub use light_groups::{
     LampGroup, LightGroup, LightGroupKind, LightGroups, LightSetting, LightSettings, MAX_LAMP_GROUPS,
     MAX_LIGHT_GROUPS, NO_LIGHT_GROUP,
@@ -68,6 +69,6 @@ pub use sky::{
     SkySample,
 };
 pub use sun::Sun;
-pub use texture::{Encoding, Texture, TextureId, TextureRef};
+pub use texture::{Encoding, Sampling, Texture, TextureId, TextureRef, Wrap};
 pub use views::NamedView;
 pub(crate) use views::{USUAL_RISE, orbit, overview};

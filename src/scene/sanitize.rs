@@ -80,6 +80,10 @@ fn sanitize_lights(builder: &mut SceneBuilder) -> usize {
     builder.point_lights.retain(|(position, _)| position.is_finite());
     let mut clamped = before - builder.point_lights.len();
     clamped += builder.point_lights.iter_mut().map(|(_, intensity)| clamp(intensity)).sum::<usize>();
+    let spots = builder.spot_lights.len();
+    builder.spot_lights.retain(|spot| spot.position_m.is_finite() && spot.beam.direction.is_finite());
+    clamped += spots - builder.spot_lights.len();
+    clamped += builder.spot_lights.iter_mut().map(|spot| clamp(&mut spot.intensity)).sum::<usize>();
     if let Some(sky) = &mut builder.sky {
         clamped += sky.colors_mut().into_iter().map(clamp).sum::<usize>();
     }

@@ -9,7 +9,7 @@ use super::bytes::{ByteReader, ByteWriter, list};
 use crate::scene::content::{ContentHash, LightContent};
 use crate::scene::{
     CieKind, CieSky, DimmedSky, Gradient, LightSettings, Material, MaterialKind, PhysicalSky, PictureSky,
-    Scene, SceneEdit, Sky, Sun, TextureId, TextureRef,
+    Sampling, Scene, SceneEdit, Sky, Sun, TextureId, TextureRef,
 };
 use glam::{Vec2, Vec3};
 use std::collections::HashMap;
@@ -80,15 +80,21 @@ pub(super) fn read_state(bytes: &[u8], scene: &Scene, names: &StateNames) -> Opt
     from.0.is_empty().then_some(edit)
 }
 
-/// Byte in the place of a material's kind that says that two more textures come before it.
+/// Byte in the place of a material's kind that says that two more textures come before it; one more
+/// where the material is thin.
 const OTHER_TEXTURES: u8 = 0x80;
 
 fn write_texture(to: &mut ByteWriter, texture: Option<TextureRef>, textures: &[ContentHash]) {
     let hash = texture.and_then(|used| textures.get(used.texture.0 as usize));
-    to.0.push(u8::from(hash.is_some()));
+    let is_usual = texture.is_none_or(|used| used.sampling == Sampling::default());
+    to.0.push(u8::from(hash.is_some()) * if is_usual { 1 } else { 2 });
     if let Some((used, &hash)) = texture.zip(hash) {
         to.u64(hash);
         [used.scale, used.offset].iter().for_each(|pair| to.pair(*pair));
+        if used.sampling != Sampling::default() {
+            to.0.push(used.sampling.code());
+            to.f32(used.sampling.turn);
+        }
     }
 }
 
@@ -99,8 +105,8 @@ fn write_material(to: &mut ByteWriter, material: &Material, textures: &[ContentH
         write_texture(to, texture, textures);
     }
     let others = [material.coverage_texture, material.emission_texture];
-    if others.iter().any(Option::is_some) {
-        to.0.push(OTHER_TEXTURES);
+    if material.is_thin || others.iter().any(Option::is_some) {
+        to.0.push(OTHER_TEXTURES | u8::from(material.is_thin));
         others.into_iter().for_each(|texture| write_texture(to, texture, textures));
     }
     match material.kind {
@@ -134,7 +140,8 @@ fn read_material(from: &mut ByteReader<'_>, textures: &HashMap<ContentHash, Text
     let [diffuse_texture, alpha_texture] = [read_texture(from, textures)?, read_texture(from, textures)?];
     let mut tag = from.byte()?;
     let mut others = [None; 2];
-    if tag == OTHER_TEXTURES {
+    let is_thin = tag == OTHER_TEXTURES | 1;
+    if tag & OTHER_TEXTURES != 0 {
         others = [read_texture(from, textures)?, read_texture(from, textures)?];
         tag = from.byte()?;
     }
@@ -150,7 +157,7 @@ fn read_material(from: &mut ByteReader<'_>, textures: &HashMap<ContentHash, Text
         _ => return None,
     };
     let [coverage_texture, emission_texture] = others;
-    let plain = Material { emission, kind, ..Material::diffuse("", diffuse) };
+    let plain = Material { emission, is_thin, kind, ..Material::diffuse("", diffuse) };
     Some(Material { diffuse_texture, alpha_texture, coverage_texture, emission_texture, ..plain })
 }
 
@@ -158,11 +165,16 @@ fn read_texture(
     from: &mut ByteReader<'_>,
     textures: &HashMap<ContentHash, TextureId>,
 ) -> Option<Option<TextureRef>> {
-    if from.byte()? == 0 {
+    let kind = from.byte()?;
+    if kind == 0 {
         return Some(None);
     }
     let texture = *textures.get(&from.u64()?)?;
-    Some(Some(TextureRef { texture, scale: from.pair()?, offset: from.pair()? }))
+    let mut used = TextureRef::new(texture, from.pair()?, from.pair()?);
+    if kind == 2 {
+        used.sampling = Sampling::of_code(from.byte()?, from.f32()?)?;
+    }
+    Some(Some(used))
 }
 
 fn write_sky(to: &mut ByteWriter, sky: Option<&Sky>) {

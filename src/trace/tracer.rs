@@ -217,7 +217,7 @@ impl Tracer {
     pub(super) fn is_covered(&self, hit: &Hit) -> bool {
         let Some(map) = self.scene.material_of(hit.triangle).alpha_texture else { return true };
         let uv = interpolate_uv(&self.scene, hit.triangle, [hit.b1, hit.b2]);
-        self.scene.textures[map.texture.0 as usize].alpha(uv * map.scale + map.offset) >= 0.5
+        map.alpha(&self.scene.textures, uv) >= 0.5
     }
 
     /// Returns the hit of a ray with one triangle, whatever else the ray meets, with the bits of

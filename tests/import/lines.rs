@@ -270,8 +270,12 @@ fn z_up_turns_normals_too() {
 
 #[test]
 fn doubtful_units_are_reported_and_used_only_when_clear() {
-    let scene = |size: f64| load_obj(format!("v 0 0 0\nv {size} 0 0\nv 0 {size} 0\nf 1 2 3\n"));
+    let scene = |size: f64| load_obj(format!("v 0 0 0\nv {size} 0 0\nv 0 0 {size}\nf 1 2 3\n"));
     assert_clean(&scene(50.0));
+    // A wall of this height is no wall in metres; a field may be.
+    let wall = load_obj("v 0 0 0\nv 4000 0 0\nv 0 4000 0\nf 1 2 3\n");
+    assert!(warning(&wall, "--unit").2.contains("taken as mm (5.7 m)"), "{:?}", doubts(&wall));
+    assert_eq!(wall.bounds_m[1].x, 4.0);
     let doubtful = scene(4000.0);
     assert!(warning(&doubtful, "--unit").2.contains("in mm it would be 5.7 m"), "{:?}", doubts(&doubtful));
     assert_eq!(doubtful.bounds_m[1].x, 4000.0);

@@ -272,3 +272,39 @@ fn all_pictures_together_have_a_budget() {
     assert!(warning(&scene, "all textures together").2.contains("'c.png'"));
     assert_eq!(scene.textures.len(), 3, "two pictures and the checker");
 }
+
+#[test]
+fn pictures_of_many_formats_are_shown() {
+    let rgb = DynamicImage::ImageRgb8(image::RgbImage::from_pixel(3, 2, image::Rgb([255, 0, 0])));
+    let float = DynamicImage::ImageRgb32F(Rgb32FImage::from_pixel(3, 2, image::Rgb([1.0, 0.0, 0.0])));
+    let rgba = DynamicImage::ImageRgba8(rgb.to_rgba8());
+    let pictures = [
+        ("a.webp", encoded(&rgba, ImageFormat::WebP)),
+        ("a.tif", encoded(&rgb, ImageFormat::Tiff)),
+        ("a.gif", encoded(&rgba, ImageFormat::Gif)),
+        ("a.ppm", encoded(&rgb, ImageFormat::Pnm)),
+        ("a.exr", encoded(&float, ImageFormat::OpenExr)),
+        ("a.dds", plain_dds(24)),
+        ("a.DDS", plain_dds(32)),
+    ];
+    for (name, bytes) in pictures {
+        let scene = Folder::with_mtl(&["a"], mtl(&format!("map_Kd {name}"))).add(name, &bytes).load();
+        assert_red(&scene);
+        assert_eq!([scene.textures[0].width, scene.textures[0].height], [3, 2], "{name}");
+        // Under another name, by its signature; and cut short, with a message.
+        assert_red(&Folder::with_mtl(&["a"], mtl("map_Kd b.png")).add("b.png", &bytes).load());
+        let cut = &bytes[..bytes.len() / 2];
+        Folder::with_mtl(&["a"], mtl(&format!("map_Kd {name}"))).add(name, cut).load();
+    }
+}
+
+/// A red DDS picture of 3 by 2 pixels without compression.
+fn plain_dds(bits: u32) -> Vec<u8> {
+    let mut words = [0u32; 32];
+    (words[0], words[1], words[3], words[4]) = (u32::from_le_bytes(*b"DDS "), 124, 2, 3);
+    (words[19], words[20], words[22]) = (32, 0x40, bits);
+    [words[23], words[24], words[25]] = [0xff_0000, 0xff00, 0xff];
+    let pixel = [0, 0, 255, 255];
+    let pixels = std::iter::repeat_n(&pixel[..bits as usize / 8], 6).flatten().copied();
+    words.iter().flat_map(|word| word.to_le_bytes()).chain(pixels).collect()
+}

@@ -135,6 +135,11 @@ impl<'a> Accessor<'a> {
         Ok(Self { count, component, normalized: json.normalized, elements: all, sparse: sparse.transpose()? })
     }
 
+    /// False where no buffer holds the elements: all are zero.
+    pub(super) fn has_data(&self) -> bool {
+        self.elements.is_some() || self.sparse.is_some()
+    }
+
     fn bytes(&self, index: u32) -> &'a [u8] {
         let replaced = self.sparse.as_ref().and_then(|s| s.find(index));
         replaced.or_else(|| Some(self.elements.as_ref()?.at(index as usize))).unwrap_or(&[])

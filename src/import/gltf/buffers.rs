@@ -48,7 +48,9 @@ impl<'t> Buffers<'t> {
             buffer.get(from..to)
         };
         let bytes = inside().ok_or_else(|| fault(Trouble::OUTSIDE_BUFFER, "the view itself"))?;
-        Ok((bytes, view.byte_stride.and_then(|s| usize::try_from(s).ok())))
+        // Some exporters write a stride of 0 for "one after the other".
+        let stride = view.byte_stride.filter(|stride| *stride > 0);
+        Ok((bytes, stride.and_then(|s| usize::try_from(s).ok())))
     }
 }
 

@@ -6,6 +6,7 @@ use crate::import::{files::unreadable, trouble::Trouble};
 use crate::scene::SceneError;
 use serde::Deserialize;
 use serde_json::value::RawValue;
+use std::collections::HashMap;
 use std::path::Path;
 
 /// A trouble with one item, and its place.
@@ -28,6 +29,8 @@ pub(super) struct Document<'t> {
     pub(super) root: Root<'t>,
     /// Binary part of a `.glb`.
     pub(super) bin: Option<&'t [u8]>,
+    /// Troubles with keys of the root.
+    pub(super) faults: Vec<Fault>,
 }
 
 /// A list of items in the root of the JSON.
@@ -38,6 +41,7 @@ pub(super) enum List {
     Meshes,
     Materials,
     Textures,
+    Samplers,
     Images,
     Accessors,
     BufferViews,
@@ -56,15 +60,17 @@ impl<'t> Document<'t> {
             let line = lines_before(&json[..e.valid_up_to()]) + 1;
             broken(file, line, "the JSON is not UTF-8".to_owned())
         })?;
-        let root: Root = serde_json::from_str(text).map_err(|e| {
+        let keys: Keys = serde_json::from_str(text).map_err(|e| {
             broken(file, e.line() as u64, format!("the JSON cannot be read: {}", without_place(&e)))
         })?;
+        let mut faults = Vec::new();
+        let root = root_of(&keys, text, &mut faults);
         match &root.asset.version {
             Some(version) if !version.starts_with("2.") => {
                 let cause = format!("it is glTF {}, only glTF 2.0 is supported", quote(version));
                 Err(unreadable(file, cause, "export the model as glTF 2.0"))
             }
-            _ => Ok(Self { text, is_binary, root, bin }),
+            _ => Ok(Self { text, is_binary, root, bin, faults }),
         }
     }
 
@@ -77,6 +83,7 @@ impl<'t> Document<'t> {
             List::Meshes => ("meshes", &root.meshes),
             List::Materials => ("materials", &root.materials),
             List::Textures => ("textures", &root.textures),
+            List::Samplers => ("samplers", &root.samplers),
             List::Images => ("images", &root.images),
             List::Accessors => ("accessors", &root.accessors),
             List::BufferViews => ("bufferViews", &root.buffer_views),
@@ -84,6 +91,11 @@ impl<'t> Document<'t> {
             List::Cameras => ("cameras", &root.cameras),
             List::Lights => ("lights", &root.extensions.lights.lights),
         }
+    }
+
+    /// True where the text of an item of a list contains a name.
+    pub(super) fn mentions(&self, list: List, name: &str) -> bool {
+        self.list(list).1.iter().any(|raw| raw.get().contains(name))
     }
 
     /// Parses an item by its index.
@@ -118,7 +130,7 @@ impl<'t> Document<'t> {
 
     /// Returns the byte at which a part of the text starts.
     pub(super) fn at(&self, part: &RawValue) -> usize {
-        (part.get().as_ptr() as usize).saturating_sub(self.text.as_ptr() as usize)
+        place_in(self.text, part)
     }
 
     /// Counts a trouble.
@@ -128,9 +140,62 @@ impl<'t> Document<'t> {
         tally.add(fault.trouble, line, || fault.detail);
     }
 
+    /// Counts the troubles with keys of the root.
+    pub(super) fn note_root(&self, tally: &mut Tally) {
+        for Fault { trouble, at, detail } in &self.faults {
+            self.note(Fault { trouble: *trouble, at: *at, detail: detail.clone() }, tally);
+        }
+    }
+
     fn line(&self, at: usize) -> u64 {
         lines_before(&self.text.as_bytes()[..at.min(self.text.len())]) + 1
     }
+}
+
+/// Returns the byte at which a part of a text begins.
+fn place_in(text: &str, part: &RawValue) -> usize {
+    (part.get().as_ptr() as usize).saturating_sub(text.as_ptr() as usize)
+}
+
+/// The keys of the root, as text.
+type Keys<'t> = HashMap<String, &'t RawValue>;
+
+/// Reads the keys of the root one by one: one that cannot be read costs only itself.
+fn root_of<'t>(keys: &Keys<'t>, text: &'t str, faults: &mut Vec<Fault>) -> Root<'t> {
+    Root {
+        asset: key("asset", keys, text, faults),
+        scene: key("scene", keys, text, faults),
+        scenes: key("scenes", keys, text, faults),
+        nodes: key("nodes", keys, text, faults),
+        meshes: key("meshes", keys, text, faults),
+        materials: key("materials", keys, text, faults),
+        textures: key("textures", keys, text, faults),
+        samplers: key("samplers", keys, text, faults),
+        images: key("images", keys, text, faults),
+        accessors: key("accessors", keys, text, faults),
+        buffer_views: key("bufferViews", keys, text, faults),
+        buffers: key("buffers", keys, text, faults),
+        cameras: key("cameras", keys, text, faults),
+        animations: key("animations", keys, text, faults),
+        extensions_used: key("extensionsUsed", keys, text, faults),
+        extensions_required: key("extensionsRequired", keys, text, faults),
+        extensions: key("extensions", keys, text, faults),
+    }
+}
+
+/// Returns the value of a key; the default where it is missing or cannot be read.
+fn key<'t, T: Deserialize<'t> + Default>(
+    name: &str,
+    keys: &Keys<'t>,
+    text: &'t str,
+    faults: &mut Vec<Fault>,
+) -> T {
+    let Some(raw) = keys.get(name) else { return T::default() };
+    serde_json::from_str(raw.get()).unwrap_or_else(|e| {
+        let detail = format!("{name}: {}", without_place(&e));
+        faults.push(Fault { trouble: Trouble::ROOT_KEY, at: place_in(text, raw), detail });
+        T::default()
+    })
 }
 
 fn lines_before(bytes: &[u8]) -> u64 {

@@ -1,7 +1,8 @@
 //! The materials of this engine, made from the metalness and roughness of those in use.
 //!
-//! - Transmission is glass, clear or frosted by its roughness: `ior` refracts, the base colour
-//!   attenuates; the rest is diffuse.
+//! - Transmission is glass, clear or frosted by its roughness: `ior` refracts bodies of a
+//!   `thicknessFactor`, and panes without one only reflect; base colour and attenuation tint; the rest
+//!   is diffuse.
 //! - Metal is a mirror of the base colour, or rough. What is not metal has a clear coat, which is left
 //!   out where it is rougher than satin: it then looks matte from everywhere (`surfaces`).
 //! - A picture of metal and roughness counts with its mean.
@@ -10,7 +11,7 @@
 //!   its texture.
 
 use super::document::{Document, List};
-use super::material::{Alpha, GltfMaterial, MaterialReader, Use, uv_set};
+use super::material::{Alpha, GltfMaterial, MaterialReader, Use, metallic_roughness, uv_set};
 use super::{pictures::Pictures, schema};
 use crate::import::picture::{self, Picture, is_translucent};
 use crate::import::surfaces::{COAT, Gloss, METAL, fade, glass_of, reflectance_of, undefined};
@@ -54,7 +55,7 @@ impl EngineMaterials {
         let index = index.unwrap_or(0);
         let name = json.name.clone().unwrap_or_else(|| format!("material {index}"));
         let read = MaterialReader { document, tally, index }.read(&json);
-        let uv_set = uv_set(json.pbr_metallic_roughness.base_color_texture.as_ref());
+        let uv_set = uv_set(metallic_roughness(&json).base_color_texture.as_ref());
         let id = builder.add_material(Material::diffuse(&name, read.base));
         self.materials.push((index, id, read));
         self.known.insert(Some(index), (id, uv_set));
@@ -126,7 +127,8 @@ impl Painter<'_> {
         let base = read.base_use.and_then(|u| self.pictures.get(u.image));
         let mean_base = read.base * mean(read.base_use);
         let kept = if read.transmission > 0.0 {
-            let transmittance = mean_base * read.transmission;
+            let transmittance = mean_base * read.transmission * read.attenuation;
+            material.is_thin = read.is_thin;
             material.kind = glass_of(read.eta, transmittance, self.gloss(read).roughness);
             1.0 - read.transmission
         } else {
@@ -174,7 +176,7 @@ impl Painter<'_> {
         let picture = self.pictures.get(used.image)?;
         let new = || builder.add_texture(picture.texture.clone());
         let texture = *self.textures.entry(used.image).or_insert_with(new);
-        Some(TextureRef { texture, scale: used.scale, offset: used.offset })
+        Some(used.of(texture))
     }
 
     /// Applies the alpha of a material: `MASK`, and `BLEND` with a texture of varying alpha, cut
@@ -222,7 +224,7 @@ impl Painter<'_> {
         let faded = |a: u8| (f32::from(a) * opacity + 0.5) as u8;
         let new = || builder.add_texture(picture::with_alpha(&picture.texture, faded));
         let texture = *self.blended.entry((used.image, opacity.to_bits())).or_insert_with(new);
-        material.cover_by(TextureRef { texture, scale: used.scale, offset: used.offset });
+        material.cover_by(used.of(texture));
         None
     }
 
@@ -238,7 +240,7 @@ impl Painter<'_> {
             builder.add_texture(picture::with_alpha(&picture.texture, scaled))
         };
         let texture = *self.masks.entry((used.image, threshold.to_bits())).or_insert_with(new);
-        Some(TextureRef { texture, scale: used.scale, offset: used.offset })
+        Some(used.of(texture))
     }
 }
 

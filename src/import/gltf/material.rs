@@ -4,7 +4,9 @@ use super::document::{Document, Found, List};
 use super::schema::{self, TextureInfo};
 use crate::import::surfaces::GLASS_ETA;
 use crate::import::{options::Limits, tally::Tally, trouble::Trouble};
+use crate::scene::{Sampling, TextureId, TextureRef, Wrap};
 use glam::{DVec3, Vec2, Vec3};
+use std::borrow::Cow;
 
 /// Use of a texture: the index of its image, and the transform of texture coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,6 +14,14 @@ pub(super) struct Use {
     pub(super) image: usize,
     pub(super) scale: Vec2,
     pub(super) offset: Vec2,
+    pub(super) sampling: Sampling,
+}
+
+impl Use {
+    /// Returns the use of a texture that was made of the image.
+    pub(super) fn of(self, texture: TextureId) -> TextureRef {
+        TextureRef { sampling: self.sampling, ..TextureRef::new(texture, self.scale, self.offset) }
+    }
 }
 
 /// Meaning of alpha (`alphaMode`).
@@ -37,6 +47,10 @@ pub(super) struct GltfMaterial {
     pub(super) specular: Vec3,
     /// Share and roughness of a clear coat over all.
     pub(super) clearcoat: [f32; 2],
+    /// A pane without thickness: what is transmitted goes straight on.
+    pub(super) is_thin: bool,
+    /// Share of light that passes one of two faces of the body that the material fills.
+    pub(super) attenuation: Vec3,
     pub(super) emission: Vec3,
     /// Texture of base colour and alpha.
     pub(super) base_use: Option<Use>,
@@ -52,6 +66,27 @@ pub(super) fn uv_set(info: Option<&TextureInfo>) -> u32 {
     info.map_or(0, |i| transform(i).unwrap_or(i.tex_coord)).min(1)
 }
 
+/// Returns the values of metalness and roughness, also of a material of specular and glossiness.
+///
+/// A dark surface with a bright reflection is a metal of that colour, and others are not: the
+/// extension has no metalness, and reflections of other materials do not differ much.
+pub(super) fn metallic_roughness(json: &schema::Material) -> Cow<'_, schema::Pbr> {
+    let Some(other) = &json.extensions.spec_gloss else { return Cow::Borrowed(&json.pbr_metallic_roughness) };
+    let [r, g, b, alpha] = other.diffuse_factor;
+    let [diffuse, specular] = [[r, g, b], other.specular_factor].map(|c| c.into_iter().fold(0.0, f64::max));
+    /// Reflectance at normal incidence that no dielectric of a building reaches.
+    const METALLIC: f64 = 0.25;
+    let is_metal = specular > METALLIC && specular > diffuse && other.diffuse_texture.is_none();
+    let [r, g, b] = if is_metal { other.specular_factor } else { [r, g, b] };
+    Cow::Owned(schema::Pbr {
+        base_color_factor: [r, g, b, alpha],
+        base_color_texture: other.diffuse_texture.clone(),
+        metallic_factor: if is_metal { 1.0 } else { 0.0 },
+        roughness_factor: 1.0 - other.glossiness_factor,
+        metallic_roughness_texture: None,
+    })
+}
+
 /// Reader of one material. Values out of range are counted as troubles.
 pub(super) struct MaterialReader<'a, 'd, 't> {
     pub(super) document: &'d Document<'t>,
@@ -62,7 +97,7 @@ pub(super) struct MaterialReader<'a, 'd, 't> {
 
 impl MaterialReader<'_, '_, '_> {
     pub(super) fn read(&mut self, json: &schema::Material) -> GltfMaterial {
-        let pbr = &json.pbr_metallic_roughness;
+        let pbr = &metallic_roughness(json);
         let [r, g, b, a] = pbr.base_color_factor.map(|c| self.within(c, 1.0));
         let strength = json.extensions.emissive_strength.as_ref().and_then(|e| e.emissive_strength);
         let glow = DVec3::from_array(json.emissive_factor) * strength.unwrap_or(1.0);
@@ -83,10 +118,28 @@ impl MaterialReader<'_, '_, '_> {
             eta: self.eta(ior),
             specular,
             clearcoat: coat.map(|c| self.within(c, 1.0)),
+            is_thin: json.extensions.volume.as_ref().is_none_or(|v| v.thickness_factor <= 0.0),
+            attenuation: self.attenuation(json.extensions.volume.as_ref()),
             emission: Vec3::from_array(glow.to_array().map(|c| self.within(c, f64::from(Limits::RADIANCE)))),
             base_use: self.used(pbr.base_color_texture.as_ref()),
             metal_use: self.used(metal),
             glow_use: self.used(json.emissive_texture.as_ref().filter(|_| glow != DVec3::ZERO)),
+        }
+    }
+
+    /// Returns the share of light that remains at each face of a body of the stated thickness:
+    /// `attenuationColor` remains after `attenuationDistance`.
+    fn attenuation(&mut self, volume: Option<&schema::Volume>) -> Vec3 {
+        let Some(volume) = volume else { return Vec3::ONE };
+        let (Some(distance), Some(color)) = (volume.attenuation_distance, volume.attenuation_color) else {
+            return Vec3::ONE;
+        };
+        let color = color.map(|c| self.within(c, 1.0));
+        let faces = (volume.thickness_factor / distance / 2.0) as f32;
+        if faces > 0.0 && faces.is_finite() {
+            Vec3::from_array(color.map(|c| c.powf(faces)))
+        } else {
+            Vec3::ONE
         }
     }
 
@@ -142,19 +195,38 @@ impl MaterialReader<'_, '_, '_> {
 
     fn image(&mut self, info: &TextureInfo) -> Found<Use> {
         let texture: schema::Texture = self.document.item(List::Textures, info.index)?;
+        let others = [&texture.extensions.webp, &texture.extensions.dds];
+        let other = others.into_iter().flatten().find_map(|other| other.source);
         let no_picture = || self.document.fault(List::Textures, info.index, Trouble::NO_PICTURE, "");
-        let image = texture.source.ok_or_else(no_picture)?;
+        let image = other.or(texture.source).ok_or_else(no_picture)?;
         let transform = info.extensions.transform.as_ref();
-        if transform.is_some_and(|t| t.rotation != 0.0) {
-            self.note(Trouble::TURNED_TEXTURE, "");
-        }
         let part = |v: Option<[f64; 2]>, or: f64| {
             let v = Vec2::from_array(v.unwrap_or([or; 2]).map(|x| x as f32));
             if v.is_finite() { v } else { Vec2::splat(or as f32) }
         };
         let scale = part(transform.and_then(|t| t.scale), 1.0);
         let offset = part(transform.and_then(|t| t.offset), 0.0);
+        let turn = transform.map_or(0.0, |t| t.rotation as f32);
+        let turn = if turn.is_finite() { turn } else { 0.0 };
+        let (sin, cos) = turn.sin_cos();
+        let sampling = Sampling { turn, ..self.sampling(texture.sampler)? };
         // In the extension v grows downwards, as in glTF; here it grows upwards.
-        Ok(Use { image, scale, offset: Vec2::new(offset.x, 1.0 - scale.y - offset.y) })
+        let offset = Vec2::new(offset.x + sin * scale.y, 1.0 - cos * scale.y - offset.y);
+        Ok(Use { image, scale, offset, sampling })
+    }
+
+    /// Returns edges and filter of a sampler. Distances decide no filter here: of the two, that of
+    /// near texels counts.
+    fn sampling(&self, index: Option<usize>) -> Found<Sampling> {
+        const NEAREST: u32 = 9728;
+        let Some(index) = index else { return Ok(Sampling::default()) };
+        let sampler: schema::Sampler = self.document.item(List::Samplers, index)?;
+        let wrap = |code: Option<u32>| match code {
+            Some(33_071) => Wrap::Clamp,
+            Some(33_648) => Wrap::Mirror,
+            _ => Wrap::Repeat,
+        };
+        let wrap = [wrap(sampler.wrap_s), wrap(sampler.wrap_t)];
+        Ok(Sampling { wrap, is_nearest: sampler.mag_filter == Some(NEAREST), turn: 0.0 })
     }
 }

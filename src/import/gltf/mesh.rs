@@ -105,6 +105,9 @@ impl<'a> Mesher<'a, '_> {
         }
         let position = primitive.attributes.position.ok_or_else(|| fault(Trouble::NO_POSITION))?;
         let positions = Accessor::open(self.document, self.buffers, position, "VEC3")?;
+        if primitive.extensions.draco.is_some() && !positions.has_data() {
+            return Err(fault(Trouble::COMPRESSED).into());
+        }
         let corners = self.corners(primitive, &positions)?;
         let mut triangles = triangles_of(mode, &corners);
         drop(corners);

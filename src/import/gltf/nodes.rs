@@ -3,11 +3,18 @@
 
 use super::document::{Document, Found, List};
 use super::schema::{self, Node};
+use super::{accessor::Accessor, buffers::Buffers};
 use crate::camera::Camera;
 use crate::import::progress::{Phase, Steps};
 use crate::import::{options::Limits, tally::Tally, trouble::Trouble};
-use crate::scene::{NamedView, SceneBuilder, SceneError, Sun, is_valid_position};
-use glam::{DMat4, DQuat, DVec3, Vec3};
+use crate::scene::{Beam, NamedView, SceneBuilder, SceneError, SpotLight, Sun, is_valid_position};
+use glam::{DMat4, DQuat, DVec3, DVec4, Vec3};
+
+/// Roll in radians that is rounding of the matrices in a file.
+const LEVEL: f64 = 1e-4;
+
+/// Largest number of instances of meshes in a file.
+const MAX_INSTANCES: usize = 1 << 20;
 
 /// An instance of a mesh.
 #[derive(Clone, Copy, Debug)]
@@ -21,7 +28,7 @@ pub(super) struct Placement {
 /// Walks the nodes of a document. Adds lights and views to the builder, and returns the instances
 /// of meshes, sorted by mesh.
 pub(super) fn walk(
-    document: &Document,
+    (document, buffers): (&Document, &Buffers),
     world_from_root: DMat4,
     builder: &mut SceneBuilder,
     tally: &mut Tally,
@@ -29,7 +36,7 @@ pub(super) fn walk(
 ) -> Result<Vec<Placement>, SceneError> {
     /// Number of nodes between two reports of progress.
     const STEP_NODES: usize = 4096;
-    let mut walker = Walker { document, builder, tally, placements: Vec::new() };
+    let mut walker = Walker { document, buffers, builder, tally, placements: Vec::new() };
     let mut seen = vec![false; document.root.nodes.len()];
     let mut open: Vec<(usize, DMat4)> = Vec::new();
     let roots = walker.roots();
@@ -42,8 +49,12 @@ pub(super) fn walk(
         visited += 1;
         match document.item::<Node>(List::Nodes, index) {
             Ok(node) => {
+                if node.extensions.visibility.as_ref().is_some_and(|v| v.visible == Some(false)) {
+                    walker.note(index, Trouble::INVISIBLE, node.name.as_deref().unwrap_or(""));
+                    continue;
+                }
                 let world_from_node = world_from_parent * walker.local(index, &node);
-                walker.place(index, &node, world_from_node);
+                walker.place(index, &node, world_from_node)?;
                 walker.open(&node.children, world_from_node, &mut seen, &mut open);
             }
             Err(fault) => document.note(fault, walker.tally),
@@ -56,6 +67,7 @@ pub(super) fn walk(
 
 struct Walker<'a, 't> {
     document: &'a Document<'t>,
+    buffers: &'a Buffers<'t>,
     builder: &'a mut SceneBuilder,
     tally: &'a mut Tally,
     placements: Vec<Placement>,
@@ -126,23 +138,69 @@ impl Walker<'_, '_> {
         DMat4::from_scale_rotation_translation(scale, rotation, node.translation.unwrap_or([0.0; 3]).into())
     }
 
-    fn place(&mut self, index: usize, node: &Node, world_from_node: DMat4) {
+    fn place(&mut self, index: usize, node: &Node, world_from_node: DMat4) -> Result<(), SceneError> {
         if let Some(mesh) = node.mesh {
             if node.skin.is_some() {
                 self.note(index, Trouble::SKIN, node.name.as_deref().unwrap_or(""));
             }
             let name = node.name.clone().filter(|name| name.len() <= Limits::NAME_BYTES);
             let object = self.builder.objects.add(&name.unwrap_or_else(|| format!("node {index}")));
-            self.placements.push(Placement { mesh, world_from_mesh: world_from_node, object });
+            for local in self.instances(node) {
+                self.placements.push(Placement { mesh, world_from_mesh: world_from_node * local, object });
+            }
+            let (count, limit) = (self.placements.len(), MAX_INSTANCES);
+            if count > limit {
+                let name = self.builder.name.clone();
+                return Err(SceneError::TooLarge { name, what: "instances", count, limit });
+            }
         }
         if let Some(camera) = node.camera {
             let view = self.view(camera, node, world_from_node);
+            if let Ok(view) = &view
+                && is_tilted(&view.camera, world_from_node)
+            {
+                self.note(index, Trouble::ROLL, &view.name);
+            }
             view.map_or_else(|f| self.document.note(f, self.tally), |view| self.builder.views.push(view));
         }
         if let Some(light) = &node.extensions.light {
             let added = self.light(light.light, world_from_node);
             added.unwrap_or_else(|fault| self.document.note(fault, self.tally));
         }
+        Ok(())
+    }
+
+    /// Returns the transforms of the instances of a node's mesh: its own where it has none.
+    fn instances(&mut self, node: &Node) -> Vec<DMat4> {
+        let Some(instancing) = &node.extensions.instancing else { return vec![DMat4::IDENTITY] };
+        let of = &instancing.attributes;
+        let mut open = |index: Option<usize>, shape: &str| {
+            let opened = Accessor::open(self.document, self.buffers, index?, shape);
+            opened.map_err(|fault| self.document.note(fault, self.tally)).ok()
+        };
+        let translations = open(of.translation, "VEC3");
+        let rotations = open(of.rotation, "VEC4");
+        let scales = open(of.scale, "VEC3");
+        let counts = [&translations, &rotations, &scales].map(|list| list.as_ref().map(|list| list.count));
+        let Some(count) = counts.into_iter().flatten().min() else { return vec![DMat4::IDENTITY] };
+        // One more than allowed is enough to be refused.
+        let instance = |i: u32| {
+            let vector = |list: &Option<Accessor>, or: f32| {
+                list.as_ref()
+                    .map_or(DVec3::splat(or.into()), |list| Vec3::from_array(list.vector(i)).as_dvec3())
+            };
+            let rotation = rotations.as_ref().map_or(DQuat::IDENTITY, |list| {
+                let [x, y, z, w] = list.vector::<4>(i).map(f64::from);
+                let length = DVec4::new(x, y, z, w).length();
+                if length > 0.0 {
+                    DQuat::from_xyzw(x / length, y / length, z / length, w / length)
+                } else {
+                    DQuat::IDENTITY
+                }
+            });
+            DMat4::from_scale_rotation_translation(vector(&scales, 1.0), rotation, vector(&translations, 0.0))
+        };
+        (0..count.min(MAX_INSTANCES + 1) as u32).map(instance).collect()
     }
 
     /// Converts a camera, which looks along its -Z, to a saved view. Its roll and its aspect ratio
@@ -176,9 +234,14 @@ impl Walker<'_, '_> {
         self.builder.is_photometric = true;
         match (light.kind.as_str(), back) {
             ("point", _) => self.builder.point_lights.push((at, color)),
-            ("spot", _) => {
-                self.builder.point_lights.push((at, color));
-                return Err(note(Trouble::SPOT));
+            ("spot", Some(back)) => {
+                let cone = light.spot.as_ref();
+                let angle =
+                    |given: Option<f64>, or: f64| given.unwrap_or(or).clamp(0.0, std::f64::consts::FRAC_PI_2);
+                let outer = angle(cone.and_then(|c| c.outer_cone_angle), std::f64::consts::FRAC_PI_4);
+                let inner = angle(cone.and_then(|c| c.inner_cone_angle), 0.0).min(outer);
+                let beam = Beam::new(-back.as_vec3(), inner as f32, outer as f32);
+                self.builder.spot_lights.push(SpotLight { position_m: at, intensity: color, beam });
             }
             ("directional", Some(towards)) if self.builder.sun.is_none() => {
                 self.builder.sun = Some(Sun {
@@ -192,4 +255,10 @@ impl Walker<'_, '_> {
         }
         Ok(())
     }
+}
+
+/// True where a camera of a file is tilted to the side, but for the rounding of its matrix.
+fn is_tilted(level: &Camera, world: DMat4) -> bool {
+    let (up, axes) = (world.y_axis.truncate(), level.world_from_camera());
+    up.dot(axes.x_axis).atan2(up.dot(axes.y_axis)).abs() > LEVEL
 }

@@ -1,26 +1,56 @@
 //! The glTF reader: its steps in order.
 
-use super::{buffers::Buffers, document::Document, mesh::Mesher, nodes, pictures::Pictures};
+use super::document::{Document, List};
+use super::{buffers::Buffers, mesh::Mesher, nodes, pictures::Pictures};
 use crate::import::tally::{Tally, list};
-use crate::import::units::{Unit, Up};
+use crate::import::units::{self, Unit, Up};
 use crate::import::{context::Import, files};
 use crate::scene::SceneError;
 use glam::{DMat4, DVec3};
 
 /// Extensions that are supported.
-const KNOWN: [&str; 8] = [
+const KNOWN: [&str; 16] = [
     "KHR_materials_transmission",
     "KHR_materials_ior",
+    "KHR_materials_volume",
     "KHR_materials_emissive_strength",
     "KHR_materials_specular",
     "KHR_materials_clearcoat",
+    "KHR_materials_pbrSpecularGlossiness",
     "KHR_lights_punctual",
     "KHR_texture_transform",
     "KHR_mesh_quantization",
+    "KHR_node_visibility",
+    "EXT_mesh_gpu_instancing",
+    "EXT_texture_webp",
+    "MSFT_texture_dds",
+    "KHR_draco_mesh_compression",
+    "EXT_meshopt_compression",
 ];
 
-/// Extensions that store meshes in another way. Without them nothing can be shown.
-const COMPRESSED: [&str; 2] = ["KHR_draco_mesh_compression", "EXT_meshopt_compression"];
+/// Extensions without effect, and what is seen instead.
+const WITHOUT_EFFECT: [(&str, &str); 12] = [
+    ("KHR_materials_unlit", "its materials are lit like paint"),
+    ("KHR_materials_clearcoat", "surfaces are shown without their clear coat"),
+    ("KHR_materials_sheen", "cloth is shown without its sheen"),
+    ("KHR_materials_specular", "surfaces reflect as their roughness says"),
+    ("KHR_materials_anisotropy", "brushed surfaces reflect evenly in all directions"),
+    ("KHR_materials_iridescence", "surfaces are shown without iridescent colours"),
+    ("KHR_materials_dispersion", "glass refracts all colours alike"),
+    ("KHR_materials_diffuse_transmission", "cloth and leaves let no light through"),
+    ("KHR_materials_variants", "the first variant of each material is shown"),
+    ("KHR_texture_basisu", "pictures in KTX2 are left out where there is no other"),
+    ("EXT_texture_avif", "pictures in AVIF are left out where there is no other"),
+    ("KHR_animation_pointer", "animations are not played"),
+];
+
+/// Extensions that store meshes in another way, and where they are used. A file without other data
+/// cannot be shown.
+const COMPRESSED: [(&str, List); 3] = [
+    ("KHR_draco_mesh_compression", List::Meshes),
+    ("EXT_meshopt_compression", List::BufferViews),
+    ("KHR_meshopt_compression", List::BufferViews),
+];
 
 /// Reads a glTF file with its buffers and pictures.
 pub(in crate::import) fn read(import: &mut Import) -> Result<(), SceneError> {
@@ -30,9 +60,10 @@ pub(in crate::import) fn read(import: &mut Import) -> Result<(), SceneError> {
     check_extensions(&document, import)?;
     let world = world_from_root(import.unit().unwrap_or(Unit::Metre), import.up().unwrap_or(Up::PlusY));
     let mut tally = Tally::default();
+    document.note_root(&mut tally);
     let Import { finder, builder, steps, .. } = import;
     let buffers = Buffers::read(&document, finder, limits, steps, &mut tally)?;
-    let placements = nodes::walk(&document, world, builder, &mut tally, steps)?;
+    let placements = nodes::walk((&document, &buffers), world, builder, &mut tally, steps)?;
     let mut mesher = Mesher {
         document: &document,
         buffers: &buffers,
@@ -47,7 +78,28 @@ pub(in crate::import) fn read(import: &mut Import) -> Result<(), SceneError> {
     let images = materials.images();
     let pictures = Pictures::read(&images, &document, &buffers, finder, (limits, steps), &mut tally)?;
     materials.finish(&pictures, builder, &document, &mut tally);
-    import.report(tally)
+    import.report(tally)?;
+    fit_unit(import);
+    Ok(())
+}
+
+/// Converts a model that would be absurdly large in metres, which glTF prescribes.
+fn fit_unit(import: &mut Import) {
+    if import.unit().is_some() {
+        return;
+    }
+    let builder = &import.builder;
+    let measured = units::measure(&builder.positions, &builder.triangles);
+    let Some(unit) = measured.and_then(units::absurd_in_metres) else { return };
+    let how = format!("Set it with --unit, or with unit = \"m\" in {}", import.sidecar.file_name);
+    let across = measured.map_or(0.0, |m| m.across);
+    import.warn(units::taken_as(across, unit, &how));
+    let scale = unit.metres();
+    let builder = &mut import.builder;
+    builder.positions.iter_mut().for_each(|p| *p *= scale);
+    builder.point_lights.iter_mut().for_each(|(p, _)| *p *= scale);
+    builder.spot_lights.iter_mut().for_each(|spot| spot.position_m *= scale);
+    builder.views.iter_mut().for_each(|view| view.camera.eye *= scale);
 }
 
 fn world_from_root(unit: Unit, up: Up) -> DMat4 {
@@ -57,14 +109,26 @@ fn world_from_root(unit: Unit, up: Up) -> DMat4 {
 
 fn check_extensions(document: &Document, import: &mut Import) -> Result<(), SceneError> {
     let root = &document.root;
-    let all = root.extensions_used.iter().chain(&root.extensions_required);
-    if let Some(compressed) = all.clone().find(|e| COMPRESSED.contains(&e.as_str())) {
+    let is_needed = |(name, list): &&(&str, List)| {
+        root.extensions_required.iter().any(|required| required == name) && document.mentions(*list, name)
+    };
+    if let Some((compressed, _)) = COMPRESSED.iter().find(is_needed) {
         let cause = format!("its meshes are compressed ({compressed}), which is not supported");
         return Err(import.failed(cause, "export it without compression"));
     }
-    let mut unknown: Vec<String> = all.filter(|e| !KNOWN.contains(&e.as_str())).cloned().collect();
-    unknown.sort();
-    unknown.dedup();
+    let mut used: Vec<&str> =
+        root.extensions_used.iter().chain(&root.extensions_required).map(String::as_str).collect();
+    used.sort_unstable();
+    used.dedup();
+    let mut unknown = Vec::new();
+    for name in used {
+        let instead = WITHOUT_EFFECT.iter().find(|(known, _)| *known == name);
+        if let Some((_, instead)) = instead {
+            import.warn(format!("the extension {name} has no effect: {instead}"));
+        } else if !KNOWN.contains(&name) && !COMPRESSED.iter().any(|(known, _)| *known == name) {
+            unknown.push(name.to_owned());
+        }
+    }
     if !unknown.is_empty() {
         import.warn(format!("extensions that are not supported are left out: {}", list(&unknown)));
     }

@@ -7,36 +7,24 @@ use serde::Deserialize;
 use serde_json::value::RawValue;
 use std::borrow::Cow;
 
-#[derive(Deserialize, Default)]
-#[serde(default, rename_all = "camelCase")]
+#[derive(Default)]
 pub(super) struct Root<'t> {
     pub(super) asset: Asset,
     pub(super) scene: Option<usize>,
-    #[serde(borrow)]
     pub(super) scenes: Vec<&'t RawValue>,
-    #[serde(borrow)]
     pub(super) nodes: Vec<&'t RawValue>,
-    #[serde(borrow)]
     pub(super) meshes: Vec<&'t RawValue>,
-    #[serde(borrow)]
     pub(super) materials: Vec<&'t RawValue>,
-    #[serde(borrow)]
     pub(super) textures: Vec<&'t RawValue>,
-    #[serde(borrow)]
+    pub(super) samplers: Vec<&'t RawValue>,
     pub(super) images: Vec<&'t RawValue>,
-    #[serde(borrow)]
     pub(super) accessors: Vec<&'t RawValue>,
-    #[serde(borrow)]
     pub(super) buffer_views: Vec<&'t RawValue>,
-    #[serde(borrow)]
     pub(super) buffers: Vec<&'t RawValue>,
-    #[serde(borrow)]
     pub(super) cameras: Vec<&'t RawValue>,
-    #[serde(borrow)]
     pub(super) animations: Vec<&'t RawValue>,
     pub(super) extensions_used: Vec<String>,
     pub(super) extensions_required: Vec<String>,
-    #[serde(borrow)]
     pub(super) extensions: RootExtensions<'t>,
 }
 
@@ -86,6 +74,29 @@ pub(super) struct Node {
 pub(super) struct NodeExtensions {
     #[serde(rename = "KHR_lights_punctual")]
     pub(super) light: Option<NodeLight>,
+    #[serde(rename = "EXT_mesh_gpu_instancing")]
+    pub(super) instancing: Option<Instancing>,
+    #[serde(rename = "KHR_node_visibility")]
+    pub(super) visibility: Option<Visibility>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(default)]
+pub(super) struct Instancing {
+    pub(super) attributes: InstanceAttributes,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(default, rename_all = "UPPERCASE")]
+pub(super) struct InstanceAttributes {
+    pub(super) translation: Option<usize>,
+    pub(super) rotation: Option<usize>,
+    pub(super) scale: Option<usize>,
+}
+
+#[derive(Deserialize)]
+pub(super) struct Visibility {
+    pub(super) visible: Option<bool>,
 }
 
 #[derive(Deserialize)]
@@ -109,6 +120,15 @@ pub(super) struct Primitive<'t> {
     pub(super) mode: Option<u32>,
     #[serde(borrow, default)]
     pub(super) targets: Option<&'t RawValue>,
+    #[serde(borrow, default)]
+    pub(super) extensions: PrimitiveExtensions<'t>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(default)]
+pub(super) struct PrimitiveExtensions<'t> {
+    #[serde(borrow, rename = "KHR_draco_mesh_compression")]
+    pub(super) draco: Option<&'t RawValue>,
 }
 
 #[derive(Deserialize, Default)]
@@ -179,6 +199,31 @@ pub(super) struct Image<'t> {
 #[derive(Deserialize)]
 pub(super) struct Texture {
     pub(super) source: Option<usize>,
+    pub(super) sampler: Option<usize>,
+    #[serde(default)]
+    pub(super) extensions: TextureSources,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(default)]
+pub(super) struct TextureSources {
+    #[serde(rename = "EXT_texture_webp")]
+    pub(super) webp: Option<TextureSource>,
+    #[serde(rename = "MSFT_texture_dds")]
+    pub(super) dds: Option<TextureSource>,
+}
+
+#[derive(Deserialize)]
+pub(super) struct TextureSource {
+    pub(super) source: Option<usize>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct Sampler {
+    pub(super) mag_filter: Option<u32>,
+    pub(super) wrap_s: Option<u32>,
+    pub(super) wrap_t: Option<u32>,
 }
 
 #[derive(Deserialize, Default)]
@@ -193,7 +238,7 @@ pub(super) struct Material {
     pub(super) extensions: MaterialExtensions,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, Clone)]
 #[serde(default, rename_all = "camelCase")]
 pub(super) struct Pbr {
     pub(super) base_color_factor: [f64; 4],
@@ -228,6 +273,10 @@ pub(super) struct MaterialExtensions {
     pub(super) specular: Option<Specular>,
     #[serde(rename = "KHR_materials_clearcoat")]
     pub(super) clearcoat: Option<Clearcoat>,
+    #[serde(rename = "KHR_materials_pbrSpecularGlossiness")]
+    pub(super) spec_gloss: Option<SpecGloss>,
+    #[serde(rename = "KHR_materials_volume")]
+    pub(super) volume: Option<Volume>,
 }
 
 #[derive(Deserialize)]
@@ -250,6 +299,30 @@ pub(super) struct Clearcoat {
     pub(super) clearcoat_roughness_factor: f64,
 }
 
+#[derive(Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct SpecGloss {
+    pub(super) diffuse_factor: [f64; 4],
+    pub(super) diffuse_texture: Option<TextureInfo>,
+    pub(super) specular_factor: [f64; 3],
+    pub(super) glossiness_factor: f64,
+}
+
+impl Default for SpecGloss {
+    fn default() -> Self {
+        let (diffuse_factor, specular_factor) = ([1.0; 4], [1.0; 3]);
+        Self { diffuse_factor, diffuse_texture: None, specular_factor, glossiness_factor: 1.0 }
+    }
+}
+
+#[derive(Deserialize, Default)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct Volume {
+    pub(super) thickness_factor: f64,
+    pub(super) attenuation_distance: Option<f64>,
+    pub(super) attenuation_color: Option<[f64; 3]>,
+}
+
 #[derive(Deserialize, Default)]
 #[serde(default, rename_all = "camelCase")]
 pub(super) struct Transmission {
@@ -267,7 +340,7 @@ pub(super) struct EmissiveStrength {
     pub(super) emissive_strength: Option<f64>,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, Clone)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct TextureInfo {
     pub(super) index: usize,
@@ -277,14 +350,14 @@ pub(super) struct TextureInfo {
     pub(super) extensions: TextureExtensions,
 }
 
-#[derive(Deserialize, Default)]
+#[derive(Deserialize, Default, Clone)]
 #[serde(default)]
 pub(super) struct TextureExtensions {
     #[serde(rename = "KHR_texture_transform")]
     pub(super) transform: Option<TextureTransform>,
 }
 
-#[derive(Deserialize, Default)]
+#[derive(Deserialize, Default, Clone)]
 #[serde(default, rename_all = "camelCase")]
 pub(super) struct TextureTransform {
     pub(super) offset: Option<[f64; 2]>,
@@ -311,4 +384,12 @@ pub(super) struct Light {
     pub(super) kind: String,
     pub(super) color: Option<[f64; 3]>,
     pub(super) intensity: Option<f64>,
+    pub(super) spot: Option<Spot>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct Spot {
+    pub(super) inner_cone_angle: Option<f64>,
+    pub(super) outer_cone_angle: Option<f64>,
 }

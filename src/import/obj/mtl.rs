@@ -5,6 +5,7 @@
 
 use crate::import::text::{self, Lines};
 use crate::import::{options::Limits, tally::Tally, trouble::Trouble};
+use crate::scene::{Sampling, Wrap};
 use glam::{Vec2, Vec3};
 
 /// Texture of a material, as written.
@@ -14,6 +15,7 @@ pub(super) struct MapSpec {
     pub(super) file: String,
     pub(super) scale: Vec2,
     pub(super) offset: Vec2,
+    pub(super) sampling: Sampling,
     pub(super) line: u64,
 }
 
@@ -196,7 +198,8 @@ fn option_operands(option: &str) -> Option<(usize, usize)> {
 
 /// Parses the operand of a `map_` line; `None` where it names no file.
 fn map(rest: &str, line: u64, tally: &mut Tally) -> Option<MapSpec> {
-    let mut spec = MapSpec { file: String::new(), scale: Vec2::ONE, offset: Vec2::ZERO, line };
+    let sampling = Sampling::default();
+    let mut spec = MapSpec { file: String::new(), scale: Vec2::ONE, offset: Vec2::ZERO, sampling, line };
     let mut left = rest.trim();
     loop {
         let (option, after) = first_word(left);
@@ -217,6 +220,10 @@ fn map(rest: &str, line: u64, tally: &mut Tally) -> Option<MapSpec> {
         match option.to_ascii_lowercase().as_str() {
             "-s" => spec.scale = Vec2::new(value(0, 1.0), value(1, 1.0)),
             "-o" => spec.offset = Vec2::new(value(0, 0.0), value(1, 0.0)),
+            "-clamp" => {
+                let is_on = operands.first().is_some_and(|word| word.eq_ignore_ascii_case("on"));
+                spec.sampling.wrap = [if is_on { Wrap::Clamp } else { Wrap::Repeat }; 2];
+            }
             other if !is_default(other, &operands) => {
                 tally.add(Trouble::MAP_OPTION, line, || format!("{other} {}", operands.join(" ")));
             }
@@ -231,7 +238,7 @@ fn map(rest: &str, line: u64, tally: &mut Tally) -> Option<MapSpec> {
 fn is_default(option: &str, operands: &[&str]) -> bool {
     let expected = match option {
         "-blendu" | "-blendv" => "on",
-        "-cc" | "-clamp" => "off",
+        "-cc" => "off",
         "-mm" => "0",
         "-bm" => "1",
         "-boost" => "0",

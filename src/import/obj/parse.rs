@@ -206,13 +206,6 @@ impl Model {
         self.pieces.iter().map(|p| p.faces.len()).sum()
     }
 
-    /// Returns the positions of the corners of all faces. Vertices without a face, such as a
-    /// survey point at the origin, are not among them.
-    pub(super) fn face_positions(&self) -> impl Iterator<Item = DVec3> {
-        let corners = self.pieces.iter().flat_map(|piece| &piece.corners);
-        corners.filter_map(|corner| self.positions.get(corner.position as usize).copied())
-    }
-
     /// Returns the corners of all faces, in the order of [`Self::faces`], to be changed.
     pub(super) fn corners_mut(&mut self) -> impl Iterator<Item = &mut Corner> {
         self.pieces.iter_mut().flat_map(|piece| &mut piece.corners)

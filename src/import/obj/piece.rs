@@ -193,11 +193,11 @@ impl Reader<'_> {
             self.piece.refused.push(self.so_far.positions as u32);
         }
         // A refused vertex keeps its index, so that the indices of all others stay right.
-        self.write("v", rest, position.unwrap_or([f64::NAN; 3]));
+        self.write("v", rest, position, [f64::NAN; 3]);
         if self.total.has_colors {
-            let color = position.and(color(rest)).map_or([f64::NAN; 3], |c| c.as_dvec3().to_array());
+            let color = position.and(color(rest)).map(|c| c.as_dvec3().to_array());
             self.text.pop();
-            self.write("", "", color);
+            self.write("", "", color, [f64::NAN; 3]);
         }
         self.so_far.positions += 1;
     }
@@ -207,7 +207,7 @@ impl Reader<'_> {
         if normal.is_none() {
             self.piece.tally.add(Trouble::NORMAL_UNREADABLE, number, || rest.to_owned());
         }
-        self.write("vn", rest, normal.unwrap_or([0.0; 3]));
+        self.write("vn", rest, normal, [0.0; 3]);
     }
 
     fn uv(&mut self, number: u64, rest: &str) {
@@ -218,21 +218,23 @@ impl Reader<'_> {
         if uv.is_none() {
             self.piece.tally.add(Trouble::UV_UNREADABLE, number, || rest.to_owned());
         }
-        self.write("vt", rest, uv.unwrap_or([0.0; 2]));
+        self.write("vt", rest, uv, [0.0; 2]);
     }
 
-    /// Writes a line of numbers: with their digits in the file, where these are all that is there.
-    fn write<const N: usize>(&mut self, key: &str, rest: &str, numbers: [f64; N]) {
+    /// Writes a line of numbers, or of `instead` where there are none. Numbers that can be copied keep
+    /// their digits in the file.
+    fn write<const N: usize>(&mut self, key: &str, rest: &str, numbers: Option<[f64; N]>, instead: [f64; N]) {
         self.text.push_str(key);
         let tokens = || rest.split_ascii_whitespace().take(N);
         let is_plain = |token: &str| token.bytes().all(|b| b.is_ascii_digit() || b"+-.eE".contains(&b));
-        if tokens().count() == N && tokens().all(is_plain) && numbers.iter().all(|n| n.is_finite()) {
+        if numbers.is_some() && tokens().count() == N && tokens().all(is_plain) {
             for token in tokens() {
                 self.text.push(' ');
                 self.text.push_str(token);
             }
         } else {
-            numbers.iter().for_each(|number| self.text.push_str(&format!(" {number:e}")));
+            let written = numbers.unwrap_or(instead).map(|number| format!(" {number:e}"));
+            written.iter().for_each(|number| self.text.push_str(number));
         }
         self.text.push('\n');
     }

@@ -38,7 +38,9 @@ pub(in crate::import) fn read(import: &mut Import) -> Result<(), SceneError> {
 fn place(model: &mut Model, declared: Option<Unit>, import: &mut Import) {
     let unit = import.unit().unwrap_or_else(|| {
         let how = format!("Set it with --unit, or with unit = \"mm\" in {}", import.sidecar.file_name);
-        let guess = units::guess(declared, units::across(model.face_positions()), &how);
+        let first_corners = |f: parse::Polygon| [0, 1, 2].map(|i| f.corners[i].position);
+        let triangles: Vec<[u32; 3]> = model.faces().map(first_corners).collect();
+        let guess = units::guess(declared, units::measure(&model.positions, &triangles), &how);
         if let Some(message) = guess.message {
             import.warn(message);
         }

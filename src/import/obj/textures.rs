@@ -185,7 +185,8 @@ impl Painter<'_> {
     ) {
         let mut with = |slot: &mut Option<TextureId>, make: &dyn Fn() -> Texture| {
             let texture = *slot.get_or_insert_with(|| self.builder.add_texture(make()));
-            TextureRef { texture, scale: request.spec.scale, offset: request.spec.offset }
+            let spec = request.spec;
+            TextureRef { sampling: spec.sampling, ..TextureRef::new(texture, spec.scale, spec.offset) }
         };
         let as_it_is = || picture.texture.clone();
         match request.purpose {

@@ -1,7 +1,7 @@
 //! Hashes of materials, textures, lights, sun and sky.
 
 use super::hasher::{ContentHash, ContentHasher};
-use crate::scene::{Encoding, Light, Material, MaterialKind, Scene, Sky, Sun, Texture, TextureRef};
+use crate::scene::{Encoding, Light, Material, MaterialKind, Sampling, Scene, Sky, Sun, Texture, TextureRef};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -86,10 +86,14 @@ fn materials_with(scene: &Scene, textures: &[ContentHash]) -> Vec<MaterialConten
 fn content_of_material(material: &Material, textures: &[ContentHash]) -> MaterialContent {
     let texture = |hasher: &mut ContentHasher, used: Option<TextureRef>| match used {
         None => hasher.word(0),
-        Some(TextureRef { texture, scale, offset }) => {
+        Some(TextureRef { texture, scale, offset, sampling }) => {
             hasher.word(textures.get(texture.0 as usize).copied().unwrap_or(1));
             hasher.pair(scale);
             hasher.pair(offset);
+            // Uses that repeat and filter keep their hashes.
+            if sampling != Sampling::default() {
+                hasher.word(u64::from(sampling.turn.to_bits()) | u64::from(sampling.code()) << 32);
+            }
         }
     };
     let mut reflection = ContentHasher::new(b"reflect.");
@@ -119,6 +123,9 @@ fn content_of_material(material: &Material, textures: &[ContentHash]) -> Materia
             [eta, roughness].into_iter().for_each(|number| transmission.number(number));
             transmission.triple(transmittance);
         }
+    }
+    if material.is_thin {
+        transmission.word(3);
     }
     let mut emission = ContentHasher::new(b"emission");
     emission.triple(material.emission);
@@ -150,12 +157,17 @@ fn hash_texture(texture: &Texture) -> ContentHash {
 }
 
 fn hash_point_light(scene: &Scene, light: &Light) -> Option<ContentHash> {
-    let Light::Point { position, intensity } = light else { return None };
+    let Light::Point { position, intensity, beam } = light else { return None };
     let mut hasher = ContentHasher::new(b"point...");
     let at = scene.frame.world_from_scene(*position).as_vec3();
     let square = (scene.frame.units_per_metre * scene.frame.units_per_metre) as f32;
     hasher.triple(at);
     hasher.triple(*intensity / square);
+    if let Some(beam) = beam {
+        hasher.triple(beam.direction);
+        hasher.number(beam.cos_inner);
+        hasher.number(beam.cos_outer);
+    }
     Some(hasher.finish())
 }
 

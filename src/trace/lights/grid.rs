@@ -218,7 +218,7 @@ fn unshadowed(light: &Light, at: Vec3, slack: f32) -> f32 {
             let solid_angle = area * falloff((low + high) / 2.0, (high - low).length() / 2.0);
             radiance.max_element() * solid_angle.min(std::f32::consts::PI)
         }
-        Light::Point { position, intensity } => intensity.max_element() * falloff(*position, 0.0),
+        Light::Point { position, intensity, .. } => intensity.max_element() * falloff(*position, 0.0),
         Light::Sun { irradiance, .. } => irradiance.max_element(),
         Light::Sky | Light::SkySuns => 0.0,
     }

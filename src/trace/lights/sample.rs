@@ -74,16 +74,23 @@ pub(super) fn sample(
             let (area, relative) = picture.sample((&scene.materials, &scene.textures), chosen, place);
             area_sample(point, origin, on_light, normal * area, *radiance * relative)
         }
-        Light::Point { position, intensity } => {
+        Light::Point { position, intensity, beam } => {
             let d = *position - point.position;
             let cos = cosine(point, d)?;
+            let intensity = match beam {
+                None => *intensity,
+                Some(beam) => *intensity * beam.share(-d),
+            };
+            if intensity == Vec3::ZERO {
+                return None;
+            }
             // Bound the irradiance nearer than 2^-10 scene units, a millionth of the scene's
             // diagonal.
             const NEAREST: f32 = 1.0 / 1024.0 / 1024.0;
             let distance2 = d.length_squared();
             Some(LightSample {
                 shadow_ray: Ray { t_max: 1.0, ..Ray::new(origin, *position - origin) },
-                irradiance: *intensity * (cos / distance2.max(NEAREST)),
+                irradiance: intensity * (cos / distance2.max(NEAREST)),
                 is_clamped: distance2 < NEAREST,
             })
         }

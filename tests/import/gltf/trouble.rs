@@ -42,7 +42,9 @@ fn files_that_cannot_be_shown_name_the_cause() {
     assert!(error(json!({})).contains("no faces"));
     let mut model = Model::square();
     model.json["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]);
+    model.json["meshes"][0]["primitives"][0]["extensions"] = json!({"KHR_draco_mesh_compression": {}});
     assert!(model.try_load().unwrap_err().to_string().contains("without compression"));
+    model.json["meshes"][0]["primitives"][0]["extensions"] = json!({});
     model.json["extensionsRequired"] = json!(["KHR_xyz"]);
     model.json["animations"] = json!([{}]);
     let scene = model.load();

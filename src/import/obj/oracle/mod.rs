@@ -91,7 +91,7 @@ pub(super) struct Polygon<'a> {
     pub(super) line: u64,
     /// Index into [`Model::material_names`].
     pub(super) material: u32,
-    pub(super) corners: &'a [Corner],
+    corners: &'a [Corner],
 }
 
 impl Model {
@@ -121,11 +121,6 @@ impl Model {
         model.material_names = materials.names;
         model.pieces = pieces;
         model
-    }
-
-    /// Returns the number of polygons.
-    pub(super) fn face_count(&self) -> usize {
-        self.pieces.iter().map(|p| p.faces.len()).sum()
     }
 
     /// Returns the polygons in the order of the file.

@@ -81,6 +81,7 @@ fn odd_lines_are_read_alike() {
         "mtllib a.mtl b.mtl\n\u{3000}v 0 0 0\nv +1 -0 1.\nv 1 0 0\nv 0 1 0\nfo 1 2 3\nf 1 2 \\\n3\nf 1/1/1/1 2 3\n",
         "",
         "# nothing\n",
+        "v 1e 0 0\nv . 0 0\nv --1 0 0\nvn 1e 0 0\nvt 1e\nvt - -\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 4/1/1 5/2/1 6\n",
         "vt 4000000.25 1e300\nvt 257 0\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1 2/2 3/1\n",
     ];
     for text in texts {

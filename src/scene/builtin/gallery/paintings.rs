@@ -27,7 +27,7 @@ pub(super) fn add_to(b: &mut SceneBuilder) -> Result<Vec<MaterialId>, SceneError
         (harbour, [-0.5, 0.5], [0.62, 0.02], [0.95, 1.0, 0.92]),
     ];
     let materials = hung.iter().enumerate().map(|(i, &(texture, scale, offset, tint))| {
-        let map = TextureRef { texture, scale: Vec2::from(scale), offset: Vec2::from(offset) };
+        let map = TextureRef::new(texture, Vec2::from(scale), Vec2::from(offset));
         b.add_material(Material {
             diffuse_texture: Some(map),
             ..Material::diffuse(&format!("painting {}", i + 1), Vec3::from(tint))

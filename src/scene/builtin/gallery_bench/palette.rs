@@ -113,7 +113,7 @@ fn paintings(b: &mut SceneBuilder) -> Result<Vec<MaterialId>, SceneError> {
         .iter()
         .enumerate()
         .map(|(i, &(texture, scale, offset, tint))| {
-            let map = TextureRef { texture, scale: Vec2::from(scale), offset: Vec2::from(offset) };
+            let map = TextureRef::new(texture, Vec2::from(scale), Vec2::from(offset));
             b.add_material(Material {
                 diffuse_texture: Some(map),
                 ..Material::diffuse(&format!("painting {}", i + 1), Vec3::from(tint))

@@ -36,7 +36,7 @@ pub(in crate::scene::builtin) fn textured(
     scale: [f32; 2],
     tint: Vec3,
 ) -> MaterialId {
-    let map = TextureRef { texture, scale: Vec2::from(scale), offset: Vec2::ZERO };
+    let map = TextureRef::new(texture, Vec2::from(scale), Vec2::ZERO);
     b.add_material(Material { diffuse_texture: Some(map), ..Material::diffuse(name, tint) })
 }
 
