@@ -35,6 +35,7 @@ mod refine;
 mod reuse;
 mod rooms;
 mod rough_lobes;
+mod rough_scenes;
 mod save;
 mod stability;
 mod stale;

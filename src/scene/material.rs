@@ -242,6 +242,23 @@ impl Material {
         sum > 1.0 + TOLERANCE
     }
 
+    /// Returns as which types of pixel the material is traced, and why.
+    pub fn types(&self) -> (&'static str, &'static str) {
+        let has_base = self.diffuse != Vec3::ZERO;
+        match self.kind {
+            MaterialKind::Diffuse => ("Type 1", "its light does not depend on the viewer"),
+            MaterialKind::Mirror { .. } if !has_base => ("Type 2", "a mirror: one ray"),
+            MaterialKind::Glass { .. } if !has_base => ("Type 2", "clear glass: two rays"),
+            MaterialKind::Frosted { .. } if !has_base => ("Type 2", "frosted glass: rays by its roughness"),
+            MaterialKind::Glossy { .. } if !has_base => ("Type 2", "rough metal: rays by its roughness"),
+            MaterialKind::Mirror { .. } => ("Types 1 and 2", "a mirror over a diffuse base"),
+            MaterialKind::Glossy { .. } => ("Types 1 and 2", "a coat, with rays by its share and roughness"),
+            MaterialKind::Glass { .. } | MaterialKind::Frosted { .. } => {
+                ("Types 1 and 2", "glass with a diffuse part")
+            }
+        }
+    }
+
     /// Returns the name of the kind as `inspect` prints it.
     pub fn kind_name(&self) -> &'static str {
         match self.kind {

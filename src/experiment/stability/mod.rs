@@ -15,6 +15,7 @@ mod materials;
 mod pictures;
 mod report;
 mod rooms;
+mod rough;
 mod run;
 mod scale;
 mod stored;

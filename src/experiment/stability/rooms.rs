@@ -39,7 +39,7 @@ impl Room {
         Self { scale: 1.0, shift: DVec3::ZERO, has_mirror: false, has_glass: false };
     pub(super) const SHINY: Self = Self { has_mirror: true, has_glass: true, ..Self::PLAIN };
 
-    fn at(&self, x: f64, y: f64, z: f64) -> DVec3 {
+    pub(super) fn at(&self, x: f64, y: f64, z: f64) -> DVec3 {
         dvec(x, y, z) * self.scale + self.shift
     }
 

@@ -16,6 +16,7 @@ mod parts;
 mod shapes;
 #[cfg(feature = "pictures")]
 mod statue_hall;
+mod studio;
 mod views;
 
 #[cfg(feature = "pictures")]
@@ -35,6 +36,7 @@ pub const NAMES: &[&str] = &[
     "cornell-glass",
     "mirrors",
     "furnace",
+    "studio",
 ];
 
 /// Name of the gallery on which speed is measured. It never changes, so that measurements of
@@ -59,6 +61,7 @@ pub fn build(name: &str) -> Result<Scene, SceneError> {
         "cornell-glass" => cornell::add_to(&mut b, cornell::Contents::Spheres),
         "mirrors" => mirrors::add_to(&mut b),
         "furnace" => furnace::add_to(&mut b),
+        "studio" => studio::add_to(&mut b),
         _ => return Err(SceneError::UnknownBuiltin { name: name.to_owned(), known: NAMES.join(", ") }),
     }
     b.finish()

@@ -6,6 +6,7 @@ use afterimage::scene::{Light, Material, Scene, Sky};
 use afterimage::trace::truncation_bound;
 use clap::Args;
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
 
 #[derive(Args, Debug)]
 pub(crate) struct InspectArgs {
@@ -21,7 +22,11 @@ pub(crate) fn run(args: &InspectArgs, flags: &Flags) -> Result<(), Failure> {
 
 fn object(loaded: &Loaded) -> Value {
     let scene = loaded.scene();
-    let material = |m: &afterimage::scene::Material| json!({"name": m.name, "kind": m.kind_name(), "textured": m.diffuse_texture.is_some()});
+    let material = |m: &Material| {
+        let (types, why) = m.types();
+        let textured = m.diffuse_texture.is_some();
+        json!({"name": m.name, "kind": m.kind_name(), "textured": textured, "types": types, "why": why})
+    };
     let kinds: serde_json::Map<String, Value> =
         light_kinds(scene).into_iter().map(|(kind, count)| (kind.to_owned(), count.into())).collect();
     let (reflectance, bound) = mirrors(scene);
@@ -99,6 +104,23 @@ fn objects(scene: &Scene) -> String {
     }
 }
 
+/// How the materials are traced: a line for each way, with names.
+fn traced(scene: &Scene) -> Vec<String> {
+    /// Names shown of each way; `--json` lists all.
+    const MAX_NAMES: usize = 8;
+    let mut ways: BTreeMap<(&str, &str), Vec<&str>> = BTreeMap::new();
+    for material in &scene.materials {
+        ways.entry(material.types()).or_default().push(&material.name);
+    }
+    let line = |((types, why), names): ((&str, &str), Vec<&str>)| {
+        let more = names.len().saturating_sub(MAX_NAMES);
+        let shown = names[..names.len() - more].join(", ");
+        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+        format!("{types} ({why}): {shown}{more}")
+    };
+    ways.into_iter().map(line).collect()
+}
+
 fn table(loaded: &Loaded) -> String {
     let scene = loaded.scene();
     let [low, high] = scene.bounds_m;
@@ -140,6 +162,9 @@ fn table(loaded: &Loaded) -> String {
         ("loaded in", format!("{:.3} s", loaded.load_secs)),
         ("warnings", scene.warnings.len().to_string()),
     ]);
+    for line in traced(scene) {
+        text += &format!("  {line}\n");
+    }
     for sentence in scene.conditioning.sentences() {
         text += &format!("  {sentence}\n");
     }

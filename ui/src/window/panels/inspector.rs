@@ -3,7 +3,7 @@
 use super::super::state::{AppState, Command, InspectCommand, Inspection, Measure, PixelFacts};
 use crate::window::input::keymap::{Action, keys_of};
 use afterimage::raster::pixel_types::PixelType;
-use afterimage::scene::ObjectKey;
+use afterimage::scene::{Material, ObjectKey};
 use egui::{RichText, Ui};
 use glam::DVec3;
 
@@ -40,10 +40,12 @@ fn pixel(ui: &mut Ui, state: &AppState, found: &Inspection, commands: &mut Vec<C
 }
 
 fn lines(state: &AppState, found: &Inspection) -> Vec<(&'static str, String)> {
-    let material = state.edits.as_ref().and_then(|e| e.now().materials.get(found.material.0 as usize));
-    let material = material.map_or_else(String::new, |m| format!("{} ({})", m.name, m.kind_name()));
+    let of_scene = state.edits.as_ref().and_then(|e| e.now().materials.get(found.material.0 as usize));
+    let material = of_scene.map_or_else(String::new, |m| format!("{} ({})", m.name, m.kind_name()));
+    let (types, why) = of_scene.map_or(("", ""), Material::types);
     let mut lines = vec![
         ("material", material),
+        ("traced as", format!("{types}: {why}")),
         ("object", found.object.as_ref().map_or_else(|| "none".to_owned(), ObjectKey::to_string)),
         ("position", format!("{} m", point(found.position_m, 3))),
         ("distance", format!("{:.3} m, depth {:.3} m", found.distance_m, found.depth_m)),
@@ -73,7 +75,7 @@ fn pixel_lines(facts: &PixelFacts) -> Vec<(&'static str, String)> {
 fn type_text(kind: PixelType) -> &'static str {
     match kind {
         PixelType::Reused => "Type 1: light reused from a reference",
-        PixelType::Secondary => "Type 2: mirror or glass, secondary rays traced",
+        PixelType::Secondary => "Type 2: mirror, glass or gloss, secondary rays traced",
         PixelType::Uncertain => "Type 3, uncertain: looked up, then checked with few rays",
         PixelType::Unseen => "Type 3, unseen: traced and shaded in full",
     }
