@@ -51,7 +51,7 @@ fn each_side_of_a_wall_shows_its_own_material() {
     {
         let (tracer, [a, b, _, d]) = wall(cut, is_later_first);
         assert!(tracer.scene().features.coincident && tracer.scene().hidden.is_empty());
-        let normal = (b - a).cross(d - a).normalize();
+        let normal = (b - a).cross(d - a).normalize_or_zero();
         let frame = tracer.scene().frame;
         // Also corners, edges and diagonals are met.
         for i in 0..=32 {
@@ -75,7 +75,7 @@ fn each_side_of_a_wall_shows_its_own_material() {
 fn every_mode_shows_the_same_side() {
     for cut in [Cut::Alike, Cut::Otherwise] {
         let (tracer, [a, b, c, d]) = wall(cut, true);
-        let (middle, normal) = ((a + c) / 2.0, (b - a).cross(d - a).normalize());
+        let (middle, normal) = ((a + c) / 2.0, (b - a).cross(d - a).normalize_or_zero());
         let tracer = Arc::new(tracer);
         for (side, expected) in [(2.5, "brick"), (-2.5, "plaster")] {
             let camera = Camera::look_at(middle + normal * side, middle, 50.0);
