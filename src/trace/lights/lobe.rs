@@ -125,7 +125,11 @@ impl Tracer {
                 rays.clamped += add_samples(self.scene(), light, point, points, &mut bundle, &mut unblocked);
                 for (ray, irradiance) in bundle.rays().zip(unblocked) {
                     let share = weight / count as f32 * lobe.share_of_points(point, light, &ray, irradiance);
-                    let value = lobe.material.evaluate(lobe.facing, lobe.incident, ray.direction.normalize());
+                    let value = lobe.material.evaluate(
+                        lobe.facing,
+                        lobe.incident,
+                        ray.direction.normalize_or(Vec3::Y),
+                    );
                     let radiance = irradiance * value * share;
                     if radiance.max_element() > 0.0 {
                         candidates.push(Candidate { ray, light: index, radiance });
@@ -162,7 +166,7 @@ impl LitLobe<'_> {
             Light::Quad { radiance, .. } | Light::Triangles { radiance, .. } => radiance.max_element(),
             _ => return 1.0,
         };
-        let direction = ray.direction.normalize();
+        let direction = ray.direction.normalize_or(Vec3::Y);
         let cos = point.shading_normal.dot(direction);
         let density = cos * radiance / irradiance.max_element();
         let of_lobe = self.material.pdf(self.facing, self.incident, direction);
