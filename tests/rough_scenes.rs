@@ -238,7 +238,7 @@ fn no_highlight_is_older_than_its_view() {
         renderer.render(&FrameRequest::new(&tracer, camera, size, &settings)).radiance.clone()
     };
     let mut walk = Walkthrough::new(tracer.clone(), WalkthroughSettings::default());
-    let mut settings = walk.settings().clone();
+    let mut settings = *walk.settings();
     settings.render = RenderSettings { mode: Mode::Exact, trace };
     walk.set_settings(settings);
     for k in 0..5 {
