@@ -126,7 +126,7 @@ fn chi_square(
     let mut expected = vec![0.0; RINGS * SECTORS];
     for (normal, solid_angle) in normals(alpha, 1024) {
         if let Some((direction, stretch)) = scattered(normal) {
-            let density = lobe.pdf(facing, incident(cos), direction.as_vec3().normalize());
+            let density = lobe.pdf(facing, incident(cos), direction.as_vec3().normalize_or_zero());
             expected[bin(normal)] += f64::from(density) * stretch * solid_angle * f64::from(SAMPLES);
         }
     }
@@ -147,7 +147,7 @@ fn samples_follow_the_density_of_reflection_by_chi_square() {
         for cos in COSINES {
             let outgoing = -incident(cos).as_dvec3();
             for lobe in [metal(Vec3::ONE, roughness), frosted(1.5, roughness)] {
-                let normal_of = |d: Vec3| (d.z > 0.0).then(|| (d.as_dvec3() + outgoing).normalize());
+                let normal_of = |d: Vec3| (d.z > 0.0).then(|| (d.as_dvec3() + outgoing).normalize_or_zero());
                 let (sum, cells) = chi_square(&lobe, &SHEET, cos, normal_of, |normal| {
                     let along = outgoing.dot(normal);
                     let direction = normal * (2.0 * along) - outgoing;
@@ -168,7 +168,7 @@ fn samples_follow_the_density_of_refraction_by_chi_square() {
             for cos in COSINES.into_iter().filter(|cos| enters || *cos > 0.75) {
                 let outgoing = -incident(cos).as_dvec3();
                 let normal_of = |d: Vec3| {
-                    let normal = (outgoing * eta + d.as_dvec3()).normalize();
+                    let normal = (outgoing * eta + d.as_dvec3()).normalize_or_zero();
                     (d.z < 0.0).then(|| if normal.z < 0.0 { -normal } else { normal })
                 };
                 let through = |normal: DVec3| {

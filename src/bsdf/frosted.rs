@@ -163,7 +163,7 @@ impl Frosted {
                 let [out, into] = [frame.outgoing, incoming].map(|direction| direction.dot(normal));
                 (out > 0.0 && into < 0.0).then_some(normal)?
             }
-            _ => (frame.outgoing + incoming * Vec3::new(1.0, 1.0, incoming.z.signum())).normalize(),
+            _ => (frame.outgoing + incoming * Vec3::new(1.0, 1.0, incoming.z.signum())).normalize_or(Vec3::Z),
         };
         Some(Facet { frame, incoming, normal, ratio })
     }

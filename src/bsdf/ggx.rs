@@ -56,7 +56,7 @@ impl Ggx {
 
     /// Returns a normal that is visible from `outgoing`, in proportion to its visible area.
     pub(super) fn sample(self, outgoing: Vec3, random: [f32; 2]) -> Vec3 {
-        let stretched = |v: Vec3| Vec3::from(((v.truncate() * self.alpha), v.z)).normalize();
+        let stretched = |v: Vec3| Vec3::from(((v.truncate() * self.alpha), v.z)).normalize_or(Vec3::Z);
         let seen_from = stretched(outgoing);
         let z = (1.0 - random[1]) * (1.0 + seen_from.z) - seen_from.z;
         let around = Vec2::from_angle(TAU * random[0]) * (1.0 - z * z).max(0.0).sqrt();

@@ -92,7 +92,7 @@ impl Glossy {
         }
         let frame = LocalFrame::new(facing, incident)?;
         let ratio = frame.cosine_ratio(facing, scattered)?;
-        let normal = (frame.outgoing + frame.local(scattered)).normalize();
+        let normal = (frame.outgoing + frame.local(scattered)).normalize_or(Vec3::Z);
         Some((frame, ratio, normal))
     }
 

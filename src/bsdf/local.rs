@@ -31,7 +31,7 @@ impl LocalFrame {
 
     /// A unit direction in scene space.
     pub(super) fn scene(&self, local: Vec3) -> Vec3 {
-        (self.axes * local).normalize()
+        (self.axes * local).normalize_or(self.axes.z_axis)
     }
 
     /// Cosine to this frame's normal over that to the shading normal, for a scattered direction:

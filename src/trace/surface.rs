@@ -91,7 +91,7 @@ impl SurfacePoint {
     }
 
     /// The same point, seen along the same line from its other side.
-    pub(super) fn from_behind(&self) -> Self {
+    pub(super) fn far_side(&self) -> Self {
         Self {
             geometric_normal: -self.geometric_normal,
             shading_normal: -self.shading_normal,

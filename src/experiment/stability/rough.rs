@@ -14,7 +14,7 @@ pub(super) const CASES: &[Case] = &[
     case("D15 rough metal in white light, roughness 0 to 1", "light gained", 0.02, |_| gained(metal)),
     case("D15 a coat over white paint, roughness 0 to 1", "light gained", 0.02, |_| gained(coat)),
     case("D15 frosted glass in white light, roughness 0 to 1", "light gained", 0.02, |_| gained(pane)),
-    case("D15 the same, which loses what meets further facets", "light lost", 0.3, |_| lost(metal)),
+    case("D15 the metal, which loses what meets further facets", "light lost", 0.3, |_| lost(metal)),
     case("D16 rough surfaces at grazing views", "bad values, full and exact", 0.0, grazing),
     case("D16 roughness of NaN, -1 and 1e9", "values outside 0 to 1, bad values", 0.0, odd_roughness),
 ];

@@ -125,7 +125,11 @@ impl Tracer {
                 rays.clamped += add_samples(self.scene(), light, point, points, &mut bundle, &mut unblocked);
                 for (ray, irradiance) in bundle.rays().zip(unblocked) {
                     let share = weight / count as f32 * lobe.share_of_points(point, light, &ray, irradiance);
-                    let value = lobe.material.evaluate(lobe.facing, lobe.incident, ray.direction.normalize());
+                    let value = lobe.material.evaluate(
+                        lobe.facing,
+                        lobe.incident,
+                        ray.direction.normalize_or(Vec3::Y),
+                    );
                     let radiance = irradiance * value * share;
                     if radiance.max_element() > 0.0 {
                         candidates.push(Candidate { ray, light: index, radiance });
@@ -160,7 +164,7 @@ impl Tracer {
 impl LitLobe<'_> {
     /// Share (0..1) of a light that counts for points on it rather than for rays of the lobe.
     fn share_of_points(&self, point: &SurfacePoint, light: &Light, ray: &Ray, irradiance: Vec3) -> f32 {
-        let direction = ray.direction.normalize();
+        let direction = ray.direction.normalize_or(Vec3::Y);
         let cos = point.shading_normal.dot(direction);
         let density = match light {
             Light::Triangles { area, picture: Some(_), .. } => {

@@ -217,7 +217,7 @@ impl Tracer {
         let is_sheet = lobe.material.is_frosted() && lobe.facing.enters_solid.is_none();
         if is_sheet && sees_behind {
             let behind = key.with(LOBE_LIGHT);
-            self.light_of_lobe(&point.from_behind(), lobe, |light| behind.with(light).pair(), rays, add);
+            self.light_of_lobe(&point.far_side(), lobe, |light| behind.with(light).pair(), rays, add);
         }
         radiance
     }
