@@ -3,7 +3,9 @@
 use afterimage::camera::Camera;
 use afterimage::math::{Ray, key::Key};
 use afterimage::render::WalkthroughSettings;
-use afterimage::scene::{Encoding, LightSetting, Material, MaterialKind, Scene, SceneBuilder, Texture, TextureRef};
+use afterimage::scene::{
+    Encoding, LightSetting, Material, MaterialKind, Scene, SceneBuilder, Texture, TextureRef,
+};
 use afterimage::trace::RayCounts;
 use afterimage::trace::parallel::NEVER;
 use afterimage::{Mode, Tracer, Walkthrough};

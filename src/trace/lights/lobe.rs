@@ -149,8 +149,7 @@ impl Tracer {
         }
         let d = lamp.position - from.position;
         let distance2 = d.length_squared();
-        let of_area =
-            |area: f32| distance2 * distance2.sqrt() / (lamp.geometric_normal.dot(d).abs() * area);
+        let of_area = |area: f32| distance2 * distance2.sqrt() / (lamp.geometric_normal.dot(d).abs() * area);
         let density = match &scene.lights[light as usize] {
             Light::Quad { edge_u, edge_v, .. } => of_area(edge_u.cross(*edge_v).length()),
             Light::Triangles { area, picture: Some(_), .. } => nominal_density(*area, distance2),
