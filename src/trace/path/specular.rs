@@ -155,7 +155,7 @@ impl Tracer {
     /// on it do not bring to the rough surface that the branch left.
     fn counted(&self, surface: &SurfacePoint, lobe: Option<LobeRay>, radiance: Vec3) -> Vec3 {
         let Some(lobe) = lobe else { return radiance };
-        let emission = self.material(surface).emission;
+        let emission = surface.emission(self.scene());
         if emission == Vec3::ZERO {
             return radiance;
         }

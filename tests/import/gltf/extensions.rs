@@ -149,7 +149,9 @@ fn glass_cube(extensions: Value) -> Scene {
     let position = model.accessor(&corners, F32, "VEC3");
     let indices = model.accessor(&faces, super::U16, "SCALAR");
     model.mesh(json!({"attributes": {"POSITION": position}, "indices": indices, "material": 0}));
-    model.push("materials", json!({"name": "glass", "extensions": extensions}));
+    let clear = json!({"roughnessFactor": 0.0});
+    model
+        .push("materials", json!({"name": "glass", "pbrMetallicRoughness": clear, "extensions": extensions}));
     model.node(json!({"mesh": 0}));
     model.load()
 }

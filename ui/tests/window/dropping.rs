@@ -126,9 +126,7 @@ fn a_dropped_model_is_opened_and_a_dropped_picture_leads_back_to_its_view() {
 
     desk.xdotool("key F12");
     let picture = desk.wait_for("a picture", || desk.saved("png"));
-    desk.xdotool("keydown s sleep 0.6 keyup s");
-    let away = desk.pose();
-    assert!(away.eye.distance(there.eye) > 0.3, "flown away");
+    desk.fly("s", there.eye);
     drop_file(&desk, &picture);
     desk.wait_for("the picture's view", || (desk.pose().eye.distance(there.eye) < 1e-3).then_some(()));
     let back = desk.pose();

