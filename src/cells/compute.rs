@@ -167,7 +167,7 @@ fn points_in(
             let Some(hit) = tracer.closest(&ray).filter(|_| t_max > 0.0 && !points.is_full()) else { break };
             let point = tracer.surface(&ray, &hit);
             origin = point.origin_behind();
-            if key.faces_like(point.geometric_normal) && point.albedo(tracer.scene()) != Vec3::ZERO {
+            if key.faces_like(point.geometric_normal) && !point.is_black(tracer.scene()) {
                 let depth = (start[axis] - point.position[axis]) * sign / key.length() * DEPTH_STEPS;
                 let depth = depth.clamp(0.0, DEPTH_STEPS - 1.0) as u16;
                 points.push((point, Anchor { line: line as u16, depth }));

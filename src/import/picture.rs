@@ -53,7 +53,33 @@ pub(super) fn dimensions(bytes: &[u8], path: &Path, limits: &Limits) -> Result<[
         let (side, megabytes) = (limits.texture_side, limits.texture_bytes >> 20);
         return Err(PictureError::TooLarge { width, height, side, megabytes });
     }
+    if image::guess_format(bytes).is_ok_and(|format| format == ImageFormat::OpenExr) {
+        guarded(|| check_layers(bytes, limits))?;
+    }
     Ok([width, height])
+}
+
+/// Checks the sizes of all layers and tiles of an OpenEXR file: its decoder allocates by them, while
+/// the size of the picture is that of its display window.
+fn check_layers(bytes: &[u8], limits: &Limits) -> Result<(), PictureError> {
+    let meta = exr::meta::MetaData::read_from_buffered(Cursor::new(bytes), false)
+        .map_err(|error| PictureError::Unreadable(error.to_string()))?;
+    for header in &meta.headers {
+        let tile = match header.blocks {
+            exr::meta::BlockDescription::Tiles(tiles) => tiles.tile_size,
+            exr::meta::BlockDescription::ScanLines => header.layer_size,
+        };
+        for size in [header.layer_size, tile] {
+            let [width, height] = [size.width(), size.height()].map(|n| u32::try_from(n).unwrap_or(u32::MAX));
+            let texels = u64::from(width).saturating_mul(u64::from(height));
+            let decoded = texels.saturating_mul(header.channels.bytes_per_pixel as u64);
+            if width.max(height) > limits.texture_side || decoded > limits.texture_bytes {
+                let (side, megabytes) = (limits.texture_side, limits.texture_bytes >> 20);
+                return Err(PictureError::TooLarge { width, height, side, megabytes });
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Takes a file's bytes, which [`dimensions`] must have accepted; returns the picture.

@@ -80,7 +80,7 @@ troubles! {
         "of gloss, roughness or metalness" => "not used; the surface reflects evenly";
     DECAL: "picture" / "pictures", "of a decal or a reflection" => "not used";
     FINISH: "value" / "values",
-        "of sheen, clear coat or anisotropy" => "not used; the surface is shown without";
+        "of sheen or anisotropy" => "not used; the surface is shown without";
     MAP_OPTION: "option of a picture" / "options of pictures",
         "without support here" => "ignored; the picture is shown without";
 

@@ -225,11 +225,15 @@ pub(super) fn absurd_in_metres(size: Size) -> Option<Unit> {
     const TOO_HIGH: f64 = 400.0;
     /// Length of an edge in metres that is usual in landscapes only, which are flat.
     const LONG_EDGE: f64 = 25.0;
-    /// Height of a landscape over its size, at most.
-    const FLAT: f64 = 0.1;
-    let is_flat = size.height < FLAT * size.across;
-    let is_absurd = size.across > LARGE && !is_flat && (size.height > TOO_HIGH || size.edge > LONG_EDGE);
-    if !is_absurd {
+    /// Height over its size, at most, of a valley, a city of towers or a viaduct.
+    const FLAT: f64 = 0.2;
+    /// The same of a long house, and what is too high and too coarse for a landscape of that shape.
+    const LONG: f64 = 0.05;
+    const OF_LONG: (f64, f64) = (1000.0, 250.0);
+    let is_huge = size.height > TOO_HIGH || size.edge > LONG_EDGE;
+    let is_long = size.height >= LONG * size.across && size.height > OF_LONG.0 && size.edge > OF_LONG.1;
+    let is_absurd = size.height >= FLAT * size.across && is_huge || is_long;
+    if size.across <= LARGE || !is_absurd {
         return None;
     }
     // A house of one to four storeys first, then a tower; anything else is millimetres.

@@ -33,7 +33,8 @@ impl VertexColors {
     /// Divides all colours by 255 where they are not from 0 to 1.
     fn normalized(&self) -> Self {
         let most = self.0.iter().flatten().fold(0.0, |most: f32, c| most.max(c.max_element()));
-        let scale = if most > 1.0 { 1.0 / 255.0 } else { 1.0 };
+        // Rounding and scanners exceed one by a little.
+        let scale = if most > 2.0 { 1.0 / 255.0 } else { 1.0 };
         let known = |color: Vec3| (color * scale).clamp(Vec3::ZERO, Vec3::ONE);
         Self(self.0.iter().map(|color| color.map(known)).collect())
     }

@@ -106,10 +106,22 @@ pub struct LightPicture {
     pub(crate) material: MaterialId,
     /// Mean of the picture over the area of the light.
     pub(crate) mean: Vec3,
+    /// Corners of the whole triangles, which bound the pieces.
+    pub(crate) hull: Vec<[Vec3; 3]>,
     /// Texture coordinates of the corners of each piece.
     pub(crate) uvs: Vec<[Vec2; 3]>,
     /// Area that a sample of each piece stands for, square scene units.
     pub(crate) sampled_area: Vec<f32>,
+}
+
+impl Light {
+    /// The corners of triangles that bound a light of these: fewer where they are pieces of a picture.
+    pub(crate) fn outline<'a>(
+        corners: &'a [[Vec3; 3]],
+        picture: &'a Option<Box<LightPicture>>,
+    ) -> &'a [[Vec3; 3]] {
+        picture.as_ref().map_or(corners, |picture| &picture.hull)
+    }
 }
 
 impl LightPicture {

@@ -33,7 +33,11 @@ struct Piece {
 /// picture is black there.
 pub(super) fn of(scene: &Scene, group: &[u32]) -> Option<Light> {
     let most = ((MAX_PIECES / group.len()).max(1) as f64).sqrt() as usize;
-    let pieces: Vec<Piece> = group.iter().flat_map(|&t| pieces_of(scene, t, most)).collect();
+    let pieces: Vec<Piece> = group
+        .iter()
+        .flat_map(|&t| pieces_of(scene, t, most))
+        .filter(|piece| piece.area > 0.0) // in f32, a piece of a tiny triangle may collapse
+        .collect();
     let area: f64 = pieces.iter().map(|p| p.area).sum();
     let sum = pieces.iter().fold([0.0; 3], |sum: [f64; 3], piece| {
         let mean = piece.mean.to_array();
@@ -45,6 +49,8 @@ pub(super) fn of(scene: &Scene, group: &[u32]) -> Option<Light> {
     if mean_luminance <= 0.0 {
         return None;
     }
+    // A colour that the measured places miss may still be there.
+    let mean = mean.max(Vec3::splat(mean.max_element() / 1024.0));
     // Probability of each piece: by its light, and a part by its area.
     let probability = |piece: &Piece| {
         let light = f64::from(luminance(piece.mean * material.emission)) / mean_luminance;
@@ -62,6 +68,7 @@ pub(super) fn of(scene: &Scene, group: &[u32]) -> Option<Light> {
     let picture = LightPicture {
         material: scene.triangle_materials[group[0] as usize],
         mean,
+        hull: group.iter().map(|&t| scene.corners(t)).collect(),
         sampled_area: pieces.iter().map(|piece| (piece.area / probability(piece)) as f32).collect(),
         uvs: pieces.iter().map(|piece| piece.uvs).collect(),
     };
@@ -95,7 +102,7 @@ fn pieces_of(scene: &Scene, triangle: u32, most: usize) -> Vec<Piece> {
     pieces
 }
 
-/// Returns the number of pieces along an edge that the texels of the picture ask for.
+/// Returns the number of pieces along an edge for the resolution of the picture.
 fn per_edge(scene: &Scene, triangle: u32, uvs: [Vec2; 3]) -> usize {
     let material = scene.material_of(triangle);
     let used = [material.emission_texture, material.coverage_texture].into_iter().flatten();

@@ -105,6 +105,12 @@ impl SurfacePoint {
         scene.materials[self.material.0 as usize].emission_at(&scene.textures, || self.uv)
     }
 
+    /// True where the diffuse part is black, from wherever it is seen.
+    pub(crate) fn is_black(&self, scene: &Scene) -> bool {
+        let material = &scene.materials[self.material.0 as usize];
+        albedo(material, &scene.textures, || self.uv) == Vec3::ZERO
+    }
+
     /// The viewer's side of the surface, as scattering needs it.
     pub fn facing(&self, scene: &Scene) -> Facing {
         let enters_solid = match scene.solids.get(self.triangle as usize) {

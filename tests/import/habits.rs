@@ -91,7 +91,7 @@ fn pictures_and_values_without_effect_are_named() {
         ("disp a.png", "shape"),
         ("map_Ks a.png", "evenly"),
         ("refl a.png", "decal"),
-        ("Pc 0.5", "clear coat"),
+        ("Ps 0.5", "sheen"),
         ("map_Kd -mm 0.2 1 a.png", "option of a picture"),
     ];
     for (line, effect) in lines {

@@ -55,7 +55,8 @@ impl EngineMaterials {
         let index = index.unwrap_or(0);
         let name = json.name.clone().unwrap_or_else(|| format!("material {index}"));
         let read = MaterialReader { document, tally, index }.read(&json);
-        let uv_set = uv_set(metallic_roughness(&json).base_color_texture.as_ref());
+        let base = metallic_roughness(&json).base_color_texture.clone();
+        let uv_set = uv_set(base.as_ref().or(json.emissive_texture.as_ref()));
         let id = builder.add_material(Material::diffuse(&name, read.base));
         self.materials.push((index, id, read));
         self.known.insert(Some(index), (id, uv_set));
@@ -129,11 +130,12 @@ impl Painter<'_> {
         let kept = if read.transmission > 0.0 {
             let transmittance = mean_base * read.transmission * read.attenuation;
             material.is_thin = read.is_thin;
-            material.kind = glass_of(read.eta, transmittance, self.gloss(read).roughness);
+            material.kind = glass_of(read.eta, transmittance, self.metal_and_roughness(read)[1]);
             1.0 - read.transmission
         } else {
             // What is seen through has no coat here.
-            if read.alpha != Alpha::Blend || opacity(read, base) >= 1.0 {
+            let is_cloth = || base.is_some_and(|p| is_translucent(p.texture.texels.iter().map(|t| t[3])));
+            if read.alpha != Alpha::Blend || opacity(read, base) >= 1.0 && !is_cloth() {
                 self.gloss(read).apply(&mut material, mean_base);
             }
             1.0
@@ -152,16 +154,21 @@ impl Painter<'_> {
     /// How the surface reflects. A clear coat takes the place of the reflection of what is below it,
     /// unless that is metal.
     fn gloss(&self, read: &GltfMaterial) -> Gloss {
-        // Green is roughness, blue is metalness, both linear.
-        let picture = read.metal_use.and_then(|u| self.pictures.get(u.image));
-        let mean = picture.map_or(Vec3::ONE, |p| picture::mean_linear(&p.texture));
-        let (metalness, mut roughness) = (read.metallic * mean.z, read.roughness * mean.y);
+        let [metalness, mut roughness] = self.metal_and_roughness(read);
         let mut coat = (read.specular * reflectance_of(read.eta)).min(Vec3::ONE);
         let [share, of_coat] = read.clearcoat;
         if share > 0.0 && metalness <= METAL && of_coat < roughness {
             (coat, roughness) = (Vec3::splat(COAT * share), of_coat);
         }
         Gloss { metalness, roughness, coat }
+    }
+
+    /// Metalness and roughness, without a clear coat.
+    fn metal_and_roughness(&self, read: &GltfMaterial) -> [f32; 2] {
+        // Green is roughness, blue is metalness, both linear.
+        let picture = read.metal_use.and_then(|u| self.pictures.get(u.image));
+        let mean = picture.map_or(Vec3::ONE, |p| picture::mean_linear(&p.texture));
+        [read.metallic * mean.z, read.roughness * mean.y]
     }
 
     fn color(&mut self, used: Use, builder: &mut SceneBuilder) -> TextureRef {

@@ -29,11 +29,9 @@ const KNOWN: [&str; 16] = [
 ];
 
 /// Extensions without effect, and what is seen instead.
-const WITHOUT_EFFECT: [(&str, &str); 12] = [
+const WITHOUT_EFFECT: [(&str, &str); 10] = [
     ("KHR_materials_unlit", "its materials are lit like paint"),
-    ("KHR_materials_clearcoat", "surfaces are shown without their clear coat"),
     ("KHR_materials_sheen", "cloth is shown without its sheen"),
-    ("KHR_materials_specular", "surfaces reflect as their roughness says"),
     ("KHR_materials_anisotropy", "brushed surfaces reflect evenly in all directions"),
     ("KHR_materials_iridescence", "surfaces are shown without iridescent colours"),
     ("KHR_materials_dispersion", "glass refracts all colours alike"),

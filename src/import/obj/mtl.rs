@@ -110,7 +110,7 @@ fn note_unused(key: &str, rest: &str, line: u64, tally: &mut Tally) {
         "disp" | "map_disp" => Trouble::DISPLACEMENT,
         "map_ks" | "map_ns" | "map_pr" | "map_pm" | "map_ps" | "map_ni" => Trouble::GLOSS_PICTURE,
         "decal" | "map_decal" | "refl" | "map_refl" => Trouble::DECAL,
-        "ps" | "pc" | "pcr" | "aniso" | "anisor" if scalar(rest) != Some(0.0) => Trouble::FINISH,
+        "ps" | "aniso" | "anisor" if scalar(rest) != Some(0.0) => Trouble::FINISH,
         _ => return,
     };
     if !rest.is_empty() {

@@ -212,8 +212,7 @@ impl Reader<'_> {
 
     fn uv(&mut self, number: u64, rest: &str) {
         // `vt u` alone is valid; v is then 0.
-        let uv = numbers::<2>(rest).or_else(|| numbers::<1>(rest).map(|[u]| [u, 0.0]));
-        let uv = uv.or_else(|| self.numbers::<2>(number, rest));
+        let uv = self.numbers::<2>(number, rest).or_else(|| numbers::<1>(rest).map(|[u]| [u, 0.0]));
         let uv = uv.filter(|uv| uv.iter().all(|c| c.abs() <= UV_MAX));
         if uv.is_none() {
             self.piece.tally.add(Trouble::UV_UNREADABLE, number, || rest.to_owned());

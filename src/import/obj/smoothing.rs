@@ -16,7 +16,8 @@ const MAX_COMPARED: usize = 256;
 
 /// A corner of a smooth face.
 struct SmoothCorner {
-    position: u32,
+    /// Bits of its coordinates: parts of a large model number their vertices on their own.
+    position: [u64; 3],
     group: u32,
     /// Number of the corner among those of all faces.
     corner: u32,
@@ -36,8 +37,10 @@ pub(super) fn add_normals(model: &mut Model) {
     let mut found: Vec<(u32, u32)> = Vec::with_capacity(corners.len());
     for at_vertex in corners.chunk_by(|a, b| (a.position, a.group) == (b.position, b.group)) {
         let first = model.normals.len();
+        let shared =
+            (at_vertex.len() > MAX_COMPARED).then(|| mean_of(at_vertex.iter(), at_vertex[0].face_normal));
         for corner in at_vertex {
-            let normal = normal_of(corner, at_vertex);
+            let normal = shared.unwrap_or_else(|| normal_of(corner, at_vertex));
             let known = model.normals[first..].iter().position(|n| *n == normal);
             let index = known.map_or(model.normals.len(), |known| first + known);
             if known.is_none() {
@@ -69,8 +72,10 @@ fn smooth_corners(model: &Model) -> Vec<SmoothCorner> {
         let positions: Vec<DVec3> =
             face.corners.iter().map(|c| model.positions[c.position as usize]).collect();
         let Some(face_normal) = newell(&positions).try_normalize() else { continue };
-        for (k, corner) in face.corners.iter().enumerate().filter(|(_, c)| c.normal == NONE) {
-            let (position, corner) = (corner.position, first + k as u32);
+        for (k, _) in face.corners.iter().enumerate().filter(|(_, c)| c.normal == NONE) {
+            // Adding zero removes the sign of zero.
+            let position = (positions[k] + DVec3::ZERO).to_array().map(f64::to_bits);
+            let corner = first + k as u32;
             let (face_normal, angle) = (face_normal.as_vec3(), angle_at(&positions, k));
             corners.push(SmoothCorner { position, group, corner, face_normal, angle });
         }
@@ -81,10 +86,14 @@ fn smooth_corners(model: &Model) -> Vec<SmoothCorner> {
 /// Returns the mean of the faces at a vertex, weighted by their angles, without those that meet
 /// the corner's own at a crease.
 fn normal_of(corner: &SmoothCorner, at_vertex: &[SmoothCorner]) -> Vec3 {
-    let is_many = at_vertex.len() > MAX_COMPARED;
-    let is_smooth = |other: &&SmoothCorner| is_many || other.face_normal.dot(corner.face_normal) >= CREASE;
-    let sum: Vec3 = at_vertex.iter().filter(is_smooth).map(|other| other.face_normal * other.angle).sum();
-    sum.try_normalize().unwrap_or(corner.face_normal)
+    let is_smooth = |other: &&SmoothCorner| other.face_normal.dot(corner.face_normal) >= CREASE;
+    mean_of(at_vertex.iter().filter(is_smooth), corner.face_normal)
+}
+
+/// Returns the unit mean of faces, weighted by their angles, or `otherwise` where they cancel.
+fn mean_of<'a>(faces: impl Iterator<Item = &'a SmoothCorner>, otherwise: Vec3) -> Vec3 {
+    let sum: Vec3 = faces.map(|face| face.face_normal * face.angle).sum();
+    sum.try_normalize().unwrap_or(otherwise)
 }
 
 fn angle_at(positions: &[DVec3], corner: usize) -> f32 {

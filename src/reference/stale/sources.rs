@@ -163,7 +163,8 @@ impl SourceGroup {
             let point = SurfacePoint::from_position(new.scene(), piece.triangle, at, -piece.normal);
             let arriving = light_at(new, &point, settings, key);
             let scenes = [old, &**new.scene()];
-            let [before, now] = scenes.map(|scene| scene.material_of(piece.triangle).emission);
+            let [before, now] =
+                scenes.map(|s| s.material_of(piece.triangle).emission_at(&s.textures, || point.uv));
             emission += (now - before).abs();
             radiance += change_of_albedo(scenes, point.triangle, point.uv) * arriving;
             light += arriving;

@@ -211,12 +211,14 @@ fn unshadowed(light: &Light, at: Vec3, slack: f32) -> f32 {
             let solid_angle = edge_u.cross(*edge_v).length() * falloff(centre, radius);
             radiance.max_element() * solid_angle.min(std::f32::consts::PI)
         }
-        Light::Triangles { corners, area, radiance, .. } => {
-            let points = || corners.iter().flatten().copied();
+        Light::Triangles { corners, area, radiance, picture, .. } => {
+            let points = || Light::outline(corners, picture).iter().flatten().copied();
             let (low, high) =
                 points().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(l, h), p| (l.min(p), h.max(p)));
             let solid_angle = area * falloff((low + high) / 2.0, (high - low).length() / 2.0);
-            radiance.max_element() * solid_angle.min(std::f32::consts::PI)
+            // Near a bright part of a picture, its mean over the hemisphere is no bound.
+            let most = if picture.is_some() { f32::MAX } else { std::f32::consts::PI };
+            radiance.max_element() * solid_angle.min(most)
         }
         Light::Point { position, intensity, .. } => intensity.max_element() * falloff(*position, 0.0),
         Light::Sun { irradiance, .. } => irradiance.max_element(),

@@ -72,7 +72,8 @@ impl Tracer {
         let candidates = self.candidates(point, lobe, &shift, rays);
         let weight = |candidate: &Candidate| candidate.radiance.max_element();
         let total: f32 = candidates.iter().map(weight).sum();
-        if !(total > 0.0 && total.is_finite()) {
+        // Of less, the steps below would be zero.
+        if !total.is_normal() {
             return;
         }
         // Choose at equal distances along the sum.
@@ -88,7 +89,7 @@ impl Tracer {
             }
             if turns > 0.0 && bundle.len() < BUNDLE_RAYS {
                 bundle.push(candidate.ray.direction, candidate.ray.t_max);
-                chosen.push((candidate.light, candidate.radiance * (turns * step / weight(candidate))));
+                chosen.push((candidate.light, candidate.radiance / weight(candidate) * (turns * step)));
             }
         }
         rays.shadow += bundle.len() as u64;

@@ -32,7 +32,9 @@ pub(super) fn is_behind(light: &Light, point: &SurfacePoint) -> bool {
             let far = *corner + *edge_u + *edge_v;
             ![*corner, *corner + *edge_u, *corner + *edge_v, far].into_iter().any(above)
         }
-        Light::Triangles { corners, .. } => !corners.iter().flatten().any(|&p| above(p)),
+        Light::Triangles { corners, picture, .. } => {
+            !Light::outline(corners, picture).iter().flatten().any(|&p| above(p))
+        }
         Light::Point { position, .. } => !above(*position),
         // The rim of the disk may be above the horizon while its centre is below.
         Light::Sun { direction, cos_angular_radius, .. } => {

@@ -299,7 +299,16 @@ impl Path<'_> {
             let [random_branch, random_lobe] = key.pair();
             let continuations = tracer.scatter(&point, ray.direction, key);
             let diffuse = point.albedo(tracer.scene()).max_element();
-            let scatters = diffuse / (diffuse + self.weight_of_lobe(&point, &ray, &continuations));
+            // A black base with a lobe can emit, and no path ends there.
+            if diffuse <= 0.0
+                && bounce < self.settings.bounces.min(MAX_PATH)
+                && let Some(light) = tracer.scene().lamp_of_triangle(point.triangle)
+            {
+                let share = self.emission_share(&point, lamps);
+                lit.push((light, *throughput * point.emission(tracer.scene()) * share));
+            }
+            let of_both = diffuse + self.weight_of_lobe(&point, &ray, &continuations);
+            let scatters = if diffuse > 0.0 { diffuse / of_both } else { 0.0 };
             if random_lobe < scatters {
                 *throughput /= scatters;
                 return Next::Surface(point, length, lamps);

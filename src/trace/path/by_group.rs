@@ -54,7 +54,7 @@ impl Tracer {
         rays: &mut RayCounts,
     ) -> GroupSamples {
         let mut light = GroupSamples::default();
-        if point.albedo(self.scene()) == Vec3::ZERO {
+        if point.is_black(self.scene()) {
             return light;
         }
         let (trace, shift) = (&settings.trace, |light| seed.key.with(light).pair());

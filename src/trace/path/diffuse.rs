@@ -127,7 +127,7 @@ impl Tracer {
         seed: PointSeed,
         rays: &mut RayCounts,
     ) -> ArrivingLight {
-        if point.albedo(self.scene()) == Vec3::ZERO {
+        if point.is_black(self.scene()) {
             return ArrivingLight::default();
         }
         let (trace, count) = (&settings.trace, samples.end - samples.start);

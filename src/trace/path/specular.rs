@@ -184,12 +184,13 @@ impl Tracer {
         let samples_for = |share: f32| (open.samples as f32 * share).ceil().max(1.0) as u32;
         // From inside a solid, lamps are found by rays alone: shadow rays would leave it straight.
         let is_lit = open.samples > 0 && facing.enters_solid != Some(false);
-        let (count, samples) = (samples_for(of_lobe), if is_lit { samples_for(share) } else { 0 });
+        let count = if open.fans.is_full() { 1 } else { samples_for(of_lobe) };
+        let samples = if is_lit { samples_for(share) } else { 0 };
         let fan = Fan { point: *point, arriving: *arriving, seed, next: 0, count, samples };
         if count == 1 {
             self.push_of_fan(open, &fan);
-        } else if let Err(full) = open.fans.try_push(fan) {
-            self.push_of_fan(open, &Fan { count: 1, ..full.element() });
+        } else {
+            open.fans.push(fan);
         }
         if !is_lit {
             return Vec3::ZERO;
@@ -249,13 +250,12 @@ impl Tracer {
         let material = self.material(point);
         for scatter in material.sample(&facing, incident, random).heaviest_first() {
             let density = material.pdf(&facing, incident, scatter.direction) * *count as f32;
-            let own = Some(LobeRay { position: point.position, density, samples: *samples });
+            let own =
+                (*samples > 0).then_some(LobeRay { position: point.position, density, samples: *samples });
             let lobe = match (scatter.is_transmitted, facing.enters_solid, arriving.lobe) {
-                _ if *samples == 0 => None,
                 (false, ..) | (true, None, None) => own,
-                // The last rough surface finds lamps through this one.
-                (true, None, Some(last)) => Some(LobeRay { density: 0.0, ..last }),
-                (true, Some(_), _) => None,
+                // As through clear glass: shadow rays of the last rough surface pass straight.
+                (true, _, last) => last,
             };
             let of_ray = Branch { split: arriving.split / *count as f32, lobe, ..*arriving };
             push(open, point, &of_ray, scatter);
