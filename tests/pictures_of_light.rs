@@ -89,7 +89,8 @@ fn a_picture_lights_the_room_in_proportion_without_a_bias() {
     }
 }
 
-/// A rough metal floor under a lit window of 1 m by 1 m, which is a part of a dark screen or a lamp.
+/// A rough metal floor under a lit window of 1 m by 1 m, which is a part of a dark screen or a
+/// lamp.
 fn rough_floor(roughness: f32, is_picture: bool) -> SceneBuilder {
     let mut b = SceneBuilder::new("rough floor");
     let kind = MaterialKind::Glossy { reflectance: Vec3::splat(0.8), roughness };

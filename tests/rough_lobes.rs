@@ -100,9 +100,9 @@ fn coat_and_base_together_never_gain_light() {
     }
 }
 
-/// Pearson's chi-square of samples counted by the microfacet that scatters them, against the density
-/// integrated over the same cells. `scattered` returns the direction that a microfacet gives, and the
-/// solid angle of directions per solid angle of its normals.
+/// Pearson's chi-square of samples counted by the microfacet that scatters them, against the
+/// density integrated over the same cells. `scattered` returns the direction that a microfacet
+/// gives, and the solid angle of directions per solid angle of its normals.
 fn chi_square(
     lobe: &Material,
     facing: &Facing,

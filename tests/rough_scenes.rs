@@ -1,5 +1,5 @@
-//! Rough surfaces in scenes: what lights and rays of a lobe bring together is what plain sampling of
-//! the lobe brings, and reuse shows no highlight of another view.
+//! Rough surfaces in scenes: what lights and rays of a lobe bring together is what plain sampling
+//! of the lobe brings, and reuse shows no highlight of another view.
 
 use afterimage::bsdf::Lobe;
 use afterimage::camera::Camera;

@@ -17,8 +17,8 @@ const ROUGHNESSES: usize = 48;
 /// Microfacets per entry.
 const SAMPLES: u32 = 512;
 
-/// Bound on the error of the table, absolute where it stands for a white lobe and relative for others:
-/// it must not turn into a gain of light.
+/// Bound on the error of the table, absolute where it stands for a white lobe and relative for
+/// others: it must not turn into a gain of light.
 const TABLE_ERROR: f32 = 1.0 / 512.0;
 pub(super) const RELATIVE_ERROR: f32 = 1.0 / 128.0;
 
@@ -95,8 +95,8 @@ pub(super) fn compensation(reflectance: Vec3, once: [f32; 2]) -> Vec3 {
     Vec3::ONE + reflectance * (1.0 / most - 1.0)
 }
 
-/// Share of light, per channel, that a lobe of this reflectance at normal incidence scatters, seen at
-/// a cosine.
+/// Share of light, per channel, that a lobe of this reflectance at normal incidence scatters, seen
+/// at a cosine.
 pub(super) fn reflected(reflectance: Vec3, cos: f32, roughness: f32) -> Vec3 {
     if roughness < SMOOTH {
         return schlick(reflectance, cos);

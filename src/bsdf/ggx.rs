@@ -1,10 +1,10 @@
 //! Microfacets: the distribution of normals on a rough surface, and what of it is visible.
 //!
-//! Sources: Walter et al., "Microfacet Models for Refraction through Rough Surfaces", EGSR 2007, for
-//! the distribution (GGX) and for refraction; Heitz, "Understanding the Masking-Shadowing Function in
-//! Microfacet-Based BRDFs", JCGT 3(2), 2014, for the heights that shadow each other; Heitz, "Sampling
-//! the GGX Distribution of Visible Normals", JCGT 7(4), 2018, for what is sampled, and Dupuy and
-//! Benyoub, "Sampling Visible GGX Normals with Spherical Caps", HPG 2023, for how.
+//! Sources: Walter et al., "Microfacet Models for Refraction through Rough Surfaces", EGSR 2007,
+//! for the distribution (GGX) and for refraction; Heitz, "Understanding the Masking-Shadowing
+//! Function in Microfacet-Based BRDFs", JCGT 3(2), 2014, for the heights that shadow each other;
+//! Heitz, "Sampling the GGX Distribution of Visible Normals", JCGT 7(4), 2018, for what is sampled,
+//! and Dupuy and Benyoub, "Sampling Visible GGX Normals with Spherical Caps", HPG 2023, for how.
 //!
 //! All directions are local: the surface's normal is +Z.
 

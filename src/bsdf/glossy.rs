@@ -1,9 +1,9 @@
 //! Rough metal, and a rough clear coat over a diffuse base: one lobe of microfacets, whose
 //! reflectance rises towards grazing angles (Schlick 1994).
 //!
-//! The base gets and sends what the coat does not reflect towards the viewer ([`base_share`]), as in
-//! the material of glTF and in OpenPBR's albedo scaling: coat and base together never gain energy,
-//! and the light that arrives at the base does not depend on the viewer.
+//! The base gets and sends what the coat does not reflect towards the viewer ([`base_share`]), as
+//! in the material of glTF and in OpenPBR's albedo scaling: coat and base together never gain
+//! energy, and the light that arrives at the base does not depend on the viewer.
 
 use super::energy::{RELATIVE_ERROR, compensation, reflected, scattered_once, schlick};
 use super::ggx::Ggx;

@@ -99,8 +99,8 @@ pub(super) fn compute(tracer: &Tracer, key: &CellKey, bounces: u32, seed: u64) -
     }
 }
 
-/// Passes the samples of a cell to `sample`, [`POINTS`] in number: each has a point, and a number in
-/// the sequence of the cell. Returns the anchor; `None` where the cell is divided.
+/// Passes the samples of a cell to `sample`, [`POINTS`] in number: each has a point, and a number
+/// in the sequence of the cell. Returns the anchor; `None` where the cell is divided.
 pub(super) fn for_each_sample(
     tracer: &Tracer,
     key: &CellKey,

@@ -59,8 +59,8 @@ pub(super) fn dimensions(bytes: &[u8], path: &Path, limits: &Limits) -> Result<[
     Ok([width, height])
 }
 
-/// Checks the sizes of all layers and tiles of an OpenEXR file: its decoder allocates by them, while
-/// the size of the picture is that of its display window.
+/// Checks the sizes of all layers and tiles of an OpenEXR file: its decoder allocates by them,
+/// while the size of the picture is that of its display window.
 fn check_layers(bytes: &[u8], limits: &Limits) -> Result<(), PictureError> {
     let meta = exr::meta::MetaData::read_from_buffered(Cursor::new(bytes), false)
         .map_err(|error| PictureError::Unreadable(error.to_string()))?;

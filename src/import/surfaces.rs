@@ -19,9 +19,9 @@ pub(super) const DEFAULT_ROUGHNESS: f32 = 0.3;
 /// Above this metalness a surface is a metal.
 pub(super) const METAL: f32 = 0.9;
 
-/// Roughness from which on a clear coat is left out. Over a base of albedo 0.5, a coat of 0.5 adds 4 %
-/// of the radiance seen from above and 8 % at 75 degrees, in even light; exporters write 0.5 where
-/// nobody chose a value.
+/// Roughness from which on a clear coat is left out. Over a base of albedo 0.5, a coat of 0.5 adds
+/// 4 % of the radiance seen from above and 8 % at 75 degrees, in even light; exporters write 0.5
+/// where nobody chose a value.
 const MATTE_COAT: f32 = 0.5;
 
 /// Roughness from which on a metal is matte in its colour. Exporters that know no metal leave both
@@ -43,8 +43,8 @@ pub(super) struct Gloss {
 }
 
 impl Gloss {
-    /// Makes a material with the base colour as its diffuse part reflect. `mean_base` is the mean base
-    /// colour with its texture, which becomes the colour of metal.
+    /// Makes a material with the base colour as its diffuse part reflect. `mean_base` is the mean
+    /// base colour with its texture, which becomes the colour of metal.
     pub(super) fn apply(self, material: &mut Material, mean_base: Vec3) {
         let Self { metalness, roughness, coat } = self;
         let is_metal = metalness > METAL;
@@ -83,8 +83,8 @@ pub(super) fn cover(material: &mut Material, texture: TextureRef, picture: &Pict
     cover_with(material, texture, is_translucent(picture.texture.texels.iter().map(|t| t[3])));
 }
 
-/// [`cover`] by a texture that is known to be translucent or not. Mirrors and glass are cut out: they
-/// have a specular part of their own.
+/// [`cover`] by a texture that is known to be translucent or not. Mirrors and glass are cut out:
+/// they have a specular part of their own.
 pub(super) fn cover_with(material: &mut Material, texture: TextureRef, is_translucent: bool) {
     if is_translucent && material.kind == MaterialKind::Diffuse {
         material.cover_by(texture);

@@ -115,7 +115,8 @@ pub struct LightPicture {
 }
 
 impl Light {
-    /// The corners of triangles that bound a light of these: fewer where they are pieces of a picture.
+    /// The corners of triangles that bound a light of these: fewer where they are pieces of a
+    /// picture.
     pub(crate) fn outline<'a>(
         corners: &'a [[Vec3; 3]],
         picture: &'a Option<Box<LightPicture>>,
@@ -158,7 +159,8 @@ impl From<Sun> for Light {
 const ROOT_OF_TWO: u32 = 0x6a09_e667;
 
 /// Maps a point `u` of the unit square to a point of a mesh, uniformly by area. Returns the point,
-/// the index of its triangle, and its barycentrics there. `cumulative_area` is that of [`Light::Triangles`].
+/// the index of its triangle, and its barycentrics there. `cumulative_area` is that of
+/// [`Light::Triangles`].
 ///
 /// The first coordinate selects the triangle, and its place within the triangle's share is the
 /// first coordinate there. On a mesh of equal triangles, points in equal steps all have the same

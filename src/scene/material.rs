@@ -8,9 +8,9 @@ use glam::{Vec2, Vec3};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct MaterialId(pub u32);
 
-/// Roughness, 0 to 1, below which a surface reflects and transmits in single directions. There a rough
-/// lobe would be about a thousandth of a radian wide, as a pixel of a picture of 1,280 pixels and 60
-/// degrees.
+/// Roughness, 0 to 1, below which a surface reflects and transmits in single directions. There a
+/// rough lobe would be about a thousandth of a radian wide, as a pixel of a picture of 1,280 pixels
+/// and 60 degrees.
 pub const SMOOTH: f32 = 1.0 / 32.0;
 
 /// The specular part of a material.
@@ -32,8 +32,8 @@ pub enum MaterialKind {
         /// Share of the light that remains after passing one surface, linear Rec. 709.
         transmittance: Vec3,
     },
-    /// A rough metal, or a rough clear coat over the diffuse part, which gets what the coat does not
-    /// reflect.
+    /// A rough metal, or a rough clear coat over the diffuse part, which gets what the coat does
+    /// not reflect.
     Glossy {
         /// Reflectance at normal incidence, linear Rec. 709. It rises to one at grazing angles.
         reflectance: Vec3,

@@ -8,9 +8,9 @@ use std::collections::HashMap;
 /// Returns one entry per triangle if the scene has glass, otherwise nothing.
 ///
 /// Glass triangles connected by shared vertex positions form a body. A body is solid if every edge
-/// belongs to exactly two of its triangles with opposite directions; otherwise, and where a material
-/// is thin, it is a thin sheet.
-/// The sign of the volume gives the winding, so the winding in the file does not matter.
+/// belongs to exactly two of its triangles with opposite directions; otherwise, and where a
+/// material is thin, it is a thin sheet. The sign of the volume gives the winding, so the winding
+/// in the file does not matter.
 pub(super) fn classify(scene: &Scene) -> Vec<SolidSide> {
     let glass: Vec<u32> = scene.triangle_indices().filter(|&t| scene.material_of(t).is_glass()).collect();
     if glass.is_empty() {

@@ -16,7 +16,7 @@ pub enum Wrap {
     /// It repeats.
     #[default]
     Repeat,
-    /// Its edge goes on.
+    /// The texels at its edge are repeated.
     Clamp,
     /// It repeats, mirrored every other time.
     Mirror,

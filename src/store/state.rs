@@ -1,9 +1,9 @@
 //! The light of a scene as bytes: materials, sun and sky, without geometry, pictures and names.
 //!
 //! A record holds the state that its light was traced in. Where the scene was edited since, that
-//! state is made again from the scene of now, and what still holds of the light is found as after an
-//! edit while the program runs (`reference::stale`). Materials are named by their triangles, pictures
-//! by their texels.
+//! state is made again from the scene of now, and what still holds of the light is found as after
+//! an edit while the program runs (`reference::stale`). Materials are named by their triangles,
+//! pictures by their texels.
 
 use super::bytes::{ByteReader, ByteWriter, list};
 use crate::scene::content::{ContentHash, LightContent};

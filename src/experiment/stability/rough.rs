@@ -1,5 +1,5 @@
-//! Cases D of the catalogue that concern rough surfaces: all of the range of roughness, from straight
-//! on to grazing, and values out of range.
+//! Cases D of the catalogue that concern rough surfaces: all of the range of roughness, from
+//! straight on to grazing, and values out of range.
 
 use super::case::{Case, Outcome, Trial, case};
 use super::pictures::{TRACE, bad_values, exact, full};

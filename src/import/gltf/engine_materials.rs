@@ -151,8 +151,8 @@ impl Painter<'_> {
         (material, trouble)
     }
 
-    /// How the surface reflects. A clear coat takes the place of the reflection of what is below it,
-    /// unless that is metal.
+    /// How the surface reflects. A clear coat takes the place of the reflection of what is below
+    /// it, unless that is metal.
     fn gloss(&self, read: &GltfMaterial) -> Gloss {
         let [metalness, mut roughness] = self.metal_and_roughness(read);
         let mut coat = (read.specular * reflectance_of(read.eta)).min(Vec3::ONE);

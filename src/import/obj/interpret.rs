@@ -39,8 +39,8 @@ fn brightness(m: &MtlMaterial) -> f32 {
     stated.map_or(if m.map_diffuse.is_some() { 1.0 } else { 0.0 }, Vec3::max_element)
 }
 
-/// How a material of the PBR extension of MTL reflects; `None` where it does not use it. `Ks` and `Ns`
-/// alone say nothing: exporters write them for matte materials too.
+/// How a material of the PBR extension of MTL reflects; `None` where it does not use it. `Ks` and
+/// `Ns` alone say nothing: exporters write them for matte materials too.
 fn gloss(m: &MtlMaterial) -> Option<Gloss> {
     if [m.roughness, m.metallic, m.coat].iter().all(Option::is_none) {
         return None;

@@ -1,7 +1,7 @@
 //! Parsing OBJ text into positions, normals, texture coordinates and faces.
 //!
-//! `tobj` parses it, behind [`Sanitizer`]: alone it refuses a whole file for one bad index or a bare
-//! `f`, without a line number, and reads `l` as a face.
+//! `tobj` parses it, behind [`Sanitizer`]: alone it refuses a whole file for one bad index or a
+//! bare `f`, without a line number, and reads `l` as a face.
 
 use super::piece::{Corner, Counts, Face, NONE, Piece, UV_FAR, count};
 use super::sanitize::Sanitizer;

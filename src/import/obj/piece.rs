@@ -220,8 +220,8 @@ impl Reader<'_> {
         self.write("vt", rest, uv, [0.0; 2]);
     }
 
-    /// Writes a line of numbers, or of `instead` where there are none. Numbers that can be copied keep
-    /// their digits in the file.
+    /// Writes a line of numbers, or of `instead` where there are none. Numbers that can be copied
+    /// keep their digits in the file.
     fn write<const N: usize>(&mut self, key: &str, rest: &str, numbers: Option<[f64; N]>, instead: [f64; N]) {
         self.text.push_str(key);
         let tokens = || rest.split_ascii_whitespace().take(N);
@@ -297,8 +297,8 @@ impl Reader<'_> {
         self.piece.faces.push(Face { end: 0, line });
     }
 
-    /// Writes a face with a texture coordinate and a normal at every corner, where the file has any:
-    /// `tobj` would take those of the corner before.
+    /// Writes a face with a texture coordinate and a normal at every corner, where the file has
+    /// any: `tobj` would take those of the corner before.
     fn write_face(&mut self) {
         let of_list = |index: u32, total: usize| if index == NONE { total } else { index as usize };
         self.text.push('f');

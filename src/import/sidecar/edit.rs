@@ -14,8 +14,8 @@ use std::path::{Path, PathBuf};
 use toml_edit::{Array, ArrayOfTables, DocumentMut, Item, Table, value};
 
 /// Saves the differences between `before` and `now` in the `.afterimage.toml` next to a model, and
-/// returns its path. The next import of the model has the materials, objects, daylight and lights of
-/// `now`.
+/// returns its path. The next import of the model has the materials, objects, daylight and lights
+/// of `now`.
 ///
 /// # Errors
 /// [`SceneError::Read`] where the existing file is not valid TOML, or where the file cannot be

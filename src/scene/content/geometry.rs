@@ -18,8 +18,8 @@ const STEPS_PER_UNIT: f64 = 512.0;
 /// A triangle is hashed by its corners in world space, their normals, and, where its material has a
 /// texture, their texture coordinates. Its number, the order and the winding of its corners, its
 /// material and the names and files that it belongs to do not matter. Light does not depend on the
-/// winding: surfaces are lit and emit on both sides, and the inside of a solid of glass follows from
-/// its mesh.
+/// winding: surfaces are lit and emit on both sides, and the inside of a solid of glass follows
+/// from its mesh.
 pub fn hashes_of_triangles(scene: &Scene) -> Vec<(ContentHash, u32)> {
     let mut hashes: Vec<(ContentHash, u32)> =
         scene.triangle_indices().into_par_iter().map(|t| (hash_triangle(scene, t), t)).collect();

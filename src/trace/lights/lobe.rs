@@ -1,7 +1,7 @@
 //! Light that reaches a rough lobe straight from the lights, and how its parts are shared out.
 //!
-//! A lamp is found both by points on it and by rays of the lobe. Each way counts in proportion to its
-//! density there (the balance heuristic of Veach and Guibas, "Optimally Combining Sampling
+//! A lamp is found both by points on it and by rays of the lobe. Each way counts in proportion to
+//! its density there (the balance heuristic of Veach and Guibas, "Optimally Combining Sampling
 //! Techniques for Monte Carlo Rendering", SIGGRAPH 1995), so points bring highlights of rough lobes
 //! and rays those of smooth ones. Suns and point lights are found by points alone, the sky by rays
 //! alone.

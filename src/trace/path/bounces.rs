@@ -110,18 +110,19 @@ pub(crate) enum PathStop {
         /// Share (0..1) of the surface's emission that counts here, because no shadow ray finds it.
         emission_share: f32,
     },
-    /// A rough surface on the way to the next stop, which scatters light straight from this light, an
-    /// index into those of the scene. The share is all of the radiance.
+    /// A rough surface on the way to the next stop, which scatters light straight from this light,
+    /// an index into those of the scene. The share is all of the radiance.
     Lamp(u32),
     /// The sky, in this direction.
     Sky(Vec3),
 }
 
 impl Tracer {
-    /// Follows one path of a point over up to `bounces` diffuse surfaces, with the random numbers of
-    /// [`Self::smooth_light`]. `visit` is given each stop, and the share of the radiance that leaves
-    /// it towards the path that arrives at the point, as radiance of a white surface; it may end the
-    /// path. Without `samples_lamps`, rough surfaces find lamps by the path alone, and no other lights.
+    /// Follows one path of a point over up to `bounces` diffuse surfaces, with the random numbers
+    /// of [`Self::smooth_light`]. `visit` is given each stop, and the share of the radiance that
+    /// leaves it towards the path that arrives at the point, as radiance of a white surface; it may
+    /// end the path. Without `samples_lamps`, rough surfaces find lamps by the path alone, and no
+    /// other lights.
     pub(crate) fn follow_path(
         &self,
         start: &SurfacePoint,
@@ -270,9 +271,9 @@ impl Path<'_> {
     }
 
     /// Follows a ray to the next point that scatters diffusely, through mirrors, glass and rough
-    /// surfaces on the way. At a surface with several lobes one is chosen at random, by the share of
-    /// light that it carries. Appends to `lit` what rough surfaces scatter straight from lights, with
-    /// their indices.
+    /// surfaces on the way. At a surface with several lobes one is chosen at random, by the share
+    /// of light that it carries. Appends to `lit` what rough surfaces scatter straight from lights,
+    /// with their indices.
     fn next(
         &self,
         mut ray: Ray,
@@ -326,8 +327,8 @@ impl Path<'_> {
         Next::Lost
     }
 
-    /// What the lobe other than the diffuse one is estimated to carry. Where its sample is lost, its
-    /// light straight from the lights is not.
+    /// What the lobe other than the diffuse one is estimated to carry. Where its sample is lost,
+    /// its light straight from the lights is not.
     fn weight_of_lobe(&self, point: &SurfacePoint, ray: &Ray, continuations: &ScatterSet) -> f32 {
         let material = self.tracer.material(point);
         match material.is_glossy() {

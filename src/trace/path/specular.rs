@@ -3,8 +3,9 @@
 //!
 //! All branches are followed, as in Whitted, "An Improved Illumination Model for Shaded Display",
 //! Communications of the ACM 23(6), 1980. We differ: a loop over a small stack takes the place of
-//! recursion, and a branch ends once it carries less than [`CUTOFF`]. A rough surface sends a fan of
-//! rays, as many as its share of the pixel and the width of its lobe ask for, one after the other.
+//! recursion, and a branch ends once it carries less than [`CUTOFF`]. A rough surface sends a fan
+//! of rays, as many as its share of the pixel and the width of its lobe ask for, one after the
+//! other.
 
 use super::dimension::{LOBE, LOBE_LIGHT, LOBE_RAY, SPECULAR};
 use crate::bsdf::{Lobe, Scatter, ScatterSet};
@@ -35,8 +36,8 @@ pub fn truncation_bound(r: f32, brightest: f32) -> f32 {
 /// Number of rough surfaces whose rays wait for others.
 const FANS: usize = 8;
 
-/// Slope of the microfacets from which on a rough lobe takes all the rays that its share of the pixel
-/// allows; a narrower one takes fewer, in proportion.
+/// Slope of the microfacets from which on a rough lobe takes all the rays that its share of the
+/// pixel allows; a narrower one takes fewer, in proportion.
 const WIDE_LOBE: f32 = 0.25;
 
 /// Points on each light, and rays of a rough lobe, for each shadow ray.
@@ -201,8 +202,8 @@ impl Tracer {
         arriving.throughput * arriving.split * lit
     }
 
-    /// What a rough surface scatters straight from the lights in front of it and, through a sheet of
-    /// frosted glass, from those behind it.
+    /// What a rough surface scatters straight from the lights in front of it and, through a sheet
+    /// of frosted glass, from those behind it.
     fn lit_lobe(
         &self,
         point: &SurfacePoint,

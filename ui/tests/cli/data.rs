@@ -114,7 +114,18 @@ fn inspect_answers_with_the_contract() {
     assert_eq!(answer["bounds_m"], json!([[-2.0, 0.0, -4.0], [2.0, 3.0, 4.0]]));
     assert_eq!(
         keys(&answer["needs"]),
-        ["mirror", "glass", "glossy", "frosted", "textures", "alpha", "area_lights", "sky", "needles", "coincident"]
+        [
+            "mirror",
+            "glass",
+            "glossy",
+            "frosted",
+            "textures",
+            "alpha",
+            "area_lights",
+            "sky",
+            "needles",
+            "coincident"
+        ]
     );
     let kinds: Vec<_> = answer["materials"].as_array().unwrap().iter().map(|m| m["kind"].clone()).collect();
     assert_eq!(kinds, ["diffuse", "mirror", "emissive"]);

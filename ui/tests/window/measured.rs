@@ -150,9 +150,9 @@ fn frame_ms(person: &Person) -> f64 {
     ms
 }
 
-/// Returns the milliseconds that a number of pictures take while the camera moves, each of them moved
-/// against the one before. The camera turns back with each of them, so the model stays in view however
-/// slow the machine is.
+/// Returns the milliseconds that a number of pictures take while the camera moves, each of them
+/// moved against the one before. The camera turns back with each of them, so the model stays in
+/// view however slow the machine is.
 pub(super) fn ms_of_pictures(person: &Person, count: u32) -> f64 {
     let (start, mut last) = (Instant::now(), person.picture());
     for i in 0..count {
