@@ -156,16 +156,36 @@ fn a_sun_on_a_coat_shines_as_its_lobe_is_bright() {
     assert_close(found, expected, 1e-3, "sun");
 }
 
-/// Light that reaches a matte floor by way of a rough metal wall.
-#[test]
-fn light_by_way_of_rough_metal_is_what_plain_paths_find() {
+/// A matte floor and a lamp before a wall of metal.
+fn before_wall(roughness: f32) -> SceneBuilder {
     let mut b = SceneBuilder::new("wall");
     let floor = b.add_material(Material::diffuse("floor", Vec3::splat(0.5)));
     quad(&mut b, [[-4.0, 0.0, -4.0], [-4.0, 0.0, 4.0], [4.0, 0.0, 4.0], [4.0, 0.0, -4.0]], floor);
-    let wall = b.add_material(glossy(0.0, 0.9, 0.4));
+    let wall = b.add_material(glossy(0.0, 0.9, roughness));
     quad(&mut b, [[-3.0, 0.0, -1.0], [3.0, 0.0, -1.0], [3.0, 3.0, -1.0], [-3.0, 3.0, -1.0]], wall);
     let lamp = b.add_material(Material::emissive("lamp", Vec3::splat(5.0)));
     quad(&mut b, [[-1.0, 2.5, 1.0], [1.0, 2.5, 1.0], [1.0, 2.5, 3.0], [-1.0, 2.5, 3.0]], lamp);
+    b
+}
+
+/// Few paths find a small lamp by way of smooth metal, so paths take it as half rough.
+#[test]
+fn smooth_metal_lights_a_floor_as_half_rough_metal_does() {
+    let [smooth, rough] = [0.05, 0.5].map(|roughness| {
+        let tracer = tracer(before_wall(roughness));
+        let view = View::new(&camera(), &tracer.scene().frame, SIZE);
+        let settings = TraceSettings { samples: 4, bounces: 1, seed: 1 };
+        let pixel = |pixel| tracer.pixel(&view, pixel, &settings, &mut Default::default());
+        let traced = (0..SIZE[0] * SIZE[1]).map(pixel);
+        traced.filter(|traced| traced.reflections == 0).map(|traced| traced.radiance).collect::<Vec<_>>()
+    });
+    assert!(smooth.len() > 20 && smooth == rough, "{} pixels show the floor", smooth.len());
+}
+
+/// Light that reaches a matte floor by way of a rough metal wall.
+#[test]
+fn light_by_way_of_rough_metal_is_what_plain_paths_find() {
+    let b = before_wall(0.5);
     // A lamp without size is found by shadow rays alone: it must not be lost.
     let dark = tracer(b);
     let view = View::new(&camera(), &dark.scene().frame, SIZE);

@@ -10,6 +10,7 @@
 use super::dimension::{LOBE, LOBE_LIGHT, LOBE_RAY, SPECULAR};
 use crate::bsdf::{Lobe, Scatter, ScatterSet};
 use crate::math::{Ray, key::Key, sampling::lattice, sequence::PointSeed};
+use crate::scene::Material;
 use crate::trace::lights::{LitLobe, LobeRay};
 use crate::trace::{RayCounts, SurfacePoint, Tracer};
 use arrayvec::ArrayVec;
@@ -274,8 +275,18 @@ impl Tracer {
 
     /// Samples the viewer-dependent lobe of a point seen along `direction` (any length).
     pub(super) fn scatter(&self, point: &SurfacePoint, direction: Vec3, key: Key) -> ScatterSet {
+        self.scatter_of(self.material(point), point, direction, key)
+    }
+
+    /// [`Self::scatter`] with another material.
+    pub(super) fn scatter_of(
+        &self,
+        material: &Material,
+        point: &SurfacePoint,
+        direction: Vec3,
+        key: Key,
+    ) -> ScatterSet {
         let (facing, incident) = (point.facing(self.scene()), direction.normalize_or(Vec3::Y));
-        let material = self.material(point);
         match material.gap_at(&self.scene().textures, || point.uv) {
             None => material.sample(&facing, incident, key.with(LOBE).pair()),
             Some(gap) => ScatterSet::split((gap > 0.0).then_some((incident, Vec3::splat(gap))), None),
