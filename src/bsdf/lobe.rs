@@ -61,8 +61,8 @@ pub trait Lobe {
         0.0
     }
 
-    /// Returns the share (0..1) of light that the lobe scatters towards the viewer, of the channel of
-    /// which it is most.
+    /// Returns the share (0..1) of light that the lobe scatters towards the viewer, of the channel
+    /// of which it is most.
     fn total(&self, _facing: &Facing, _incident: Vec3) -> f32 {
         1.0
     }

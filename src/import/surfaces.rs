@@ -21,7 +21,7 @@ pub(super) const METAL: f32 = 0.9;
 
 /// Roughness from which on a clear coat is left out. Over a base of albedo 0.5, a coat of 0.5 adds
 /// 4 % of the radiance seen from above and 8 % at 75 degrees, in even light; exporters write 0.5
-/// where nobody chose a value.
+/// where no value was chosen.
 const MATTE_COAT: f32 = 0.5;
 
 /// Roughness from which on a metal is matte in its colour. Exporters that know no metal leave both

@@ -10,9 +10,9 @@ use glam::Vec3;
 use std::f32::consts::PI;
 
 impl PixelResolver<'_> {
-    /// The irradiance straight from the lights at a point, at a distance along the path to it, where
-    /// an edit of the scene left it as it was: references hold it, or an earlier frame traced it
-    /// there.
+    /// The irradiance straight from the lights at a point, at a distance along the path to it,
+    /// where an edit of the scene left it as it was: references hold it, or an earlier frame traced
+    /// it there.
     pub(super) fn held_irradiance(&self, point: &SurfacePoint, distance: f32, samples: u32) -> Option<Vec3> {
         // Without an edit there is nothing to look for.
         if !self.lookup.has_preview() {

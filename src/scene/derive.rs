@@ -3,8 +3,8 @@
 use super::{Light, MaterialId, Scene, SceneFeatures, Sky, emissive, group_lights, hash, solids};
 
 impl Scene {
-    /// Recomputes lights and their groups, features, solids and hash. Geometry, materials, textures,
-    /// sun and sky must be final.
+    /// Recomputes lights and their groups, features, solids and hash. Geometry, materials,
+    /// textures, sun and sky must be final.
     pub(super) fn derive(&mut self, point_lights: Vec<Light>) {
         let lamps = emissive::lights(self);
         let of_lamp = |(light, lamp): (u32, &emissive::Lamp)| -> Vec<[u32; 2]> {

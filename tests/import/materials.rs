@@ -186,7 +186,7 @@ fn the_pbr_extension_makes_coats_and_gloss_alone_does_not() {
     let coated = |roughness| MaterialKind::Glossy { reflectance: Vec3::splat(0.04), roughness };
     let kd = "Kd 0.5 0.5 0.5\n";
     assert_eq!(material_a(&format!("{kd}Pr 0.2\n")).kind, coated(0.2));
-    // The extension decides, whatever model an exporter writes beside it.
+    // The extension decides, whatever model an exporter writes next to it.
     assert_eq!(material_a(&format!("{kd}Ks 0.5 0.5 0.5\nillum 3\nPr 0.2\n")).kind, coated(0.2));
     assert_eq!(material_a(&format!("{kd}Pr 0.9\nPc 1\nPcr 0.1\n")).kind, coated(0.1));
     for matte in ["Pr 0.5\n", "Ks 0.5 0.5 0.5\nNs 250\nillum 2\n"] {

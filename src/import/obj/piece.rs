@@ -108,7 +108,7 @@ pub(super) fn count(text: &str, steps: &Steps) -> Result<Counts, SceneError> {
     Ok(counts)
 }
 
-/// What of a piece is read.
+/// The lines of a piece of text that one pass reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Part {
     /// Positions, normals and texture coordinates: `tobj` needs all of them before the first face.

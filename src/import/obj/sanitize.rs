@@ -131,7 +131,7 @@ impl<'a> Sanitizer<'a> {
         Ok(())
     }
 
-    /// Adds the texture coordinate and the normal that stand for none, and goes on to the faces.
+    /// Adds the texture coordinate and the normal that stand for none, and begins the faces.
     fn end_numbers(&mut self) {
         if self.total.uvs > 0 {
             self.text.extend_from_slice(b"vt NaN NaN\n");

@@ -20,7 +20,7 @@ pub const MAX_PATH: u32 = 256;
 
 /// Roughness that metal and coats have at least on paths of smooth light. Few paths from a diffuse
 /// surface find a small lamp by way of smooth metal, and those that do are bright dots all over the
-/// picture. A wider lobe spreads the same light, as in Kaplanyan and Dachsbacher, "Path Space
+/// picture. A wider lobe spreads this light, as in Kaplanyan and Dachsbacher, "Path Space
 /// Regularization for Holistic and Robust Light Transport", Eurographics 2013; ours stays as wide
 /// with more samples, so caustics of metal are soft in all modes.
 const LEAST_ROUGHNESS: f32 = 0.5;
@@ -336,8 +336,8 @@ impl Path<'_> {
         Next::Lost
     }
 
-    /// The material of a point as paths of smooth light see it: metal and coats at least as rough as
-    /// [`LEAST_ROUGHNESS`].
+    /// The material of a point as paths of smooth light see it: metal and coats at least as rough
+    /// as [`LEAST_ROUGHNESS`].
     fn material(&self, point: &SurfacePoint) -> Cow<'_, Material> {
         let material = self.tracer.material(point);
         match material.kind {

@@ -71,7 +71,7 @@ struct Fan {
     samples: u32,
 }
 
-/// What is still to be followed.
+/// The branches and the rays of rough lobes of one pixel that have not been traced yet.
 struct Open {
     pending: ArrayVec<Branch, STACK>,
     fans: ArrayVec<Fan, FANS>,

@@ -196,8 +196,8 @@ impl Desk {
         })
     }
 
-    /// Holds a key until the camera is at least 0.3 m away from a place, and returns its pose: a busy
-    /// machine may see the press and the release within one frame.
+    /// Holds a key until the camera is at least 0.3 m away from a place, and returns its pose: a
+    /// busy machine may see the press and the release within one frame.
     pub(super) fn fly(&self, key: &str, from: glam::DVec3) -> Camera {
         self.wait_for("a flight", || {
             self.xdotool(&format!("keydown {key} sleep 0.6 keyup {key}"));

@@ -1,5 +1,6 @@
-//! Commands about materials, objects and daylight. An edit is shown by the panels at once; the scene
-//! is rebuilt in the background, and the old picture stays until there is one of the new scene.
+//! Commands about materials, objects and daylight. An edit is shown by the panels at once; the
+//! scene is rebuilt in the background, and the old picture stays until there is one of the new
+//! scene.
 
 use super::{AppEvent, Parts, PendingEdit};
 use crate::window::input::Obstacles;
