@@ -22,8 +22,8 @@ pub const MAX_PATH: u32 = 256;
 /// surface find a small lamp by way of smooth metal, and those that do are bright dots all over the
 /// picture. A wider lobe spreads this light, as in Kaplanyan and Dachsbacher, "Path Space
 /// Regularization for Holistic and Robust Light Transport", Eurographics 2013; ours stays as wide
-/// with more samples, so caustics of metal are soft in all modes. In two views of the studio at 240x150 it takes 18 and
-/// 15 % off the squared error of `full` with 16 samples.
+/// with more samples, so caustics of metal are soft in all modes. In two views of the studio at
+/// 240x150 it takes 18 and 15 % off the squared error of `full` with 16 samples.
 const LEAST_ROUGHNESS: f32 = 0.5;
 
 /// First bounce that Russian roulette may end. In a daylit room and in a court, one over error
