@@ -292,3 +292,34 @@ pub(super) fn looks_z_up(positions_m: &[DVec3], triangles: &[[u32; 3]]) -> bool 
     let flat = size.z > 0.0 && size.z < size.x.min(size.y) * 0.75;
     flat && facing.z > CLEARLY * facing.x.max(facing.y)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The unit of a model by its horizontal sides, its height and the median length of its edges.
+    fn unit([x, z, height, edge]: [f64; 4]) -> Option<Unit> {
+        absurd_in_metres(Size { across: DVec3::new(x, height, z).length(), height, edge })
+    }
+
+    #[test]
+    fn cities_valleys_and_viaducts_stay_in_metres() {
+        let blocks_with_towers = [1100.0, 1100.0, 200.0, 30.0];
+        let midtown = [1500.0, 1500.0, 380.0, 30.0];
+        let alpine_valley = [5000.0, 5000.0, 1000.0, 100.0];
+        let viaduct = [2400.0, 30.0, 343.0, 40.0];
+        for site in [blocks_with_towers, midtown, alpine_valley, viaduct] {
+            assert_eq!(unit(site), None, "{site:?}");
+        }
+    }
+
+    #[test]
+    fn houses_in_millimetres_are_found_by_their_storeys() {
+        let house = [8000.0, 6000.0, 3000.0, 900.0];
+        let long_house = [30_000.0, 12_000.0, 3000.0, 900.0];
+        for model in [house, long_house] {
+            assert_eq!(unit(model), Some(Unit::Millimetre), "{model:?}");
+        }
+        assert_eq!(unit([1200.0, 900.0, 500.0, 80.0]), Some(Unit::Centimetre), "a house of 12 m");
+    }
+}

@@ -102,3 +102,20 @@ fn angle_at(positions: &[DVec3], corner: usize) -> f32 {
     let angle = to(corner + 1).angle_between(to(corner + count - 1)) as f32;
     if angle.is_finite() { angle } else { 0.0 }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn corner(face_normal: Vec3) -> SmoothCorner {
+        SmoothCorner { position: [0; 3], group: 1, corner: 0, face_normal, angle: 1.0 }
+    }
+
+    #[test]
+    fn faces_that_meet_at_a_crease_do_not_smooth_each_other() {
+        let faces = [corner(Vec3::X), corner(Vec3::Y), corner(Vec3::new(0.8, 0.6, 0.0))];
+        let smooth = normal_of(&faces[0], &faces);
+        assert!((smooth - Vec3::new(3.0, 1.0, 0.0) / 10f32.sqrt()).length() < 1e-6, "{smooth}");
+        assert_eq!(mean_of([corner(Vec3::X), corner(Vec3::NEG_X)].iter(), Vec3::Y), Vec3::Y);
+    }
+}

@@ -1,14 +1,12 @@
 //! Smooth light: what arrives from the sky and by way of other diffuse surfaces, path traced.
 
 use super::cached_light::{CachedLight, Reader};
-use super::dimension::{DIRECTION, LIGHT, LOBE_LIGHT, ROULETTE};
-use crate::bsdf::{Diffuse, Lobe, Scatter, ScatterSet};
-use crate::math::{Ray, key::Key, sequence::Sequence};
-use crate::scene::{Material, MaterialKind};
-use crate::trace::lights::{LightKinds, LitLobe, LobeRay};
+use super::dimension::{DIRECTION, LIGHT, ROULETTE};
+use crate::bsdf::Diffuse;
+use crate::math::{Ray, sequence::Sequence};
+use crate::trace::lights::{LightKinds, LobeRay};
 use crate::trace::{RayCounts, SurfacePoint, Tracer};
 use glam::Vec3;
-use std::borrow::Cow;
 use std::ops::{ControlFlow, Range};
 
 /// Number of mirrors and panes in a row after which a path ends.
@@ -17,14 +15,6 @@ const MAX_CHAIN: u32 = 64;
 /// Number of diffuse surfaces after which a path ends, whatever it carries. Russian roulette lets
 /// one path in half a million come so far where surfaces absorb nothing, and none elsewhere.
 pub const MAX_PATH: u32 = 256;
-
-/// Roughness that metal and coats have at least on paths of smooth light. Few paths from a diffuse
-/// surface find a small lamp by way of smooth metal, and those that do are bright dots all over the
-/// picture. A wider lobe spreads this light, as in Kaplanyan and Dachsbacher, "Path Space
-/// Regularization for Holistic and Robust Light Transport", Eurographics 2013; ours stays as wide
-/// with more samples, so caustics of metal are soft in all modes. In two views of the studio at
-/// 240x150 it takes 18 and 15 % off the squared error of `full` with 16 samples.
-const LEAST_ROUGHNESS: f32 = 0.5;
 
 /// First bounce that Russian roulette may end. In a daylit room and in a court, one over error
 /// times seconds was 400 and 132 with 2, against 355 and 127 with 1, and 224 and 130 with 5.
@@ -46,7 +36,7 @@ enum Next {
 
 /// How the emission of a surface counts that a path meets.
 #[derive(Clone, Copy)]
-enum Lamps {
+pub(super) enum Lamps {
     /// Not at all: shadow rays from the last diffuse surface find it, also through glass.
     Found,
     /// All of it: a mirror has reflected the path since.
@@ -182,13 +172,13 @@ impl Tracer {
 }
 
 /// One path.
-struct Path<'a> {
-    tracer: &'a Tracer,
+pub(super) struct Path<'a> {
+    pub(super) tracer: &'a Tracer,
     sequence: Sequence,
     sample: u32,
-    settings: SmoothSettings<'a>,
+    pub(super) settings: SmoothSettings<'a>,
     /// True where rough surfaces on the way are lit by samples of the lights.
-    samples_lamps: bool,
+    pub(super) samples_lamps: bool,
 }
 
 impl Path<'_> {
@@ -335,76 +325,5 @@ impl Path<'_> {
             ray = point.scattered_ray(&next);
         }
         Next::Lost
-    }
-
-    /// The material of a point as paths of smooth light see it: metal and coats at least as rough
-    /// as [`LEAST_ROUGHNESS`].
-    fn material(&self, point: &SurfacePoint) -> Cow<'_, Material> {
-        let material = self.tracer.material(point);
-        match material.kind {
-            MaterialKind::Glossy { reflectance, roughness } if roughness < LEAST_ROUGHNESS => {
-                let kind = MaterialKind::Glossy { reflectance, roughness: LEAST_ROUGHNESS };
-                Cow::Owned(Material { kind, name: String::new(), ..*material })
-            }
-            _ => Cow::Borrowed(material),
-        }
-    }
-
-    /// What the lobe other than the diffuse one is estimated to carry. Where its sample is lost,
-    /// its light straight from the lights is not.
-    fn weight_of_lobe(&self, point: &SurfacePoint, ray: &Ray, continuations: &ScatterSet) -> f32 {
-        let material = self.material(point);
-        match material.is_glossy() {
-            true => material.total(&point.facing(self.tracer.scene()), ray.direction),
-            false => continuations.total_weight(),
-        }
-    }
-
-    /// True where the lobe of a point is lit by samples of the lights.
-    fn lights_lobe(&self, point: &SurfacePoint, bounce: u32) -> bool {
-        let material = self.material(point);
-        let is_bounce = bounce < self.settings.bounces.min(MAX_PATH);
-        self.samples_lamps && is_bounce && material.is_glossy() && !material.is_specular()
-    }
-
-    /// Appends what a rough lobe scatters straight from the lights towards the path, by one shadow
-    /// ray.
-    fn light_lobe(
-        &self,
-        point: &SurfacePoint,
-        incident: Vec3,
-        (throughput, key): (Vec3, Key),
-        lit: &mut Vec<(u32, Vec3)>,
-        rays: &mut RayCounts,
-    ) {
-        let (material, facing) = (self.material(point), point.facing(self.tracer.scene()));
-        let (lobe_rays, samples, shadow_rays) = (1, 1, 1);
-        let lobe =
-            LitLobe { material: &material, facing: &facing, incident, lobe_rays, samples, shadow_rays };
-        let key = key.with(LOBE_LIGHT);
-        let shift = |light| key.with(light).pair();
-        self.tracer.light_of_lobe(point, &lobe, shift, rays, |light, radiance| {
-            lit.push((light, throughput * radiance));
-        });
-    }
-
-    /// How lamps count after a path has continued.
-    fn lamps_after(
-        &self,
-        point: &SurfacePoint,
-        ray: &Ray,
-        next: &Scatter,
-        bounce: u32,
-        before: Lamps,
-    ) -> Lamps {
-        if next.direction.dot(point.geometric_normal) <= 0.0 {
-            return before;
-        }
-        if !self.lights_lobe(point, bounce) {
-            return Lamps::Reflected;
-        }
-        let facing = point.facing(self.tracer.scene());
-        let density = self.material(point).pdf(&facing, ray.direction, next.direction);
-        Lamps::Lobe(LobeRay { position: point.position, density, samples: 1 })
     }
 }

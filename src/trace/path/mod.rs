@@ -7,6 +7,7 @@ mod cached_light;
 mod diffuse;
 mod dimension;
 mod pixel;
+mod rough_link;
 mod specular;
 
 pub use bounces::MAX_PATH;
