@@ -1,13 +1,11 @@
 //! Cells that hold the light of each group of lights.
 
-use super::compute::{Anchor, Cell, POINTS, for_each_sample, light_shift, serves};
+use super::compute::{Anchor, Cell, POINTS, for_each_sample, kinds_by_rays, light_shift, serves};
 use super::key::{CellKey, MAX_SPLITS};
 use super::table::{MAX_BYTES, Table};
 use crate::bsdf::Diffuse;
 use crate::math::key::mix;
-use crate::trace::{
-    CachedGroups, GroupLight, GroupSettings, LightKinds, Reader, SurfacePoint, TraceSettings, Tracer,
-};
+use crate::trace::{CachedGroups, GroupLight, GroupSettings, Reader, SurfacePoint, TraceSettings, Tracer};
 use glam::Vec3;
 
 /// Cells of one scene by groups of lights, for paths of one setting. Shared by threads.
@@ -52,12 +50,12 @@ impl GroupCells {
 
     fn compute(&self, tracer: &Tracer, key: &CellKey) -> Option<(GroupLight, Anchor)> {
         let trace = TraceSettings { samples: 1, bounces: self.bounces, seed: self.seed };
-        let settings = GroupSettings { trace, cache: None, footprint: 0.0 };
+        let settings = GroupSettings { trace, cache: None, footprint: 0.0, finds_near: true };
         let mut sum = GroupLight::default();
         let anchor = for_each_sample(tracer, key, self.seed, |point, sample, sequence, rays| {
             let (mut direct, shift) = (GroupLight::default(), light_shift(sequence, sample));
             let to = (&mut *rays, &mut direct);
-            tracer.add_irradiance_by_group(LightKinds::AllButSky, point, 1, shift, to);
+            tracer.add_irradiance_by_group(kinds_by_rays(self.bounces), point, 1, shift, to);
             let smooth = tracer.path_by_group(point, (sequence, sample), &settings, rays);
             for ((sum, direct), smooth) in sum.iter_mut().zip(direct).zip(smooth) {
                 *sum += Diffuse::WHITE.radiance(direct) + smooth;

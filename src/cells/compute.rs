@@ -84,11 +84,11 @@ fn power(exponent: i32) -> f32 {
 
 /// Traces the light of a cell, with up to `bounces` diffuse surfaces on the way.
 pub(super) fn compute(tracer: &Tracer, key: &CellKey, bounces: u32, seed: u64) -> Cell {
-    let mut sum = Vec3::ZERO;
+    let (mut sum, kinds) = (Vec3::ZERO, kinds_by_rays(bounces));
     let anchor = for_each_sample(tracer, key, seed, |point, sample, sequence, rays| {
         let shift = light_shift(sequence, sample);
-        let irradiance = tracer.irradiance_of(LightKinds::AllButSky, point, 1, shift, rays);
-        let settings = SmoothSettings { bounces, cache: None, footprint: 0.0, samples: 1 };
+        let irradiance = tracer.irradiance_of(kinds, point, 1, shift, rays);
+        let settings = SmoothSettings { bounces, cache: None, footprint: 0.0, samples: 1, finds_near: true };
         let smooth = tracer.smooth_light(point, sample..sample + 1, sequence, settings, rays);
         sum += Diffuse::WHITE.radiance(irradiance) + smooth[0] + smooth[1];
     });
@@ -97,6 +97,11 @@ pub(super) fn compute(tracer: &Tracer, key: &CellKey, bounces: u32, seed: u64) -
         Some(anchor) if light.is_finite() => Cell::Lit(light, anchor),
         _ => Cell::Divided,
     }
+}
+
+/// The lights that shadow rays bring to the points of a cell: near lamps are left to their paths.
+pub(super) fn kinds_by_rays(bounces: u32) -> LightKinds {
+    if bounces > 0 { LightKinds::FarButSky } else { LightKinds::AllButSky }
 }
 
 /// Passes the samples of a cell to `sample`, [`POINTS`] in number: each has a point, and a number

@@ -41,6 +41,7 @@ mod solids;
 mod sun;
 mod texture;
 mod views;
+#[cfg(feature = "import")]
 mod weak_lamps;
 
 pub use crate::camera::SceneFrame;

@@ -92,6 +92,7 @@ impl GroupTracer {
             trace,
             cache: Some(&self.cells),
             footprint: view.footprint(ray.direction, hit.t),
+            finds_near: false,
         };
         let seed = PointSeed::of_growing_pixel(trace.seed, pixel, view.size[0]);
         let light = tracer.light_by_group(&tracer.surface(&ray, &hit), &settings, seed, rays);

@@ -93,7 +93,7 @@ impl DifferenceLight {
         let scenes = [&**self.old.scene(), &*self.new];
         let mut stops = 0;
         let bounces = self.bounces;
-        self.old.follow_path(point, (sequence, sample), (bounces, false), rays, |stop, share, _| {
+        self.old.follow_path(point, (sequence, sample), (bounces, false, false), rays, |stop, share, _| {
             match stop {
                 PathStop::Sky(direction) => {
                     let Some(skies) = &self.sources.skies else { return ControlFlow::Break(()) };

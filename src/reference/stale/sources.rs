@@ -182,7 +182,13 @@ fn light_at(tracer: &Tracer, point: &SurfacePoint, settings: &TraceSettings, key
     if settings.bounces == 0 {
         return direct;
     }
-    let smooth = SmoothSettings { bounces: settings.bounces, cache: None, footprint: 0.0, samples: SAMPLES };
+    let smooth = SmoothSettings {
+        bounces: settings.bounces,
+        cache: None,
+        footprint: 0.0,
+        samples: SAMPLES,
+        finds_near: false,
+    };
     let sums = tracer.smooth_light(point, 0..SAMPLES, Sequence::of_key(key), smooth, &mut rays);
     direct + (sums[0] + sums[1]) / SAMPLES as f32
 }

@@ -102,7 +102,13 @@ impl<'a> TransportDifference<'a> {
         }
         let mut light = |state: usize| {
             let cache = (self.bounces > 0).then_some(&self.cells[state] as &dyn CachedLight);
-            let settings = SmoothSettings { bounces: self.bounces, cache, footprint: FOOTPRINT, samples: 1 };
+            let settings = SmoothSettings {
+                bounces: self.bounces,
+                cache,
+                footprint: FOOTPRINT,
+                samples: 1,
+                finds_near: false,
+            };
             self.states[state].smooth_light_along((point, direction), (sequence, sample), settings, rays)
         };
         let [before, now] = [light(0), light(1)];

@@ -3,6 +3,7 @@
 //! Every light that matters at the point (`grid`) and is not behind the surface gets stratified
 //! shadow rays of its own; many lights share them (`share`).
 
+use super::near::MOST;
 use super::quad::Points;
 use super::sample::{add_samples, is_behind, sample_count};
 use super::share::{LightTurn, SHARING};
@@ -21,6 +22,8 @@ pub(crate) enum LightKinds {
     All,
     /// Those that cast sharp shadows. Paths find the sky.
     AllButSky,
+    /// The same without the parts of lamps that are so near that the path from there finds them.
+    FarButSky,
 }
 
 impl Tracer {
@@ -98,7 +101,8 @@ impl Tracer {
             let mut unblocked = [Vec3::ZERO; BUNDLE_RAYS];
             let range = first..count.min(first + BUNDLE_RAYS as u32);
             let points = Points { range, count, shift };
-            rays.clamped += add_samples(self.scene(), light, point, points, &mut bundle, &mut unblocked);
+            rays.clamped +=
+                add_samples(self.scene(), light, point, points, f32::INFINITY, &mut bundle, &mut unblocked);
             rays.shadow += bundle.len() as u64;
             self.transmittances(&bundle, &mut passed);
             sum += unblocked.iter().zip(&passed).take(bundle.len()).map(|(u, p)| *u * *p).sum::<Vec3>();
@@ -127,11 +131,12 @@ impl Tracer {
         mut add: impl FnMut(u32, Vec3),
     ) {
         let (origin, mut passed) = (point.origin_in_front(), [Vec3::ZERO; BUNDLE_RAYS]);
+        let most = if kinds == LightKinds::FarButSky { MOST } else { f32::INFINITY };
         let turns = self.lights_at(point.position).turns(samples, || shift(SHARING)[0]);
         for LightTurn { index, samples, weight } in turns {
             // Skip a light that lies wholly behind the surface.
             let light = &self.scene().lights[index as usize];
-            let is_left_out = kinds == LightKinds::AllButSky && matches!(light, Light::Sky);
+            let is_left_out = kinds != LightKinds::All && matches!(light, Light::Sky);
             if is_left_out || is_behind(light, point) {
                 continue;
             }
@@ -144,7 +149,8 @@ impl Tracer {
                 let mut unblocked = [Vec3::ZERO; BUNDLE_RAYS];
                 let range = first..count.min(first + BUNDLE_RAYS as u32);
                 let points = Points { range, count, shift };
-                let clamped = add_samples(self.scene(), light, point, points, &mut bundle, &mut unblocked);
+                let clamped =
+                    add_samples(self.scene(), light, point, points, most, &mut bundle, &mut unblocked);
                 // Trace the shadow rays and add what arrives.
                 trace(&bundle, clamped, &mut passed);
                 for (unblocked, passed) in unblocked.iter().zip(&passed).take(bundle.len()) {

@@ -123,7 +123,15 @@ impl Tracer {
                 let mut unblocked = [Vec3::ZERO; BUNDLE_RAYS];
                 let range = first..count.min(first + BUNDLE_RAYS as u32);
                 let points = Points { range, count, shift };
-                rays.clamped += add_samples(self.scene(), light, point, points, &mut bundle, &mut unblocked);
+                rays.clamped += add_samples(
+                    self.scene(),
+                    light,
+                    point,
+                    points,
+                    f32::INFINITY,
+                    &mut bundle,
+                    &mut unblocked,
+                );
                 for (ray, irradiance) in bundle.rays().zip(unblocked) {
                     let share = weight / count as f32 * lobe.share_of_points(point, light, &ray, irradiance);
                     let value = lobe.material.evaluate(

@@ -5,6 +5,7 @@
 mod direct;
 mod grid;
 mod lobe;
+mod near;
 mod quad;
 mod sample;
 mod shadow;

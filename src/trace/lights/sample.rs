@@ -13,6 +13,8 @@ use std::f32::consts::PI;
 pub(super) struct LightSample {
     pub(super) shadow_ray: Ray,
     pub(super) irradiance: Vec3,
+    /// Irradiance over radiance of a lamp of even radiance; zero for other lights.
+    pub(super) factor: f32,
     /// True where the light is so near that the irradiance was bounded.
     pub(super) is_clamped: bool,
 }
@@ -59,7 +61,7 @@ pub(super) fn sample(
     u: [f32; 2],
 ) -> Option<LightSample> {
     let distant = |d: Vec3, irradiance: Vec3| {
-        Some(LightSample { shadow_ray: Ray::new(origin, d), irradiance, is_clamped: false })
+        Some(LightSample { shadow_ray: Ray::new(origin, d), irradiance, factor: 0.0, is_clamped: false })
     };
     match light {
         Light::Quad { corner, edge_u, edge_v, radiance } => {
@@ -74,7 +76,8 @@ pub(super) fn sample(
                 return area_sample(point, origin, on_light, normal * *area, *radiance);
             };
             let (area, relative) = picture.sample((&scene.materials, &scene.textures), chosen, place);
-            area_sample(point, origin, on_light, normal * area, *radiance * relative)
+            let sample = area_sample(point, origin, on_light, normal * area, *radiance * relative)?;
+            Some(LightSample { factor: 0.0, ..sample })
         }
         Light::Point { position, intensity, beam } => {
             let d = *position - point.position;
@@ -93,6 +96,7 @@ pub(super) fn sample(
             Some(LightSample {
                 shadow_ray: Ray { t_max: 1.0, ..Ray::new(origin, *position - origin) },
                 irradiance: intensity * (cos / distance2.max(NEAREST)),
+                factor: 0.0,
                 is_clamped: distance2 < NEAREST,
             })
         }
@@ -122,19 +126,22 @@ fn nearest2(area_normal: Vec3) -> f32 {
 }
 
 /// Adds the shadow rays of samples that bring light to an empty bundle, and writes the unshadowed
-/// irradiance of each. Returns the number of samples whose irradiance was bounded.
+/// irradiance of each. Leaves out those of lamps of even radiance whose irradiance is above `most`
+/// times the radiance. Returns the number of samples whose irradiance was bounded.
 #[inline(always)]
 pub(super) fn add_samples(
     scene: &Scene,
     light: &Light,
     point: &SurfacePoint,
     points: Points,
+    most: f32,
     bundle: &mut RayBundle,
     unblocked: &mut [Vec3; BUNDLE_RAYS],
 ) -> u64 {
     // Sample a parallelogram sixteen points at a time.
     if let Light::Quad { corner, edge_u, edge_v, radiance } = *light
         && points.range.len() >= MIN_RAYS
+        && most == f32::INFINITY
     {
         let quad = Quad { corner, edge_u, edge_v, nearest2: nearest2(edge_u.cross(edge_v)) };
         let mut factors = [0.0; BUNDLE_RAYS];
@@ -150,6 +157,9 @@ pub(super) fn add_samples(
     for i in points.range {
         let u = lattice(i, points.count, points.shift);
         let Some(s) = sample(scene, light, point, bundle.origin(), u) else { continue };
+        if s.factor > most {
+            continue;
+        }
         unblocked[bundle.len()] = s.irradiance;
         clamped += u64::from(s.is_clamped);
         bundle.push(s.shadow_ray.direction, s.shadow_ray.t_max);
@@ -187,6 +197,7 @@ fn area_sample(
     Some(LightSample {
         shadow_ray: Ray::segment(origin, on_light),
         irradiance: radiance * factor,
+        factor,
         is_clamped,
     })
 }

@@ -56,6 +56,8 @@ pub(crate) struct SmoothSettings<'a> {
     pub(crate) footprint: f32,
     /// Paths of the point, also those of other calls.
     pub(crate) samples: u32,
+    /// True where shadow rays at the point leave near lamps to the paths.
+    pub(crate) finds_near: bool,
 }
 
 impl Tracer {
@@ -122,16 +124,16 @@ impl Tracer {
     /// of [`Self::smooth_light`]. `visit` is given each stop, and the share of the radiance that
     /// leaves it towards the path that arrives at the point, as radiance of a white surface; it may
     /// end the path. Without `samples_lamps`, rough surfaces find lamps by the path alone, and no
-    /// other lights.
+    /// other lights. `finds_near` is [`SmoothSettings::finds_near`].
     pub(crate) fn follow_path(
         &self,
         start: &SurfacePoint,
         (sequence, sample): (Sequence, u32),
-        (bounces, samples_lamps): (u32, bool),
+        (bounces, samples_lamps, finds_near): (u32, bool, bool),
         rays: &mut RayCounts,
         mut visit: impl FnMut(&PathStop, Vec3, &mut RayCounts) -> ControlFlow<()>,
     ) {
-        let settings = SmoothSettings { bounces, cache: None, footprint: 0.0, samples: 1 };
+        let settings = SmoothSettings { bounces, cache: None, footprint: 0.0, samples: 1, finds_near };
         let path = Path { tracer: self, sequence, sample, settings, samples_lamps };
         let (mut point, mut throughput) = (*start, Vec3::ONE);
         for bounce in 0..bounces.min(MAX_PATH) + 1 {
@@ -142,7 +144,7 @@ impl Tracer {
             let Some(direction) = Diffuse::sample_direction(&point.facing(self.scene()), u) else { return };
             let ray = Ray::new(point.origin_in_front(), direction);
             let mut lit = Vec::new();
-            let next = path.next(ray, &mut throughput, bounce, &mut lit, rays);
+            let next = path.next((&point, ray), &mut throughput, bounce, &mut lit, rays);
             for (light, radiance) in lit {
                 let _ = visit(&PathStop::Lamp(light), radiance, rays);
             }
@@ -155,7 +157,7 @@ impl Tracer {
                 Next::Surface(..) if bounce == bounces => return,
                 Next::Surface(next, length, lamps) => {
                     let was_reflected = !matches!(lamps, Lamps::Found);
-                    let emission_share = path.emission_share(&next, lamps);
+                    let emission_share = path.emission_share(&point, &next, lamps, bounce);
                     let stop = PathStop::Surface { point: next, length, was_reflected, emission_share };
                     if visit(&stop, throughput, rays).is_break() {
                         return;
@@ -169,6 +171,12 @@ impl Tracer {
             }
         }
     }
+}
+
+/// The lights that shadow rays bring to the vertex after segment `bounce`: without near lamps where
+/// the path's next segment may find those.
+pub(super) fn kinds_at_vertex(bounce: u32, bounces: u32) -> LightKinds {
+    if bounce + 1 < bounces.min(MAX_PATH) { LightKinds::FarButSky } else { LightKinds::AllButSky }
 }
 
 /// One path.
@@ -202,7 +210,7 @@ impl Path<'_> {
             let Some(direction) = direction else { return radiance };
             let ray = Ray::new(point.origin_in_front(), direction);
             let mut lit = Vec::new();
-            let next = self.next(ray, &mut throughput, bounce, &mut lit, rays);
+            let next = self.next((&point, ray), &mut throughput, bounce, &mut lit, rays);
             for (_, light) in lit {
                 radiance += light;
             }
@@ -216,7 +224,7 @@ impl Path<'_> {
                 return radiance;
             }
             // No shadow ray finds a light by way of a mirror, so its emission counts here.
-            let share = self.emission_share(&next, lamps);
+            let share = self.emission_share(&point, &next, lamps, bounce);
             if share > 0.0 {
                 radiance += throughput * (next.emission(scene) * share);
             }
@@ -232,7 +240,8 @@ impl Path<'_> {
             {
                 return radiance + throughput * light;
             }
-            let irradiance = self.lights(&next, bounce, rays);
+            let kinds = kinds_at_vertex(bounce, bounces);
+            let irradiance = self.lights(&next, kinds, bounce, rays);
             radiance += Diffuse { albedo: throughput }.radiance(irradiance);
             point = next;
         }
@@ -254,29 +263,37 @@ impl Path<'_> {
         self.sequence.pair(self.sample, ROULETTE + bounce)[0] < survival
     }
 
-    /// The irradiance at a vertex that arrives straight from lights other than the sky.
-    fn lights(&self, point: &SurfacePoint, bounce: u32, rays: &mut RayCounts) -> Vec3 {
+    /// The irradiance at a vertex that arrives straight from some kinds of lights.
+    fn lights(&self, point: &SurfacePoint, kinds: LightKinds, bounce: u32, rays: &mut RayCounts) -> Vec3 {
         let first = LIGHT + (bounce << 16);
         let shift = |light| self.sequence.pair(self.sample, first.wrapping_add(light));
-        self.tracer.irradiance_of(LightKinds::AllButSky, point, 1, shift, rays)
+        self.tracer.irradiance_of(kinds, point, 1, shift, rays)
     }
 
-    /// Share (0..1) of a surface's emission that counts.
-    fn emission_share(&self, surface: &SurfacePoint, lamps: Lamps) -> f32 {
+    /// Share (0..1) of a surface's emission that counts at the end of a segment from `vertex`.
+    fn emission_share(
+        &self,
+        vertex: &SurfacePoint,
+        surface: &SurfacePoint,
+        lamps: Lamps,
+        bounce: u32,
+    ) -> f32 {
+        let finds_near = bounce > 0 || self.settings.finds_near;
         match lamps {
+            Lamps::Found if finds_near && self.tracer.is_lamp_near(vertex, surface) => 1.0,
             Lamps::Found => 0.0,
             Lamps::Reflected => 1.0,
             Lamps::Lobe(lobe) => self.tracer.lamp_share(&lobe, surface),
         }
     }
 
-    /// Follows a ray to the next point that scatters diffusely, through mirrors, glass and rough
+    /// Follows a ray from a vertex to the next point that scatters diffusely, through mirrors, glass and rough
     /// surfaces on the way. At a surface with several lobes one is chosen at random, by the share
     /// of light that it carries. Appends to `lit` what rough surfaces scatter straight from lights,
     /// with their indices.
     fn next(
         &self,
-        mut ray: Ray,
+        (vertex, mut ray): (&SurfacePoint, Ray),
         throughput: &mut Vec3,
         bounce: u32,
         lit: &mut Vec<(u32, Vec3)>,
@@ -305,7 +322,7 @@ impl Path<'_> {
                 && bounce < self.settings.bounces.min(MAX_PATH)
                 && let Some(light) = tracer.scene().lamp_of_triangle(point.triangle)
             {
-                let share = self.emission_share(&point, lamps);
+                let share = self.emission_share(vertex, &point, lamps, bounce);
                 lit.push((light, *throughput * point.emission(tracer.scene()) * share));
             }
             let of_both = diffuse + self.weight_of_lobe(&point, &ray, &continuations);

@@ -1,14 +1,14 @@
 //! The light of a point by groups of lights: light is linear in what the lights emit, so one set of
 //! rays brings the light of every group.
 
-use super::bounces::PathStop;
+use super::bounces::{PathStop, kinds_at_vertex};
 use super::cached_light::Reader;
 use super::diffuse::kinds_of;
 use super::dimension::LIGHT;
 use crate::bsdf::Diffuse;
 use crate::math::sequence::{PointSeed, Sequence};
 use crate::scene::{LightGroupKind, MAX_LIGHT_GROUPS};
-use crate::trace::lights::{GroupLight, LightKinds};
+use crate::trace::lights::GroupLight;
 use crate::trace::{RayCounts, SurfacePoint, TraceSettings, Tracer};
 use glam::Vec3;
 use std::ops::ControlFlow;
@@ -29,6 +29,8 @@ pub(crate) struct GroupSettings<'a> {
     pub(crate) cache: Option<&'a dyn CachedGroups>,
     /// Size of the pixel on the surface, scene units.
     pub(crate) footprint: f32,
+    /// True where shadow rays at the point leave near lamps to the paths.
+    pub(crate) finds_near: bool,
 }
 
 /// Light of each group at a point.
@@ -91,7 +93,8 @@ impl Tracer {
         };
         let (sky, mut bounce) = (groups.of_kind(LightGroupKind::Sky), 0);
         let of = (sequence, sample);
-        self.follow_path(start, of, (settings.trace.bounces, true), rays, |stop, share, rays| {
+        let bounces = settings.trace.bounces;
+        self.follow_path(start, of, (bounces, true, settings.finds_near), rays, |stop, share, rays| {
             let (point, length, emission_share) = match *stop {
                 PathStop::Surface { point, length, emission_share, .. } => (point, length, emission_share),
                 PathStop::Lamp(light) => {
@@ -125,7 +128,8 @@ impl Tracer {
             let first = LIGHT + (bounce << 16);
             let shift = |light| sequence.pair(sample, first.wrapping_add(light));
             let mut irradiance = GroupLight::default();
-            self.add_irradiance_by_group(LightKinds::AllButSky, &point, 1, shift, (rays, &mut irradiance));
+            let kinds = kinds_at_vertex(bounce, bounces);
+            self.add_irradiance_by_group(kinds, &point, 1, shift, (rays, &mut irradiance));
             for (group, irradiance) in (0..).zip(irradiance) {
                 add(Some(group), Diffuse { albedo: share }.radiance(irradiance));
             }

@@ -78,7 +78,7 @@ impl LightSettings<'_> {
     /// What the paths of smooth light are traced with, of which there are `samples`.
     pub(crate) fn smooth(&self, samples: u32) -> SmoothSettings<'_> {
         let Self { trace, cache, footprint, .. } = *self;
-        SmoothSettings { bounces: trace.bounces, cache, footprint, samples }
+        SmoothSettings { bounces: trace.bounces, cache, footprint, samples, finds_near: false }
     }
 }
 
