@@ -23,14 +23,7 @@ impl Path<'_> {
     /// The material of a point as paths of smooth light see it: metal and coats at least as rough
     /// as [`LEAST_ROUGHNESS`].
     pub(super) fn material(&self, point: &SurfacePoint) -> Cow<'_, Material> {
-        let material = self.tracer.material(point);
-        match material.kind {
-            MaterialKind::Glossy { reflectance, roughness } if roughness < LEAST_ROUGHNESS => {
-                let kind = MaterialKind::Glossy { reflectance, roughness: LEAST_ROUGHNESS };
-                Cow::Owned(Material { kind, name: String::new(), ..*material })
-            }
-            _ => Cow::Borrowed(material),
-        }
+        at_least_as_rough(self.tracer.material(point), LEAST_ROUGHNESS)
     }
 
     /// What the lobe other than the diffuse one is estimated to carry. Where its sample is lost,
@@ -89,5 +82,16 @@ impl Path<'_> {
         let facing = point.facing(self.tracer.scene());
         let density = self.material(point).pdf(&facing, ray.direction, next.direction);
         Lamps::Lobe(LobeRay { position: point.position, density, samples: 1 })
+    }
+}
+
+/// The material with metal or a coat at least this rough.
+pub(super) fn at_least_as_rough(material: &Material, least: f32) -> Cow<'_, Material> {
+    match material.kind {
+        MaterialKind::Glossy { reflectance, roughness } if roughness < least => {
+            let kind = MaterialKind::Glossy { reflectance, roughness: least };
+            Cow::Owned(Material { kind, name: String::new(), ..*material })
+        }
+        _ => Cow::Borrowed(material),
     }
 }

@@ -8,6 +8,7 @@
 //! other.
 
 use super::dimension::{LOBE, LOBE_LIGHT, LOBE_RAY, SPECULAR};
+use super::rough_link::at_least_as_rough;
 use crate::bsdf::{Lobe, Scatter, ScatterSet};
 use crate::math::{Ray, key::Key, sampling::lattice, sequence::PointSeed};
 use crate::scene::Material;
@@ -55,6 +56,8 @@ struct Branch {
     bounces: u32,
     /// Length of the path from the first surface to the ray's origin, scene units.
     length: f32,
+    /// Largest roughness of the surfaces that the branch has left.
+    roughness: f32,
     /// How the branch left the last rough surface; `None` where a mirror has reflected it since, or
     /// there was none.
     lobe: Option<LobeRay>,
@@ -113,6 +116,7 @@ impl Tracer {
             split: 1.0,
             bounces: 0,
             length: 0.0,
+            roughness: 0.0,
             lobe: None,
         };
         let mut radiance = self.leave(&mut open, point, &first, seed, rays);
@@ -174,7 +178,7 @@ impl Tracer {
         seed: PointSeed,
         rays: &mut RayCounts,
     ) -> Vec3 {
-        let material = self.material(point);
+        let material = &*at_least_as_rough(self.material(point), arriving.roughness);
         if material.is_specular() {
             self.push_branches(open, point, arriving, seed.key);
             return Vec3::ZERO;
@@ -249,7 +253,8 @@ impl Tracer {
             lattice(*next, *count, seed.key.with(LOBE).pair())
         };
         let (facing, incident) = (point.facing(self.scene()), arriving.ray.direction.normalize_or(Vec3::Y));
-        let material = self.material(point);
+        let material = at_least_as_rough(self.material(point), arriving.roughness);
+        let roughness = arriving.roughness.max(material.width().sqrt());
         for scatter in material.sample(&facing, incident, random).heaviest_first() {
             let density = material.pdf(&facing, incident, scatter.direction) * *count as f32;
             let own =
@@ -259,7 +264,7 @@ impl Tracer {
                 // As through clear glass: shadow rays of the last rough surface pass straight.
                 (true, _, last) => last,
             };
-            let of_ray = Branch { split: arriving.split / *count as f32, lobe, ..*arriving };
+            let of_ray = Branch { split: arriving.split / *count as f32, lobe, roughness, ..*arriving };
             push(open, point, &of_ray, scatter);
         }
     }
