@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Compares mode `full` of afterimage with the `path` integrator of Mitsuba 3 on three diffuse scenes.
+"""Compares mode `full` of afterimage with the `path` integrator of Mitsuba 3 on three diffuse
+scenes and on one with metal of six roughnesses.
 
     python3 -m venv /tmp/venv && /tmp/venv/bin/pip install mitsuba
     /tmp/venv/bin/python tests/mitsuba/compare.py target/release/afterimage --json result.json
@@ -240,7 +241,9 @@ def main():
         return 0
     mi.set_variant(variant)
     import drjit
+    import metal
 
+    metal.register()
     drjit.set_thread_count(options.threads)
     print(f"Mitsuba {mi.__version__}, {variant}, {options.threads} threads, --bounces {options.bounces}")
     with tempfile.TemporaryDirectory() as folder:

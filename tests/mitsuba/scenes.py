@@ -1,4 +1,4 @@
-"""Three purely diffuse scenes, each as an OBJ model with its MTL and sidecar for afterimage and as
+"""Three purely diffuse scenes and one with rough metal, each as an OBJ model with its MTL and sidecar for afterimage and as
 a dictionary for Mitsuba 3.
 
 Lengths are metres, +Y is up, colours are linear Rec. 709. Radiances have the same unit in both
@@ -13,10 +13,12 @@ from dataclasses import dataclass, field
 
 @dataclass
 class Material:
-    """A diffuse reflectance and an emitted radiance."""
+    """A diffuse reflectance and an emitted radiance, or a metal of some roughness, whose reflectance
+    at normal incidence is `albedo`."""
 
     albedo: tuple
     emission: tuple = (0.0, 0.0, 0.0)
+    roughness: float = None
 
     def is_lamp(self):
         return max(self.emission) > 0.0
@@ -176,6 +178,32 @@ def atrium():
     return s
 
 
+def metals():
+    """Plates of metal of six roughnesses on a wall, opposite a lamp and a coloured room."""
+    gold = (0.9, 0.75, 0.4)
+    s = Scene("metals", (0.0, 1.5, 3.4), (0.0, 1.35, 0.0), 52.0, (192, 128), {
+        "wall": Material((0.7, 0.68, 0.64)), "floor": Material((0.45, 0.3, 0.2)),
+        "red": Material((0.6, 0.12, 0.1)), "lamp": Material((0.0, 0.0, 0.0), (9.0, 8.5, 7.5)),
+    })
+    w, h, d = 2.5, 2.8, 5.0
+    s.quad("floor", (-w, 0, 0), (0, 0, d), (2 * w, 0, 0))
+    hole = ((0.3, 0.7), (0.4, 0.6))
+    s.frame("wall", (-w, h, 0), (2 * w, 0, 0), (0, 0, d), hole)
+    (u0, u1), (v0, v1) = hole
+    s.quad("lamp", (2 * w * u0 - w, h, d * v0), (2 * w * (u1 - u0), 0, 0), (0, 0, d * (v1 - v0)))
+    s.quad("red", (-w, 0, 0), (0, h, 0), (0, 0, d))
+    s.quad("wall", (w, 0, 0), (0, 0, d), (0, h, 0))
+    s.quad("wall", (-w, 0, 0), (2 * w, 0, 0), (0, h, 0))
+    s.quad("wall", (-w, 0, d), (0, h, 0), (2 * w, 0, 0))
+    for i, roughness in enumerate((0.1, 0.2, 0.35, 0.5, 0.7, 0.9)):
+        name, x, y = f"metal{i}", -2.1 + 1.45 * (i % 3), 1.45 - 1.25 * (i // 3)
+        s.materials[name] = Material(gold, roughness=roughness)
+        # Plates lean back, each by another angle.
+        lean = 0.1 * (i + 1)
+        s.quad(name, (x, y, 0.7), (1.3, 0, 0), (0, 1.1 * math.cos(lean), -1.1 * math.sin(lean)))
+    return s
+
+
 def column(s, place, radius, height, sides=10):
     """Adds a prism that stands at x and z."""
     def point(i):
@@ -187,7 +215,7 @@ def column(s, place, radius, height, sides=10):
         s.quad("stone", a, (0, height, 0), tuple(q - p for p, q in zip(a, b)))
 
 
-ALL = {make.__name__: make for make in (cornell, window, atrium)}
+ALL = {make.__name__: make for make in (cornell, window, atrium, metals)}
 
 
 def corners(quad):
@@ -218,7 +246,9 @@ def write_afterimage(scene, folder):
     mtl = ""
     for name, m in scene.materials.items():
         kd, ke = (" ".join(map(str, c)) for c in (m.albedo, m.emission))
-        mtl += f"newmtl {name}\nKd {kd}\nKe {ke}\nKs 0 0 0\nillum 1\n"
+        mtl += f"newmtl {name}\nKd {kd}\nKe {ke}\n"
+        rough = m.roughness is not None
+        mtl += f"Pm 1\nPr {m.roughness}\n" if rough else "Ks 0 0 0\nillum 1\n"
     path.with_suffix(".mtl").write_text(mtl)
     toml = 'unit = "m"\nup = "+Y"\n'
     if scene.sun:
@@ -258,6 +288,9 @@ def mitsuba_dict(mi, scene, folder, max_depth):
     }
     for name, material in scene.materials.items():
         bsdf = {"type": "twosided", "bsdf": {"type": "diffuse", "reflectance": rgb(material.albedo)}}
+        if material.roughness is not None:
+            f0 = {f"f0_{c}": x for c, x in zip("rgb", material.albedo)}
+            bsdf["bsdf"] = {"type": "metal", "alpha": material.roughness**2, **f0}
         if material.is_lamp():
             for i, quad in enumerate(q for q in scene.quads if q[0] == name):
                 lamp = {"type": "area", "radiance": rgb(material.emission)}

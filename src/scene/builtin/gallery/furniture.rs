@@ -6,7 +6,7 @@ use super::rooms::PLATFORM;
 use crate::scene::SceneBuilder;
 use crate::scene::builtin::parts::bench;
 use crate::scene::builtin::shapes::{Faces, Local, bar, block, icosphere, lathe};
-use glam::DVec3;
+use glam::{DVec3, Vec2};
 use std::f64::consts::FRAC_PI_2;
 
 /// Segments of round furniture.
@@ -58,8 +58,8 @@ fn settee(b: &mut SceneBuilder, p: &Palette, frame: &Local) {
         [0.23 + 0.07 * cos, 0.96 + 0.06 * sin]
     }));
     lathe(b, frame, &back, SEGMENTS, p.velvet);
-    lathe(b, frame, &[[0.24, 1.015], [0.20, 1.04], [0.08, 1.05], [0.001, 1.05]], SEGMENTS, p.brass);
-    icosphere(b, &frame.moved(DVec3::Y * 1.2), 4, p.brass, |d| d * 0.16);
+    lathe(b, frame, &[[0.24, 1.015], [0.20, 1.04], [0.08, 1.05], [0.001, 1.05]], SEGMENTS, p.brushed_brass);
+    icosphere(b, &frame.moved(DVec3::Y * 1.2), 4, p.brushed_brass, |d| d * 0.16);
 }
 
 /// Adds a rug with a border, 12 mm thick.
@@ -79,6 +79,13 @@ fn desk(b: &mut SceneBuilder, p: &Palette, frame: &Local) {
     block(b, frame, slab(1.05, 0.30, 0.0, 0.08), body, p.parts.black);
     block(b, frame, slab(1.1, 0.35, 0.08, 1.02), Faces::ALL.without(Faces::TOP), p.parts.wood);
     block(b, frame, slab(1.16, 0.41, 1.02, 1.07), Faces::ALL, p.parts.stone);
+    // A screen on a foot, turned to those who enter.
+    let foot = [DVec3::new(-0.6, 1.07, -0.1), DVec3::new(-0.3, 1.09, 0.1)];
+    block(b, frame, foot, Faces::ALL.without(Faces::BOTTOM), p.parts.black);
+    let back = [DVec3::new(-0.72, 1.12, -0.02), DVec3::new(-0.18, 1.45, 0.02)];
+    block(b, frame, back, Faces::ALL, p.parts.black);
+    let picture = [[-0.70, 1.14], [-0.20, 1.14], [-0.20, 1.43], [-0.70, 1.43]];
+    b.add_quad(picture.map(|[x, y]| frame.point(DVec3::new(x, y, 0.025))), Vec2::ONE, p.screen);
     // A small stack of leaflets.
     let leaflets = [DVec3::new(0.5, 1.07, -0.12), DVec3::new(0.72, 1.13, 0.18)];
     block(b, frame, leaflets, Faces::ALL.without(Faces::BOTTOM), p.paper);

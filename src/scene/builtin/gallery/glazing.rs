@@ -57,8 +57,10 @@ fn glaze(b: &mut SceneBuilder, p: &Palette, gap: &Gap) {
     if is_door {
         bar(at(-half, 0.03), at(half, 0.3), 0.05);
     }
+    // People who hang drawings want even light: the window of the long gallery is frosted.
+    let glass = if gap.middle[0] < 10.0 { p.frosted_glass } else { p.window_glass };
     let pane = [[-half, foot], [half, foot], [half, head], [-half, head]];
-    b.add_quad(pane.map(|[x, y]| frame.point(DVec3::new(x, y, 0.0))), Vec2::ONE, p.window_glass);
+    b.add_quad(pane.map(|[x, y]| frame.point(DVec3::new(x, y, 0.0))), Vec2::ONE, glass);
 }
 
 /// Adds a sill to the inside of a wall, with a board below it.

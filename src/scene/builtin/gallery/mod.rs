@@ -16,6 +16,7 @@
 //! ```
 
 mod exhibits;
+mod fabric;
 mod furniture;
 mod garden;
 mod glazing;
@@ -53,6 +54,7 @@ pub(super) fn add_to(b: &mut SceneBuilder) -> Result<(), SceneError> {
     exhibits::add_to(b, &palette);
     pictures::add_to(b, &palette);
     furniture::add_to(b, &palette);
+    fabric::add_to(b, &palette);
     garden::add_to(b, &palette);
     b.sky = Some(Sky::Gradient(SKY));
     b.sun = Some(morning_sun());

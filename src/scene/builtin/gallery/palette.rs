@@ -1,9 +1,9 @@
 //! Materials and textures of the gallery.
 
 use super::plan::RoomName;
-use super::{paintings, parquet};
-use crate::scene::builtin::parts::{MARBLE, Materials, TILES, WOOD, texture, textured};
-use crate::scene::{Material, MaterialId, SceneBuilder, SceneError, TextureId};
+use super::{fabric, paintings, parquet};
+use crate::scene::builtin::parts::{HARBOUR, MARBLE, Materials, TILES, WOOD, texture, textured};
+use crate::scene::{Material, MaterialId, MaterialKind, SceneBuilder, SceneError, TextureId, TextureRef};
 use glam::Vec3;
 
 /// The materials of the gallery, named after their use.
@@ -21,11 +21,15 @@ pub(super) struct Palette {
     pub(super) beam: MaterialId,
     pub(super) outside: MaterialId,
     pub(super) brass: MaterialId,
+    pub(super) brushed_brass: MaterialId,
     pub(super) shade: MaterialId,
     /// White paint on iron.
     pub(super) iron_white: MaterialId,
     pub(super) mirror: MaterialId,
     pub(super) window_glass: MaterialId,
+    pub(super) frosted_glass: MaterialId,
+    pub(super) curtain: MaterialId,
+    pub(super) screen: MaterialId,
     pub(super) marble: MaterialId,
     pub(super) terracotta: MaterialId,
     pub(super) ultramarine: MaterialId,
@@ -72,10 +76,14 @@ impl Palette {
             beam: textured(b, "oak beam", wood, [0.7, 0.7], Vec3::new(0.62, 0.56, 0.5)),
             outside: matte(b, "outside plaster", [0.68, 0.63, 0.54]),
             brass: matte(b, "brass", [0.58, 0.44, 0.2]),
+            brushed_brass: rough(b, "brushed brass", [0.0; 3], [0.88, 0.7, 0.38], 0.35),
             shade: matte(b, "lamp shade", [0.80, 0.74, 0.62]),
             iron_white: matte(b, "painted iron", [0.66, 0.67, 0.66]),
             mirror: b.add_material(Material::mirror("mirror", Vec3::new(0.88, 0.9, 0.89))),
             window_glass: b.add_material(Material::glass("window glass", 1.5, Vec3::new(0.97, 0.985, 0.98))),
+            frosted_glass: frosted(b),
+            curtain: curtain(b),
+            screen: screen(b)?,
             marble: textured(b, "marble", marble, [1.4, 1.4], Vec3::new(0.95, 0.93, 0.9)),
             terracotta: matte(b, "terracotta", [0.60, 0.28, 0.16]),
             ultramarine: matte(b, "ultramarine", [0.08, 0.13, 0.46]),
@@ -109,6 +117,37 @@ fn matte(b: &mut SceneBuilder, name: &str, color: [f32; 3]) -> MaterialId {
     b.add_material(Material::diffuse(name, Vec3::from(color)))
 }
 
+/// Adds a metal, whose base is black, or a coat over a base.
+fn rough(
+    b: &mut SceneBuilder,
+    name: &str,
+    base: [f32; 3],
+    reflectance: [f32; 3],
+    roughness: f32,
+) -> MaterialId {
+    let kind = MaterialKind::Glossy { reflectance: Vec3::from(reflectance), roughness };
+    b.add_material(Material { kind, ..Material::diffuse(name, Vec3::from(base)) })
+}
+
+fn frosted(b: &mut SceneBuilder) -> MaterialId {
+    let kind = MaterialKind::Frosted { eta: 1.5, transmittance: Vec3::splat(0.96), roughness: 0.3 };
+    b.add_material(Material { kind, ..Material::diffuse("frosted glass", Vec3::ZERO) })
+}
+
+fn curtain(b: &mut SceneBuilder) -> MaterialId {
+    let texture = b.add_texture(fabric::sheer());
+    let mut material = Material::diffuse("sheer curtain", Vec3::splat(0.8));
+    material.cover_by(TextureRef::plain(texture));
+    b.add_material(material)
+}
+
+/// Adds a screen that shows a picture as bright as the walls around it.
+fn screen(b: &mut SceneBuilder) -> Result<MaterialId, SceneError> {
+    let picture = texture(b, &HARBOUR)?;
+    let emission_texture = Some(TextureRef::plain(picture));
+    Ok(b.add_material(Material { emission_texture, ..Material::emissive("screen", Vec3::splat(1.6)) }))
+}
+
 fn parts(b: &mut SceneBuilder, surfaces: &Surfaces) -> Materials {
     Materials {
         stone: matte(b, "limestone", [0.66, 0.61, 0.53]),
@@ -140,7 +179,15 @@ fn walls(b: &mut SceneBuilder) -> [MaterialId; 6] {
 fn floors(b: &mut SceneBuilder, s: &Surfaces) -> [MaterialId; 6] {
     let oak = textured(b, "oak floor", s.parquet, [0.5, 0.5], Vec3::splat(0.9));
     let walnut = textured(b, "walnut floor", s.parquet, [0.5, 0.5], Vec3::new(0.62, 0.52, 0.45));
+    let varnished = varnished(b, "varnished walnut floor", walnut);
     let tiles = textured(b, "tile floor", s.tiles, [0.62, 0.62], Vec3::new(0.9, 0.88, 0.84));
     let marble = textured(b, "marble floor", s.marble, [0.8, 0.8], Vec3::new(0.66, 0.61, 0.53));
-    [oak, walnut, walnut, oak, tiles, marble]
+    [oak, varnished, walnut, oak, tiles, marble]
+}
+
+/// Adds a material again, under satin varnish.
+fn varnished(b: &mut SceneBuilder, name: &str, base: MaterialId) -> MaterialId {
+    let kind = MaterialKind::Glossy { reflectance: Vec3::splat(0.04), roughness: 0.25 };
+    let material = Material { name: name.to_owned(), kind, ..b.materials[base.0 as usize].clone() };
+    b.add_material(material)
 }
