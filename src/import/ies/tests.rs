@@ -40,7 +40,11 @@ fn a_lambertian_profile_has_the_flux_of_its_lumens() {
     let list = |f: &dyn Fn(f64) -> f64| {
         heights.iter().map(|h| format!("{:.6}", f(*h))).collect::<Vec<_>>().join(" ")
     };
-    let ies = parse(&file("0", &list(&|h| h), &list(&|h| 500.0 / 3.14159265 * h.to_radians().cos())));
+    let ies = parse(&file(
+        "0",
+        &list(&|h| h),
+        &list(&|h| 500.0 * std::f64::consts::FRAC_1_PI * h.to_radians().cos()),
+    ));
     let ies = ies.unwrap();
     let lumens = ies.candela * f64::from(ies.profile.flux());
     assert!((lumens / 1000.0 - 1.0).abs() < 0.01, "{lumens}");

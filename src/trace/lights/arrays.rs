@@ -103,7 +103,7 @@ impl Block {
     #[inline(always)]
     fn estimate(&self, position: Vec3, normal: Vec3) -> [f32; LANES] {
         let mut estimates = [0.0; LANES];
-        for lane in 0..LANES {
+        for (lane, estimate) in estimates.iter_mut().enumerate() {
             let [x, y, z] = [0, 1, 2].map(|axis| self.centre[axis][lane] - position[axis]);
             let distance2 = x * x + y * y + z * z;
             let radius = self.radius[lane];
@@ -118,7 +118,7 @@ impl Block {
             let other_side = -along_axis * self.two_sides[lane];
             let emitted = self.slope[lane] * along_axis.max(other_side) + self.base[lane];
             let emitted = emitted.max(self.least[lane]).min(1.0);
-            estimates[lane] = self.power[lane] * received * emitted * (inverse * inverse);
+            *estimate = self.power[lane] * received * emitted * (inverse * inverse);
         }
         estimates
     }

@@ -114,7 +114,7 @@ impl<S: Simd> Samples<S> {
         let mut brings = along(&d, point.geometric_normal).simd_gt(zero) & along_normal.simd_gt(zero);
         let along_front = along(&d, edge_u.cross(edge_v));
         if has_one_side {
-            brings = brings & along_front.simd_lt(zero);
+            brings &= along_front.simd_lt(zero);
         }
         let is_there = (1u32 << (points.range.end - first).min(LANES as u32)) - 1;
         self.brings_light = brings.to_bitmask() as u32 & is_there;

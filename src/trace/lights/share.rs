@@ -20,11 +20,11 @@ use glam::Vec3;
 /// do not depend on it.
 pub(super) const MAX_LIGHTS: usize = MAX_SINGLE_LIGHTS;
 
-/// Largest number of lamps of a cell each of which is estimated at every point: about a microsecond
-/// for 400. Of more, parts of the tree are estimated first.
+/// Largest number of lamps of a cell each of which is estimated at every point. Of more, parts of the
+/// tree are estimated first. Not tuned.
 const MAX_SINGLE_ESTIMATES: usize = 512;
 
-/// Largest number of lamps of a part of the tree that are estimated one by one.
+/// Largest number of lamps of a part of the tree that are estimated one by one. Not tuned.
 const MAX_BLOCK: usize = 32;
 
 /// Dimension of the random offset of shared samples, in addition to those of the lights.

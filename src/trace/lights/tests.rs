@@ -1,5 +1,6 @@
 //! What must hold for the choice among many lamps.
 
+use super::direct::{GroupLight, LightKinds};
 use super::sample::sample;
 use super::share::{CellLights, LightTurn, MAX_LIGHTS, Part};
 use super::tree::LightTree;
@@ -166,6 +167,29 @@ fn the_mean_over_seeds_is_the_sum_of_all_lamps_and_its_noise_is_bounded() {
         }
     }
     assert!(tracer.light_grid().cuts().sharing_cells > 0);
+}
+
+#[test]
+fn lamps_of_one_group_lie_together_and_groups_add_up_to_all() {
+    let mut scene = many_lamps(300, 10.0);
+    scene.light_groups.of_light = (0..300u16).map(|i| (i % 3) as u8).collect();
+    let tree = LightTree::new(&scene);
+    assert_eq!(tree.roots().len(), 3);
+    for (group, &root) in (0..).zip(tree.roots()) {
+        assert!(tree.lamps_of(root).iter().all(|light| light % 3 == group));
+    }
+    let tracer = Tracer::new(Arc::new(scene));
+    for tracer in [tracer.by_groups(), tracer] {
+        for point in points(&tracer) {
+            let shift = |light| Key::of_pixel(3, 3).with(light).pair();
+            let (mut groups, mut rays) = (GroupLight::default(), RayCounts::default());
+            let found = (&mut rays, &mut groups);
+            tracer.add_irradiance_by_group(LightKinds::All, &point, 4, shift, found);
+            let all = tracer.irradiance_of(LightKinds::All, &point, 4, shift, &mut rays);
+            let sum: Vec3 = groups.iter().sum();
+            assert!((sum - all).length() <= 1e-5 * all.length(), "{sum}, {all}");
+        }
+    }
 }
 
 #[test]
