@@ -21,6 +21,7 @@ pub(crate) const ALL: &[EntryPoint] = &[
     ("texture", texture),
     ("gltf", gltf),
     ("sidecar", sidecar),
+    ("ies", ies),
     ("walk", walk),
     ("journal", journal),
     ("picture", picture),
@@ -61,6 +62,13 @@ pub(crate) fn gltf(bytes: &[u8]) {
 /// The sidecar of a valid model.
 pub(crate) fn sidecar(bytes: &[u8]) {
     check_load("scene.obj", &[("scene.obj", TRIANGLE.as_bytes()), ("scene.afterimage.toml", bytes)]);
+}
+
+/// The light profile of a lamp.
+pub(crate) fn ies(bytes: &[u8]) {
+    let lamp = "[[point_light]]\nposition_m = [0, 0, 1]\nies = \"a.ies\"\n";
+    let sidecar = ("scene.afterimage.toml", lamp.as_bytes());
+    check_load("scene.obj", &[("scene.obj", TRIANGLE.as_bytes()), sidecar, ("a.ies", bytes)]);
 }
 
 /// A camera path.

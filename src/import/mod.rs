@@ -15,6 +15,7 @@ mod decoding;
 mod files;
 mod formats;
 mod gltf;
+mod ies;
 mod load;
 mod obj;
 mod options;

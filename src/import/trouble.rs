@@ -111,6 +111,10 @@ troubles! {
     CAMERA: "camera" / "cameras", "without a direction" => "left out";
     LIGHT: "light" / "lights",
         "without a known type or direction, or with an impossible intensity" => "left out";
+    TILT: "light profile" / "light profiles",
+        "with a file of its light when tilted" => "not used; the lamp is as bright as it was measured";
+    PROFILE: "light profile" / "light profiles",
+        "that cannot be read" => "its lamps are left out";
     INVISIBLE: "node" / "nodes", "hidden by KHR_node_visibility" => "left out with all below";
     COMPRESSED: "primitive" / "primitives",
         "stored in compressed form alone" => "left out; export the model without compression";

@@ -222,7 +222,7 @@ impl<'a> BandLookup<'a> {
     fn certain_light(&self, surfaces: &TileSurfaces, light: &TileLight, ray: usize) -> Vec3 {
         let hit = surfaces.hit(ray);
         let albedo = self.tracer.albedo(&hit, surfaces.direction(ray));
-        self.tracer.emission(&hit) + albedo * light.smooth_at(ray)
+        self.tracer.emission(&hit, surfaces.direction(ray)) + albedo * light.smooth_at(ray)
     }
 
     /// Writes what is known of a pixel. Returns its type, which says what is left to do.
@@ -243,8 +243,11 @@ impl<'a> BandLookup<'a> {
             PixelType::Reused
         } else {
             let material = &self.tracer.scene().materials[surfaces.material[ray].0 as usize];
-            rows.radiance[at] =
-                material.emission_at(&self.tracer.scene().textures, || self.tracer.uv(&surfaces.hit(ray)));
+            rows.radiance[at] = if material.has_dark_back() {
+                self.tracer.emission(&surfaces.hit(ray), surfaces.direction(ray))
+            } else {
+                material.emission_at(&self.tracer.scene().textures, || self.tracer.uv(&surfaces.hit(ray)))
+            };
             let is_wanted = surfaces.points.wanted >> ray & 1 == 1;
             let is_known = light.known >> ray & 1 == 1;
             if is_known {

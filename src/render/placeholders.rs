@@ -148,7 +148,7 @@ impl Filler<'_> {
         let light = self.light_of(pixel, &ray, &hit).unwrap_or_default();
         let material = tracer.scene().material_of(hit.triangle);
         let specular = if material.is_view_dependent() { self.specular(pixel) } else { Vec3::ZERO };
-        tracer.emission(&hit) + tracer.albedo(&hit, ray.direction) * light + specular
+        tracer.emission(&hit, ray.direction) + tracer.albedo(&hit, ray.direction) * light + specular
     }
 
     /// What the mirror or glass of a pixel shows.

@@ -6,8 +6,8 @@ use super::conditioning::{Conditioning, Repairs};
 use super::duplicates::Duplicates;
 use super::light_groups::{LightGroups, LightSettings};
 use super::{
-    Light, Material, NamedView, Scene, SceneBuilder, SceneError, SceneFeatures, SceneFrame, Sky, SpotLight,
-    Sun, bounds, building, is_valid_position, sanitize, views,
+    Light, Material, NamedView, ProfileLight, Scene, SceneBuilder, SceneError, SceneFeatures, SceneFrame,
+    Sky, SpotLight, Sun, bounds, building, is_valid_position, sanitize, views,
 };
 use crate::camera::CameraPath;
 use glam::{DVec3, Vec3};
@@ -157,7 +157,8 @@ impl SceneBuilder {
     /// Adds a sun and a sky to a scene without any light.
     fn light_if_dark(&mut self) {
         let is_emissive = self.triangle_materials.iter().any(|m| self.materials[m.0 as usize].is_emissive());
-        let has_lamps = !self.point_lights.is_empty() || !self.spot_lights.is_empty();
+        let has_lamps =
+            !(self.point_lights.is_empty() && self.spot_lights.is_empty() && self.profile_lights.is_empty());
         if !is_emissive && !has_lamps && self.sun.is_none() && self.sky.is_none() {
             (self.sun, self.sky) = (Some(Sun::clear_day()), Some(Sky::CLEAR_DAY));
             self.warn_of_scene(NO_LIGHT.to_owned());
@@ -170,13 +171,22 @@ impl SceneBuilder {
             position: frame.scene_from_world_f64(position).as_vec3(),
             intensity: intensity * square,
             beam: None,
+            profile: None,
         };
         let spot = |spot: &SpotLight| Light::Point {
             position: frame.scene_from_world_f64(spot.position_m).as_vec3(),
             intensity: spot.intensity * square,
             beam: Some(spot.beam),
+            profile: None,
         };
-        self.point_lights.iter().map(light).chain(self.spot_lights.iter().map(spot)).collect()
+        let profiled = |lamp: &ProfileLight| Light::Point {
+            position: frame.scene_from_world_f64(lamp.position_m).as_vec3(),
+            intensity: lamp.intensity * square,
+            beam: None,
+            profile: Some(Box::new(lamp.profile.clone())),
+        };
+        let (points, spots) = (self.point_lights.iter().map(light), self.spot_lights.iter().map(spot));
+        points.chain(spots).chain(self.profile_lights.iter().map(profiled)).collect()
     }
 
     /// Generates the view and the camera path that the model does not have. Returns the path, and

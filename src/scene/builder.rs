@@ -2,7 +2,9 @@
 
 use super::daylight::nits_per_unit;
 use super::light_groups::{LampGroup, LightSettings};
-use super::{Material, MaterialId, NamedView, Objects, Sky, SpotLight, Sun, Texture, TextureId, Warning};
+use super::{
+    Material, MaterialId, NamedView, Objects, ProfileLight, Sky, SpotLight, Sun, Texture, TextureId, Warning,
+};
 use crate::camera::CameraPath;
 use crate::raster::exposure::Exposure;
 use glam::{DVec3, Vec2, Vec3};
@@ -34,6 +36,8 @@ pub struct SceneBuilder {
     pub point_lights: Vec<(DVec3, Vec3)>,
     /// Spot lights.
     pub spot_lights: Vec<SpotLight>,
+    /// Lamps whose light was measured by direction.
+    pub profile_lights: Vec<ProfileLight>,
     /// The sun.
     pub sun: Option<Sun>,
     /// The sky.

@@ -4,8 +4,8 @@
 //! Distances to both differ only by rounding, so that the nearest hit would change from pixel to
 //! pixel. They are marked here, and [`beats`] decides between them.
 
-use super::Scene;
 use super::connectivity::{PositionKey, corner_keys};
+use super::{Material, Scene};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
@@ -23,7 +23,7 @@ const MAX_AT_EDGE: usize = 64;
 /// to triangles that do. Triangles that light can pass are left out.
 pub(super) fn find(scene: &Scene) -> Vec<bool> {
     let mut opaque = scene.materials.iter().filter(|m| m.is_opaque());
-    if opaque.nth(1).is_none() {
+    if opaque.nth(1).is_none() && !scene.materials.iter().any(Material::has_dark_back) {
         return Vec::new();
     }
     let edges = edges(scene);
@@ -72,9 +72,11 @@ fn for_pairs<'a>(at_edges: impl Iterator<Item = &'a [Edge]>, mut visit: impl FnM
     }
 }
 
-/// True where two triangles of different materials that share an edge overlap in one plane.
+/// True where two triangles that share an edge overlap in one plane and are of different materials,
+/// or of one that emits from its front.
 fn is_on(scene: &Scene, a: u32, b: u32) -> bool {
-    scene.triangle_materials[a as usize] != scene.triangle_materials[b as usize]
+    let is_same = scene.triangle_materials[a as usize] == scene.triangle_materials[b as usize];
+    (!is_same || scene.material_of(a).has_dark_back())
         && share_plane(scene.corners(a), scene.corners(b))
         && overlap(scene.corners(a), scene.corners(b))
 }

@@ -46,10 +46,14 @@ impl Duplicates {
 fn hides(scene: &Scene, first: u32, later: u32) -> bool {
     let [a, b] = [first, later].map(|t| scene.material_of(t));
     let is_same = scene.triangle_materials[first as usize] == scene.triangle_materials[later as usize];
-    let looks_alike = is_same || is_wound_alike(&corner_keys(scene, first), &corner_keys(scene, later));
+    // The other side of a lamp that emits from its front is seen as well.
+    let has_two_looks = !is_same || a.has_dark_back();
+    let looks_alike =
+        !has_two_looks || is_wound_alike(&corner_keys(scene, first), &corner_keys(scene, later));
     a.is_opaque()
         && b.is_opaque()
-        && (a.emission, a.emission_texture) == (b.emission, b.emission_texture)
+        && (a.emission, a.emission_texture, a.emits_from_front)
+            == (b.emission, b.emission_texture, b.emits_from_front)
         && looks_alike
 }
 

@@ -26,16 +26,21 @@ pub(super) fn lights(scene: &Scene) -> Vec<Lamp> {
                 let light = light_picture::of(scene, &group)?;
                 return Some(Lamp { material, light, triangles: group });
             }
-            let radiance = scene.material_of(group[0]).emission;
+            let material_of_group = scene.material_of(group[0]);
+            let (radiance, has_one_side) = (material_of_group.emission, material_of_group.emits_from_front);
             let corners: Vec<_> = group.iter().map(|&t| scene.corners(t)).collect();
-            let light = as_quad(&corners, radiance).unwrap_or_else(|| as_mesh(corners, radiance));
+            let quad = as_quad(&corners, radiance, has_one_side);
+            let light = quad.unwrap_or_else(|| as_mesh(corners, radiance, has_one_side));
             Some(Lamp { material, light, triangles: group })
         })
         .collect()
 }
 
 /// Returns two triangles as a parallelogram if they form one to within rounding.
-fn as_quad(corners: &[[Vec3; 3]], radiance: Vec3) -> Option<Light> {
+///
+/// The front of one that emits from its front is that of the first triangle; the other must have the
+/// same.
+fn as_quad(corners: &[[Vec3; 3]], radiance: Vec3, has_one_side: bool) -> Option<Light> {
     /// Allowed distance of the fourth corner from its ideal position, as a share of the longer
     /// edge. Decimal coordinates in a file cause errors of a few units in the last place.
     const TOLERANCE: f32 = 1.0 / 1024.0;
@@ -51,10 +56,13 @@ fn as_quad(corners: &[[Vec3; 3]], radiance: Vec3) -> Option<Light> {
     let (edge_u, edge_v) = (p - corner, q - corner);
     let size = edge_u.length().max(edge_v.length());
     let is_parallelogram = (corner + edge_u + edge_v - *far).length() <= size * TOLERANCE;
-    is_parallelogram.then_some(Light::Quad { corner, edge_u, edge_v, radiance })
+    let front = |[p, q, r]: &[Vec3; 3]| (*q - *p).cross(*r - *p);
+    let faces_alike = !has_one_side || front(a).dot(front(b)) > 0.0;
+    let quad = Light::Quad { corner, edge_u, edge_v, radiance, has_one_side };
+    (is_parallelogram && faces_alike).then_some(quad)
 }
 
-fn as_mesh(corners: Vec<[Vec3; 3]>, radiance: Vec3) -> Light {
+fn as_mesh(corners: Vec<[Vec3; 3]>, radiance: Vec3, has_one_side: bool) -> Light {
     let areas: Vec<f32> = corners.iter().map(|[a, b, c]| (b - a).cross(c - a).length() / 2.0).collect();
     let area: f32 = areas.iter().sum();
     let add = |sum: &mut f32, a: &f32| {
@@ -65,5 +73,5 @@ fn as_mesh(corners: Vec<[Vec3; 3]>, radiance: Vec3) -> Light {
     if let Some(last) = cumulative_area.last_mut() {
         *last = 1.0;
     }
-    Light::Triangles { corners, cumulative_area, area, radiance, picture: None }
+    Light::Triangles { corners, cumulative_area, area, radiance, picture: None, has_one_side }
 }

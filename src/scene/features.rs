@@ -3,6 +3,9 @@
 use super::{Light, Material};
 use serde::Serialize;
 
+/// Largest number of lights in a scene of which each may be sampled at every point.
+pub(crate) const MAX_SINGLE_LIGHTS: usize = 64;
+
 /// The features of the renderer that a scene uses. They are determined once, when the scene is
 /// complete.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -21,6 +24,10 @@ pub struct SceneFeatures {
     pub alpha: bool,
     /// A light has an area.
     pub area_lights: bool,
+    /// There are more lights than a point samples one by one.
+    pub many_lights: bool,
+    /// A lamp has a measured profile.
+    pub light_profiles: bool,
     /// Rays that leave the scene meet a sky.
     pub sky: bool,
     /// A triangle is a needle ([`Conditioning::needles`](super::Conditioning::needles)), whose hits
@@ -40,6 +47,8 @@ impl SceneFeatures {
         textures: true,
         alpha: true,
         area_lights: true,
+        many_lights: true,
+        light_profiles: true,
         sky: true,
         needles: true,
         coincident: true,
@@ -56,6 +65,8 @@ impl SceneFeatures {
             textures: any(|m| m.diffuse_texture.or(m.emission_texture).or(m.coverage_texture).is_some()),
             alpha: any(|m| m.alpha_texture.is_some()),
             area_lights: lights.iter().any(|l| matches!(l, Light::Quad { .. } | Light::Triangles { .. })),
+            many_lights: lights.len() > MAX_SINGLE_LIGHTS,
+            light_profiles: lights.iter().any(|l| matches!(l, Light::Point { profile: Some(_), .. })),
             sky,
             needles,
             coincident,
@@ -76,6 +87,8 @@ impl SceneFeatures {
             (self.textures || self.alpha, "texture coordinates"),
             (self.alpha, "alpha test"),
             (self.area_lights, "area lights"),
+            (self.many_lights, "tree of many lamps"),
+            (self.light_profiles, "light profiles"),
             (self.sky, "sky"),
             (self.needles, "check of hits on needles"),
             (self.coincident, "order of faces in one place"),

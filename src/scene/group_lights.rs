@@ -102,13 +102,23 @@ fn by_flux(lamps: &[Lamps]) -> Vec<usize> {
     order
 }
 
+/// Number of sides of a lamp that emit.
+fn sides(has_one_side: bool) -> f32 {
+    if has_one_side { 1.0 } else { 2.0 }
+}
+
 /// The light that a lamp emits.
 fn flux(light: &Light) -> f32 {
     match light {
-        Light::Quad { edge_u, edge_v, radiance, .. } => {
-            2.0 * PI * luminance(*radiance) * edge_u.cross(*edge_v).length()
+        Light::Quad { edge_u, edge_v, radiance, has_one_side, .. } => {
+            sides(*has_one_side) * PI * luminance(*radiance) * edge_u.cross(*edge_v).length()
         }
-        Light::Triangles { area, radiance, .. } => 2.0 * PI * luminance(*radiance) * area,
+        Light::Triangles { area, radiance, has_one_side, .. } => {
+            sides(*has_one_side) * PI * luminance(*radiance) * area
+        }
+        Light::Point { intensity, profile: Some(profile), .. } => {
+            profile.profile().flux() * luminance(*intensity)
+        }
         Light::Point { intensity, .. } => 4.0 * PI * luminance(*intensity),
         Light::Sun { .. } | Light::Sky | Light::SkySuns => 0.0,
     }

@@ -72,6 +72,9 @@ impl SceneHasher {
             if material.is_thin {
                 self.add(&[4u32]);
             }
+            if material.has_dark_back() {
+                self.add(&[6u32]);
+            }
             // Materials without these keep their bytes.
             for (tag, texture) in [(1, material.coverage_texture), (2, material.emission_texture)] {
                 if let Some(t) = texture {
@@ -84,11 +87,16 @@ impl SceneHasher {
 
     fn add_light_sources(&mut self, scene: &Scene) {
         for light in &scene.lights {
-            if let Light::Point { position, intensity, beam } = *light {
-                self.add(&[position, intensity]);
+            if let Light::Point { position, intensity, beam, profile } = light {
+                self.add(&[*position, *intensity]);
                 let cone = beam.map(|b| [b.direction, Vec3::new(b.cos_inner, b.cos_outer, 0.0)]);
                 // Lights without a cone keep their bytes.
                 cone.iter().for_each(|cone| self.add(cone));
+                if let Some(profile) = profile {
+                    self.add(&profile.axes());
+                    self.add(&[profile.profile().code()]);
+                    self.add(&profile.profile().numbers().collect::<Vec<f32>>());
+                }
             }
         }
         let sun = scene.sun.map(|s| [s.direction, Vec3::splat(s.angular_radius), s.irradiance]);

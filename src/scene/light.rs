@@ -1,13 +1,13 @@
 //! The light sources of a scene.
 
-use super::{Material, MaterialId, Sun, Texture};
+use super::{AimedProfile, Material, MaterialId, Sun, Texture};
 use crate::math::sampling::uniform_triangle;
 use glam::{DVec3, Vec2, Vec3};
 
 /// A light source in scene space. Colours are linear Rec. 709.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Light {
-    /// A parallelogram that emits from both sides.
+    /// A parallelogram that emits.
     Quad {
         /// Position of one corner.
         corner: Vec3,
@@ -17,8 +17,10 @@ pub enum Light {
         edge_v: Vec3,
         /// Emitted radiance.
         radiance: Vec3,
+        /// True where it emits only from the side to which `edge_u` cross `edge_v` points.
+        has_one_side: bool,
     },
-    /// A connected emissive mesh that emits from both sides.
+    /// A connected mesh that emits.
     Triangles {
         /// Corners of each triangle.
         corners: Vec<[Vec3; 3]>,
@@ -31,6 +33,8 @@ pub enum Light {
         radiance: Vec3,
         /// The picture that it shows; `None` where it emits evenly.
         picture: Option<Box<LightPicture>>,
+        /// True where it emits only from the side from which the corners run counter-clockwise.
+        has_one_side: bool,
     },
     /// A point light.
     Point {
@@ -40,6 +44,8 @@ pub enum Light {
         intensity: Vec3,
         /// The cone of a spot light; `None` shines in all directions.
         beam: Option<Beam>,
+        /// How the intensity depends on direction where that was measured.
+        profile: Option<Box<AimedProfile>>,
     },
     /// The sun, a disk at infinity.
     Sun {

@@ -78,6 +78,7 @@ pub(super) fn of(scene: &Scene, group: &[u32]) -> Option<Light> {
         area: area as f32,
         radiance: material.emission * mean,
         picture: Some(Box::new(picture)),
+        has_one_side: material.emits_from_front,
     })
 }
 

@@ -66,8 +66,10 @@ pub struct Material {
     /// is reflected and emitted, and the rest of the light passes. The specular part must be glass
     /// with an index of refraction of one; its transmittance does not count.
     pub coverage_texture: Option<TextureRef>,
-    /// Radiance emitted from both sides, linear Rec. 709.
+    /// Emitted radiance, linear Rec. 709: from both sides, unless it leaves the front alone.
     pub emission: Vec3,
+    /// True where only the front emits: the side from which the corners run counter-clockwise.
+    pub emits_from_front: bool,
     /// Texture multiplied with `emission`.
     pub emission_texture: Option<TextureRef>,
     /// True for glass that is a pane wherever it is: also a closed body refracts nothing.
@@ -86,6 +88,7 @@ impl Material {
             alpha_texture: None,
             coverage_texture: None,
             emission: Vec3::ZERO,
+            emits_from_front: false,
             emission_texture: None,
             is_thin: false,
             kind: MaterialKind::Diffuse,
@@ -259,9 +262,15 @@ impl Material {
         }
     }
 
+    /// True for a lamp whose back does not emit.
+    pub fn has_dark_back(&self) -> bool {
+        self.emits_from_front && self.is_emissive()
+    }
+
     /// Returns the name of the kind as `inspect` prints it.
     pub fn kind_name(&self) -> &'static str {
         match self.kind {
+            _ if self.has_dark_back() => "emissive, from its front",
             _ if self.is_emissive() => "emissive",
             MaterialKind::Diffuse => "diffuse",
             MaterialKind::Mirror { .. } => "mirror",

@@ -33,6 +33,7 @@ mod object_edits;
 mod objects;
 #[cfg(feature = "import")]
 pub mod place;
+mod profile;
 mod sanitize;
 pub mod shapes;
 mod sky;
@@ -55,6 +56,7 @@ pub use data::{Scene, SolidSide};
 pub use daylight::{Daylight, DaylightModel};
 pub use edit::SceneEdit;
 pub use error::{SceneError, Warning};
+pub(crate) use features::MAX_SINGLE_LIGHTS;
 pub use features::SceneFeatures;
 pub(crate) use light::point_on_mesh;
 pub use light::{Beam, Light, LightPicture, SpotLight};
@@ -65,6 +67,7 @@ pub use light_groups::{
 pub use material::{Material, MaterialId, MaterialKind, SMOOTH};
 pub use object_edits::{EditedObjects, ObjectEdit, ObjectEdits};
 pub use objects::{ObjectKey, Objects};
+pub use profile::{AimedProfile, LightProfile, ProfileAngles, ProfileLight};
 pub use sky::{
     CieKind, CieSky, DimmedSky, Gradient, PhysicalSky, PictureSky, Sky, SkyImage, SkyImageError, SkyKind,
     SkySample,

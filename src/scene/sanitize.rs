@@ -89,6 +89,10 @@ fn sanitize_lights(builder: &mut SceneBuilder) -> usize {
     builder.spot_lights.retain(|spot| spot.position_m.is_finite() && spot.beam.direction.is_finite());
     clamped += spots - builder.spot_lights.len();
     clamped += builder.spot_lights.iter_mut().map(|spot| clamp(&mut spot.intensity)).sum::<usize>();
+    let profiled = builder.profile_lights.len();
+    builder.profile_lights.retain(|lamp| lamp.position_m.is_finite());
+    clamped += profiled - builder.profile_lights.len();
+    clamped += builder.profile_lights.iter_mut().map(|lamp| clamp(&mut lamp.intensity)).sum::<usize>();
     if let Some(sky) = &mut builder.sky {
         clamped += sky.colors_mut().into_iter().map(clamp).sum::<usize>();
     }

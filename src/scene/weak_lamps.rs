@@ -39,7 +39,9 @@ impl SceneBuilder {
         let points = self.point_lights.iter().map(|(_, intensity)| *intensity);
         let spots = self.spot_lights.iter().map(|spot| spot.intensity);
         let bright = |light: Vec3| f64::from(luminance(light));
-        let mut flux: f64 = points.chain(spots).map(|intensity| 4.0 * PI * bright(intensity)).sum();
+        let profiled = self.profile_lights.iter().map(|lamp| lamp.intensity);
+        let lamps = points.chain(spots).chain(profiled);
+        let mut flux: f64 = lamps.map(|intensity| 4.0 * PI * bright(intensity)).sum();
         let mut area_m2 = 0.0;
         for (triangle, material) in self.triangles.iter().zip(&self.triangle_materials) {
             let corners = triangle.map(|v| self.positions.get(v as usize).copied());
@@ -47,8 +49,9 @@ impl SceneBuilder {
             let area = (b - a).cross(c - a).length() / 2.0;
             if area.is_finite() {
                 area_m2 += area;
-                let emission = self.materials.get(material.0 as usize).map_or(Vec3::ZERO, |m| m.emission);
-                flux += 2.0 * PI * area * bright(emission);
+                let Some(material) = self.materials.get(material.0 as usize) else { continue };
+                let sides = if material.emits_from_front { 1.0 } else { 2.0 };
+                flux += sides * PI * area * bright(material.emission);
             }
         }
         (flux, area_m2)

@@ -105,8 +105,9 @@ fn write_material(to: &mut ByteWriter, material: &Material, textures: &[ContentH
         write_texture(to, texture, textures);
     }
     let others = [material.coverage_texture, material.emission_texture];
-    if material.is_thin || others.iter().any(Option::is_some) {
-        to.0.push(OTHER_TEXTURES | u8::from(material.is_thin));
+    if material.is_thin || material.emits_from_front || others.iter().any(Option::is_some) {
+        let flags = u8::from(material.is_thin) | u8::from(material.emits_from_front) << 1;
+        to.0.push(OTHER_TEXTURES | flags);
         others.into_iter().for_each(|texture| write_texture(to, texture, textures));
     }
     match material.kind {
@@ -140,7 +141,8 @@ fn read_material(from: &mut ByteReader<'_>, textures: &HashMap<ContentHash, Text
     let [diffuse_texture, alpha_texture] = [read_texture(from, textures)?, read_texture(from, textures)?];
     let mut tag = from.byte()?;
     let mut others = [None; 2];
-    let is_thin = tag == OTHER_TEXTURES | 1;
+    let [is_thin, emits_from_front] =
+        [1, 2].map(|flag| tag & (OTHER_TEXTURES | flag) == OTHER_TEXTURES | flag);
     if tag & OTHER_TEXTURES != 0 {
         others = [read_texture(from, textures)?, read_texture(from, textures)?];
         tag = from.byte()?;
@@ -157,7 +159,7 @@ fn read_material(from: &mut ByteReader<'_>, textures: &HashMap<ContentHash, Text
         _ => return None,
     };
     let [coverage_texture, emission_texture] = others;
-    let plain = Material { emission, is_thin, kind, ..Material::diffuse("", diffuse) };
+    let plain = Material { emission, emits_from_front, is_thin, kind, ..Material::diffuse("", diffuse) };
     Some(Material { diffuse_texture, alpha_texture, coverage_texture, emission_texture, ..plain })
 }
 

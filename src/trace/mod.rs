@@ -41,6 +41,7 @@ pub(crate) use path::{CachedGroups, GroupSettings, PathStop, SmoothSettings};
 pub use primary_tile::primary_tile;
 pub use probe::Probe;
 pub use settings::{RayCounts, TraceSettings};
+pub(crate) use surface::emission_of_hit;
 pub use surface::{ILL_CONDITIONED, SurfacePoint};
 pub use tracer::{SceneEpoch, Tracer};
 pub use visibility::VisibilityBuffer;

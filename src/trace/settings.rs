@@ -7,8 +7,8 @@ use std::ops::AddAssign;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TraceSettings {
     /// Light samples per pixel: this many for each light that matters at a point, up to 64 lights,
-    /// and this many paths for light that surfaces scatter. Where more lights matter, they share
-    /// the samples of 64.
+    /// and this many paths for light that surfaces scatter. Where more lights matter, lamps share
+    /// 16 shadow rays for each sample.
     pub samples: u32,
     /// Largest number of diffuse bounces of a path: 0 is direct light only, [`Self::ALL_BOUNCES`]
     /// as many as matter.

@@ -100,9 +100,13 @@ impl SurfacePoint {
         }
     }
 
-    /// Emitted radiance.
+    /// Radiance emitted towards the viewer.
     pub fn emission(&self, scene: &Scene) -> Vec3 {
-        scene.materials[self.material.0 as usize].emission_at(&scene.textures, || self.uv)
+        let material = &scene.materials[self.material.0 as usize];
+        if material.emits_from_front && !self.is_front {
+            return Vec3::ZERO;
+        }
+        material.emission_at(&scene.textures, || self.uv)
     }
 
     /// True where the diffuse part is black, from wherever it is seen.
@@ -178,6 +182,25 @@ pub(super) fn albedo_of_hit(scene: &Scene, hit: &Hit, direction: Vec3) -> Vec3 {
     let wound = unit_normal(b - a, c - a);
     let geometric = if wound.dot(direction) <= 0.0 { wound } else { -wound };
     albedo * share_below_coat(scene, triangle, shading_normal(scene, triangle, at, geometric), direction)
+}
+
+/// Returns the radiance that a triangle emits towards the origin of a ray of this direction (any
+/// length). `uv` returns the texture coordinate, where it is needed.
+pub(crate) fn emission_of_hit(
+    scene: &Scene,
+    triangle: u32,
+    uv: impl FnOnce() -> Vec2,
+    direction: Vec3,
+) -> Vec3 {
+    let material = scene.material_of(triangle);
+    let is_back = || {
+        let [a, b, c] = scene.corners(triangle);
+        unit_normal(b - a, c - a).dot(direction) > 0.0
+    };
+    if material.has_dark_back() && is_back() {
+        return Vec3::ZERO;
+    }
+    material.emission_at(&scene.textures, uv)
 }
 
 /// Returns the interpolated unit normal, on the side of `geometric`.

@@ -2,7 +2,7 @@
 
 use super::bvh::{Bvh, Hit, NO_TRIANGLE};
 use super::lights::{CellLights, LightGrid};
-use super::surface::{SurfacePoint, albedo_of_hit, interpolate_uv};
+use super::surface::{SurfacePoint, albedo_of_hit, emission_of_hit, interpolate_uv};
 use crate::camera::View;
 use crate::math::Ray;
 use crate::raster::exposure::Metered;
@@ -240,11 +240,12 @@ impl Tracer {
         interpolate_uv(&self.scene, hit.triangle, [hit.b1, hit.b2])
     }
 
-    /// Returns the radiance emitted at a hit.
+    /// Returns the radiance emitted at a hit, towards the origin of a ray of this direction (any
+    /// length).
     #[inline(always)]
-    pub fn emission(&self, hit: &Hit) -> Vec3 {
+    pub fn emission(&self, hit: &Hit, direction: Vec3) -> Vec3 {
         let uv = || interpolate_uv(&self.scene, hit.triangle, [hit.b1, hit.b2]);
-        self.scene.material_of(hit.triangle).emission_at(&self.scene.textures, uv)
+        emission_of_hit(&self.scene, hit.triangle, uv, direction)
     }
 
     /// Material of a surface point.

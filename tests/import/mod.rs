@@ -2,6 +2,7 @@
 
 mod gltf;
 mod habits;
+mod lamps;
 mod limits;
 mod lines;
 mod materials;

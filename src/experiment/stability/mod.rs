@@ -10,6 +10,7 @@ mod cache;
 mod camera;
 mod case;
 mod geometry;
+mod lamps;
 mod light;
 mod materials;
 mod pictures;

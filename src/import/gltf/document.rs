@@ -48,6 +48,7 @@ pub(super) enum List {
     Buffers,
     Cameras,
     Lights,
+    Profiles,
 }
 
 impl<'t> Document<'t> {
@@ -90,6 +91,7 @@ impl<'t> Document<'t> {
             List::Buffers => ("buffers", &root.buffers),
             List::Cameras => ("cameras", &root.cameras),
             List::Lights => ("lights", &root.extensions.lights.lights),
+            List::Profiles => ("light profiles", &root.extensions.profiles.lights),
         }
     }
 

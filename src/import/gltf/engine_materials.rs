@@ -122,6 +122,7 @@ impl Painter<'_> {
             picture.map_or(Vec3::ONE, |p| picture::mean_color(&p.texture))
         };
         material.emission = read.emission;
+        material.emits_from_front = read.is_one_sided && material.is_emissive();
         if let Some(used) = read.glow_use {
             material.emission_texture = self.shown(used, builder);
         }

@@ -52,6 +52,8 @@ pub(super) struct GltfMaterial {
     /// Share of light that passes one of two faces of the body that the material fills.
     pub(super) attenuation: Vec3,
     pub(super) emission: Vec3,
+    /// True where only the front emits.
+    pub(super) is_one_sided: bool,
     /// Texture of base colour and alpha.
     pub(super) base_use: Option<Use>,
     /// Texture of roughness (green) and metalness (blue).
@@ -121,6 +123,7 @@ impl MaterialReader<'_, '_, '_> {
             is_thin: json.extensions.volume.as_ref().is_none_or(|v| v.thickness_factor <= 0.0),
             attenuation: self.attenuation(json.extensions.volume.as_ref()),
             emission: Vec3::from_array(glow.to_array().map(|c| self.within(c, f64::from(Limits::RADIANCE)))),
+            is_one_sided: !json.double_sided,
             base_use: self.used(pbr.base_color_texture.as_ref()),
             metal_use: self.used(metal),
             glow_use: self.used(json.emissive_texture.as_ref().filter(|_| glow != DVec3::ZERO)),

@@ -3,10 +3,10 @@
 
 use super::document::{Document, Found, List};
 use super::schema::{self, Node};
-use super::{accessor::Accessor, buffers::Buffers};
+use super::{accessor::Accessor, buffers::Buffers, profiles::Profiles};
 use crate::camera::Camera;
 use crate::import::progress::{Phase, Steps};
-use crate::import::{options::Limits, tally::Tally, trouble::Trouble};
+use crate::import::{options::Limits, search::Finder, tally::Tally, trouble::Trouble};
 use crate::scene::{Beam, NamedView, SceneBuilder, SceneError, SpotLight, Sun, is_valid_position};
 use glam::{DMat4, DQuat, DVec3, DVec4, Vec3};
 
@@ -31,12 +31,14 @@ pub(super) fn walk(
     (document, buffers): (&Document, &Buffers),
     world_from_root: DMat4,
     builder: &mut SceneBuilder,
+    finder: &mut Finder,
     tally: &mut Tally,
     steps: &Steps,
 ) -> Result<Vec<Placement>, SceneError> {
     /// Number of nodes between two reports of progress.
     const STEP_NODES: usize = 4096;
-    let mut walker = Walker { document, buffers, builder, tally, placements: Vec::new() };
+    let profiles = Profiles::new(finder);
+    let mut walker = Walker { document, buffers, builder, profiles, tally, placements: Vec::new() };
     let mut seen = vec![false; document.root.nodes.len()];
     let mut open: Vec<(usize, DMat4)> = Vec::new();
     let roots = walker.roots();
@@ -69,6 +71,7 @@ struct Walker<'a, 't> {
     document: &'a Document<'t>,
     buffers: &'a Buffers<'t>,
     builder: &'a mut SceneBuilder,
+    profiles: Profiles<'a>,
     tally: &'a mut Tally,
     placements: Vec<Placement>,
 }
@@ -166,6 +169,10 @@ impl Walker<'_, '_> {
         if let Some(light) = &node.extensions.light {
             let added = self.light(light.light, world_from_node);
             added.unwrap_or_else(|fault| self.document.note(fault, self.tally));
+        }
+        if let Some(lamp) = &node.extensions.profile {
+            let file = (self.document, self.buffers);
+            self.profiles.add_lamp(file, lamp, world_from_node, self.builder, self.tally);
         }
         Ok(())
     }

@@ -9,7 +9,7 @@ use crate::scene::SceneError;
 use glam::{DMat4, DVec3};
 
 /// Extensions that are supported.
-const KNOWN: [&str; 16] = [
+const KNOWN: [&str; 17] = [
     "KHR_materials_transmission",
     "KHR_materials_ior",
     "KHR_materials_volume",
@@ -18,6 +18,7 @@ const KNOWN: [&str; 16] = [
     "KHR_materials_clearcoat",
     "KHR_materials_pbrSpecularGlossiness",
     "KHR_lights_punctual",
+    "EXT_lights_ies",
     "KHR_texture_transform",
     "KHR_mesh_quantization",
     "KHR_node_visibility",
@@ -61,7 +62,7 @@ pub(in crate::import) fn read(import: &mut Import) -> Result<(), SceneError> {
     document.note_root(&mut tally);
     let Import { finder, builder, steps, .. } = import;
     let buffers = Buffers::read(&document, finder, limits, steps, &mut tally)?;
-    let placements = nodes::walk((&document, &buffers), world, builder, &mut tally, steps)?;
+    let placements = nodes::walk((&document, &buffers), world, builder, finder, &mut tally, steps)?;
     let mut mesher = Mesher {
         document: &document,
         buffers: &buffers,
@@ -97,6 +98,7 @@ fn fit_unit(import: &mut Import) {
     builder.positions.iter_mut().for_each(|p| *p *= scale);
     builder.point_lights.iter_mut().for_each(|(p, _)| *p *= scale);
     builder.spot_lights.iter_mut().for_each(|spot| spot.position_m *= scale);
+    builder.profile_lights.iter_mut().for_each(|lamp| lamp.position_m *= scale);
     builder.views.iter_mut().for_each(|view| view.camera.eye *= scale);
 }
 

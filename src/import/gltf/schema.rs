@@ -3,6 +3,7 @@
 //!
 //! Source: the glTF 2.0 specification, section 5, and the KHR extensions named in the fields.
 
+pub(super) use super::light_schema::{Light, Lights, NodeLight, NodeProfile, Profile};
 use serde::Deserialize;
 use serde_json::value::RawValue;
 use std::borrow::Cow;
@@ -33,13 +34,8 @@ pub(super) struct Root<'t> {
 pub(super) struct RootExtensions<'t> {
     #[serde(borrow, rename = "KHR_lights_punctual")]
     pub(super) lights: Lights<'t>,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(default)]
-pub(super) struct Lights<'t> {
-    #[serde(borrow)]
-    pub(super) lights: Vec<&'t RawValue>,
+    #[serde(borrow, rename = "EXT_lights_ies")]
+    pub(super) profiles: Lights<'t>,
 }
 
 #[derive(Deserialize, Default)]
@@ -74,6 +70,8 @@ pub(super) struct Node {
 pub(super) struct NodeExtensions {
     #[serde(rename = "KHR_lights_punctual")]
     pub(super) light: Option<NodeLight>,
+    #[serde(rename = "EXT_lights_ies")]
+    pub(super) profile: Option<NodeProfile>,
     #[serde(rename = "EXT_mesh_gpu_instancing")]
     pub(super) instancing: Option<Instancing>,
     #[serde(rename = "KHR_node_visibility")]
@@ -97,11 +95,6 @@ pub(super) struct InstanceAttributes {
 #[derive(Deserialize)]
 pub(super) struct Visibility {
     pub(super) visible: Option<bool>,
-}
-
-#[derive(Deserialize)]
-pub(super) struct NodeLight {
-    pub(super) light: usize,
 }
 
 #[derive(Deserialize)]
@@ -233,6 +226,7 @@ pub(super) struct Material {
     pub(super) pbr_metallic_roughness: Pbr,
     pub(super) emissive_factor: [f64; 3],
     pub(super) emissive_texture: Option<TextureInfo>,
+    pub(super) double_sided: bool,
     pub(super) alpha_mode: Option<String>,
     pub(super) alpha_cutoff: Option<f64>,
     pub(super) extensions: MaterialExtensions,
@@ -375,21 +369,4 @@ pub(super) struct Camera {
 #[derive(Deserialize)]
 pub(super) struct Perspective {
     pub(super) yfov: f64,
-}
-
-#[derive(Deserialize)]
-pub(super) struct Light {
-    pub(super) name: Option<String>,
-    #[serde(rename = "type")]
-    pub(super) kind: String,
-    pub(super) color: Option<[f64; 3]>,
-    pub(super) intensity: Option<f64>,
-    pub(super) spot: Option<Spot>,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(default, rename_all = "camelCase")]
-pub(super) struct Spot {
-    pub(super) inner_cone_angle: Option<f64>,
-    pub(super) outer_cone_angle: Option<f64>,
 }

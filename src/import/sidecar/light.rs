@@ -28,8 +28,8 @@ pub(super) const SKY_KEYS: [&str; 10] = [
 ];
 
 /// Keys of `[sun]`.
-pub(super) const SUN_KEYS: [&str; 6] =
-    ["direction", "irradiance", "angular_radius_deg", "place", "time", "north_deg"];
+pub(super) const SUN_KEYS: [&str; 7] =
+    ["direction", "irradiance", "lux", "angular_radius_deg", "place", "time", "north_deg"];
 
 /// The light from outside, as far as a sidecar gives it.
 #[derive(Debug, Default)]
@@ -42,6 +42,8 @@ pub(super) struct Light {
 struct SunValues {
     direction: Option<Vec3>,
     irradiance: Option<Vec3>,
+    /// Illuminance of a surface that faces it, where no irradiance is given.
+    lux: Option<f32>,
     angular_radius: Option<f32>,
     /// Position by place and time, and the angle of north in degrees.
     by_place: Option<(SunPosition, f64)>,
@@ -97,12 +99,13 @@ impl Light {
         };
         let light = model.daylight();
         if let Some(values) = self.sun {
+            let lux = values.lux.map(|lux| Vec3::splat(lux / builder.nits_per_unit()));
             let default = match values.by_place {
                 Some(_) => light.sun,
                 None => Some(Sun { direction, ..Sun::clear_day() }),
             };
             builder.sun = default.map(|default| Sun {
-                irradiance: values.irradiance.unwrap_or(default.irradiance),
+                irradiance: values.irradiance.or(lux).unwrap_or(default.irradiance),
                 angular_radius: values.angular_radius.unwrap_or(default.angular_radius),
                 ..default
             });
@@ -191,6 +194,7 @@ fn sun(top: &Section, notes: &mut Notes) -> Option<SunValues> {
     Some(SunValues {
         direction: direction(&s, "direction", notes),
         irradiance: s.color("irradiance", Limits::RADIANCE, notes),
+        lux: s.number("lux", 0.0..=f64::from(Limits::RADIANCE), notes).map(|lux| lux as f32),
         angular_radius: radius_deg.map(|r| r.to_radians() as f32),
         by_place: by_place(&s, notes),
     })

@@ -2,6 +2,7 @@
 //! edits in it.
 
 mod edit;
+mod lamps;
 mod light;
 mod lights;
 mod objects;

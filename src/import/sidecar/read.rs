@@ -3,6 +3,7 @@
 //!
 //! A broken sidecar is a warning: the model is shown without it.
 
+use super::lamps::{self, Lamp};
 use super::light::Light;
 use super::lights::Lights;
 use super::objects::{self, ObjectLine};
@@ -12,7 +13,7 @@ use crate::import::surfaces::{COAT, DEFAULT_ROUGHNESS};
 use crate::import::units::{Unit, UnknownWord, Up};
 use crate::import::{files, options::Limits, search::Finder, text};
 use crate::scene::{Material, MaterialKind, NamedView, Scene, SceneBuilder};
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 use toml::de::DeTable;
@@ -70,7 +71,7 @@ pub(in crate::import) struct Sidecar {
     pub(in crate::import) up: Option<Up>,
     overrides: Vec<Override>,
     objects: Vec<ObjectLine>,
-    point_lights: Vec<(DVec3, Vec3)>,
+    lamps: Vec<Lamp>,
     light: Light,
     lights: Lights,
     start: Option<Camera>,
@@ -136,7 +137,7 @@ impl Sidecar {
             up: top.word("up", notes),
             overrides: overrides(&top, notes),
             objects: objects::read(&top, notes),
-            point_lights: point_lights(&top, notes),
+            lamps: lamps::read(&top, notes),
             light: Light::read(&top, notes),
             lights: Lights::read(&top, notes),
             start: start(&top, notes),
@@ -198,7 +199,7 @@ impl Sidecar {
 
     /// Adds lights, sky, views and walk.
     pub(in crate::import) fn apply(&mut self, finder: &mut Finder, builder: &mut SceneBuilder) {
-        builder.point_lights.append(&mut self.point_lights);
+        lamps::apply(std::mem::take(&mut self.lamps), &self.file_name, finder, builder);
         std::mem::take(&mut self.lights).apply(builder);
         std::mem::take(&mut self.light).apply(&self.file_name, finder, builder);
         // The first frame of a walk is a better start than a view of the whole model from outside.
@@ -292,22 +293,6 @@ fn overrides(top: &Section, notes: &mut Notes) -> Vec<Override> {
                 roughness: s.number("roughness", 0.0..=1.0, notes).map(|n| n as f32),
                 emission: s.color("emission", Limits::RADIANCE, notes),
             })
-        })
-        .collect()
-}
-
-fn point_lights(top: &Section, notes: &mut Notes) -> Vec<(DVec3, Vec3)> {
-    let sections = top.sections("point_light", "[[point_light]]", &["position_m", "intensity"], notes);
-    sections
-        .into_iter()
-        .filter_map(|s| {
-            let (position, intensity) =
-                (s.point("position_m", notes), s.color("intensity", Limits::RADIANCE, notes));
-            if position.is_none() || intensity.is_none() {
-                let message = "[[point_light]] needs position_m and intensity; it was ignored";
-                notes.add(s.at(), message.to_owned());
-            }
-            Some((position?, intensity?))
         })
         .collect()
 }

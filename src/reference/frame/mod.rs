@@ -33,7 +33,7 @@ use crate::scene::Scene;
 use crate::trace::parallel::{Stop, tile_order, trace_pixels};
 use crate::trace::{
     ILL_CONDITIONED, NO_TRIANGLE, PixelTrace, RayCounts, SceneEpoch, SurfacePoint, TraceSettings, Tracer,
-    VisibilityBuffer,
+    VisibilityBuffer, emission_of_hit,
 };
 use glam::Vec3;
 use std::{sync::Arc, time::Instant};
@@ -349,7 +349,8 @@ impl ReferenceFrame {
             true => point().albedo(scene),
             false => albedo(material, &scene.textures, || point().uv),
         };
-        material.emission_at(&scene.textures, || point().uv) + albedo * self.light(pixel)
+        let direction = self.view.direction_of_pixel(pixel);
+        emission_of_hit(scene, triangle, || point().uv, direction) + albedo * self.light(pixel)
     }
 
     /// True if the stored triangle exists or is [`NO_TRIANGLE`]: always, unless memory is corrupt.

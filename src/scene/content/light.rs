@@ -129,6 +129,9 @@ fn content_of_material(material: &Material, textures: &[ContentHash]) -> Materia
     }
     let mut emission = ContentHasher::new(b"emission");
     emission.triple(material.emission);
+    if material.has_dark_back() {
+        emission.word(1);
+    }
     // Materials without these keep their hashes.
     for used in [material.emission_texture, material.coverage_texture].into_iter().filter(Option::is_some) {
         texture(&mut emission, used);
@@ -157,7 +160,7 @@ fn hash_texture(texture: &Texture) -> ContentHash {
 }
 
 fn hash_point_light(scene: &Scene, light: &Light) -> Option<ContentHash> {
-    let Light::Point { position, intensity, beam } = light else { return None };
+    let Light::Point { position, intensity, beam, profile } = light else { return None };
     let mut hasher = ContentHasher::new(b"point...");
     let at = scene.frame.world_from_scene(*position).as_vec3();
     let square = (scene.frame.units_per_metre * scene.frame.units_per_metre) as f32;
@@ -167,6 +170,11 @@ fn hash_point_light(scene: &Scene, light: &Light) -> Option<ContentHash> {
         hasher.triple(beam.direction);
         hasher.number(beam.cos_inner);
         hasher.number(beam.cos_outer);
+    }
+    if let Some(profile) = profile {
+        hasher.word(u64::from(profile.profile().code()));
+        profile.axes().into_iter().for_each(|axis| hasher.triple(axis));
+        profile.profile().numbers().for_each(|number| hasher.number(number));
     }
     Some(hasher.finish())
 }

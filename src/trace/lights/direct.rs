@@ -1,12 +1,12 @@
 //! Irradiance that arrives straight from the lights (next-event estimation).
 //!
 //! Every light that matters at the point (`grid`) and is not behind the surface gets stratified
-//! shadow rays of its own; many lights share them (`share`).
+//! shadow rays of its own; where many lamps matter, some are chosen (`many`).
 
 use super::near::MOST;
 use super::quad::Points;
 use super::sample::{add_samples, is_behind, sample_count};
-use super::share::{LightTurn, SHARING};
+use super::share::LightTurn;
 use crate::math::key::Key;
 use crate::scene::{Light, MAX_LIGHT_GROUPS};
 use crate::trace::{BUNDLE_RAYS, RayBundle, RayCounts, SurfacePoint, Tracer};
@@ -28,7 +28,7 @@ pub(crate) enum LightKinds {
 
 impl Tracer {
     /// Returns the irradiance that arrives straight from the lights, by `samples` shadow rays each.
-    /// Where more than 64 lights matter, they share the rays of 64.
+    /// Where more than 64 lights matter, 16 shadow rays for each sample are shared by all lamps.
     pub fn irradiance(&self, point: &SurfacePoint, samples: u32, key: Key, rays: &mut RayCounts) -> Vec3 {
         self.irradiance_of(LightKinds::All, point, samples, |light| key.with(light).pair(), rays)
     }
@@ -132,8 +132,8 @@ impl Tracer {
     ) {
         let (origin, mut passed) = (point.origin_in_front(), [Vec3::ZERO; BUNDLE_RAYS]);
         let most = if kinds == LightKinds::FarButSky { MOST } else { f32::INFINITY };
-        let turns = self.lights_at(point.position).turns(samples, || shift(SHARING)[0]);
-        for LightTurn { index, samples, weight } in turns {
+        let cell = self.lights_at(point.position);
+        for LightTurn { index, samples, weight, .. } in cell.own_turns(samples) {
             // Skip a light that lies wholly behind the surface.
             let light = &self.scene().lights[index as usize];
             let is_left_out = kinds != LightKinds::All && matches!(light, Light::Sky);
@@ -158,6 +158,9 @@ impl Tracer {
                 }
             }
             add(index, sum / count as f32 * weight);
+        }
+        if cell.is_shared() {
+            self.irradiance_of_many(cell, point, (samples, most), &shift, &mut trace, &mut add);
         }
     }
 }

@@ -6,10 +6,15 @@
 //! it contributes at most 3/n of its unshadowed irradiance. It is culled from the cell once that
 //! bound is below [`TOLERANCE`] of the light that does arrive. Cells depend on the scene alone, so
 //! every mode, every thread and every run culls the same lights.
+//!
+//! In a scene of more than [`MAX_LINED_LIGHTS`] lamps, lines are drawn to parts of a tree of them
+//! instead, so that a cell takes a bounded time (`cut`).
 
-use super::sample::point_on;
-use super::share::CellLights;
-use crate::math::{Ray, key::Key};
+use super::cut::Sight;
+use super::region::{Region, unshadowed};
+use super::share::{CellLights, MAX_LIGHTS, Part};
+use super::tree::{LightTree, group_of};
+use crate::math::key::Key;
 use crate::scene::{Light, MAX_LIGHT_GROUPS, Scene};
 use crate::trace::Bvh;
 use glam::{UVec3, Vec3};
@@ -22,8 +27,14 @@ const CELL: f32 = 16.0;
 /// levels of a display.
 const TOLERANCE: f32 = 1.0 / 256.0;
 
+/// The same for a part of the tree of lamps, of which a cell may leave out many.
+const PART_TOLERANCE: f32 = TOLERANCE / 8.0;
+
 /// Number of lines drawn to every light.
 const FIRST_LINES: u32 = 32;
+
+/// Number of them after which the lights that were reached are counted.
+const SOME_LINES: u32 = 4;
 
 /// Largest number of lines drawn to a light that none has reached yet.
 const MAX_LINES: u32 = 1024;
@@ -31,6 +42,10 @@ const MAX_LINES: u32 = 1024;
 /// Largest number of lines drawn from one cell to all lights: about 20 ms of shadow rays, because a
 /// cell is computed without interruption.
 const CELL_LINES: u32 = 1 << 17;
+
+/// Largest number of lamps to each of which lines are drawn. The largest real model at hand, an
+/// office of 133 lamps, is below it.
+const MAX_LINED_LIGHTS: usize = 256;
 
 /// Smallest number of lights for which any is culled: with fewer nothing is gained.
 const MIN_LIGHTS: usize = 3;
@@ -46,6 +61,8 @@ pub struct LightGrid {
     cells: Vec<OnceLock<CellLights>>,
     /// All lights that are on.
     all: CellLights,
+    /// The lamps that are on; empty in a scene whose cells cannot have too many of them.
+    tree: LightTree,
     /// Number of lights in the scene.
     lights: usize,
     /// Lights are compared with others of their group only.
@@ -59,9 +76,9 @@ pub struct LightCuts {
     pub cells: usize,
     /// Number of lights in the scene.
     pub lights: usize,
-    /// Mean number of lights sampled per cell.
+    /// Mean number of lights that matter per cell.
     pub kept_mean: f64,
-    /// Number of cells with more than 64 lights, which share the samples of 64.
+    /// Number of cells with more than 64 lights, of which only some are sampled at each point.
     pub sharing_cells: usize,
 }
 
@@ -69,7 +86,8 @@ impl LightGrid {
     /// A grid over a scene, with no cell computed yet.
     pub(in crate::trace) fn new(scene: &Scene) -> Self {
         let bounds = scene.bounds_m.map(|p| scene.frame.scene_from_world_f64(p).as_vec3());
-        let all = all_lights(scene, (bounds[0] + bounds[1]) / 2.0, bounds[0].distance(bounds[1]) / 2.0);
+        let tree = if scene.lights.len() > MAX_LIGHTS { LightTree::new(scene) } else { LightTree::default() };
+        let all = all_lights(scene, &tree);
         let dimensions = if scene.lights.len() < MIN_LIGHTS {
             UVec3::ZERO
         } else {
@@ -77,7 +95,7 @@ impl LightGrid {
         };
         let count = dimensions.as_usizevec3().element_product();
         let cells = (0..count).map(|_| OnceLock::new()).collect();
-        Self { low: bounds[0], dimensions, cells, all, lights: scene.lights.len(), is_by_groups: false }
+        Self { low: bounds[0], dimensions, cells, all, tree, lights: scene.lights.len(), is_by_groups: false }
     }
 
     /// A grid that compares each light with others of its group.
@@ -100,10 +118,15 @@ impl LightGrid {
         self.cells[index].get_or_init(|| self.find(scene, bvh, index as u32, at))
     }
 
+    /// The tree of lamps, of which shared cells have parts.
+    pub(super) fn tree(&self) -> &LightTree {
+        &self.tree
+    }
+
     /// Statistics of the cells used so far.
     pub fn cuts(&self) -> LightCuts {
         let visited: Vec<&CellLights> = self.cells.iter().filter_map(|c| c.get()).collect();
-        let kept: usize = visited.iter().map(|c| c.len()).sum();
+        let kept: usize = visited.iter().map(|c| c.len(&self.tree)).sum();
         LightCuts {
             cells: visited.len(),
             lights: self.lights,
@@ -116,28 +139,55 @@ impl LightGrid {
     fn find(&self, scene: &Scene, bvh: &Bvh, index: u32, at: UVec3) -> CellLights {
         let low = self.low + at.as_vec3() * CELL - CELL / 2.0;
         let region = Region { low, size: CELL * 2.0, key: Key::of_pixel(0, index) };
+        if self.tree.len() > MAX_LINED_LIGHTS {
+            return self.find_parts(scene, bvh, &region);
+        }
+        let kept = self.find_singly(scene, bvh, &region).filter(|kept| kept.len() <= MAX_LIGHTS);
+        kept.map_or_else(|| self.find_parts(scene, bvh, &region), CellLights::few)
+    }
+
+    /// The lights of a region where lamps are looked at by parts of their tree.
+    fn find_parts(&self, scene: &Scene, bvh: &Bvh, region: &Region) -> CellLights {
+        let sight = Sight {
+            scene,
+            tree: &self.tree,
+            region,
+            reaches: |light, key| region.reaches(scene, bvh, light, key),
+            is_by_groups: self.is_by_groups,
+            tolerance: PART_TOLERANCE,
+        };
+        CellLights::new(&self.tree, distant_lights(scene), sight.parts())
+    }
+
+    /// The lights of a region where each lamp is looked at, ascending; `None` where they are too many
+    /// to be sampled one by one, which a few lines show.
+    fn find_singly(&self, scene: &Scene, bvh: &Bvh, region: &Region) -> Option<Vec<u32>> {
         // Enclose the region in a sphere.
-        let (centre, radius) = (region.low + region.size / 2.0, region.size / 2.0 * 3f32.sqrt());
+        let (centre, radius) = (region.centre(), region.radius());
         let is_on = |light: &u32| !scene.is_switched_off(*light as usize);
         let all = (0..self.lights as u32).filter(is_on);
-        let (mut seen, mut estimates) = (vec![false; self.lights], vec![0.0; self.lights]);
+        let (mut seen, mut reached) = (vec![false; self.lights], vec![0; self.lights]);
         let first_lines = FIRST_LINES.min((CELL_LINES / self.lights as u32).max(1));
         let mut lines_left = CELL_LINES;
-        let group_of = |light: u32| match scene.light_groups.of_light.get(light as usize) {
-            Some(&group) if self.is_by_groups => usize::from(group).min(MAX_LIGHT_GROUPS),
-            _ => 0,
-        };
+        let group_of = |light: u32| if self.is_by_groups { group_of(scene, light) } else { 0 };
+        let reaches = |light, line| region.reaches(scene, bvh, light, region.key.with(light).with(line));
         let mut arriving = [0.0; MAX_LIGHT_GROUPS + 1];
-        // Draw a few lines to every light.
+        // Draw a few lines to every light, and stop after some where many lights are reached.
+        let some_lines = SOME_LINES.min(first_lines);
         for light in all.clone() {
-            let lines = 0..first_lines;
-            let reached = lines.filter(|&line| region.reaches(scene, bvh, light, line)).count();
+            reached[light as usize] = (0..some_lines).filter(|&line| reaches(light, line)).count();
+        }
+        if reached.iter().filter(|reached| **reached > 0).count() > MAX_LIGHTS {
+            return None;
+        }
+        for light in all.clone() {
+            let more = (some_lines..first_lines).filter(|&line| reaches(light, line)).count();
+            let reached = reached[light as usize] + more;
             let share = reached as f32 / first_lines as f32;
             seen[light as usize] = reached > 0;
             // Estimate the light for the far side of the cell, so that a lamp near the middle does
             // not make the others seem negligible.
-            estimates[light as usize] = share * unshadowed(&scene.lights[light as usize], centre, -radius);
-            arriving[group_of(light)] += estimates[light as usize];
+            arriving[group_of(light)] += share * unshadowed(&scene.lights[light as usize], centre, -radius);
         }
         // Draw more lines to each light that none has reached, until its bound is low enough.
         for light in all.clone().filter(|&light| !seen[light as usize]).collect::<Vec<_>>() {
@@ -149,79 +199,30 @@ impl LightGrid {
             seen[light as usize] = match lines_left.checked_sub(lines.len() as u32) {
                 Some(left) => {
                     lines_left = left;
-                    lines.any(|line| region.reaches(scene, bvh, light, line))
+                    lines.any(|line| reaches(light, line))
                 }
                 None => true,
             };
         }
-        let kept = all.filter(|&light| seen[light as usize]);
-        weighed(scene, kept.map(|light| (light, estimates[light as usize])).collect())
+        Some(all.filter(|&light| seen[light as usize]).collect())
     }
 }
 
-/// All lights, with estimates for the far side of a sphere around the scene.
-fn all_lights(scene: &Scene, centre: Vec3, radius: f32) -> CellLights {
-    let estimate = |(index, light)| (index, unshadowed(light, centre, -radius));
-    let is_on = |(index, _): &(u32, &Light)| !scene.is_switched_off(*index as usize);
-    weighed(scene, (0..).zip(&scene.lights).filter(is_on).map(estimate).collect())
-}
-
-/// Lights with their estimated irradiance. The sky is worth all the others: it is large, and a
-/// place where it is hidden is not known here.
-fn weighed(scene: &Scene, mut lights: Vec<(u32, f32)>) -> CellLights {
-    let sum: f32 = lights.iter().map(|(_, estimate)| estimate).sum();
-    for (index, estimate) in &mut lights {
-        if matches!(scene.lights[*index as usize], Light::Sky) {
-            *estimate = sum.max(f32::MIN_POSITIVE);
-        }
+/// All lights that are on.
+fn all_lights(scene: &Scene, tree: &LightTree) -> CellLights {
+    let is_on = |light: &u32| !scene.is_switched_off(*light as usize);
+    if tree.len() <= MAX_LIGHTS {
+        return CellLights::few((0..scene.lights.len() as u32).filter(is_on).collect());
     }
-    CellLights::new(&lights)
+    let parts = tree.roots().iter().map(|&node| Part { node, visible: 1.0 }).collect();
+    CellLights::new(tree, distant_lights(scene), parts)
 }
 
-/// A cell, enlarged by half a cell on each side.
-struct Region {
-    low: Vec3,
-    size: f32,
-    key: Key,
-}
-
-impl Region {
-    /// True where line number `line` from the region to a light meets nothing opaque.
-    fn reaches(&self, scene: &Scene, bvh: &Bvh, light: u32, line: u32) -> bool {
-        let key = self.key.with(light).with(line);
-        let [x, y] = key.pair();
-        let [z, _] = key.with(1).pair();
-        let from = self.low + Vec3::new(x, y, z) * self.size;
-        let Some(to) = point_on(&scene.lights[light as usize], key.with(2).pair()) else { return true };
-        // Glass and cut-out texels let light through, so they hide no lamp for certain.
-        !bvh.any(&Ray::segment(from, to), |hit| scene.material_of(hit.triangle).is_opaque())
-    }
-}
-
-/// Returns a bound on the unshadowed irradiance (largest channel) that a light brings to a point
-/// within `slack` of `at`.
-fn unshadowed(light: &Light, at: Vec3, slack: f32) -> f32 {
-    let falloff = |centre: Vec3, radius: f32| {
-        let nearest = (centre.distance(at) - radius - slack).max(0.0);
-        1.0 / (nearest * nearest).max(f32::MIN_POSITIVE)
-    };
-    match light {
-        Light::Quad { corner, edge_u, edge_v, radiance } => {
-            let (centre, radius) = (*corner + (*edge_u + *edge_v) / 2.0, (*edge_u + *edge_v).length() / 2.0);
-            let solid_angle = edge_u.cross(*edge_v).length() * falloff(centre, radius);
-            radiance.max_element() * solid_angle.min(std::f32::consts::PI)
-        }
-        Light::Triangles { corners, area, radiance, picture, .. } => {
-            let points = || Light::outline(corners, picture).iter().flatten().copied();
-            let (low, high) =
-                points().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(l, h), p| (l.min(p), h.max(p)));
-            let solid_angle = area * falloff((low + high) / 2.0, (high - low).length() / 2.0);
-            // Near a bright part of a picture, its mean over the hemisphere is no bound.
-            let most = if picture.is_some() { f32::MAX } else { std::f32::consts::PI };
-            radiance.max_element() * solid_angle.min(most)
-        }
-        Light::Point { position, intensity, .. } => intensity.max_element() * falloff(*position, 0.0),
-        Light::Sun { irradiance, .. } => irradiance.max_element(),
-        Light::Sky | Light::SkySuns => 0.0,
-    }
+/// The lights at infinity that are on.
+fn distant_lights(scene: &Scene) -> Vec<u32> {
+    let is_distant = |light: &Light| matches!(light, Light::Sun { .. } | Light::Sky | Light::SkySuns);
+    let lights = (0..).zip(&scene.lights);
+    let matters =
+        |(index, light): &(u32, &Light)| is_distant(light) && !scene.is_switched_off(*index as usize);
+    lights.filter(matters).map(|(index, _)| index).collect()
 }

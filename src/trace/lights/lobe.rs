@@ -24,6 +24,9 @@ use glam::Vec3;
 /// Dimension of the random number that chooses shadow rays, in addition to those of the lights.
 const CHOICE: u32 = SHARING - 1;
 
+/// Number of candidates for each sample, where lamps are chosen.
+const CANDIDATES: u32 = 32;
+
 /// A rough lobe at a point, seen along a unit direction.
 #[derive(Clone, Copy)]
 pub(in crate::trace) struct LitLobe<'a> {
@@ -55,6 +58,8 @@ struct Candidate {
     light: u32,
     /// What the lobe scatters towards the viewer where nothing hides the light.
     radiance: Vec3,
+    /// Factor (0..1) of its importance, by how much of the light is visible from around.
+    visible: f32,
 }
 
 impl Tracer {
@@ -70,7 +75,7 @@ impl Tracer {
         mut add: impl FnMut(u32, Vec3),
     ) {
         let candidates = self.candidates(point, lobe, &shift, rays);
-        let weight = |candidate: &Candidate| candidate.radiance.max_element();
+        let weight = |candidate: &Candidate| candidate.radiance.max_element() * candidate.visible;
         let total: f32 = candidates.iter().map(weight).sum();
         // Of less, the steps below would be zero.
         if !total.is_normal() {
@@ -111,8 +116,13 @@ impl Tracer {
         rays: &mut RayCounts,
     ) -> Vec<Candidate> {
         let (origin, mut candidates) = (point.origin_in_front(), Vec::new());
-        let turns = self.lights_at(point.position).turns(lobe.samples, || shift(SHARING)[0]);
-        for LightTurn { index, samples, weight } in turns {
+        let cell = self.lights_at(point.position);
+        let count = CANDIDATES.saturating_mul(lobe.samples);
+        let chosen = match cell.is_shared() {
+            true => cell.chosen_turns(self.light_grid().tree(), point, count, shift(SHARING)[0]),
+            false => Vec::new(),
+        };
+        for LightTurn { index, samples, weight, visible } in cell.own_turns(lobe.samples).chain(chosen) {
             let light = &self.scene().lights[index as usize];
             if matches!(light, Light::Sky) || is_behind(light, point) {
                 continue;
@@ -141,7 +151,7 @@ impl Tracer {
                     );
                     let radiance = irradiance * value * share;
                     if radiance.max_element() > 0.0 {
-                        candidates.push(Candidate { ray, light: index, radiance });
+                        candidates.push(Candidate { ray, light: index, radiance, visible });
                     }
                 }
             }
@@ -153,7 +163,7 @@ impl Tracer {
     pub(in crate::trace) fn lamp_share(&self, from: &LobeRay, lamp: &SurfacePoint) -> f32 {
         let scene = self.scene();
         let Some(light) = scene.lamp_of_triangle(lamp.triangle) else { return 1.0 };
-        if !self.lights_at(from.position).contains(light) {
+        if !self.lights_at(from.position).contains(self.light_grid().tree(), light) {
             return 1.0;
         }
         let d = lamp.position - from.position;

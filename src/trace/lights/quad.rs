@@ -20,6 +20,8 @@ pub(super) struct Quad {
     pub(super) edge_v: Vec3,
     /// Squared distance below which the irradiance of a sample is bounded.
     pub(super) nearest2: f32,
+    /// True where it emits only from the side to which `edge_u` cross `edge_v` points.
+    pub(super) has_one_side: bool,
 }
 
 /// Some points of a lattice of `count` points in the unit square, moved by `shift`.
@@ -98,7 +100,7 @@ impl<S: Simd> Samples<S> {
     #[inline(always)]
     fn fill(&mut self, simd: S, quad: &Quad, point: &SurfacePoint, points: &Points, first: u32) -> bool {
         let [u, v] = lattice(simd, first, points.count, points.shift);
-        let Quad { corner, edge_u, edge_v, nearest2 } = *quad;
+        let Quad { corner, edge_u, edge_v, nearest2, has_one_side } = *quad;
         self.on_light = [
             u * edge_u.x + corner.x + v * edge_v.x,
             u * edge_u.y + corner.y + v * edge_v.y,
@@ -109,9 +111,13 @@ impl<S: Simd> Samples<S> {
         let d = [x - point.position.x, y - point.position.y, z - point.position.z];
         let zero = f32x8::splat(simd, 0.0);
         let along_normal = along(&d, point.shading_normal);
-        let is_above = along(&d, point.geometric_normal).simd_gt(zero) & along_normal.simd_gt(zero);
+        let mut brings = along(&d, point.geometric_normal).simd_gt(zero) & along_normal.simd_gt(zero);
+        let along_front = along(&d, edge_u.cross(edge_v));
+        if has_one_side {
+            brings &= along_front.simd_lt(zero);
+        }
         let is_there = (1u32 << (points.range.end - first).min(LANES as u32)) - 1;
-        self.brings_light = is_above.to_bitmask() as u32 & is_there;
+        self.brings_light = brings.to_bitmask() as u32 & is_there;
         // Give up where a sample is too near.
         let distance2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
         let is_bounded = distance2.simd_lt(f32x8::splat(simd, nearest2));
@@ -120,8 +126,7 @@ impl<S: Simd> Samples<S> {
         }
         // Both cosines contain a length, so two quotients by the square need no root.
         let inverse = f32x8::splat(simd, 1.0) / distance2;
-        let along_light = along(&d, edge_u.cross(edge_v)).abs();
-        self.factor = (along_normal * inverse) * (along_light * inverse);
+        self.factor = (along_normal * inverse) * (along_front.abs() * inverse);
         true
     }
 }
@@ -161,13 +166,14 @@ mod tests {
         let scene = tracer.scene();
         let view = View::new(scene.start(), &scene.frame, [24, 14]);
         let [mut compared, mut left_out] = [0; 2];
-        for pixel in 0..24 * 14 {
+        for (pixel, has_one_side) in (0..24 * 14).flat_map(|pixel| [(pixel, false), (pixel, true)]) {
             let ray = Tracer::primary_ray(&view, pixel);
             let Some(hit) = tracer.closest(&ray) else { continue };
             let point = tracer.surface(&ray, &hit);
             for light in &scene.lights {
-                let Light::Quad { corner, edge_u, edge_v, radiance } = *light else { continue };
-                let quad = Quad { corner, edge_u, edge_v, nearest2: f32::MIN_POSITIVE };
+                let Light::Quad { corner, edge_u, edge_v, radiance, .. } = *light else { continue };
+                let light = &Light::Quad { corner, edge_u, edge_v, radiance, has_one_side };
+                let quad = Quad { corner, edge_u, edge_v, nearest2: f32::MIN_POSITIVE, has_one_side };
                 for (range, count) in [(0..16, 16), (16..27, 27), (0..3, 3)] {
                     let shift = Key::of_pixel(1, pixel).pair();
                     let points = Points { range: range.clone(), count, shift };

@@ -64,28 +64,33 @@ pub(super) fn sample(
         Some(LightSample { shadow_ray: Ray::new(origin, d), irradiance, factor: 0.0, is_clamped: false })
     };
     match light {
-        Light::Quad { corner, edge_u, edge_v, radiance } => {
+        Light::Quad { corner, edge_u, edge_v, radiance, has_one_side } => {
             let on_light = *corner + *edge_u * u[0] + *edge_v * u[1];
-            area_sample(point, origin, on_light, edge_u.cross(*edge_v), *radiance)
+            let side = (edge_u.cross(*edge_v), *has_one_side);
+            area_sample(point, origin, on_light, side, *radiance)
         }
-        Light::Triangles { corners, cumulative_area, area, radiance, picture } => {
+        Light::Triangles { corners, cumulative_area, area, radiance, picture, has_one_side } => {
             let (on_light, chosen, place) = point_on_mesh(corners, cumulative_area, u);
             let [a, b, c] = corners[chosen];
             let normal = (b - a).cross(c - a).normalize_or(Vec3::Y);
             let Some(picture) = picture else {
-                return area_sample(point, origin, on_light, normal * *area, *radiance);
+                return area_sample(point, origin, on_light, (normal * *area, *has_one_side), *radiance);
             };
             let (area, relative) = picture.sample((&scene.materials, &scene.textures), chosen, place);
-            let sample = area_sample(point, origin, on_light, normal * area, *radiance * relative)?;
+            let side = (normal * area, *has_one_side);
+            let sample = area_sample(point, origin, on_light, side, *radiance * relative)?;
             Some(LightSample { factor: 0.0, ..sample })
         }
-        Light::Point { position, intensity, beam } => {
+        Light::Point { position, intensity, beam, profile } => {
             let d = *position - point.position;
             let cos = cosine(point, d)?;
-            let intensity = match beam {
+            let mut intensity = match beam {
                 None => *intensity,
                 Some(beam) => *intensity * beam.share(-d),
             };
+            if let Some(profile) = profile {
+                intensity *= profile.share(-d);
+            }
             if intensity == Vec3::ZERO {
                 return None;
             }
@@ -139,11 +144,12 @@ pub(super) fn add_samples(
     unblocked: &mut [Vec3; BUNDLE_RAYS],
 ) -> u64 {
     // Sample a parallelogram sixteen points at a time.
-    if let Light::Quad { corner, edge_u, edge_v, radiance } = *light
+    if let Light::Quad { corner, edge_u, edge_v, radiance, has_one_side } = *light
         && points.range.len() >= MIN_RAYS
         && most == f32::INFINITY
     {
-        let quad = Quad { corner, edge_u, edge_v, nearest2: nearest2(edge_u.cross(edge_v)) };
+        let nearest2 = nearest2(edge_u.cross(edge_v));
+        let quad = Quad { corner, edge_u, edge_v, nearest2, has_one_side };
         let mut factors = [0.0; BUNDLE_RAYS];
         if sample_quad(&quad, point, &points, bundle, &mut factors) {
             for (unblocked, factor) in unblocked.iter_mut().zip(factors) {
@@ -167,16 +173,20 @@ pub(super) fn add_samples(
     clamped
 }
 
-/// Returns a sample of an area light that represents the area `|area_normal|`.
+/// Returns a sample of an area light that represents the area `|area_normal|`, on the side to which
+/// this points or on both.
 #[inline(always)]
 fn area_sample(
     point: &SurfacePoint,
     origin: Vec3,
     on_light: Vec3,
-    area_normal: Vec3,
+    (area_normal, has_one_side): (Vec3, bool),
     radiance: Vec3,
 ) -> Option<LightSample> {
     let d = on_light - point.position;
+    if has_one_side && area_normal.dot(d) >= 0.0 {
+        return None;
+    }
     if point.geometric_normal.dot(d) <= 0.0 {
         return None;
     }

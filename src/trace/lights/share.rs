@@ -1,42 +1,50 @@
-//! How many samples each light of a cell gets.
+//! Which lights of a cell are sampled at a point, and how often.
 //!
-//! Up to [`MAX_LIGHTS`] lights get all samples that are asked for. More lights share the samples of
-//! that many, so that the cost of a point is bounded. A light's share (0..1) of its samples grows
-//! with the light that it is estimated to bring to the cell; the brightest lights keep all of
-//! theirs. A light that expects less than one sample is left to chance, and counts for as much more
-//! where it is chosen: the estimate stays unbiased.
+//! Up to [`MAX_LIGHTS`] lights get all samples that are asked for. More lamps share a number of
+//! samples that does not depend on how many there are. A lamp that expects less than one sample is
+//! left to chance, and counts for as much more where it is chosen: the estimate stays unbiased.
 //!
 //! Source: Shirley, Wang and Zimmerman, "Monte Carlo Techniques for Direct Lighting Calculations",
-//! ACM TOG 15(1), 1996 (section 5: lights chosen by their estimated contribution to a cell), and
-//! Madow, "On the Theory of Systematic Sampling, II", 1949: one random offset places the samples
-//! of all lights at equal distances along the sum of their shares. We differ: shares are limited to
-//! one light's own samples, and the estimates contain the visibility of the light from the cell.
+//! ACM TOG 15(1), 1996 (section 5: lights chosen by their estimated contribution), and Madow, "On
+//! the Theory of Systematic Sampling, II", 1949: one random offset places the samples of all lamps
+//! at equal distances along the sum of their shares. We differ: shares are found down the tree of
+//! lamps, for the point, and contain the visibility of a part of the tree from the cell.
 
-/// Number of lights that get all their samples; more lights in a cell share the samples of this
-/// many. No scene of the embedded ones and no real model at hand has a cell with more, so pictures
-/// of these do not depend on it.
-pub(super) const MAX_LIGHTS: usize = 64;
+use super::tree::{LightTree, share};
+use crate::scene::MAX_SINGLE_LIGHTS;
+use crate::trace::SurfacePoint;
+use glam::Vec3;
 
-/// Part of the samples that all lights share equally, whatever their estimates: an estimate that is
-/// too low by any factor multiplies the weight of a sample by at most ten times the number of
-/// lights over [`MAX_LIGHTS`].
-const EQUAL_PART: f64 = 0.1;
+/// Number of lights that get all their samples; of more lamps in a cell only some are sampled. No
+/// scene of the embedded ones and no real model at hand has a cell with more, so pictures of these
+/// do not depend on it.
+pub(super) const MAX_LIGHTS: usize = MAX_SINGLE_LIGHTS;
 
-/// The share of a light that gets all its samples. Shares are whole numbers, so that their sums are
-/// exact and any number of samples divides them in the same way on every machine.
-const ALL: u32 = 1 << SHARE_BITS;
-const SHARE_BITS: u32 = 25;
+/// Largest number of lamps of a cell each of which is estimated at every point. Of more, parts of the
+/// tree are estimated first. Not tuned.
+const MAX_SINGLE_ESTIMATES: usize = 512;
 
-/// Dimension of the offset that places shared samples, in addition to those of the lights.
+/// Largest number of lamps of a part of the tree that are estimated one by one. Not tuned.
+const MAX_BLOCK: usize = 32;
+
+/// Dimension of the random offset of shared samples, in addition to those of the lights.
 pub(super) const SHARING: u32 = u32::MAX;
 
-/// The lights that matter in a cell, and their shares of the samples.
+/// The lights that matter in a cell.
 #[derive(Debug)]
 pub(in crate::trace) struct CellLights {
-    /// Indices into the scene's lights, ascending.
-    indices: Box<[u32]>,
-    /// Sum of the shares up to and including each light; empty where no light has to share.
-    ends: Box<[u32]>,
+    /// Lights that get all their samples: indices into the scene's lights, ascending.
+    pub(super) own: Box<[u32]>,
+    /// Parts of the tree whose lamps are chosen; empty where there are few.
+    pub(super) parts: Box<[Part]>,
+}
+
+/// A node of the tree of lamps, as seen from a cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Part {
+    pub(super) node: u32,
+    /// Factor (0..1) of its importance, by how much of it is visible.
+    pub(super) visible: f32,
 }
 
 /// A light and its number of samples at a point.
@@ -48,205 +56,210 @@ pub(super) struct LightTurn {
     pub(super) samples: u32,
     /// Factor of the estimate of the light's irradiance.
     pub(super) weight: f32,
+    /// Factor (0..1) of its importance, by how much of it is visible from the cell.
+    pub(super) visible: f32,
 }
 
 impl CellLights {
-    /// Lights with the irradiance that each is estimated to bring to the cell; estimates need no
-    /// unit.
-    pub(super) fn new(lights: &[(u32, f32)]) -> Self {
-        let indices = lights.iter().map(|(index, _)| *index).collect();
-        let ends = if lights.len() > MAX_LIGHTS { ends(&shares(lights)) } else { Box::default() };
-        Self { indices, ends }
+    /// Lights of the scene, `parts` of the tree, and others. A few lamps get all their samples.
+    pub(super) fn new(tree: &LightTree, mut own: Vec<u32>, parts: Vec<Part>) -> Self {
+        let lamps = || parts.iter().flat_map(|part| tree.lamps_of(part.node));
+        let is_shared = lamps().count() > MAX_LIGHTS;
+        if !is_shared {
+            own.extend(lamps());
+        }
+        own.sort_unstable();
+        Self { own: own.into(), parts: if is_shared { parts.into() } else { Box::default() } }
+    }
+
+    /// Lights that all get their samples, ascending.
+    pub(super) fn few(own: Vec<u32>) -> Self {
+        Self { own: own.into(), parts: Box::default() }
     }
 
     /// Number of lights.
-    pub(super) fn len(&self) -> usize {
-        self.indices.len()
+    pub(super) fn len(&self, tree: &LightTree) -> usize {
+        self.own.len() + self.parts.iter().map(|part| tree.lamps_of(part.node).len()).sum::<usize>()
     }
 
     /// True where a light, given by its index in the scene, matters in the cell.
-    pub(super) fn contains(&self, light: u32) -> bool {
-        self.indices.binary_search(&light).is_ok()
+    pub(super) fn contains(&self, tree: &LightTree, light: u32) -> bool {
+        let place = tree.place(light);
+        let is_in = |part: &Part| {
+            let node = tree.node(part.node);
+            (node.first..node.first + node.count).contains(&place)
+        };
+        self.own.binary_search(&light).is_ok() || self.parts.iter().any(is_in)
     }
 
-    /// True where the lights share samples.
+    /// True where lamps are chosen.
     pub(super) fn is_shared(&self) -> bool {
-        !self.ends.is_empty()
+        !self.parts.is_empty()
     }
 
-    /// The lights to sample at a point: each with `samples`, or with its part of the samples of
-    /// [`MAX_LIGHTS`] lights. `random` returns a number in [0, 1) that places shared samples.
+    /// The lights that get all their samples at a point.
     #[inline(always)]
-    pub(super) fn turns(&self, samples: u32, random: impl FnOnce() -> f32) -> LightTurns<'_> {
-        let offset = if self.is_shared() { offset(random()) } else { 0 };
-        LightTurns { lights: self, at: 0, samples, offset, used: 0 }
-    }
-}
-
-/// Distance of the first sample from the start of the shares, uniform below [`ALL`].
-fn offset(random: f32) -> u32 {
-    ((random * ALL as f32) as u32).min(ALL - 1)
-}
-
-/// The shares of lights (0..1), which sum to [`MAX_LIGHTS`]: proportional to the estimates, with a
-/// part divided equally, and at most 1.
-fn shares(lights: &[(u32, f32)]) -> Vec<f64> {
-    let estimate = |light: &(u32, f32)| f64::from(light.1).clamp(0.0, f64::from(f32::MAX));
-    let sum: f64 = lights.iter().map(estimate).sum();
-    let equal = 1.0 / lights.len() as f64;
-    let weight = |light| if sum > 0.0 { estimate(light) / sum } else { equal };
-    let weights: Vec<f64> =
-        lights.iter().map(|light| EQUAL_PART * equal + (1.0 - EQUAL_PART) * weight(light)).collect();
-    // What a light cannot use is divided among the others, until no share is above 1.
-    let mut shares = vec![0.0; lights.len()];
-    loop {
-        let open = || weights.iter().zip(&shares).filter(|(_, share)| **share < 1.0);
-        let left = MAX_LIGHTS.saturating_sub(lights.len() - open().count()) as f64;
-        let scale = left / open().map(|(weight, _)| weight).sum::<f64>();
-        let mut has_changed = false;
-        for (share, weight) in shares.iter_mut().zip(&weights).filter(|(share, _)| **share < 1.0) {
-            *share = (weight * scale).min(1.0);
-            has_changed |= *share == 1.0;
-        }
-        if !has_changed {
-            return shares;
-        }
-    }
-}
-
-/// The running sum of the shares as whole numbers. No share is zero: that would be a bias.
-fn ends(shares: &[f64]) -> Box<[u32]> {
-    let mut end = 0;
-    let whole = |share: &f64| ((share * f64::from(ALL)) as u32).clamp(1, ALL);
-    shares
-        .iter()
-        .map(|share| {
-            end += whole(share);
-            end
-        })
-        .collect()
-}
-
-/// Iterates over the lights that get samples at a point.
-pub(super) struct LightTurns<'a> {
-    lights: &'a CellLights,
-    /// Position of the next light in the cell.
-    at: usize,
-    /// Number of samples of a light that does not share.
-    samples: u32,
-    offset: u32,
-    /// Number of shared samples that the lights before the next one got.
-    used: u64,
-}
-
-impl Iterator for LightTurns<'_> {
-    type Item = LightTurn;
-
-    #[inline(always)]
-    fn next(&mut self) -> Option<LightTurn> {
-        if self.lights.is_shared() {
-            return self.next_shared();
-        }
-        let index = *self.lights.indices.get(self.at)?;
-        self.at += 1;
-        Some(LightTurn { index, samples: self.samples, weight: 1.0 })
-    }
-}
-
-impl LightTurns<'_> {
-    /// Sample number k lies at `k * ALL + offset` on the line on which each light covers its share
-    /// times `samples`.
-    fn next_shared(&mut self) -> Option<LightTurn> {
-        let (ends, samples) = (&self.lights.ends, u64::from(self.samples));
-        // Find the light of the next sample: mostly the next light.
-        let place = self.used << SHARE_BITS | u64::from(self.offset);
-        let is_before = |end: &u32| u64::from(*end) * samples <= place;
-        if ends.get(self.at).is_some_and(is_before) {
-            self.at += ends[self.at..].partition_point(is_before);
-        }
-        let at = self.at;
-        let end = u64::from(*ends.get(at)?);
-        // Count the samples that lie before the light's end.
-        let until = (end * samples + u64::from(ALL - 1 - self.offset)) >> SHARE_BITS;
-        let count = (until - self.used) as u32;
-        (self.used, self.at) = (until, at + 1);
-        let share = end - at.checked_sub(1).map_or(0, |before| u64::from(ends[before]));
-        let expected = (share * samples) as f32 / ALL as f32;
-        Some(LightTurn {
-            index: self.lights.indices[at],
-            samples: count,
-            weight: if expected < 1.0 { 1.0 / expected } else { 1.0 },
-        })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Lights of which a few are bright, and every seventh is estimated to bring nothing.
-    fn lights(count: u32) -> Vec<(u32, f32)> {
-        let estimate = |i: u32| if i.is_multiple_of(7) { 0.0 } else { 1000.0 / (1.0 + i as f32).powi(2) };
-        (0..count).map(|i| (2 * i, estimate(i))).collect()
+    pub(super) fn own_turns(&self, samples: u32) -> impl Iterator<Item = LightTurn> + '_ {
+        self.own.iter().map(move |&index| LightTurn { index, samples, weight: 1.0, visible: 1.0 })
     }
 
-    fn turns_at(lights: &CellLights, samples: u32, offset: u32) -> LightTurns<'_> {
-        LightTurns { lights, at: 0, samples, offset, used: 0 }
-    }
-
-    #[test]
-    fn few_lights_do_not_share() {
-        let cell = CellLights::new(&lights(MAX_LIGHTS as u32));
-        let turns: Vec<LightTurn> = cell.turns(5, || 0.0).collect();
-        assert!(!cell.is_shared() && turns.len() == MAX_LIGHTS);
-        assert!(
-            turns.iter().zip(0..).all(|(t, i)| *t == LightTurn { index: 2 * i, samples: 5, weight: 1.0 })
+    /// The lamps that are chosen at a point, in the order of the tree, with `count` samples in all.
+    /// `random` in [0, 1) places them.
+    pub(super) fn chosen_turns(
+        &self,
+        tree: &LightTree,
+        point: &SurfacePoint,
+        count: u32,
+        random: f32,
+    ) -> Vec<LightTurn> {
+        let at = (point.position, point.shading_normal);
+        let random = f64::from(random);
+        let lamps = self.len(tree);
+        let (turns, estimates) = (
+            Vec::with_capacity(count.min(1 << 10) as usize),
+            Vec::with_capacity(lamps.min(MAX_SINGLE_ESTIMATES)),
         );
-        assert_eq!(CellLights::new(&[]).turns(5, || 0.0).count(), 0);
+        let mut chosen = Chosen { tree, at, random, turns, estimates };
+        if lamps <= MAX_SINGLE_ESTIMATES {
+            chosen.among_all(&self.parts, f64::from(count));
+        } else {
+            chosen.among_parts(&self.parts, f64::from(count));
+        }
+        chosen.turns
+    }
+}
+
+/// The lamps chosen so far.
+struct Chosen<'a> {
+    tree: &'a LightTree,
+    /// Position and normal of the point.
+    at: (Vec3, Vec3),
+    /// Sample number k lies at k plus this, on a line on which each lamp covers its share.
+    random: f64,
+    turns: Vec<LightTurn>,
+    /// Estimates of the light of single lamps.
+    estimates: Vec<f32>,
+}
+
+impl Chosen<'_> {
+    /// Chooses by an estimate of each lamp.
+    fn among_all(&mut self, parts: &[Part], count: f64) {
+        let mut ends = Vec::with_capacity(parts.len());
+        for part in parts {
+            self.tree.append_estimates(part.node, self.at, part.visible, &mut self.estimates);
+            ends.push(self.estimates.len());
+        }
+        let lamp_at = |place: usize| {
+            let at = ends.partition_point(|end| *end <= place);
+            let (part, begin) = (parts[at], if at == 0 { 0 } else { ends[at - 1] });
+            (self.tree.lamps_of(part.node)[place - begin], part.visible)
+        };
+        choose(&self.estimates, [0.0, count], self.random, lamp_at, &mut self.turns);
     }
 
-    #[test]
-    fn samples_are_bounded_and_none_is_lost() {
-        for count in [65, 100, 1000] {
-            let cell = CellLights::new(&lights(count));
-            for samples in [1, 3, 16, 1 << 20] {
-                for offset in [0, 1, ALL / 3, ALL - 1] {
-                    let turns: Vec<LightTurn> = turns_at(&cell, samples, offset).collect();
-                    let sum: u64 = turns.iter().map(|t| u64::from(t.samples)).sum();
-                    let most = MAX_LIGHTS as u64 * u64::from(samples);
-                    // Shares are rounded down by less than a unit each.
-                    let least = most - (u64::from(count) * u64::from(samples)).div_ceil(u64::from(ALL)) - 1;
-                    assert!((least..=most).contains(&sum), "{count} lights, {samples}: {sum} of {most}");
-                    assert!(turns.iter().all(|t| (1..=samples).contains(&t.samples) && t.weight >= 1.0));
-                    assert!(turns.windows(2).all(|t| t[0].index < t[1].index));
-                }
+    /// Divides the samples among parts first.
+    fn among_parts(&mut self, parts: &[Part], count: f64) {
+        let of_part = |part: &Part| self.tree.importance(part.node, self.at.0, self.at.1) * part.visible;
+        let importances: Vec<f32> = parts.iter().map(of_part).collect();
+        let mut begin = 0.0;
+        for (part, share) in parts.iter().zip(shares(self.tree, parts, &importances, count)) {
+            self.descend(part, [begin, begin + share]);
+            begin += share;
+        }
+    }
+
+    /// Finds the lamps of a part, which covers a piece of the line.
+    fn descend(&mut self, part: &Part, piece: [f64; 2]) {
+        let mut open = vec![(part.node, piece)];
+        while let Some((node, [begin, end])) = open.pop() {
+            if samples_in([begin, end], self.random) == 0 {
+                continue;
             }
+            let halves = self.tree.children(node).filter(|_| self.tree.lamps_of(node).len() > MAX_BLOCK);
+            let Some(halves) = halves else {
+                self.estimates.clear();
+                self.tree.append_estimates(node, self.at, 1.0, &mut self.estimates);
+                let lamps = self.tree.lamps_of(node);
+                let lamp_at = |place: usize| (lamps[place], part.visible);
+                choose(&self.estimates, [begin, end], self.random, lamp_at, &mut self.turns);
+                continue;
+            };
+            let importances = halves.map(|node| self.tree.importance(node, self.at.0, self.at.1));
+            let middle = begin + self.tree.divide(end - begin, halves, importances);
+            open.push((halves[1], [middle, end]));
+            open.push((halves[0], [begin, middle]));
         }
     }
+}
 
-    #[test]
-    fn the_brightest_lights_get_all_their_samples_and_the_weight_of_every_light_is_one_on_average() {
-        const OFFSETS: u32 = 1 << 14;
-        let cell = CellLights::new(&lights(300));
-        for samples in [1, 4] {
-            let mut weights = vec![0.0f64; 300];
-            for number in 0..OFFSETS {
-                for turn in turns_at(&cell, samples, number * (ALL / OFFSETS)) {
-                    weights[turn.index as usize / 2] += f64::from(turn.weight) / f64::from(OFFSETS);
-                    assert!(turn.index != 2 || (turn.samples, turn.weight) == (samples, 1.0));
-                }
+/// Appends the lamps that are chosen where they share a piece of the line in proportion to their
+/// estimates. `lamp_at` returns a lamp and how much of it is visible, by the place of its estimate.
+fn choose(
+    estimates: &[f32],
+    [begin, end]: [f64; 2],
+    random: f64,
+    lamp_at: impl Fn(usize) -> (u32, f32),
+    turns: &mut Vec<LightTurn>,
+) {
+    let (live, sum) = live_and_sum(estimates);
+    if live == 0.0 {
+        return;
+    }
+    // The share of a lamp is linear in its estimate.
+    let least = share(end - begin, live, [1.0 / live, 0.0]);
+    let slope = share(end - begin, live, [0.0, 1.0]) / sum;
+    let (mut at, mut next) = (begin, samples_before(begin, random) + random);
+    for (place, &estimate) in estimates.iter().enumerate() {
+        if estimate <= 0.0 {
+            continue;
+        }
+        let expected = least + slope * f64::from(estimate);
+        at += expected;
+        if next < at {
+            let mut samples = 0;
+            while next < at {
+                (samples, next) = (samples + 1, next + 1.0);
             }
-            // The least share is a tenth of 64 / 300: offsets resolve it to a third of a percent.
-            assert!(weights.iter().all(|w| (w - 1.0).abs() < 0.005), "{weights:?}");
+            let weight = if expected < 1.0 { (1.0 / expected) as f32 } else { 1.0 };
+            let (index, visible) = lamp_at(place);
+            turns.push(LightTurn { index, samples, weight, visible });
         }
     }
+}
 
-    #[test]
-    fn estimates_without_a_sense_divide_the_samples_equally() {
-        for estimate in [0.0, f32::NAN, f32::INFINITY, -1.0] {
-            let lights: Vec<(u32, f32)> = (0..128).map(|i| (i, estimate)).collect();
-            let found = shares(&lights);
-            assert!(found.iter().all(|s| (s - 0.5).abs() < 1e-9), "{estimate}: {}", found[0]);
+/// Number of estimates above zero, and the sum of all.
+fn live_and_sum(estimates: &[f32]) -> (f64, f64) {
+    let (mut live, mut sums) = ([0u32; 4], [0.0f64; 4]);
+    for some in estimates.chunks(4) {
+        for (lane, &estimate) in some.iter().enumerate() {
+            live[lane] += u32::from(estimate > 0.0);
+            sums[lane] += f64::from(estimate);
         }
     }
+    (f64::from(live.iter().sum::<u32>()), sums.iter().sum())
+}
+
+/// Number of samples before a place of the line.
+fn samples_before(place: f64, random: f64) -> f64 {
+    (place - random).ceil()
+}
+
+fn samples_in([begin, end]: [f64; 2], random: f64) -> u32 {
+    (samples_before(end, random) - samples_before(begin, random)) as u32
+}
+
+/// Expected numbers of samples of parts of the tree, of `count` in all.
+fn shares(tree: &LightTree, parts: &[Part], importances: &[f32], count: f64) -> Vec<f64> {
+    let lamps = |part: &Part| f64::from(tree.node(part.node).count);
+    let live = || parts.iter().zip(importances).filter(|(_, importance)| **importance > 0.0);
+    let all_lamps: f64 = live().map(|(part, _)| lamps(part)).sum();
+    let all_importance: f64 = live().map(|(_, importance)| f64::from(*importance)).sum();
+    let of_part = |(part, &importance): (&Part, &f32)| {
+        if importance <= 0.0 {
+            return 0.0;
+        }
+        let (by_number, by_importance) = (lamps(part) / all_lamps, f64::from(importance) / all_importance);
+        share(count, all_lamps, [by_number, by_importance])
+    };
+    parts.iter().zip(importances).map(of_part).collect()
 }

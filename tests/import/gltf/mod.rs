@@ -2,8 +2,11 @@
 
 mod extensions;
 mod geometry;
+mod lamps;
 mod surfaces;
 mod trouble;
+
+pub(crate) use lamps::profile;
 
 use super::Folder;
 use afterimage::scene::{Scene, SceneError};

@@ -62,8 +62,8 @@ pub(crate) struct Flags {
     #[arg(value_parser = named_parser::<Mode>(["full", "paper", "fast", "exact"]), hide_possible_values = true)]
     pub(crate) mode: Mode,
     /// Light samples per pixel: N for each light that matters at a point, and N paths for light
-    /// that surfaces scatter; more than 64 lights share the samples of 64 [default: 16; in the
-    /// window 4].
+    /// that surfaces scatter; more than 64 lights share 16 rays for each sample [default: 16;
+    /// in the window 4].
     #[arg(long, global = true, value_name = "N")]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=1 << 20))]
     pub(crate) samples: Option<u32>,

@@ -78,7 +78,8 @@ fn light_kinds(scene: &Scene) -> Vec<(&'static str, usize)> {
     vec![
         ("quad", count(|l| matches!(l, Light::Quad { .. }))),
         ("mesh", count(|l| matches!(l, Light::Triangles { .. }))),
-        ("point", count(|l| matches!(l, Light::Point { .. }))),
+        ("point", count(|l| matches!(l, Light::Point { profile: None, .. }))),
+        ("with a profile", count(|l| matches!(l, Light::Point { profile: Some(_), .. }))),
         ("sun", count(|l| matches!(l, Light::Sun { .. }))),
         ("sky", count(|l| matches!(l, Light::Sky))),
         ("bright parts of the sky", count(|l| matches!(l, Light::SkySuns))),
@@ -102,6 +103,13 @@ fn objects(scene: &Scene) -> String {
         true => format!("{all} named"),
         false => format!("{all} named, {moved} moved, {gone} not shown"),
     }
+}
+
+/// Names of the materials that emit from their front alone; `None` where there is none.
+fn one_sided(scene: &Scene) -> Option<String> {
+    let lamps = scene.materials.iter().filter(|material| material.has_dark_back());
+    let names: Vec<&str> = lamps.map(|material| material.name.as_str()).collect();
+    (!names.is_empty()).then(|| names.join(", "))
 }
 
 /// How the materials are traced: a line for each way, with names.
@@ -164,6 +172,9 @@ fn table(loaded: &Loaded) -> String {
     ]);
     for line in traced(scene) {
         text += &format!("  {line}\n");
+    }
+    if let Some(names) = one_sided(scene) {
+        text += &format!("  emit from their front alone: {names}\n");
     }
     for sentence in scene.conditioning.sentences() {
         text += &format!("  {sentence}\n");

@@ -61,7 +61,7 @@ impl Loaded {
         if cuts.sharing_cells > 0 {
             output::say(&format!(
                 "note: in {} of the {} places shaded, more than 64 of the scene's {} lights matter; there they share \
-                 the samples of 64, and --samples raises them",
+                 16 rays for each sample, and --samples raises them",
                 cuts.sharing_cells, cuts.cells, cuts.lights
             ));
         }

@@ -92,7 +92,7 @@ fn mode_row(ui: &mut Ui, q: &mut Quality, d: &Quality) {
 
 fn sampling_rows(ui: &mut Ui, q: &mut Quality, d: &Quality) {
     let help = "Samples per pixel for each light, and paths for light that surfaces scatter; more than 64 lights in \
-                one place share the samples of 64. The window's default is low for smooth motion.";
+                one place share 16 rays for each sample. The window's default is low for smooth motion.";
     let (trace, default) = (&mut q.walk.render.trace, &d.walk.render.trace);
     row(ui, "Samples", help, &mut trace.samples, default.samples, |ui, v| {
         ui.add(Slider::new(v, 1..=256).clamping(KEEP).logarithmic(true).suffix(" /light"))

@@ -37,6 +37,8 @@ fn facts(ui: &mut Ui, scene: &SceneInfo) {
         (features.textures, "textures"),
         (features.alpha, "cut-outs"),
         (features.area_lights, "area lights"),
+        (features.many_lights, "tree of many lamps"),
+        (features.light_profiles, "light profiles"),
         (features.sky, "a sky"),
     ];
     let used: Vec<&str> = used.into_iter().filter_map(|(is, what)| is.then_some(what)).collect();
