@@ -3,7 +3,7 @@
 use afterimage::camera::{Camera, View};
 use afterimage::math::Ray;
 use afterimage::render::WalkthroughSettings;
-use afterimage::scene::{Material, MaterialId, SceneBuilder};
+use afterimage::scene::{Material, MaterialId, MaterialKind, SceneBuilder};
 use afterimage::trace::parallel::NEVER;
 use afterimage::{Mode, Tracer, Walkthrough};
 use glam::{DVec3, Vec2, Vec3};
@@ -114,4 +114,18 @@ fn surfaces_apart_or_of_one_material_are_not_compared() {
     assert!(built(0.0, false).features.coincident);
     assert!(!built(1e-4, false).features.coincident, "0.1 mm apart");
     assert!(!built(0.0, true).features.coincident, "one material");
+}
+
+/// Only opaque faces are marked, so an edit that makes one opaque marks it.
+#[test]
+fn faces_in_one_place_are_found_again_after_an_edit_of_materials() {
+    let (tracer, _) = wall(Cut::Alike, false);
+    let opaque = tracer.scene();
+    let mut edit = opaque.to_edit();
+    let plaster = edit.materials[1].clone();
+    edit.materials[1].kind = MaterialKind::Glass { eta: 1.5, transmittance: Vec3::splat(0.1) };
+    let glass = opaque.with_edit(&edit);
+    assert!(opaque.features.coincident && !glass.features.coincident);
+    edit.materials[1] = plaster;
+    assert_eq!(glass.with_edit(&edit).coincident, opaque.coincident);
 }

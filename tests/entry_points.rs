@@ -25,6 +25,13 @@ pub(crate) const ALL: &[EntryPoint] = &[
     ("walk", walk),
     ("journal", journal),
     ("picture", picture),
+    ("draco", draco),
+    ("meshopt", meshopt),
+    ("webp", webp),
+    ("tiff", tiff),
+    ("gif", gif),
+    ("dds", dds),
+    ("exr", exr),
 ];
 
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl a\nf 1/1 2/2 3/3\n";
@@ -47,10 +54,78 @@ pub(crate) fn texture(bytes: &[u8]) {
         "a.exr",
     ];
     let Some((first, bytes)) = bytes.split_first() else { return };
-    let name = NAMES[usize::from(*first) % NAMES.len()];
+    texture_of(NAMES[usize::from(*first) % NAMES.len()], bytes);
+}
+
+/// A picture in WebP.
+pub(crate) fn webp(bytes: &[u8]) {
+    texture_of("a.webp", bytes);
+}
+
+/// A picture in TIFF.
+pub(crate) fn tiff(bytes: &[u8]) {
+    texture_of("a.tif", bytes);
+}
+
+/// A picture in GIF.
+pub(crate) fn gif(bytes: &[u8]) {
+    texture_of("a.gif", bytes);
+}
+
+/// A picture in DDS.
+pub(crate) fn dds(bytes: &[u8]) {
+    texture_of("a.dds", bytes);
+}
+
+/// A picture in OpenEXR.
+pub(crate) fn exr(bytes: &[u8]) {
+    texture_of("a.exr", bytes);
+}
+
+/// The picture of a valid material, with this name.
+fn texture_of(name: &str, bytes: &[u8]) {
     let mtl = format!("newmtl a\nKd 1 1 1\nmap_Kd {name}\nmap_d {name}\nmap_Ke {name}\n");
     let obj = format!("mtllib scene.mtl\n{TRIANGLE}");
     check_load("scene.obj", &[("scene.obj", obj.as_bytes()), ("scene.mtl", mtl.as_bytes()), (name, bytes)]);
+}
+
+/// A mesh that is compressed by Draco, in a valid glTF model.
+pub(crate) fn draco(bytes: &[u8]) {
+    let json = format!(
+        r#"{{"asset": {{"version": "2.0"}}, "scenes": [{{"nodes": [0]}}], "nodes": [{{"mesh": 0}}],
+        "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0, "NORMAL": 0, "TEXCOORD_0": 1}},
+            "extensions": {{"KHR_draco_mesh_compression": {{"bufferView": 0,
+                "attributes": {{"POSITION": 2, "NORMAL": 1, "TEXCOORD_0": 0}}}}}}}}]}}],
+        "accessors": [{{"count": 25, "componentType": 5126, "type": "VEC3"}},
+            {{"count": 25, "componentType": 5126, "type": "VEC2"}}],
+        "bufferViews": [{{"buffer": 0, "byteLength": {length}}}],
+        "buffers": [{{"byteLength": {length}, "uri": "mesh.bin"}}]}}"#,
+        length = bytes.len()
+    );
+    check_load("scene.gltf", &[("scene.gltf", json.as_bytes()), ("mesh.bin", bytes)]);
+}
+
+/// A buffer view that is compressed by meshoptimizer, in a valid glTF model. The first bytes select
+/// mode and filter, a quarter of the stride, and the number of elements.
+pub(crate) fn meshopt(bytes: &[u8]) {
+    const MODES: [&str; 3] = ["ATTRIBUTES", "TRIANGLES", "INDICES"];
+    const FILTERS: [&str; 5] = ["NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL", "COLOR"];
+    let Some(([kind, quarter, count], stored)) = bytes.split_first_chunk() else { return };
+    let (kind, stride) = (usize::from(*kind), usize::from(*quarter) * 4);
+    let json = format!(
+        r#"{{"asset": {{"version": "2.0"}}, "scenes": [{{"nodes": [0]}}], "nodes": [{{"mesh": 0}}],
+        "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}}}]}}],
+        "accessors": [{{"bufferView": 0, "count": {count}, "componentType": 5126, "type": "VEC3"}}],
+        "bufferViews": [{{"buffer": 1, "byteLength": {size}, "extensions": {{"EXT_meshopt_compression":
+            {{"buffer": 0, "byteLength": {length}, "byteStride": {stride}, "count": {count},
+            "mode": "{mode}", "filter": "{filter}"}}}}}}],
+        "buffers": [{{"byteLength": {length}, "uri": "mesh.bin"}}, {{"byteLength": {size}}}]}}"#,
+        size = stride * usize::from(*count),
+        length = stored.len(),
+        mode = MODES[kind % MODES.len()],
+        filter = FILTERS[kind / MODES.len() % FILTERS.len()],
+    );
+    check_load("scene.gltf", &[("scene.gltf", json.as_bytes()), ("mesh.bin", stored)]);
 }
 
 /// A glTF model. Its first bytes decide between text and binary.

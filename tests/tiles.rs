@@ -49,7 +49,7 @@ fn turned(yaw_deg: f64, pitch_deg: f64, fov_y_deg: f64) -> Camera {
     let fov_y = fov_y_deg.to_radians();
     // The eye lies in the plane of no wall.
     let eye = dvec(0.213, 1.517, 3.489);
-    Camera { eye, yaw: yaw_deg.to_radians(), pitch: pitch_deg.to_radians(), fov_y }
+    Camera { eye, yaw: yaw_deg.to_radians(), pitch: pitch_deg.to_radians(), fov_y, roll: 0.0 }
 }
 
 #[test]

@@ -63,12 +63,13 @@ fn random_point(i: u32, k: u32) -> DVec3 {
 
 fn random_cameras(count: u32, reach: f64) -> Vec<Camera> {
     let camera = |i: u32| {
-        let [yaw, pitch, fov, _] = random(i, 91);
+        let [yaw, pitch, fov, roll] = random(i, 91);
         Camera {
             eye: random_point(i, 90) * reach,
             yaw: yaw * 6.3,
             pitch: (pitch - 0.5) * 3.1,
             fov_y: (3.0 + 160.0 * fov * fov).to_radians(),
+            roll: if i.is_multiple_of(2) { 0.0 } else { roll * 6.3 },
         }
     };
     (0..count).map(camera).collect()
@@ -163,7 +164,7 @@ fn eyes_on_surfaces_and_directions_along_axes() {
 #[test]
 fn cameras_that_make_no_sense() {
     let tracer = room_tracer(true, true);
-    let at = |eye: DVec3, fov_y: f64| Camera { eye, yaw: 0.3, pitch: 0.1, fov_y };
+    let at = |eye: DVec3, fov_y: f64| Camera { eye, yaw: 0.3, pitch: 0.1, fov_y, roll: 0.0 };
     let nan = f64::NAN;
     for camera in [
         at(DVec3::splat(nan), 1.0),

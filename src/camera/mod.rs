@@ -39,6 +39,14 @@ pub struct Camera {
     pub pitch: f64,
     /// Vertical field of view in radians.
     pub fov_y: f64,
+    /// Rotation about the viewing direction in radians. Positive values lean the viewer's head to the
+    /// right. Nobody walks so: only cameras of models, and views made from them, have a roll.
+    #[serde(default, skip_serializing_if = "is_level")]
+    pub roll: f64,
+}
+
+fn is_level(roll: &f64) -> bool {
+    *roll == 0.0
 }
 
 impl Camera {
@@ -62,7 +70,16 @@ impl Camera {
             yaw: (-d.x).atan2(-d.z),
             pitch: d.y.clamp(-1.0, 1.0).asin(),
             fov_y: fov_y_degrees.clamp(*range.start(), *range.end()).to_radians(),
+            roll: 0.0,
         }
+    }
+
+    /// Returns this camera with the roll with which its upward axis is closest to `up`.
+    #[must_use]
+    pub fn with_up(self, up: DVec3) -> Self {
+        let level = Self { roll: 0.0, ..self };
+        let axes = level.world_from_camera();
+        Self { roll: up.dot(axes.x_axis).atan2(up.dot(axes.y_axis)), ..self }
     }
 
     /// Rotation with the columns right, up and backward in world space. Built from sines and
@@ -70,11 +87,13 @@ impl Camera {
     pub fn world_from_camera(&self) -> DMat3 {
         let (sy, cy) = self.yaw.sin_cos();
         let (sp, cp) = self.pitch.sin_cos();
-        DMat3::from_cols(
-            DVec3::new(cy, 0.0, -sy),
-            DVec3::new(sy * sp, cp, cy * sp),
-            DVec3::new(sy * cp, -sp, cy * cp),
-        )
+        let (right, up) = (DVec3::new(cy, 0.0, -sy), DVec3::new(sy * sp, cp, cy * sp));
+        let backward = DVec3::new(sy * cp, -sp, cy * cp);
+        if self.roll == 0.0 {
+            return DMat3::from_cols(right, up, backward);
+        }
+        let (sr, cr) = self.roll.sin_cos();
+        DMat3::from_cols(right * cr - up * sr, up * cr + right * sr, backward)
     }
 
     /// Unit viewing direction in world space.
@@ -84,7 +103,8 @@ impl Camera {
 
     /// True if every number is finite and the field of view is within [`Self::FOV_Y_DEGREES`].
     pub fn is_valid(&self) -> bool {
-        let finite = self.eye.is_finite() && self.yaw.is_finite() && self.pitch.is_finite();
+        let angles = [self.yaw, self.pitch, self.roll];
+        let finite = self.eye.is_finite() && angles.iter().all(|angle| angle.is_finite());
         // Allow for the rounding between degrees and radians.
         finite && (0.99..170.01).contains(&self.fov_y.to_degrees())
     }
@@ -202,5 +222,26 @@ impl View {
     /// Returns `self.eye - other.eye` in scene space, rounded only once.
     pub fn eye_relative_to(&self, other: &View) -> Vec3 {
         (self.eye_f64 - other.eye_f64).as_vec3()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A roll turns right and up about the viewing direction; none keeps the bits.
+    #[test]
+    fn a_camera_with_an_upward_axis_has_it() {
+        for (pitch, roll) in [(0.0, 0.3), (-1.2, -2.0), (0.7, 3.0), (std::f64::consts::FRAC_PI_2, 0.5)] {
+            let level = Camera { yaw: 0.9, pitch, ..Camera::look_at(DVec3::ONE, DVec3::ZERO, 60.0) };
+            let axes = Camera { roll, ..level }.world_from_camera();
+            assert!(
+                (axes.transpose() * axes - DMat3::IDENTITY).to_cols_array().iter().all(|n| n.abs() < 1e-14)
+            );
+            assert_eq!(axes.z_axis, level.world_from_camera().z_axis);
+            let found = level.with_up(axes.y_axis);
+            assert!((found.roll - roll).abs() < 1e-14, "{}", found.roll);
+            assert!(roll < 0.0 || axes.y_axis.dot(level.world_from_camera().x_axis) > 0.0, "to the right");
+        }
     }
 }

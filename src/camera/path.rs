@@ -188,5 +188,6 @@ fn between(a: &CameraKey, b: &CameraKey, s: f64, fov_y_deg: f64) -> Camera {
         yaw: from.yaw + turn * eased,
         pitch: from.pitch + (to.pitch - from.pitch) * eased,
         fov_y: from.fov_y,
+        roll: 0.0,
     }
 }

@@ -2,7 +2,7 @@
 
 use super::files::{Jail, unreadable};
 use super::progress::{Phase, Steps};
-use super::units::{Unit, Up};
+use super::units::{self, Unit, Up};
 use super::{options::ImportOptions, search::Finder, sidecar::Sidecar, tally::Tally};
 use crate::scene::{Scene, SceneBuilder, SceneError};
 use std::path::{Path, PathBuf};
@@ -55,6 +55,17 @@ impl<'a> Import<'a> {
     /// Returns the up axis that the user or the sidecar gives.
     pub(super) fn up(&self) -> Option<Up> {
         self.options.up.or(self.sidecar.up)
+    }
+
+    /// Warns where the model seems to lie on its side, and nobody has said what is up. It is not turned:
+    /// a slab of a building has the shape of a hall that lies on its side.
+    pub(super) fn hint_up(&mut self) {
+        if self.up().is_none() && units::looks_z_up(&self.builder.positions, &self.builder.triangles) {
+            let file = &self.sidecar.file_name;
+            self.warn(format!(
+                "the model seems to lie on its side; if so, use --up +Z, or up = \"+Z\" in {file}"
+            ));
+        }
     }
 
     /// Adds a warning about the model as a whole.

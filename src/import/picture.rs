@@ -5,7 +5,7 @@ use super::{dds, options::Limits};
 use crate::raster::color::{linear_from_srgb, srgb_from_linear};
 use crate::scene::{Encoding, Texture};
 use glam::Vec3;
-use image::{DynamicImage, ImageFormat, ImageReader, Rgba32FImage};
+use image::{ColorType, DynamicImage, ImageDecoder, ImageFormat, ImageReader, Rgba32FImage};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::{io::Cursor, path::Path};
 
@@ -40,11 +40,10 @@ pub(super) enum PictureError {
 /// Takes a file's bytes, and its name for formats without a signature; returns width and height
 /// without decoding.
 pub(super) fn dimensions(bytes: &[u8], path: &Path, limits: &Limits) -> Result<[u32; 2], PictureError> {
-    let (width, height) = match dds::plain_size(bytes) {
-        Some(size) => size,
-        None => guarded(|| Ok(reader(bytes, path, limits)?.into_dimensions()?))?,
+    let (width, height, decoded) = match dds::plain_size(bytes) {
+        Some((width, height)) => (width, height, u64::from(width) * u64::from(height) * 4),
+        None => guarded(|| decoded_size(reader(bytes, path, limits)?))?,
     };
-    let decoded = u64::from(width) * u64::from(height) * bytes_per_texel(bytes, path);
     if width == 0 || height == 0 {
         return Err(PictureError::Empty);
     }
@@ -128,10 +127,14 @@ fn reader<'a>(
     Ok(reader)
 }
 
-fn bytes_per_texel(bytes: &[u8], path: &Path) -> u64 {
-    let format = image::guess_format(bytes).or_else(|_| ImageFormat::from_path(path));
-    // Floats have four bytes a channel. Of a TIFF, the channels are not known yet.
-    if matches!(format, Ok(ImageFormat::Hdr | ImageFormat::OpenExr | ImageFormat::Tiff)) { 16 } else { 4 }
+/// Returns width, height, and the bytes of the picture as it is decoded and converted.
+fn decoded_size(reader: ImageReader<Cursor<&[u8]>>) -> Result<(u32, u32, u64), PictureError> {
+    let decoder = reader.into_decoder()?;
+    let (width, height) = decoder.dimensions();
+    let is_float = matches!(decoder.color_type(), ColorType::Rgb32F | ColorType::Rgba32F);
+    // Floats become four floats a texel, and everything becomes four bytes.
+    let converted = u64::from(width) * u64::from(height) * if is_float { 16 } else { 4 };
+    Ok((width, height, converted.max(decoder.total_bytes())))
 }
 
 fn guarded<T>(work: impl FnOnce() -> Result<T, PictureError>) -> Result<T, PictureError> {
@@ -196,4 +199,80 @@ fn mean(picture: &Texture, decode: impl Fn(usize) -> f32) -> Vec3 {
         (sum / picture.texels.len() as f64) as f32
     };
     Vec3::from_array(counts.map(mean))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The header of an OpenEXR file with a display window of one pixel, and nothing after it.
+    fn exr(side: i32, tile: Option<u32>) -> Vec<u8> {
+        let mut bytes = vec![0x76, 0x2F, 0x31, 0x01, 2, if tile.is_some() { 2 } else { 0 }, 0, 0];
+        let mut add = |name: &str, kind: &str, value: &[u8]| {
+            bytes.extend([name.as_bytes(), b"\0", kind.as_bytes(), b"\0"].concat());
+            bytes.extend((value.len() as u32).to_le_bytes());
+            bytes.extend(value);
+        };
+        let words = |values: &[i32]| values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>();
+        let channel = [b"R\0".as_slice(), &words(&[2, 0, 1, 1]), b"\0"].concat();
+        add("channels", "chlist", &channel);
+        add("compression", "compression", &[0]);
+        add("dataWindow", "box2i", &words(&[0, 0, side - 1, side - 1]));
+        add("displayWindow", "box2i", &words(&[0, 0, 0, 0]));
+        add("lineOrder", "lineOrder", &[0]);
+        add("pixelAspectRatio", "float", &1f32.to_le_bytes());
+        add("screenWindowCenter", "v2f", &words(&[0, 0]));
+        add("screenWindowWidth", "float", &1f32.to_le_bytes());
+        if let Some(tile) = tile {
+            let size = [tile.to_le_bytes(), tile.to_le_bytes()].concat();
+            add("tiles", "tiledesc", &[size.as_slice(), &[0]].concat());
+        }
+        bytes.push(0);
+        bytes
+    }
+
+    /// The decoder allocates by the layer and by the tile, whatever the display window says.
+    #[test]
+    fn layers_and_tiles_of_exr_files_are_within_the_limits() {
+        let limits = Limits::default();
+        let is_too_large =
+            |bytes: &[u8]| matches!(check_layers(bytes, &limits), Err(PictureError::TooLarge { .. }));
+        assert!(check_layers(&exr(4, None), &limits).is_ok());
+        assert!(check_layers(&exr(4, Some(4)), &limits).is_ok());
+        assert!(is_too_large(&exr(20_000, None)));
+        assert!(is_too_large(&exr(10_000, None)), "400 MB");
+        assert!(is_too_large(&exr(4, Some(20_000))));
+    }
+
+    /// A TIFF of grey bytes that says its size, without the bytes.
+    fn grey_tiff(side: u32) -> Vec<u8> {
+        let entries: [(u16, u32); 9] = [
+            (256, side),
+            (257, side),
+            (258, 8),
+            (259, 1),
+            (262, 1),
+            (273, 8),
+            (277, 1),
+            (278, side),
+            (279, side * side),
+        ];
+        let mut bytes = b"II*\0\x08\0\0\0\x09\0".to_vec();
+        for (tag, value) in entries {
+            // A number of four bytes, once.
+            bytes.extend([tag.to_le_bytes(), 4u16.to_le_bytes()].concat());
+            bytes.extend([1u32.to_le_bytes(), value.to_le_bytes()].concat());
+        }
+        bytes.extend([0; 4]);
+        bytes
+    }
+
+    /// The size counts in the bytes of its channels: not every TIFF is made of floats.
+    #[test]
+    fn a_tiff_of_bytes_may_be_larger_than_one_of_floats() {
+        let limits = Limits::default();
+        let size = |side| dimensions(&grey_tiff(side), Path::new("a.tif"), &limits);
+        assert_eq!(size(5000).unwrap(), [5000; 2]);
+        assert!(matches!(size(9000), Err(PictureError::TooLarge { .. })));
+    }
 }

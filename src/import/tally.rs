@@ -37,6 +37,12 @@ impl Tally {
         self.entries.iter().any(|e| e.trouble == trouble)
     }
 
+    /// Returns the troubles of a part of the file with their lines counted from that of its start.
+    pub(super) fn moved(mut self, lines: u64) -> Self {
+        self.entries.iter_mut().for_each(|e| e.line += lines);
+        self
+    }
+
     /// Adds the troubles of a later part of the file.
     pub(super) fn append(&mut self, later: Tally) {
         for entry in later.entries {

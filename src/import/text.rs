@@ -89,6 +89,11 @@ impl<'a> Lines<'a> {
         self.next_number
     }
 
+    /// Returns the number of bytes after the last line.
+    pub(super) fn bytes_left(&self) -> usize {
+        self.rest.len()
+    }
+
     fn physical(&mut self) -> Option<&'a str> {
         if self.rest.is_empty() {
             return None;
@@ -132,8 +137,22 @@ impl<'a> Iterator for Lines<'a> {
     }
 }
 
+/// Returns the place of the first LF or CR. Eight bytes are looked at together.
 fn line_end(bytes: &[u8]) -> Option<usize> {
-    bytes.iter().position(|&b| b == b'\n' || b == b'\r')
+    const ONES: u64 = 0x0101_0101_0101_0101;
+    const HIGH: u64 = 0x8080_8080_8080_8080;
+    // The highest bit of a byte is set where it is zero, and perhaps above the first such byte.
+    let zeros = |word: u64| word.wrapping_sub(ONES) & !word & HIGH;
+    let (words, rest) = bytes.as_chunks();
+    for (i, word) in words.iter().enumerate() {
+        let word = u64::from_le_bytes(*word);
+        let found = zeros(word ^ (ONES * u64::from(b'\n'))) | zeros(word ^ (ONES * u64::from(b'\r')));
+        if found != 0 {
+            return Some(i * 8 + found.trailing_zeros() as usize / 8);
+        }
+    }
+    let in_rest = rest.iter().position(|&b| b == b'\n' || b == b'\r');
+    in_rest.map(|at| words.len() * 8 + at)
 }
 
 /// True where a backslash at the end of a line continues it: after a digit (`f 1 2 3\`) or a blank.
@@ -219,4 +238,25 @@ pub(super) fn name(rest: &str) -> &str {
 pub(super) fn without_comment(name: &str) -> &str {
     let cut = name.match_indices('#').find(|(at, _)| name[..*at].ends_with([' ', '\t']));
     cut.map_or(name, |(at, _)| name[..at].trim_end())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::line_end;
+
+    /// The slow twin looks at one byte at a time.
+    #[test]
+    fn line_ends_are_found_at_every_place() {
+        for length in 0..40 {
+            for (at, end) in (0..length).flat_map(|at| [(at, b'\n'), (at, b'\r')]) {
+                let mut bytes: Vec<u8> = (0..length as u8).map(|i| i.wrapping_mul(37) | 0x80).collect();
+                bytes[at] = end;
+                let slow = bytes.iter().position(|b| matches!(b, b'\n' | b'\r'));
+                assert_eq!(line_end(&bytes), slow, "{bytes:?}");
+                bytes[length - 1] = b'\n';
+                assert_eq!(line_end(&bytes), Some(at), "{bytes:?}");
+            }
+            assert_eq!(line_end(&vec![b'\x0B'; length]), None);
+        }
+    }
 }

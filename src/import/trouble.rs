@@ -107,7 +107,6 @@ troubles! {
     TRIANGLE_VERTEX: "primitive" / "primitives",
         "with triangles that use a vertex that does not exist" => "shown without those";
     ORTHOGRAPHIC: "camera" / "cameras", "without perspective (orthographic)" => "left out";
-    ROLL: "camera" / "cameras", "tilted to the side" => "shown level";
     CAMERA: "camera" / "cameras", "without a direction" => "left out";
     LIGHT: "light" / "lights",
         "without a known type or direction, or with an impossible intensity" => "left out";
@@ -117,14 +116,21 @@ troubles! {
         "that cannot be read" => "its lamps are left out";
     INVISIBLE: "node" / "nodes", "hidden by KHR_node_visibility" => "left out with all below";
     COMPRESSED: "primitive" / "primitives",
-        "stored in compressed form alone" => "left out; export the model without compression";
+        "whose compressed form cannot be decoded" => "left out; export the model without compression";
+    COMPRESSED_VIEW: "compressed range of data" / "compressed ranges of data",
+        "that cannot be decoded" => "left out where it is stored in no other form";
     SECOND_SUN: "directional light" / "directional lights",
         "after the first" => "left out; there is one sun";
+    METAL_COAT: "metal" / "metals", "with a clear coat" => "shown without the coat";
     OUT_OF_RANGE: "material value" / "material values", "out of range" => "clamped";
     ALPHA_MODE: "material" / "materials", "with an unknown alphaMode" => "taken as opaque";
     BLENDED: "mirror" / "mirrors",
         "blended by the alpha of a picture" => "cut out at one half instead";
     MASKED_AWAY: "material" / "materials", "masked away entirely" => "taken as opaque";
+    UV_SET: "material" / "materials",
+        "whose pictures use several sets of texture coordinates" => "shown with that of the first";
+    NO_UV_SET: "primitive" / "primitives",
+        "without the set of texture coordinates of its material" => "shown without its pictures' patterns";
     NO_PICTURE: "texture" / "textures", "without a picture of a supported format" => "left out";
     PICTURE: "picture" / "pictures",
         "that cannot be used" => "replaced by a magenta checker where it is a colour";

@@ -2,7 +2,7 @@
 //! two by two texels, between which the texture filter blends as between the corners.
 
 use super::context::Import;
-use super::tally::list;
+use super::{options::Limits, tally::list};
 use crate::raster::color::{linear_from_srgb, srgb_from_linear};
 use crate::scene::{Encoding, MaterialId, MaterialKind, SceneBuilder, Texture, TextureRef};
 use glam::{Vec2, Vec3};
@@ -48,10 +48,14 @@ pub(super) fn show(colors: &VertexColors, import: &mut Import) {
     }
     let colors = colors.normalized();
     let mut hidden = Vec::new();
+    let mut left = import.options.limits.textures_bytes;
+    let mut too_large = Vec::new();
     for (material, triangles) in colored(&colors, &import.builder) {
         let shown = &import.builder.materials[material.0 as usize];
         if shown.kind != MaterialKind::Diffuse || shown.diffuse_texture.is_some() {
             hidden.push(shown.name.clone());
+        } else if !fits(triangles.len(), &import.options.limits, &mut left) {
+            too_large.push(shown.name.clone());
         } else {
             let is_defined = import.defined_materials.contains(&shown.name);
             if !is_defined {
@@ -61,10 +65,32 @@ pub(super) fn show(colors: &VertexColors, import: &mut Import) {
             paint(material, &triangles, &colors, &mut import.builder);
         }
     }
+    if !too_large.is_empty() {
+        let megabytes = import.options.limits.textures_bytes >> 20;
+        let message =
+            format!("vertex colours are not shown where they need pictures of more than {megabytes} MB");
+        import.warn(format!("{message}, or too many texels on a side: {}", list(&too_large)));
+    }
     if !hidden.is_empty() {
         let message = "vertex colours are not shown on materials with a picture, and on mirrors and glass";
         import.warn(format!("{message}: {}", list(&hidden)));
     }
+}
+
+/// True where a picture of this number of triangles is within the limits; takes its bytes from those
+/// that are left.
+fn fits(triangles: usize, limits: &Limits, left: &mut u64) -> bool {
+    let [width, height] = size_of_picture(triangles);
+    let rest = left.checked_sub(width as u64 * height as u64 * 4);
+    let is_possible = width.max(height) <= limits.texture_side as usize && rest.is_some();
+    *left = rest.filter(|_| is_possible).unwrap_or(*left);
+    is_possible
+}
+
+/// Returns width and height of the picture for the colours of triangles, in texels.
+fn size_of_picture(triangles: usize) -> [usize; 2] {
+    let columns = ((triangles as f64).sqrt().ceil() as usize).clamp(1, MAX_BLOCKS);
+    [2 * columns, 2 * triangles.div_ceil(columns)]
 }
 
 /// Returns the coloured triangles of each material. White ones are left out where all are.
@@ -80,9 +106,8 @@ fn colored(colors: &VertexColors, builder: &SceneBuilder) -> BTreeMap<MaterialId
 }
 
 fn paint(material: MaterialId, triangles: &[usize], colors: &VertexColors, builder: &mut SceneBuilder) {
-    let columns = ((triangles.len() as f64).sqrt().ceil() as usize).clamp(1, MAX_BLOCKS);
-    let rows = triangles.len().div_ceil(columns);
-    let size = [2 * columns, 2 * rows];
+    let size = size_of_picture(triangles.len());
+    let columns = size[0] / 2;
     let mut texels = vec![[255; 4]; size[0] * size[1]];
     for (block, &triangle) in triangles.iter().enumerate() {
         let [x, y] = [2 * (block % columns), 2 * (block / columns)];

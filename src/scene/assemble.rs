@@ -11,6 +11,7 @@ use super::{
 };
 use crate::camera::CameraPath;
 use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 use std::sync::Arc;
 
 /// The warning about a scene without any light.
@@ -34,7 +35,7 @@ impl SceneBuilder {
         let mut repairs = sanitize::sanitize(&mut self);
         let (bounds_m, frame) = self.drop_distant(&mut repairs).ok_or_else(|| self.empty_error(count))?;
         let positions: Vec<Vec3> =
-            self.positions.iter().map(|&p| frame.scene_from_world_f64(p).as_vec3()).collect();
+            self.positions.par_iter().map(|&p| frame.scene_from_world_f64(p).as_vec3()).collect();
         repairs.triangles_without_area =
             self.drop_triangles(|_, t| has_area(t.map(|v| positions[v as usize])), "without area");
         if self.triangles.is_empty() {
@@ -136,8 +137,8 @@ impl SceneBuilder {
     }
 
     /// Drops the triangles that `keep` rejects, records a warning, and returns their number.
-    fn drop_triangles(&mut self, keep: impl Fn(&Self, [u32; 3]) -> bool, what: &str) -> usize {
-        let kept: Vec<bool> = self.triangles.iter().map(|&t| keep(self, t)).collect();
+    fn drop_triangles(&mut self, keep: impl Fn(&Self, [u32; 3]) -> bool + Sync, what: &str) -> usize {
+        let kept: Vec<bool> = self.triangles.par_iter().map(|&t| keep(self, t)).collect();
         let dropped = kept.iter().filter(|k| !**k).count();
         if dropped > 0 {
             let mut is_kept = kept.iter();

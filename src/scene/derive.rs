@@ -23,7 +23,7 @@ impl Scene {
         self.light_groups = group_lights::group(self, &materials);
         let of_triangles = [self.features.needles, !self.coincident.is_empty()];
         self.features = SceneFeatures::of(&self.materials, &self.lights, self.sky.is_some(), of_triangles);
-        self.solids = solids::classify(self);
-        self.hash = hash::of(self);
+        // Neither needs the other.
+        (self.solids, self.hash) = rayon::join(|| solids::classify(self), || hash::of(self));
     }
 }

@@ -1,7 +1,7 @@
 //! Changes of a complete scene: of its materials, its sun and sky, and its objects.
 
 use super::light_groups::LightSettings;
-use super::{Daylight, Light, Material, ObjectEdits, Scene, sanitize};
+use super::{Daylight, Light, Material, ObjectEdits, Scene, coincident, sanitize};
 use std::sync::Arc;
 
 /// The parts of a scene that can be changed: materials, sun, sky, where its objects are, and how the
@@ -70,6 +70,11 @@ impl Scene {
             let (clamped, is_scaled) = sanitize::sanitize_material(material);
             edited.conditioning.repairs.values_clamped += clamped;
             edited.conditioning.repairs.materials_scaled += usize::from(is_scaled);
+        }
+        let opaque = |scene: &Self| scene.materials.iter().map(Material::is_opaque).collect::<Vec<_>>();
+        let is_moved_back = self.edited_objects.is_some() && edited.edited_objects.is_none();
+        if is_moved_back || opaque(&edited) != opaque(self) {
+            edited.coincident = Arc::new(coincident::find(&edited));
         }
         edited.with_daylight(edit.daylight.clone())
     }

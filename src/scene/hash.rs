@@ -63,10 +63,10 @@ impl SceneHasher {
                 self.add(texture.map(|t| t.texture.0).as_slice());
                 self.add(texture.map(|t| [t.scale, t.offset]).as_slice());
             }
-            for texture in material.textures().into_iter().flatten() {
-                if texture.sampling != Sampling::default() {
-                    let Sampling { turn, .. } = texture.sampling;
-                    self.add(&[3, texture.texture.0, u32::from(texture.sampling.code()), turn.to_bits()]);
+            for (slot, texture) in (0u32..).zip(material.textures()) {
+                let Some(sampling) = texture.map(|t| t.sampling) else { continue };
+                if sampling != Sampling::default() {
+                    self.add(&[3, slot, u32::from(sampling.code()), sampling.turn.to_bits()]);
                 }
             }
             if material.is_thin {

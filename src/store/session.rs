@@ -349,10 +349,11 @@ impl StoreSession {
         problems
     }
 
-    /// Stores a new reference, on a thread of its own.
+    /// Stores a new reference, on a thread of its own. Records have no roll: one that has is left out.
     pub fn keep(&mut self, reference: &Arc<ReferenceFrame>, purpose: Purpose) {
         let start = Instant::now();
-        if reference.lit() > 0 && reference.epoch == self.tracer.epoch() {
+        let is_level = reference.camera.roll == 0.0;
+        if is_level && reference.lit() > 0 && reference.epoch == self.tracer.epoch() {
             self.forget_improved(reference);
             let (tracer, content) = (Arc::clone(&self.tracer), Arc::clone(&self.content));
             let job = WriteJob { reference: Arc::clone(reference), purpose, tracer, content };

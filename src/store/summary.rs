@@ -156,7 +156,7 @@ impl RecordSummary {
     pub(super) fn read(bytes: &[u8]) -> Option<Self> {
         let mut from = ByteReader(bytes);
         let eye = from.point()?;
-        let camera = Camera { eye, yaw: from.f64()?, pitch: from.f64()?, fov_y: from.f64()? };
+        let camera = Camera { eye, yaw: from.f64()?, pitch: from.f64()?, fov_y: from.f64()?, roll: 0.0 };
         let frame = SceneFrame { origin_in_world_m: from.point()?, units_per_metre: from.f64()? };
         let size = [from.u32()?, from.u32()?];
         let settings = TraceSettings { samples: from.u32()?, bounces: from.u32()?, seed: from.u64()? };

@@ -1,5 +1,6 @@
 //! The importer with small files: each is one way in which real files are wrong.
 
+mod cases;
 mod gltf;
 mod habits;
 mod lamps;

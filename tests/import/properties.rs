@@ -66,6 +66,11 @@ fn seeds(name: &str) -> Vec<Vec<u8>> {
     paths.iter().map(|p| std::fs::read(p).unwrap()).collect()
 }
 
+/// Entry points of formats that are decoded by packages, with spoilt files.
+fn spoilt_of_any(names: &'static [&'static str]) -> impl Strategy<Value = (&'static str, Vec<u8>)> {
+    select(names).prop_flat_map(|name| spoilt(seeds(name)).prop_map(move |bytes| (name, bytes)))
+}
+
 /// Runs an entry point on a small input, which must be fast even on a busy machine.
 fn in_time(run: fn(&[u8]), bytes: &[u8]) {
     let start = Instant::now();
@@ -130,6 +135,14 @@ proptest! {
     #[test]
     fn any_picture_to_compare_is_read_or_refused(bytes in spoilt(seeds("picture"))) {
         in_time(entry_points::picture, &bytes);
+    }
+
+    #[test]
+    fn any_compressed_mesh_and_any_picture_ends_in_a_scene_or_a_message(
+        (name, bytes) in spoilt_of_any(&["draco", "meshopt", "webp", "tiff", "gif", "dds", "exr"])
+    ) {
+        let (_, run) = entry_points::ALL.iter().find(|(known, _)| *known == name).unwrap();
+        in_time(*run, &bytes);
     }
 
     /// Whatever the encoding and the line ends, the numbers are the same.

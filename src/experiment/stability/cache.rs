@@ -76,7 +76,7 @@ impl RandomWarp {
             let r = random(key, index).as_dvec3();
             let turn = random(key, index + 1).as_dvec3();
             let eye = dvec(r.x * 2.5, 1.5 + r.y, r.z * 3.5);
-            Camera { eye, yaw: turn.x * 3.2, pitch: turn.y * 1.5, fov_y: 0.1 + turn.z.abs() * 2.0 }
+            Camera { eye, yaw: turn.x * 3.2, pitch: turn.y * 1.5, fov_y: 0.1 + turn.z.abs() * 2.0, roll: 0.0 }
         };
         let [from, to] = [10, 20].map(|index| view(tracer, &pose(index)));
         let [u, v] = key.with(1).pair();

@@ -2,7 +2,7 @@
 //! file only claims.
 
 use super::document::{Document, Found, List};
-use super::{buffers::Buffers, schema};
+use super::{buffers::Buffers, schema_data};
 use crate::import::trouble::Trouble;
 
 /// Storage type of a number, by its code in the file.
@@ -108,7 +108,7 @@ pub(super) struct Accessor<'a> {
 impl<'a> Accessor<'a> {
     /// Opens an accessor by its index. Its type must be `shape`, for example `VEC3`.
     pub(super) fn open(document: &Document, buffers: &'a Buffers, index: usize, shape: &str) -> Found<Self> {
-        let json: schema::Accessor = document.item(List::Accessors, index)?;
+        let json: schema_data::Accessor = document.item(List::Accessors, index)?;
         let fault = |trouble, detail: &str| document.fault(List::Accessors, index, trouble, detail);
         let component = Component::of(json.component_type)
             .ok_or_else(|| fault(Trouble::ACCESSOR, &format!("component type {}", json.component_type)))?;

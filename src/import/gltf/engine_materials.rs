@@ -23,22 +23,23 @@ use std::collections::HashMap;
 /// The materials in use.
 #[derive(Default)]
 pub(super) struct EngineMaterials {
-    /// Material and set of texture coordinates by index in the file; `None` for primitives without
-    /// a material.
-    known: HashMap<Option<usize>, (MaterialId, u32)>,
+    /// Material and set of texture coordinates, where it has pictures, by index in the file; `None`
+    /// for primitives without a material.
+    known: HashMap<Option<usize>, (MaterialId, Option<u32>)>,
     /// Materials with their index in the file.
     materials: Vec<(usize, MaterialId, GltfMaterial)>,
 }
 
 impl EngineMaterials {
-    /// Returns the material of a primitive, and the set of texture coordinates that it uses.
+    /// Returns the material of a primitive, and the set of texture coordinates that it uses where it
+    /// has pictures.
     pub(super) fn material(
         &mut self,
         index: Option<usize>,
         document: &Document,
         builder: &mut SceneBuilder,
         tally: &mut Tally,
-    ) -> (MaterialId, u32) {
+    ) -> (MaterialId, Option<u32>) {
         if let Some(known) = self.known.get(&index) {
             return *known;
         }
@@ -49,14 +50,23 @@ impl EngineMaterials {
         });
         let Some(json) = json else {
             let id = builder.add_material(undefined("default"));
-            self.known.insert(index, (id, 0));
-            return (id, 0);
+            self.known.insert(index, (id, None));
+            return (id, None);
         };
         let index = index.unwrap_or(0);
         let name = json.name.clone().unwrap_or_else(|| format!("material {index}"));
         let read = MaterialReader { document, tally, index }.read(&json);
         let base = metallic_roughness(&json).base_color_texture.clone();
-        let uv_set = uv_set(base.as_ref().or(json.emissive_texture.as_ref()));
+        let metal = metallic_roughness(&json).metallic_roughness_texture.clone();
+        let glow = json.emissive_texture.as_ref().filter(|_| json.emissive_factor != [0.0; 3]);
+        let pictures = [base.as_ref(), glow, metal.as_ref()];
+        let mut sets = pictures.into_iter().flatten().map(|info| uv_set(Some(info)));
+        // A vertex has one texture coordinate here: that of the first picture.
+        let uv_set = sets.next();
+        if let (Some(first), Some(other)) = (uv_set, sets.find(|set| Some(*set) != uv_set)) {
+            let detail = format!("{name}, TEXCOORD_{other} instead of TEXCOORD_{first}");
+            document.note(document.fault(List::Materials, index, Trouble::UV_SET, &detail), tally);
+        }
         let id = builder.add_material(Material::diffuse(&name, read.base));
         self.materials.push((index, id, read));
         self.known.insert(Some(index), (id, uv_set));

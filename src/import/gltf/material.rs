@@ -2,7 +2,7 @@
 
 use super::document::{Document, Found, List};
 use super::schema::{self, TextureInfo};
-use crate::import::surfaces::GLASS_ETA;
+use crate::import::surfaces::{GLASS_ETA, METAL};
 use crate::import::{options::Limits, tally::Tally, trouble::Trouble};
 use crate::scene::{Sampling, TextureId, TextureRef, Wrap};
 use glam::{DVec3, Vec2, Vec3};
@@ -62,10 +62,10 @@ pub(super) struct GltfMaterial {
     pub(super) glow_use: Option<Use>,
 }
 
-/// Returns which set of texture coordinates a texture uses: 0 or 1.
+/// Returns which set of texture coordinates a texture uses.
 pub(super) fn uv_set(info: Option<&TextureInfo>) -> u32 {
     let transform = |i: &TextureInfo| i.extensions.transform.as_ref().and_then(|t| t.tex_coord);
-    info.map_or(0, |i| transform(i).unwrap_or(i.tex_coord)).min(1)
+    info.map_or(0, |i| transform(i).unwrap_or(i.tex_coord))
 }
 
 /// Returns the values of metalness and roughness, also of a material of specular and glossiness.
@@ -108,6 +108,9 @@ impl MaterialReader<'_, '_, '_> {
         let specular = self.specular(json.extensions.specular.as_ref());
         let coat = json.extensions.clearcoat.as_ref();
         let coat = coat.map_or([0.0; 2], |c| [c.clearcoat_factor, c.clearcoat_roughness_factor]);
+        if coat[0] > 0.0 && pbr.metallic_factor > f64::from(METAL) {
+            self.note(Trouble::METAL_COAT, json.name.as_deref().unwrap_or(""));
+        }
         let transmission = json.extensions.transmission.as_ref().map_or(0.0, |t| t.transmission_factor);
         let ior = json.extensions.ior.as_ref().and_then(|i| i.ior).unwrap_or(f64::from(GLASS_ETA));
         GltfMaterial {

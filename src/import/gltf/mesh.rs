@@ -2,7 +2,8 @@
 
 use super::document::{Document, Fault, Found, List};
 use super::schema::{self, Primitive};
-use super::{accessor::Accessor, buffers::Buffers, engine_materials::EngineMaterials, nodes::Placement};
+use super::{accessor::Accessor, attribute::Attribute, buffers::Buffers, draco::DracoMesh};
+use super::{engine_materials::EngineMaterials, nodes::Placement, schema_data};
 use crate::import::progress::{Phase, Steps};
 use crate::import::{files::no_memory, tally::Tally, trouble::Trouble};
 use crate::scene::{MaterialId, SceneBuilder, SceneError};
@@ -31,6 +32,13 @@ struct Local {
     uvs: Vec<Vec2>,
     triangles: Vec<[u32; 3]>,
     material: MaterialId,
+}
+
+/// Where the attributes of a primitive are from: its accessors, or a compressed mesh with the numbers
+/// of its attributes there.
+struct Source<'a> {
+    attributes: &'a schema::Attributes,
+    compressed: Option<&'a (DracoMesh, schema::Attributes)>,
 }
 
 /// Why a primitive is not added.
@@ -104,17 +112,24 @@ impl<'a> Mesher<'a, '_> {
             return Err(fault(Trouble::MODE).into());
         }
         let position = primitive.attributes.position.ok_or_else(|| fault(Trouble::NO_POSITION))?;
-        let positions = Accessor::open(self.document, self.buffers, position, "VEC3")?;
-        if primitive.extensions.draco.is_some() && !positions.has_data() {
-            return Err(fault(Trouble::COMPRESSED).into());
-        }
-        let corners = self.corners(primitive, &positions)?;
-        let mut triangles = triangles_of(mode, &corners);
-        drop(corners);
+        let stored = Attribute::open(self.document, self.buffers, position, "VEC3");
+        let compressed = self.compressed(primitive, stored.as_ref(), at, name)?;
+        let source = Source { compressed: compressed.as_ref(), attributes: &primitive.attributes };
+        let positions = match &source.compressed {
+            Some((mesh, ids)) => {
+                let id = ids.position.ok_or_else(|| fault(Trouble::NO_POSITION))?;
+                Attribute::of(mesh, id, self.document, position, 3)?
+            }
+            None => stored?,
+        };
+        let mut triangles = match &source.compressed {
+            Some((mesh, _)) => mesh.triangles.clone(),
+            None => triangles_of(mode, &self.corners(primitive, positions.count())?),
+        };
         let all = triangles.len();
-        triangles.retain(|t| t.iter().all(|v| (*v as usize) < positions.count));
+        triangles.retain(|t| t.iter().all(|v| (*v as usize) < positions.count()));
         if triangles.len() < all {
-            let missing = format!("{} of {}, {} vertices", all - triangles.len(), name(), positions.count);
+            let missing = format!("{} of {}, {} vertices", all - triangles.len(), name(), positions.count());
             self.note(Trouble::TRIANGLE_VERTEX, at, missing);
         }
         if primitive.targets.is_some() {
@@ -125,14 +140,41 @@ impl<'a> Mesher<'a, '_> {
         }
         let (material, uv_set) =
             self.materials.material(primitive.material, self.document, self.builder, self.tally);
-        Ok(self.vertices(primitive, &positions, triangles, material, uv_set))
+        let has_uvs = |set: u32| primitive.attributes.uvs(set).is_some();
+        if let Some(set) = uv_set.filter(|set| !has_uvs(*set)) {
+            self.note(Trouble::NO_UV_SET, at, format!("{}, TEXCOORD_{set}", name()));
+        }
+        Ok(self.vertices(&source, &positions, triangles, material, uv_set))
+    }
+
+    /// Decodes the mesh of a compressed primitive, unless it is stored in plain form as well.
+    fn compressed(
+        &mut self,
+        primitive: &Primitive,
+        stored: Result<&Attribute, &Fault>,
+        at: usize,
+        name: &dyn Fn() -> String,
+    ) -> Result<Option<(DracoMesh, schema::Attributes)>, Stop> {
+        let has_data = |stored: &Attribute| matches!(stored, Attribute::Stored(a) if a.has_data());
+        let Some(raw) = primitive.extensions.draco.filter(|_| !stored.is_ok_and(has_data)) else {
+            return Ok(None);
+        };
+        let draco = self.document.read::<schema_data::Draco>(raw, name)?;
+        let (bytes, _) = self.buffers.view(self.document, draco.buffer_view)?;
+        self.steps.at(Phase::Building, 0.0)?;
+        let mesh = DracoMesh::decode(bytes, self.limit).map_err(|cause| {
+            let detail = format!("{}: {cause}", name());
+            Fault { trouble: Trouble::COMPRESSED, at, detail }
+        })?;
+        self.within(mesh.count.max(mesh.triangles.len()))?;
+        Ok(Some((mesh, draco.attributes)))
     }
 
     /// Returns the vertex of every corner in the order of the file.
-    fn corners(&mut self, primitive: &Primitive, positions: &Accessor) -> Result<Vec<u32>, Stop> {
+    fn corners(&mut self, primitive: &Primitive, vertices: usize) -> Result<Vec<u32>, Stop> {
         let open = |i| Accessor::open(self.document, self.buffers, i, "SCALAR");
         let indices = primitive.indices.map(open).transpose()?;
-        let count = indices.as_ref().map_or(positions.count, |i| i.count);
+        let count = indices.as_ref().map_or(vertices, |i| i.count);
         self.within(count.div_ceil(3))?;
         let mut corners = Vec::new();
         corners.try_reserve_exact(count).map_err(|_| self.no_memory(count))?;
@@ -148,11 +190,11 @@ impl<'a> Mesher<'a, '_> {
     /// many primitives.
     fn vertices(
         &mut self,
-        primitive: &Primitive,
-        positions: &Accessor,
+        source: &Source,
+        positions: &Attribute,
         mut triangles: Vec<[u32; 3]>,
         material: MaterialId,
-        uv_set: u32,
+        uv_set: Option<u32>,
     ) -> Local {
         let mut used: Vec<u32> = triangles.iter().flatten().copied().collect();
         used.sort_unstable();
@@ -163,12 +205,8 @@ impl<'a> Mesher<'a, '_> {
         for t in &mut triangles {
             *t = t.map(place);
         }
-        let normals = self.optional(primitive.attributes.normal, "VEC3");
-        let uv_index = match uv_set {
-            0 => primitive.attributes.texcoord_0,
-            _ => primitive.attributes.texcoord_1,
-        };
-        let uvs = self.optional(uv_index, "VEC2");
+        let normals = self.optional(source, |attributes| attributes.normal, "VEC3");
+        let uvs = self.optional(source, |attributes| attributes.uvs(uv_set?), "VEC2");
         let normal = |v: u32| normals.as_ref().map_or(Vec3::ZERO, |n| Vec3::from_array(n.vector(v)));
         // In glTF, v grows downwards from the top of a picture.
         let uv = |v: u32| uvs.as_ref().map_or(Vec2::ZERO, |uv| up(uv.vector(v)));
@@ -182,8 +220,18 @@ impl<'a> Mesher<'a, '_> {
     }
 
     /// Opens an attribute without which the primitive can still be shown.
-    fn optional(&mut self, index: Option<usize>, shape: &str) -> Option<Accessor<'a>> {
-        self.known(Accessor::open(self.document, self.buffers, index?, shape))
+    fn optional(
+        &mut self,
+        source: &Source,
+        which: impl Fn(&schema::Attributes) -> Option<usize>,
+        shape: &str,
+    ) -> Option<Attribute<'a>> {
+        let accessor = which(source.attributes)?;
+        let width = if shape == "VEC2" { 2 } else { 3 };
+        self.known(match source.compressed {
+            Some((mesh, ids)) => Attribute::of(mesh, which(ids)?, self.document, accessor, width),
+            None => Attribute::open(self.document, self.buffers, accessor, shape),
+        })
     }
 
     fn place(&mut self, local: &Local, places: &[Placement]) -> Result<(), SceneError> {

@@ -5,17 +5,22 @@
 //! without a limit, and knows no lines. It is the independent second opinion in the tests.
 
 mod accessor;
+mod attribute;
 mod buffers;
+mod compressed_views;
 mod document;
+mod draco;
 mod engine_materials;
 mod light_schema;
 mod material;
 mod mesh;
+mod meshopt;
 mod nodes;
 mod pictures;
 mod profiles;
 mod read;
 mod schema;
+mod schema_data;
 mod uri;
 
 pub(super) use read::read;

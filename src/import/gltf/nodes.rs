@@ -159,11 +159,6 @@ impl Walker<'_, '_> {
         }
         if let Some(camera) = node.camera {
             let view = self.view(camera, node, world_from_node);
-            if let Ok(view) = &view
-                && is_tilted(&view.camera, world_from_node)
-            {
-                self.note(index, Trouble::ROLL, &view.name);
-            }
             view.map_or_else(|f| self.document.note(f, self.tally), |view| self.builder.views.push(view));
         }
         if let Some(light) = &node.extensions.light {
@@ -210,8 +205,7 @@ impl Walker<'_, '_> {
         (0..count.min(MAX_INSTANCES + 1) as u32).map(instance).collect()
     }
 
-    /// Converts a camera, which looks along its -Z, to a saved view. Its roll and its aspect ratio
-    /// are lost.
+    /// Converts a camera, which looks along its -Z, to a saved view. Its aspect ratio is lost.
     fn view(&self, index: usize, node: &Node, world: DMat4) -> Found<NamedView> {
         let camera: schema::Camera = self.document.item(List::Cameras, index)?;
         let fault = |trouble| self.document.fault(List::Cameras, index, trouble, "");
@@ -221,7 +215,9 @@ impl Walker<'_, '_> {
         let looks = behind.try_normalize().filter(|_| is_valid_position(eye) && degrees > 0.0);
         let back = looks.ok_or_else(|| fault(Trouble::CAMERA))?;
         let name = node.name.clone().or(camera.name).unwrap_or_else(|| format!("camera {index}"));
-        Ok(NamedView { name, camera: Camera::look_at(eye, eye - back, degrees) })
+        let rolled = Camera::look_at(eye, eye - back, degrees).with_up(world.y_axis.truncate());
+        let is_level = rolled.roll.is_nan() || rolled.roll.abs() <= LEVEL;
+        Ok(NamedView { name, camera: if is_level { Camera { roll: 0.0, ..rolled } } else { rolled } })
     }
 
     /// Adds a light. Candela and lux are taken as radiant intensity and irradiance, as nits are
@@ -262,10 +258,4 @@ impl Walker<'_, '_> {
         }
         Ok(())
     }
-}
-
-/// True where a camera of a file is tilted to the side, but for the rounding of its matrix.
-fn is_tilted(level: &Camera, world: DMat4) -> bool {
-    let (up, axes) = (world.y_axis.truncate(), level.world_from_camera());
-    up.dot(axes.x_axis).atan2(up.dot(axes.y_axis)).abs() > LEVEL
 }

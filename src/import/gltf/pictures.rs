@@ -5,7 +5,7 @@ use super::{buffers::Buffers, schema, uri};
 use crate::import::decoding::{self, decode_all};
 use crate::import::picture::{Picture, PictureError};
 use crate::import::{
-    files, options::Limits, progress::Steps, search::Finder, tally::Tally, trouble::Trouble,
+    files, options::Limits, progress::Phase, progress::Steps, search::Finder, tally::Tally, trouble::Trouble,
 };
 use crate::scene::SceneError;
 use std::path::{Path, PathBuf};
@@ -35,7 +35,8 @@ impl Pictures {
         tally: &mut Tally,
     ) -> Result<Self, SceneError> {
         let mut sources = Vec::new();
-        for &image in images {
+        for (i, &image) in images.iter().enumerate() {
+            steps.at(Phase::Textures, i as f32 / images.len() as f32)?;
             match source(document, buffers, finder, image) {
                 Ok(source) => sources.push((image, source)),
                 Err(fault) => document.note(fault, tally),

@@ -1,6 +1,6 @@
 //! The glTF reader: its steps in order.
 
-use super::document::{Document, List};
+use super::document::Document;
 use super::{buffers::Buffers, mesh::Mesher, nodes, pictures::Pictures};
 use crate::import::tally::{Tally, list};
 use crate::import::units::{self, Unit, Up};
@@ -27,6 +27,7 @@ const KNOWN: [&str; 17] = [
     "MSFT_texture_dds",
     "KHR_draco_mesh_compression",
     "EXT_meshopt_compression",
+    "KHR_meshopt_compression",
 ];
 
 /// Extensions without effect, and what is seen instead.
@@ -43,20 +44,12 @@ const WITHOUT_EFFECT: [(&str, &str); 10] = [
     ("KHR_animation_pointer", "animations are not played"),
 ];
 
-/// Extensions that store meshes in another way, and where they are used. A file without other data
-/// cannot be shown.
-const COMPRESSED: [(&str, List); 3] = [
-    ("KHR_draco_mesh_compression", List::Meshes),
-    ("EXT_meshopt_compression", List::BufferViews),
-    ("KHR_meshopt_compression", List::BufferViews),
-];
-
 /// Reads a glTF file with its buffers and pictures.
 pub(in crate::import) fn read(import: &mut Import) -> Result<(), SceneError> {
     let limits = &import.options.limits;
     let bytes = files::read_in_steps(&import.file, limits.gltf_bytes, &import.steps)?;
     let document = Document::parse(&bytes, import.path)?;
-    check_extensions(&document, import)?;
+    check_extensions(&document, import);
     let world = world_from_root(import.unit().unwrap_or(Unit::Metre), import.up().unwrap_or(Up::PlusY));
     let mut tally = Tally::default();
     document.note_root(&mut tally);
@@ -79,6 +72,7 @@ pub(in crate::import) fn read(import: &mut Import) -> Result<(), SceneError> {
     materials.finish(&pictures, builder, &document, &mut tally);
     import.report(tally)?;
     fit_unit(import);
+    import.hint_up();
     Ok(())
 }
 
@@ -107,15 +101,8 @@ fn world_from_root(unit: Unit, up: Up) -> DMat4 {
     DMat4::from_cols(axes[0].extend(0.0), axes[1].extend(0.0), axes[2].extend(0.0), DVec3::ZERO.extend(1.0))
 }
 
-fn check_extensions(document: &Document, import: &mut Import) -> Result<(), SceneError> {
+fn check_extensions(document: &Document, import: &mut Import) {
     let root = &document.root;
-    let is_needed = |(name, list): &&(&str, List)| {
-        root.extensions_required.iter().any(|required| required == name) && document.mentions(*list, name)
-    };
-    if let Some((compressed, _)) = COMPRESSED.iter().find(is_needed) {
-        let cause = format!("its meshes are compressed ({compressed}), which is not supported");
-        return Err(import.failed(cause, "export it without compression"));
-    }
     let mut used: Vec<&str> =
         root.extensions_used.iter().chain(&root.extensions_required).map(String::as_str).collect();
     used.sort_unstable();
@@ -125,7 +112,7 @@ fn check_extensions(document: &Document, import: &mut Import) -> Result<(), Scen
         let instead = WITHOUT_EFFECT.iter().find(|(known, _)| *known == name);
         if let Some((_, instead)) = instead {
             import.warn(format!("the extension {name} has no effect: {instead}"));
-        } else if !KNOWN.contains(&name) && !COMPRESSED.iter().any(|(known, _)| *known == name) {
+        } else if !KNOWN.contains(&name) {
             unknown.push(name.to_owned());
         }
     }
@@ -135,5 +122,4 @@ fn check_extensions(document: &Document, import: &mut Import) -> Result<(), Scen
     if !root.animations.is_empty() {
         import.warn("animations are not played; everything stays where the nodes place it");
     }
-    Ok(())
 }

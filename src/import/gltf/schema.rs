@@ -131,54 +131,22 @@ pub(super) struct Attributes {
     pub(super) normal: Option<usize>,
     pub(super) texcoord_0: Option<usize>,
     pub(super) texcoord_1: Option<usize>,
+    pub(super) texcoord_2: Option<usize>,
+    pub(super) texcoord_3: Option<usize>,
     pub(super) color_0: Option<usize>,
 }
 
-#[derive(Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub(super) struct Accessor {
-    pub(super) buffer_view: Option<usize>,
-    #[serde(default)]
-    pub(super) byte_offset: u64,
-    pub(super) count: u64,
-    pub(super) component_type: u32,
-    #[serde(rename = "type")]
-    pub(super) shape: String,
-    #[serde(default)]
-    pub(super) normalized: bool,
-    pub(super) sparse: Option<Sparse>,
-}
-
-#[derive(Deserialize)]
-pub(super) struct Sparse {
-    pub(super) count: u64,
-    pub(super) indices: SparsePart,
-    pub(super) values: SparsePart,
-}
-
-#[derive(Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub(super) struct SparsePart {
-    pub(super) buffer_view: usize,
-    #[serde(default)]
-    pub(super) byte_offset: u64,
-    pub(super) component_type: Option<u32>,
-}
-
-#[derive(Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub(super) struct BufferView {
-    pub(super) buffer: usize,
-    #[serde(default)]
-    pub(super) byte_offset: u64,
-    pub(super) byte_length: u64,
-    pub(super) byte_stride: Option<u64>,
-}
-
-#[derive(Deserialize)]
-pub(super) struct Buffer<'t> {
-    #[serde(borrow)]
-    pub(super) uri: Option<Cow<'t, str>>,
+impl Attributes {
+    /// Returns a set of texture coordinates.
+    pub(super) fn uvs(&self, set: u32) -> Option<usize> {
+        match set {
+            0 => self.texcoord_0,
+            1 => self.texcoord_1,
+            2 => self.texcoord_2,
+            3 => self.texcoord_3,
+            _ => None,
+        }
+    }
 }
 
 #[derive(Deserialize)]

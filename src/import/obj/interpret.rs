@@ -151,6 +151,9 @@ pub(super) fn interpret(m: &MtlMaterial, habits: &Habits, tally: &mut Tally) -> 
         _ if d < 1.0 => thin(&mut material, d),
         // The extension knows better than the model, of which exporters write the nearest.
         _ if let Some(gloss) = gloss(m) => {
+            if gloss.metalness > METAL && m.coat.is_some_and(|coat| coat > 0.0) {
+                tally.add(Trouble::METAL_COAT, m.line, || m.name.clone());
+            }
             let base = material.diffuse;
             gloss.apply(&mut material, base);
         }

@@ -1,16 +1,20 @@
 //! Parsing OBJ text into positions, normals, texture coordinates and faces.
 //!
-//! `tobj` parses it, behind [`Sanitizer`]: alone it refuses a whole file for one bad index or a
-//! bare `f`, without a line number, and reads `l` as a face.
+//! `tobj` parses it, piece by piece, behind [`FaceReader`] and [`NumberLines`]: alone it refuses a
+//! whole file for one bad index or a bare `f`, without a line number, and reads `l` as a face.
 
-use super::piece::{Corner, Counts, Face, NONE, Piece, UV_FAR, count};
-use super::sanitize::Sanitizer;
+use super::faces::FaceReader;
+use super::numbers::NumberLines;
+use super::piece::{Corner, Counts, Face, NONE, Piece, UsedNumbers};
+use super::used::{self, Source};
 use crate::import::progress::{Phase, Steps};
 use crate::import::{files::unreadable, options::Limits, tally::Tally, text};
 use crate::scene::SceneError;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use rayon::prelude::*;
-use std::{collections::HashMap, path::Path};
+use std::collections::{BTreeMap, HashMap};
+use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Bytes of text per unit of parallel work: about 16,000 lines, so that a cancellation is noticed
 /// within milliseconds.
@@ -45,115 +49,71 @@ pub(super) struct Model {
 /// Parses the text of an OBJ file. Troubles of single lines are counted and never fatal.
 pub(super) fn parse(text: &str, file: &Path, limits: &Limits, steps: &Steps) -> Result<Model, SceneError> {
     let texts = text::pieces(text, PIECE_BYTES);
-    let counts: Vec<Counts> = texts.par_iter().map(|t| count(t, steps)).collect::<Result<_, _>>()?;
-    let mut total = Counts::default();
-    let before: Vec<Counts> = counts
-        .iter()
-        .map(|c| {
-            let so_far = total;
-            total = total.plus(*c);
-            so_far
+    let lines: Vec<NumberLines> = texts
+        .par_iter()
+        .map(|text| {
+            steps.at(Phase::Parsing, 0.0)?;
+            Ok(NumberLines::find(text))
         })
-        .collect();
+        .collect::<Result<_, SceneError>>()?;
+    let (before, total) = sums(&lines);
     check_counts(&total, file)?;
-    let mut sanitizer = Sanitizer::new((&texts, &before, total), (file, limits, steps));
-    let meshes = tobj::load_obj_buf(&mut sanitizer, &OPTIONS, |_| Ok(Default::default()));
-    if let Some(error) = sanitizer.error {
-        return Err(error);
+    let refused_of = |(lines, before): (&NumberLines, &Counts)| {
+        let first = before.positions as u32;
+        lines.refused.iter().map(|i| first + i).collect::<Vec<u32>>()
+    };
+    let refused: Vec<u32> = lines.iter().zip(&before).flat_map(refused_of).collect();
+    let has_colors = lines.iter().any(|lines| lines.has_colors);
+    let source = Source { texts: &texts, lines: &lines, before: &before, has_colors };
+    let parser = PieceParser { source, total, refused, file, limits, steps, corners: AtomicUsize::new(0) };
+    let pieces = (0..texts.len()).into_par_iter().map(|i| parser.parse(i)).collect::<Result<Vec<_>, _>>()?;
+    let (pieces, numbers): (Vec<Piece>, Vec<UsedNumbers>) = pieces.into_iter().unzip();
+    let mut tally = Tally::default();
+    for (lines, before) in lines.into_iter().zip(&before) {
+        tally.append(lines.tally.moved(before.lines + 1));
     }
-    let (meshes, _) = meshes.map_err(|error| {
-        unreadable(file, format!("its repaired text cannot be parsed: {error}"), "please report this file")
-    })?;
-    let mut model = Model::of(sanitizer.pieces, sanitizer.tally);
-    let mut faces = FaceSlots { pieces: &mut model.pieces, piece: 0, face: 0 };
-    let mut numbers = Numbers::default();
-    for mesh in meshes {
-        numbers.add(mesh.mesh, &mut faces);
-        steps.at(Phase::Parsing, 1.0)?;
-    }
-    let Numbers { positions, normals, uvs, far_uvs, colors } = numbers;
-    Ok(Model { positions, normals, uvs, far_uvs, colors, ..model })
+    Ok(Model::of(pieces, tally).with(numbers, &total))
 }
 
-/// Polygons and the three lists of indices stay as they are: they are welded and filled here.
-const OPTIONS: tobj::LoadOptions =
-    tobj::LoadOptions { single_index: false, triangulate: false, ignore_points: true, ignore_lines: true };
-
-/// The faces of the pieces that still wait for their corners.
-struct FaceSlots<'a> {
-    pieces: &'a mut [Piece],
-    piece: usize,
-    face: usize,
+/// Returns the numbers of elements before each piece, and in all.
+fn sums(lines: &[NumberLines]) -> (Vec<Counts>, Counts) {
+    let mut total = Counts::default();
+    let before = lines.iter().map(|lines| {
+        let so_far = total;
+        total = total.plus(lines.counts());
+        so_far
+    });
+    (before.collect(), total)
 }
 
-impl FaceSlots<'_> {
-    /// Sets the corners of the next face.
-    fn fill(&mut self, corners: impl Iterator<Item = Corner>) {
-        while self.pieces.get(self.piece).is_some_and(|piece| self.face == piece.faces.len()) {
-            (self.piece, self.face) = (self.piece + 1, 0);
-        }
-        let Some(piece) = self.pieces.get_mut(self.piece) else { return };
-        if self.face == 0 {
-            piece.corners = Vec::with_capacity(piece.corner_count);
-        }
-        piece.corners.extend(corners);
-        piece.faces[self.face].end = piece.corners.len() as u32;
-        self.face += 1;
-    }
+/// Parser of the pieces of a text, which are independent.
+struct PieceParser<'a> {
+    source: Source<'a>,
+    total: Counts,
+    /// Vertices that are refused, ascending.
+    refused: Vec<u32>,
+    file: &'a Path,
+    limits: &'a Limits,
+    steps: &'a Steps<'a>,
+    /// Number of corners so far.
+    corners: AtomicUsize,
 }
 
-/// The lists of a model.
-#[derive(Default)]
-struct Numbers {
-    positions: Vec<DVec3>,
-    normals: Vec<Vec3>,
-    uvs: Vec<Vec2>,
-    far_uvs: Vec<(u32, DVec2)>,
-    colors: Vec<(u32, Vec3)>,
-}
-
-impl Numbers {
-    /// Appends the lists of a mesh, and sets the corners of its faces.
-    fn add(&mut self, mesh: tobj::Mesh, faces: &mut FaceSlots) {
-        let bases = [self.positions.len(), self.uvs.len(), self.normals.len()].map(|base| base as u32);
-        let triple = |n: &[f64; 3]| DVec3::from_array(*n);
-        for (i, color) in (bases[0]..).zip(mesh.vertex_color.as_chunks().0) {
-            let color = triple(color).as_vec3();
-            if color.is_finite() {
-                self.colors.push((i, color));
-            }
-        }
-        self.positions.extend(mesh.positions.as_chunks().0.iter().map(triple));
-        let unit = |n: &[f64; 3]| triple(n).try_normalize().unwrap_or(DVec3::ZERO).as_vec3();
-        self.normals.extend(mesh.normals.as_chunks().0.iter().map(unit));
-        for uv in mesh.texcoords.as_chunks().0 {
-            let uv = DVec2::from_array(*uv);
-            if uv.abs().max_element() >= UV_FAR {
-                self.far_uvs.push((self.uvs.len() as u32, uv));
-            }
-            self.uvs.push(uv.as_vec2());
-        }
-        let corner = |i: usize| {
-            let [position, uv, normal] = [&mesh.indices, &mesh.texcoord_indices, &mesh.normal_indices]
-                .map(|list| list.get(i).copied().unwrap_or(NONE));
-            // The ones that stand for none.
-            let uv = if uv == NONE { NONE } else { bases[1] + uv };
-            let has_uv = self.uvs.get(uv as usize).is_some_and(|uv| !uv.is_nan());
-            let normal = if normal == NONE { NONE } else { bases[2] + normal };
-            let has_normal = self.normals.get(normal as usize).is_some_and(|n| *n != Vec3::ZERO);
-            Corner {
-                position: bases[0] + position,
-                uv: if has_uv { uv } else { NONE },
-                normal: if has_normal { normal } else { NONE },
-            }
-        };
-        let mut first = 0;
-        let triangles = if mesh.face_arities.is_empty() { mesh.indices.len() / 3 } else { 0 };
-        let arities = mesh.face_arities.iter().map(|n| *n as usize).chain(std::iter::repeat_n(3, triangles));
-        for arity in arities {
-            faces.fill((first..first + arity).map(corner));
-            first += arity;
-        }
+impl PieceParser<'_> {
+    fn parse(&self, i: usize) -> Result<(Piece, UsedNumbers), SceneError> {
+        let done = i as f32 / self.source.texts.len() as f32;
+        self.steps.at(Phase::Parsing, done)?;
+        let reader = FaceReader::new(self.source.before[i], self.total, &self.refused);
+        let mut piece = reader.read(self.source.texts[i], self.file)?;
+        let corners = self.corners.fetch_add(piece.corners.len(), Ordering::Relaxed) + piece.corners.len();
+        // The number so far depends on the order of the threads, and the message must not.
+        within("corners", corners.min(self.limits.corners + 1), self.limits.corners, self.file)?;
+        self.steps.at(Phase::Parsing, done)?;
+        let numbers = used::parse(&mut piece, &self.source).map_err(|error| {
+            let cause = format!("its repaired text cannot be parsed: {error}");
+            unreadable(self.file, cause, "please report this file")
+        })?;
+        Ok((piece, numbers))
     }
 }
 
@@ -181,7 +141,7 @@ pub(super) struct Polygon<'a> {
 }
 
 impl Model {
-    /// A model of pieces whose faces have no corners yet.
+    /// A model of pieces, without its numbers.
     fn of(mut pieces: Vec<Piece>, tally: Tally) -> Self {
         let mut model = Self { tally, ..Self::default() };
         let mut materials = MaterialRuns::default();
@@ -199,6 +159,24 @@ impl Model {
         model.material_names = materials.names;
         model.pieces = pieces;
         model
+    }
+
+    /// Returns the model with its numbers, each at its index in the file. Those that no face uses
+    /// are not finite, or zero.
+    fn with(self, used: Vec<UsedNumbers>, total: &Counts) -> Self {
+        let mut positions = vec![DVec3::NAN; total.positions];
+        let mut normals = vec![Vec3::ZERO; total.normals];
+        let mut uvs = vec![Vec2::ZERO; total.uvs];
+        let (mut far_uvs, mut colors) = (BTreeMap::new(), BTreeMap::new());
+        for used in used {
+            set_all(&mut positions, &used.positions);
+            set_all(&mut normals, &used.normals);
+            set_all(&mut uvs, &used.uvs);
+            far_uvs.extend(used.far_uvs);
+            colors.extend(used.colors);
+        }
+        let (far_uvs, colors) = (far_uvs.into_iter().collect(), colors.into_iter().collect());
+        Self { positions, normals, uvs, far_uvs, colors, ..self }
     }
 
     /// Returns the number of polygons.
@@ -227,6 +205,15 @@ impl Model {
                 Polygon { line: piece.first_line + u64::from(line), material, corners }
             })
         })
+    }
+}
+
+fn set_all<T: Copy>(list: &mut [T], values: &[(u32, T)]) {
+    for (index, value) in values {
+        // An element that stands for none has no index.
+        if let Some(slot) = list.get_mut(*index as usize) {
+            *slot = *value;
+        }
     }
 }
 

@@ -28,7 +28,7 @@ pub(in crate::import) fn read(import: &mut Import) -> Result<(), SceneError> {
         return Err(import.failed(cause, "export the model as .obj or .glb"));
     }
     import.report(std::mem::take(&mut model.tally))?;
-    hint_up(import);
+    import.hint_up();
     library::add_materials(&model, import)?;
     vertex_colors::show(&colors, import);
     Ok(())
@@ -47,15 +47,6 @@ fn place(model: &mut Model, declared: Option<Unit>, import: &mut Import) {
         guess.unit
     });
     units::to_world(&mut model.positions, &mut model.normals, unit, import.up().unwrap_or(Up::PlusY));
-}
-
-fn hint_up(import: &mut Import) {
-    if import.up().is_none() && units::looks_z_up(&import.builder.positions, &import.builder.triangles) {
-        let file = &import.sidecar.file_name;
-        import.warn(format!(
-            "the model seems to lie on its side; if so, use --up +Z, or up = \"+Z\" in {file}"
-        ));
-    }
 }
 
 /// A file's text. A large one is freed on a thread of its own: freeing a gigabyte takes a tenth of

@@ -4,11 +4,16 @@ use super::mtl::{MapSpec, MtlMaterial};
 use crate::import::picture::{self, Picture, PictureError};
 use crate::import::search::{Finder, Found};
 use crate::import::{
-    context::Import, decoding, files, options::Limits, progress::Steps, surfaces, text::without_comment,
+    context::Import, decoding, files, options::Limits, progress::Phase, progress::Steps, surfaces,
+    text::without_comment,
 };
 use crate::scene::{SceneBuilder, SceneError, Texture, TextureId, TextureRef};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
+
+/// Number of textures that are searched between two checks for a cancellation. One that is missing
+/// takes about a millisecond.
+const SEARCHED: usize = 16;
 
 /// Use of a texture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,7 +53,10 @@ pub(super) fn attach(
     let requests = requests(written);
     let mut painter = Painter { libraries, builder, decoded: HashMap::new(), checker: None, missing: 0 };
     let mut file_of: HashMap<(&str, usize), Option<PathBuf>> = HashMap::new();
-    for request in &requests {
+    for (i, request) in requests.iter().enumerate() {
+        if i % SEARCHED == 0 {
+            steps.at(Phase::Textures, 0.0)?;
+        }
         let key = (request.spec.file.as_str(), request.library);
         file_of.entry(key).or_insert_with(|| {
             let found = find(finder, request.spec, &libraries[request.library].folder);

@@ -303,7 +303,8 @@ fn fov_y_deg(s: &Section, notes: &mut Notes) -> f64 {
 
 fn camera(s: &Section, name: &str, notes: &mut Notes) -> Option<Camera> {
     let (key, fov) = (key_frame(s, name, notes)?, fov_y_deg(s, notes));
-    Some(Camera::look_at(key.eye, key.at, fov))
+    let roll = s.number("roll_deg", -180.0..=180.0, notes).unwrap_or(0.0).to_radians();
+    Some(Camera { roll, ..Camera::look_at(key.eye, key.at, fov) })
 }
 
 fn key_frame(s: &Section, name: &str, notes: &mut Notes) -> Option<CameraKey> {
@@ -315,12 +316,12 @@ fn key_frame(s: &Section, name: &str, notes: &mut Notes) -> Option<CameraKey> {
 }
 
 fn start(top: &Section, notes: &mut Notes) -> Option<Camera> {
-    let s = top.section("start", "[start]", &["eye", "at", "fov_y_deg"], notes)?;
+    let s = top.section("start", "[start]", &["eye", "at", "fov_y_deg", "roll_deg"], notes)?;
     camera(&s, "[start]", notes)
 }
 
 fn views(top: &Section, notes: &mut Notes) -> Vec<NamedView> {
-    let sections = top.sections("view", "[[view]]", &["name", "eye", "at", "fov_y_deg"], notes);
+    let sections = top.sections("view", "[[view]]", &["name", "eye", "at", "fov_y_deg", "roll_deg"], notes);
     let view = |(i, s): (usize, Section)| {
         let name = s.text("name", notes).map_or_else(|| format!("view {}", i + 1), str::to_owned);
         Some(NamedView { name, camera: camera(&s, "[[view]]", notes)? })

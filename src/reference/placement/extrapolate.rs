@@ -27,6 +27,7 @@ pub(super) fn pose_after(seen: &Observation, tracer: &Tracer, frames: f64) -> Ca
         yaw: now.yaw + turn(now.yaw, before.yaw),
         pitch: (now.pitch + turn(now.pitch, before.pitch)).clamp(-FRAC_PI_2, FRAC_PI_2),
         fov_y: now.fov_y,
+        roll: now.roll,
     }
 }
 

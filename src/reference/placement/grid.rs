@@ -36,6 +36,7 @@ fn prefetch_poses(tracer: &Tracer, request: &PrefetchRequest) -> Vec<Camera> {
                 yaw: around(i),
                 pitch: 0.0,
                 fov_y: request.fov_y,
+                roll: 0.0,
             })
         })
         .collect()

@@ -60,7 +60,8 @@ fn spread(tracer: &Tracer, positions: &[DVec3], spacing_m: f64) -> Vec<DVec3> {
 pub(super) fn looking_around(places: &[DVec3], size: [u32; 2], fov_y: f64) -> Vec<Camera> {
     let count = OVERLAP * directions(size, fov_y);
     let yaw = |i: usize| TAU * i as f64 / count as f64;
-    let at = |&eye: &DVec3| (0..count).map(move |i| Camera { eye, yaw: yaw(i), pitch: 0.0, fov_y });
+    let at =
+        |&eye: &DVec3| (0..count).map(move |i| Camera { eye, yaw: yaw(i), pitch: 0.0, fov_y, roll: 0.0 });
     places.iter().flat_map(at).collect()
 }
 

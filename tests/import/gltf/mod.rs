@@ -1,5 +1,6 @@
 //! glTF with small models that are built here: every way to store one, right and wrong.
 
+mod compression;
 mod extensions;
 mod geometry;
 mod lamps;

@@ -127,6 +127,10 @@ pub(crate) struct Flags {
     #[arg(long, global = true, value_name = "DEG")]
     #[arg(value_parser = number_in(afterimage::Camera::FOV_Y_DEGREES, " degrees"))]
     pub(crate) fov_y: Option<f64>,
+    /// Lean of the camera to the right, degrees, with `--eye`.
+    #[arg(long, global = true, value_name = "DEG", allow_hyphen_values = true)]
+    #[arg(value_parser = number_in(-180.0..=180.0, " degrees"), requires = "eye")]
+    pub(crate) roll: Option<f64>,
     /// A saved view of the scene [default: the first one, if no pose is given].
     #[arg(long, global = true, value_name = "NAME")]
     pub(crate) view: Option<String>,

@@ -69,6 +69,7 @@ fn start_view(loaded: &Loaded) -> Value {
         "eye": start.eye.to_array(),
         "look_at": (start.eye + start.forward()).to_array(),
         "fov_y_deg": start.fov_y.to_degrees(),
+        "roll_deg": start.roll.to_degrees(),
         "building_share": loaded.tracer.building_share(start),
     })
 }

@@ -21,7 +21,8 @@ pub(crate) fn check(flags: &Flags) -> Result<(), Failure> {
 /// The camera at the pose given by `--eye` and `--look-at`, if both are given.
 pub(crate) fn given(flags: &Flags) -> Option<Camera> {
     let degrees = flags.fov_y.unwrap_or(DEFAULT_FOV_Y);
-    Some(Camera::look_at(flags.eye?, flags.look_at?, degrees))
+    let roll = flags.roll.unwrap_or(0.0).to_radians();
+    Some(Camera { roll, ..Camera::look_at(flags.eye?, flags.look_at?, degrees) })
 }
 
 /// The camera at the pose or view given by the flags, or at the scene's first view. The flags must

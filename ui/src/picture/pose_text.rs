@@ -18,8 +18,12 @@ impl std::fmt::Display for PoseError {
 /// The pose of a camera as flags of `afterimage render`.
 pub fn pose_flags(camera: &Camera) -> String {
     let list = |v: DVec3| format!("{:.4},{:.4},{:.4}", v.x, v.y, v.z);
+    let roll = match camera.roll {
+        0.0 => String::new(),
+        roll => format!(" --roll {:.3}", roll.to_degrees()),
+    };
     format!(
-        "--eye {} --look-at {} --fov-y {:.3}",
+        "--eye {} --look-at {} --fov-y {:.3}{roll}",
         list(camera.eye),
         list(camera.eye + camera.forward()),
         camera.fov_y.to_degrees()
@@ -45,7 +49,11 @@ pub fn pose_of_flags(text: &str, before: &Camera) -> Result<Camera, PoseError> {
             })?
         }
     };
-    Ok(Camera::look_at(eye, at, fov_y_deg))
+    let roll_deg = match value(text, "--roll") {
+        None => 0.0,
+        Some(word) => parse_roll(word).map_err(PoseError)?,
+    };
+    Ok(Camera { roll: roll_deg.to_radians(), ..Camera::look_at(eye, at, fov_y_deg) })
 }
 
 /// Message for a pose whose view direction is undefined.
@@ -63,6 +71,15 @@ fn point(text: &str, flag: &str) -> Result<DVec3, PoseError> {
     let missing = || PoseError(format!("the text has no {flag}; a pose is --eye X,Y,Z --look-at X,Y,Z"));
     let word = value(text, flag).ok_or_else(missing)?;
     parse_point(word).map_err(|PoseError(cause)| PoseError(format!("{flag} {word}: {cause}")))
+}
+
+/// Parses a roll in degrees.
+///
+/// # Errors
+/// The message for a text that is not a number from -180 to 180.
+pub(crate) fn parse_roll(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|degrees: &f64| degrees.abs() <= 180.0);
+    number.ok_or_else(|| format!("--roll {text}: a roll is from -180 to 180 degrees"))
 }
 
 /// Parses a point like `-1.5,2,0.25`.
@@ -95,11 +112,12 @@ mod tests {
 
     #[test]
     fn flags_are_found_within_a_command() {
-        let was = Camera { yaw: 1.0, pitch: -0.4, fov_y: 0.7, ..camera() };
+        let was = Camera { yaw: 1.0, pitch: -0.4, fov_y: 0.7, roll: -0.3, ..camera() };
         let text = format!("afterimage render \"house.obj\" {} -o a.png", pose_flags(&was));
         let pose = pose_of_flags(&text, &camera()).unwrap();
         assert!(pose.eye == was.eye && (pose.yaw - was.yaw).abs() < 1e-3);
         assert!((pose.pitch - was.pitch).abs() < 1e-3 && (pose.fov_y - was.fov_y).abs() < 1e-4);
+        assert!((pose.roll - was.roll).abs() < 1e-4);
         let kept = pose_of_flags("--eye=0,1,2 --look-at=-1,1,2", &camera()).unwrap();
         assert_eq!((kept.eye, kept.fov_y), (DVec3::new(0.0, 1.0, 2.0), camera().fov_y));
     }

@@ -246,9 +246,9 @@ impl FlyCamera {
         self.camera.world_from_camera() * DVec3::new(x * tan * aspect, y * tan, -1.0)
     }
 
-    /// Turns the camera to a horizontal viewing direction.
+    /// Turns the camera to a horizontal viewing direction, upright.
     pub fn level(&mut self) {
-        self.ease_to(Camera { pitch: 0.0, ..self.camera });
+        self.ease_to(Camera { pitch: 0.0, roll: 0.0, ..self.camera });
     }
 
     /// Widens (positive) or narrows the field of view.
@@ -275,6 +275,7 @@ impl Ease {
             yaw: a.yaw + wrap(b.yaw - a.yaw) * t,
             pitch: a.pitch + (b.pitch - a.pitch) * t,
             fov_y: a.fov_y + (b.fov_y - a.fov_y) * t,
+            roll: a.roll + wrap(b.roll - a.roll) * t,
         }
     }
 }

@@ -91,7 +91,8 @@ impl Playback {
     }
 }
 
-const CAMERA_OF_NO_PLACE: Camera = Camera { eye: glam::DVec3::ZERO, yaw: 0.0, pitch: 0.0, fov_y: 1.0 };
+const CAMERA_OF_NO_PLACE: Camera =
+    Camera { eye: glam::DVec3::ZERO, yaw: 0.0, pitch: 0.0, fov_y: 1.0, roll: 0.0 };
 
 fn key_of(camera: &Camera) -> CameraKey {
     CameraKey { eye: camera.eye, at: camera.eye + camera.forward() }

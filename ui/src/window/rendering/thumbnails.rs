@@ -22,11 +22,11 @@ const TRACE: TraceSettings =
 const MAX_PICTURES: usize = 512;
 
 /// Bits of the pose of a picture.
-type Pose = [u64; 6];
+type Pose = [u64; 7];
 
 fn pose(camera: &Camera) -> Pose {
-    let Camera { eye, yaw, pitch, fov_y } = *camera;
-    [eye.x, eye.y, eye.z, yaw, pitch, fov_y].map(f64::to_bits)
+    let Camera { eye, yaw, pitch, fov_y, roll } = *camera;
+    [eye.x, eye.y, eye.z, yaw, pitch, fov_y, roll].map(f64::to_bits)
 }
 
 /// All small pictures of the scene that is shown.
