@@ -1,6 +1,6 @@
 //! The hash that identifies a scene.
 
-use super::{Encoding, Light, MaterialKind, Sampling, Scene, Sky};
+use super::{Detail, Encoding, Light, MaterialKind, Sampling, Scene, Sky};
 use bytemuck::NoUninit;
 use glam::Vec3;
 use sha2::{Digest, Sha256};
@@ -63,7 +63,7 @@ impl SceneHasher {
                 self.add(texture.map(|t| t.texture.0).as_slice());
                 self.add(texture.map(|t| [t.scale, t.offset]).as_slice());
             }
-            for texture in material.textures().into_iter().flatten() {
+            for texture in material.textures() {
                 if texture.sampling != Sampling::default() {
                     let Sampling { turn, .. } = texture.sampling;
                     self.add(&[3, texture.texture.0, u32::from(texture.sampling.code()), turn.to_bits()]);
@@ -79,6 +79,18 @@ impl SceneHasher {
                     self.add(&[t.scale, t.offset]);
                 }
             }
+            if material.detail != Detail::default() {
+                self.add_detail(&material.detail);
+            }
+        }
+    }
+
+    fn add_detail(&mut self, detail: &Detail) {
+        self.add(&[5u32]);
+        self.add(&detail.numbers());
+        for texture in detail.textures() {
+            self.add(texture.map(|t| t.texture.0).as_slice());
+            self.add(texture.map(|t| [t.scale, t.offset]).as_slice());
         }
     }
 

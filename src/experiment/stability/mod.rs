@@ -13,6 +13,7 @@ mod geometry;
 mod light;
 mod materials;
 mod pictures;
+mod relief;
 mod report;
 mod rooms;
 mod rough;

@@ -1,7 +1,9 @@
 //! Hashes of materials, textures, lights, sun and sky.
 
 use super::hasher::{ContentHash, ContentHasher};
-use crate::scene::{Encoding, Light, Material, MaterialKind, Sampling, Scene, Sky, Sun, Texture, TextureRef};
+use crate::scene::{
+    Detail, Encoding, Light, Material, MaterialKind, Sampling, Scene, Sky, Sun, Texture, TextureRef,
+};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -126,6 +128,15 @@ fn content_of_material(material: &Material, textures: &[ContentHash]) -> Materia
     }
     if material.is_thin {
         transmission.word(3);
+    }
+    // Materials without detail keep their hashes.
+    if material.detail != Detail::default() {
+        for hasher in
+            [&mut reflection, &mut transmission].into_iter().take(1 + usize::from(material.is_glass()))
+        {
+            material.detail.numbers().into_iter().for_each(|number| hasher.number(number));
+            material.detail.textures().into_iter().for_each(|used| texture(hasher, used));
+        }
     }
     let mut emission = ContentHasher::new(b"emission");
     emission.triple(material.emission);

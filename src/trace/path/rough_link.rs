@@ -29,7 +29,7 @@ impl Path<'_> {
                 let kind = MaterialKind::Glossy { reflectance, roughness: LEAST_ROUGHNESS };
                 Cow::Owned(Material { kind, name: String::new(), ..*material })
             }
-            _ => Cow::Borrowed(material),
+            _ => material,
         }
     }
 

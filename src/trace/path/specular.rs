@@ -198,7 +198,14 @@ impl Tracer {
             return Vec3::ZERO;
         }
         let shadow_rays = count.max(samples / PER_SHADOW_RAY);
-        let lobe = LitLobe { material, facing: &facing, incident, lobe_rays: count, samples, shadow_rays };
+        let lobe = LitLobe {
+            material: &material,
+            facing: &facing,
+            incident,
+            lobe_rays: count,
+            samples,
+            shadow_rays,
+        };
         let lit = self.lit_lobe(point, &lobe, arriving.lobe.is_none(), seed.key, rays);
         arriving.throughput * arriving.split * lit
     }
@@ -275,7 +282,7 @@ impl Tracer {
 
     /// Samples the viewer-dependent lobe of a point seen along `direction` (any length).
     pub(super) fn scatter(&self, point: &SurfacePoint, direction: Vec3, key: Key) -> ScatterSet {
-        self.scatter_of(self.material(point), point, direction, key)
+        self.scatter_of(&self.material(point), point, direction, key)
     }
 
     /// [`Self::scatter`] with another material.
