@@ -3,7 +3,8 @@
 //! References hold the light for the normal without the map, which changes slowly over a surface.
 //! What differs for the tilted normal is traced in each frame: all direct light, and of the smooth
 //! light the difference between the two normals. That difference is small where the tilt is, so few
-//! paths, which end in cells, have less noise than all light traced at the point.
+//! paths, which end in cells, have less noise than all light traced at the point. Mode `fast` leaves
+//! the difference out.
 
 use super::SurfaceKey;
 use super::exact::{Guess, PixelResolver, ReliefEnd, Tally};
@@ -71,7 +72,8 @@ impl PixelResolver<'_> {
         let (tracer, rays) = (self.tracer, &mut tally.rays);
         let irradiance = tracer.direct_irradiance(point, end.samples, &self.trace, end.seed, rays);
         let mut light = Diffuse::WHITE.radiance(irradiance);
-        if self.trace.bounces > 0 {
+        // With the few paths of mode `fast`, the difference would have more noise than it mends.
+        if self.trace.bounces > 0 && self.quality.checks_guesses {
             let settings = self.lookup.light_settings(&self.trace, end.footprint);
             let smooth = settings.smooth(end.samples);
             light += tracer.smooth_light_of_tilt(point, end.samples, end.seed.sequence, smooth, rays);

@@ -131,12 +131,14 @@ fn content_of_material(material: &Material, textures: &[ContentHash]) -> Materia
     }
     // Materials without detail keep their hashes.
     if material.detail != Detail::default() {
-        for hasher in
-            [&mut reflection, &mut transmission].into_iter().take(1 + usize::from(material.is_glass()))
-        {
-            material.detail.numbers().into_iter().for_each(|number| hasher.number(number));
-            material.detail.textures().into_iter().for_each(|used| texture(hasher, used));
-        }
+        material.detail.numbers().into_iter().for_each(|number| reflection.number(number));
+        material.detail.textures().into_iter().for_each(|used| texture(&mut reflection, used));
+    }
+    if material.detail.transmission_texture.is_some() {
+        transmission.triple(material.diffuse);
+        transmission.number(material.detail.transmission);
+        texture(&mut transmission, material.diffuse_texture);
+        texture(&mut transmission, material.detail.transmission_texture);
     }
     let mut emission = ContentHasher::new(b"emission");
     emission.triple(material.emission);
