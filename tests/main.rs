@@ -32,6 +32,7 @@ mod objects;
 mod pictures_of_light;
 mod placement;
 mod refine;
+mod relief;
 mod reuse;
 mod rooms;
 mod rough_lobes;

@@ -67,6 +67,11 @@ pub fn albedo(material: &Material, textures: &[Texture], uv: impl FnOnce() -> Ve
         let texel = material.diffuse_texture.map_or(Vec3::ONE, |map| map.color(textures, uv));
         return material.diffuse * texel * material.coverage_at(textures, || uv);
     }
+    if material.detail.mixes() {
+        let uv = uv();
+        let texel = material.diffuse_texture.map_or(Vec3::ONE, |map| map.color(textures, uv));
+        return material.diffuse * texel * material.detail.base_at(textures, uv);
+    }
     match material.diffuse_texture {
         None => material.diffuse,
         Some(map) => material.diffuse * map.color(textures, uv()),

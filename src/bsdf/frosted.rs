@@ -11,6 +11,7 @@ use super::ggx::Ggx;
 use super::lobe::{Facing, Lobe};
 use super::local::LocalFrame;
 use super::scatter::ScatterSet;
+use crate::math::sampling::lattice;
 use crate::scene::{SMOOTH, SolidSide};
 use glam::Vec3;
 
@@ -79,6 +80,20 @@ impl Lobe for Frosted {
 impl Frosted {
     fn ggx(&self) -> Ggx {
         Ggx::new(self.roughness)
+    }
+
+    /// Share (0..1) of its light that a diffuse part of an open sheet sends to a viewer at a cosine:
+    /// what the sheet does not reflect, estimated by a few microfacets.
+    pub(super) fn base_share(&self, cos: f32) -> f32 {
+        const FACETS: u32 = 16;
+        /// Bound on the relative error of the estimate.
+        const ERROR: f32 = 1.0 / 16.0;
+        let facing = Facing { geometric_normal: Vec3::Z, shading_normal: Vec3::Z, enters_solid: None };
+        let incident = -Vec3::new((1.0 - cos * cos).max(0.0).sqrt(), 0.0, cos);
+        let black = Self { clear: Dielectric { transmittance: Vec3::ZERO, ..self.clear }, ..*self };
+        let reflected = |i| black.sample(&facing, incident, lattice(i, FACETS, [0.5; 2])).total_weight();
+        let mean = (0..FACETS).map(reflected).sum::<f32>() / FACETS as f32;
+        (1.0 - mean * (1.0 + ERROR)).clamp(0.0, 1.0)
     }
 
     /// Index of refraction on the viewer's side over that on the other; `None` for a sheet.

@@ -11,6 +11,11 @@ pub(super) struct LocalFrame {
     pub(super) outgoing: Vec3,
 }
 
+/// Cosine (0..1) between the viewer's direction and the normal of the frame; 0 where there is none.
+pub(super) fn cosine(facing: &Facing, incident: Vec3) -> f32 {
+    LocalFrame::new(facing, incident).map_or(0.0, |frame| frame.outgoing.z.min(1.0))
+}
+
 impl LocalFrame {
     /// The frame about the shading normal, or about the triangle's normal where the shading normal
     /// would send the middle of the lobe into the surface, or faces away from the viewer. `None`

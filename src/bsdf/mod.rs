@@ -28,7 +28,10 @@ pub use scatter::{Scatter, ScatterSet};
 
 use crate::scene::{Material, MaterialKind, SolidSide};
 use glam::Vec3;
-use {dielectric::Dielectric, frosted::Frosted, glossy::Glossy, lobe::NoLobe, mirror::Mirror};
+use {
+    dielectric::Dielectric, dielectric::of_sheet, frosted::Frosted, glossy::Glossy, lobe::NoLobe,
+    mirror::Mirror,
+};
 
 /// Evaluates an expression with the lobe that a material's kind names. A new lobe is one line here.
 macro_rules! with_lobe {
@@ -87,10 +90,21 @@ impl Lobe for Material {
 }
 
 /// Returns the share (0..1) of its light that the diffuse part of a material sends to a viewer, who
-/// sees the shading normal at a cosine (0..1): all of it, but for what a clear coat reflects.
+/// sees the shading normal at a cosine (0..1): all of it, but for what a clear coat reflects, or an
+/// open sheet of glass that transmits in places only.
 pub fn base_share(material: &Material, cos: f32) -> f32 {
     match material.kind {
         MaterialKind::Glossy { reflectance, roughness } => glossy::base_share(reflectance, roughness, cos),
-        _ => 1.0,
+        MaterialKind::Glass { eta, .. } => 1.0 - of_sheet(fresnel_dielectric(cos, 1.0 / eta)),
+        MaterialKind::Frosted { eta, transmittance, roughness } => {
+            Frosted { clear: Dielectric { eta, transmittance }, roughness }.base_share(cos)
+        }
+        MaterialKind::Diffuse | MaterialKind::Mirror { .. } => 1.0,
     }
+}
+
+/// Returns the cosine (0..1) at which a viewer sees the specular part of a material: to the shading
+/// normal, or to the triangle's where a lobe is computed about that.
+pub fn lobe_cosine(material: &Material, facing: &Facing, incident: Vec3) -> f32 {
+    if material.is_specular() { facing.cosine(incident) } else { local::cosine(facing, incident) }
 }

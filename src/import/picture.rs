@@ -156,6 +156,35 @@ pub(super) fn coverage(picture: &Texture) -> Texture {
     Texture { texels, encoding: Encoding::Linear, ..*picture }
 }
 
+/// True for a picture of directions, which is mostly bluish; false for one of heights, which is
+/// grey.
+pub(super) fn holds_normals(picture: &Texture) -> bool {
+    /// By how much blue, on average, exceeds the mean of red and green: a flat map has one half.
+    const BLUISH: f32 = 1.0 / 8.0;
+    let mean = mean_linear(picture);
+    mean.z - (mean.x + mean.y) / 2.0 > BLUISH
+}
+
+/// Returns the normal map of a picture of heights, which repeats. White is 2 % of the width of the
+/// picture above black: MTL gives no unit, and joints of brick are as deep as that.
+pub(super) fn normals_of_heights(picture: &Texture) -> Texture {
+    const HEIGHT: f32 = 0.02;
+    let (width, height) = (picture.width as usize, picture.height as usize);
+    let at = |x: usize, y: usize| f32::from(luma(&picture.texels[y % height * width + x % width])) / 255.0;
+    // Both middle values stand for zero.
+    let byte = |part: f32| (part * 127.0 + if part < 0.0 { 127.0 } else { 128.0 }).round() as u8;
+    let texel = |i: usize| {
+        let (x, y) = (i % width, i / width);
+        let right = at(x + 1, y) - at(x + width - 1, y);
+        let down = at(x, y + 1) - at(x, y + height - 1);
+        let slope = HEIGHT * width as f32 / 2.0;
+        let n = Vec3::new(-right * slope, down * slope, 1.0).normalize_or(Vec3::Z);
+        [byte(n.x), byte(n.y), byte(n.z), 255]
+    };
+    let texels = (0..width * height).map(texel).collect();
+    Texture { texels, encoding: Encoding::Linear, ..*picture }
+}
+
 /// Returns the luma of a texel.
 pub(super) fn luma([r, g, b, _]: &[u8; 4]) -> u8 {
     (0.2126 * f32::from(*r) + 0.7152 * f32::from(*g) + 0.0722 * f32::from(*b) + 0.5) as u8

@@ -55,11 +55,68 @@ impl Gloss {
         }
         let metalness = if is_metal { 1.0 } else { metalness };
         let reflectance = coat.lerp(mean_base, metalness);
-        let matte = MATTE_COAT + (MATTE_METAL - MATTE_COAT) * metalness;
-        if roughness < matte && reflectance.max_element() > 0.0 {
+        if roughness < matte_from(metalness) && reflectance.max_element() > 0.0 {
             material.diffuse *= 1.0 - metalness;
             material.kind = MaterialKind::Glossy { reflectance, roughness };
         }
+    }
+}
+
+impl Gloss {
+    /// [`Self::apply`] where metal has the colour of its place: the base colour of the material
+    /// with its texture.
+    pub(super) fn apply_by_place(self, material: &mut Material) {
+        let metalness = if self.metalness > METAL { 1.0 } else { self.metalness };
+        if self.roughness < matte_from(metalness) {
+            Self { metalness, ..self }.apply_always(material);
+        }
+    }
+
+    /// Makes a material reflect whatever its roughness, with metal in the colour of its place.
+    pub(super) fn apply_always(self, material: &mut Material) {
+        material.kind = MaterialKind::Glossy { reflectance: self.coat, roughness: self.roughness };
+        material.detail.metalness = self.metalness;
+    }
+
+    /// True where next to no place reflects. `texels` are metalness and roughness, which multiply
+    /// those of this.
+    pub(super) fn is_matte_by_place(&self, texels: impl Iterator<Item = [u8; 2]>) -> bool {
+        /// Share of places that may reflect in a matte surface: noise of compressed pictures.
+        const SHARE: f32 = 1.0 / 100.0;
+        let (mut shiny, mut count) = (0u32, 0u32);
+        for [metalness, roughness] in texels {
+            let share = |byte: u8| f32::from(byte) / 255.0;
+            let matte = matte_from(self.metalness * share(metalness));
+            shiny += u32::from(self.roughness * share(roughness) < matte);
+            count += 1;
+        }
+        shiny as f32 <= SHARE * count as f32
+    }
+}
+
+/// Roughness from which on a surface of this metalness is matte.
+fn matte_from(metalness: f32) -> f32 {
+    MATTE_COAT + (MATTE_METAL - MATTE_COAT) * metalness
+}
+
+/// Gives a material a picture of roughness (green), or makes it matte where next to no place of it
+/// reflects then.
+pub(super) fn roughen(material: &mut Material, texture: TextureRef, picture: &Picture) {
+    let MaterialKind::Glossy { roughness, reflectance } = material.kind else { return };
+    let gloss = Gloss { metalness: material.detail.metalness, roughness, coat: reflectance };
+    if gloss.is_matte_by_place(picture.texture.texels.iter().map(|&[_, g, ..]| [255, g])) {
+        material.kind = MaterialKind::Diffuse;
+    } else {
+        material.detail.roughness_texture = Some(texture);
+    }
+}
+
+/// Makes a material matte whose pictures were to say where it reflects, and did not.
+pub(super) fn settle(material: &mut Material) {
+    let MaterialKind::Glossy { roughness, .. } = material.kind else { return };
+    let metalness = material.detail.metalness;
+    if material.detail.roughness_texture.is_none() && roughness >= matte_from(metalness) {
+        material.kind = MaterialKind::Diffuse;
     }
 }
 

@@ -73,11 +73,10 @@ troubles! {
     AMBIENT_PICTURE: "material" / "materials",
         "with a picture of ambient light (map_Ka) alone" => "shown with it as their colour";
     DECIMAL_COMMA: "line" / "lines", "with decimal commas" => "read as decimal points";
-    RELIEF: "picture" / "pictures", "of bumps or normals" => "not used; the surface is shown smooth";
     DISPLACEMENT: "picture" / "pictures",
         "of displacement" => "not used; the surface keeps its shape";
     GLOSS_PICTURE: "picture" / "pictures",
-        "of gloss, roughness or metalness" => "not used; the surface reflects evenly";
+        "of gloss (map_Ks, map_Ns, map_Ps, map_Ni)" => "not used; the surface reflects evenly";
     DECAL: "picture" / "pictures", "of a decal or a reflection" => "not used";
     FINISH: "value" / "values",
         "of sheen or anisotropy" => "not used; the surface is shown without";

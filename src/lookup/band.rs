@@ -139,10 +139,12 @@ impl<'a> BandLookup<'a> {
             if self.leaves_out_hidden {
                 self.lookup.leave_out_hidden(self.tracer, &surfaces.points, &mut light);
             }
-            let guesses = if self.checks_guesses { light.guesses() } else { 0 };
+            let tilted = surfaces.tilted & light.known;
+            let guesses = if self.checks_guesses { light.guesses() & !tilted } else { 0 };
             let guesses = guesses & !self.settle_guesses(&surfaces, &mut light, guesses, &mut open.settled);
             for (ray, pixel) in pixels_of_tile([x0, y0], self.view.size) {
-                let is_guess = guesses >> ray & 1 == 1;
+                // What is known is the light of another normal.
+                let is_guess = (guesses | tilted) >> ray & 1 == 1;
                 let kind = self.write_pixel(&surfaces, (&light, is_guess), ray, pixel - first, &mut rows);
                 if kind == PixelType::Uncertain {
                     kept.certain[pixel - first] = self.certain_light(&surfaces, &light, ray);

@@ -80,6 +80,15 @@ struct PathEnd {
     key: Key,
 }
 
+/// How the light of a tilted surface is traced where a path from a pixel ends.
+pub(super) struct ReliefEnd {
+    /// Samples of each light, and paths.
+    pub(super) samples: u32,
+    /// Size of the pixel on the surface, scene units.
+    pub(super) footprint: f32,
+    pub(super) seed: PointSeed,
+}
+
 impl PixelResolver<'_> {
     /// The radiance that a pixel's mirror or glass shows.
     pub(crate) fn resolve_specular(&self, pixel: u32, triangle: u32, tally: &mut Tally) -> Vec3 {
@@ -107,8 +116,12 @@ impl PixelResolver<'_> {
             self.held_irradiance(&self.tracer.surface(&ray, &hit), length(&ray, &hit), trace.samples)
         });
         let settings = LightSettings { direct: held, ..settings };
-        let (mut traced, point) = self.tracer.shade_hit(&ray, hit, &settings, seed, &mut tally.rays);
+        let (mut traced, point) = self.tracer.shade_hit((&ray, true), hit, &settings, seed, &mut tally.rays);
         if let (Some(hit), Some(point)) = (hit, point) {
+            if point.is_tilted() {
+                let end = ReliefEnd { samples: trace.samples, footprint, seed };
+                traced.radiance = resolver.lit_relief(&point, traced.light.smooth(), &end, tally);
+            }
             traced.radiance += resolver.specular(&point, &ray, &hit, pixel, tally);
         }
         traced
@@ -127,6 +140,10 @@ impl PixelResolver<'_> {
             return CheckedPixel { radiance: guess.radiance, irradiance: None, is_traced: false };
         };
         let point = self.tracer.surface(&ray, &hit);
+        if point.is_tilted() {
+            let radiance = self.relief_of_pixel((pixel, &guess), &point, (&ray, &hit), tally);
+            return CheckedPixel { radiance, irradiance: None, is_traced: true };
+        }
         let key = Key::of_pixel(self.trace.seed, pixel);
         let end = PathEnd { pixel, distance: length(&ray, &hit), share: 1.0, key };
         let held = || self.held_irradiance(&point, end.distance, self.trace.samples_for(end.share));
@@ -171,7 +188,14 @@ impl PixelResolver<'_> {
 
     /// The specular radiance of a pixel's first surface, with light looked up at every point that
     /// it reflects or lets through.
-    fn specular(&self, point: &SurfacePoint, ray: &Ray, hit: &Hit, pixel: u32, tally: &mut Tally) -> Vec3 {
+    pub(super) fn specular(
+        &self,
+        point: &SurfacePoint,
+        ray: &Ray,
+        hit: &Hit,
+        pixel: u32,
+        tally: &mut Tally,
+    ) -> Vec3 {
         let tracer = self.tracer;
         if !tracer.is_view_dependent(point) {
             return Vec3::ZERO;
@@ -199,6 +223,9 @@ impl PixelResolver<'_> {
             return self.emission(point);
         }
         let key = self.key_at(point, end.distance);
+        if point.is_tilted() {
+            return self.relief_in_mirror(point, (&key, end.share), end.key.into(), tally);
+        }
         let found = match self.quality.checks_guesses {
             true => self.lookup.light_at(&key, point.triangle),
             false => self.lookup.unchecked_light_at(self.tracer, &key, point.triangle),
@@ -322,7 +349,7 @@ impl PixelResolver<'_> {
         }));
     }
 
-    fn emission(&self, point: &SurfacePoint) -> Vec3 {
+    pub(super) fn emission(&self, point: &SurfacePoint) -> Vec3 {
         point.emission(self.tracer.scene())
     }
 
@@ -345,7 +372,7 @@ impl PixelResolver<'_> {
     }
 
     /// The diffuse radiance of a point under arriving light.
-    fn reflected(&self, point: &SurfacePoint, light: Vec3) -> Vec3 {
+    pub(super) fn reflected(&self, point: &SurfacePoint, light: Vec3) -> Vec3 {
         self.emission(point) + point.albedo(self.tracer.scene()) * light
     }
 }
@@ -356,44 +383,4 @@ fn length(ray: &Ray, hit: &Hit) -> f32 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::policy::BAD_GUESS;
-    use super::*;
-    use crate::reference::ReferenceCache;
-    use crate::scene::builtin;
-    use std::sync::Arc;
-
-    /// Whether traced light is shown for three guesses, each off by a multiple of the noise, after
-    /// the point was first traced for a guess that was off by `first_off`.
-    fn is_traced(first_off: f32, off: [f32; 3]) -> [bool; 3] {
-        let scene = Arc::new(builtin::build("furnace").unwrap());
-        let tracer = Tracer::new(scene.clone());
-        let view = View::new(scene.start(), &scene.frame, [9, 9]);
-        let (pixel, trace) = (40, TraceSettings::default());
-        let triangle = tracer.closest(&Tracer::primary_ray(&view, pixel)).expect("a hit").triangle;
-        let cache = ReferenceCache::new(&scene, 0);
-        let lookup = LookupSet::new(&cache, tracer.epoch());
-        let (mut points, mut tally) = (PointCache::default(), Tally::default());
-        let quality = LookupQuality::EXACT;
-        let plain = |radiance| Guess { radiance, certain: Vec3::ZERO, between: None };
-        let first =
-            PixelResolver { tracer: &tracer, lookup: &lookup, view: &view, points: &points, trace, quality };
-        let truth = first.check_guess(pixel, triangle, plain(Vec3::ZERO), &mut Tally::default()).radiance;
-        let guess = |off: f32| truth * (1.0 - off * BAD_GUESS * trace.noise());
-        assert_eq!(
-            first.check_guess(pixel, triangle, plain(guess(first_off)), &mut tally).is_traced,
-            first_off > 1.0,
-            "at first there is one threshold"
-        );
-        points.insert(tracer.epoch(), &mut tally.points);
-        let resolver =
-            PixelResolver { tracer: &tracer, lookup: &lookup, view: &view, points: &points, trace, quality };
-        off.map(|off| resolver.check_guess(pixel, triangle, plain(guess(off)), &mut tally).is_traced)
-    }
-
-    #[test]
-    fn a_point_keeps_showing_what_it_showed_until_the_guess_is_clearly_better_or_worse() {
-        assert_eq!(is_traced(0.5, [0.9, 1.2, 1.7]), [false, false, true]);
-        assert_eq!(is_traced(2.0, [1.1, 0.8, 0.5]), [true, true, false]);
-    }
-}
+mod tests;

@@ -126,7 +126,7 @@ impl GrowingReference {
                 };
                 let seed = PointSeed::of_growing_pixel(settings.seed, pixel, view.size[0]);
                 let lighting = known.light_settings(&settings, view.footprint(ray.direction, hit.t));
-                let (point, more) = (tracer.surface(&ray, &hit), sums.samples..samples);
+                let (point, more) = (tracer.surface(&ray, &hit).as_stored(), sums.samples..samples);
                 let direct = known.has_preview().then(|| {
                     let (position, normal) = (point.position, point.geometric_normal);
                     let key = SurfaceKey { position, normal, footprint: lighting.footprint };

@@ -35,6 +35,7 @@ mod planned;
 mod point;
 mod point_cache;
 mod policy;
+mod relief;
 mod rows;
 mod sides;
 mod sparse;

@@ -5,7 +5,8 @@ use crate::camera::View;
 use crate::raster::pixel_types::NO_SUPPLIER;
 use crate::scene::{MaterialId, Scene};
 use crate::trace::{
-    Hit, NO_TRIANGLE, RayTile, TILE_RAYS, TILE_SIDE, TileHits, Tracer, VisibilityBuffer, primary_tile,
+    Hit, NO_TRIANGLE, RayTile, SurfacePoint, TILE_RAYS, TILE_SIDE, TileHits, Tracer, VisibilityBuffer,
+    primary_tile,
 };
 use arrayvec::ArrayVec;
 use glam::Vec3;
@@ -53,6 +54,8 @@ pub struct TileSurfaces {
     pub points: TilePoints,
     /// Material of each pixel that shows a surface.
     pub material: [MaterialId; TILE_RAYS],
+    /// One bit per pixel whose normal a normal map tilts: its direct light is traced.
+    pub tilted: u64,
 }
 
 /// What all pixels of a triangle have in common.
@@ -72,6 +75,7 @@ impl TileSurfaces {
             hits: TileHits::NONE,
             points: TilePoints::NONE,
             material: [MaterialId(0); TILE_RAYS],
+            tilted: 0,
         }
     }
 
@@ -110,6 +114,19 @@ impl TileSurfaces {
             self.points.wanted |= u64::from(facet.is_diffuse) << ray;
         }
         self.points.wanted &= inside_mask(view, corner);
+        self.tilted = if scene.features.normal_maps { self.tilted_pixels(scene) } else { 0 };
+    }
+
+    /// The wanted pixels, one bit each, whose normal a normal map tilts.
+    fn tilted_pixels(&self, scene: &Scene) -> u64 {
+        let is_tilted = |&ray: &usize| {
+            let is_mapped = || scene.materials[self.material[ray].0 as usize].detail.normal.is_some();
+            self.points.wanted >> ray & 1 == 1 && is_mapped() && {
+                let Hit { triangle, b1, b2, .. } = self.hit(ray);
+                SurfacePoint::new(scene, triangle, [b1, b2], self.direction(ray)).is_tilted()
+            }
+        };
+        (0..TILE_RAYS).filter(is_tilted).fold(0, |pixels, ray| pixels | 1 << ray)
     }
 
     fn set_plane(&mut self, ray: usize, normal: Vec3) {
@@ -158,7 +175,7 @@ fn facet_of(scene: &Scene, triangle: u32, eye: Vec3) -> Facet {
     let [a, b, c] = scene.corners(triangle);
     let normal = (b - a).cross(c - a).normalize_or(Vec3::Y);
     let normal = if normal.dot(a - eye) > 0.0 { -normal } else { normal };
-    Facet { triangle, material, is_diffuse: m.diffuse != Vec3::ZERO, normal }
+    Facet { triangle, material, is_diffuse: m.has_base(), normal }
 }
 
 /// The references chosen for a pixel. The next tile most likely shows the same surface and reuses

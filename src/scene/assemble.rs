@@ -59,7 +59,7 @@ impl SceneBuilder {
     fn into_scene(mut self, positions: Vec<Vec3>, frame: SceneFrame, bounds_m: [DVec3; 2]) -> Scene {
         let building_m = building::extent(&self.positions, &self.triangles, bounds_m, frame.units_per_metre);
         let (walk, [brings_view, brings_walk]) = self.views_and_walk(building_m);
-        let is_textured = self.materials.iter().any(|m| m.textures().iter().any(Option::is_some));
+        let is_textured = self.materials.iter().any(|m| m.textures().next().is_some());
         let has_normals = self.normals.iter().any(|n| *n != Vec3::ZERO);
         Scene {
             name: self.name,

@@ -55,6 +55,8 @@ fn max_albedo(material: &Material) -> f32 {
         MaterialKind::Mirror { fresnel: true, .. } | MaterialKind::Glossy { .. } => {
             Vec3::ONE - material.diffuse
         }
+        // Each place transmits one part of its light and scatters the other.
+        _ if material.detail.transmission_texture.is_some() => Vec3::ONE - material.diffuse,
         _ => material.specular(),
     };
     (material.diffuse + specular).max_element()

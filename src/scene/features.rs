@@ -18,6 +18,10 @@ pub struct SceneFeatures {
     pub glossy: bool,
     /// A material is frosted glass.
     pub frosted: bool,
+    /// A material has a normal map.
+    pub normal_maps: bool,
+    /// Roughness, metal or transmission of a material varies from place to place.
+    pub varied: bool,
     /// A material has a colour texture.
     pub textures: bool,
     /// A material has an alpha texture.
@@ -44,6 +48,8 @@ impl SceneFeatures {
         glass: true,
         glossy: true,
         frosted: true,
+        normal_maps: true,
+        varied: true,
         textures: true,
         alpha: true,
         area_lights: true,
@@ -62,7 +68,12 @@ impl SceneFeatures {
             glass: any(Material::is_glass),
             glossy: any(Material::is_glossy),
             frosted: any(Material::is_frosted),
-            textures: any(|m| m.diffuse_texture.or(m.emission_texture).or(m.coverage_texture).is_some()),
+            normal_maps: any(|m| m.detail.normal.is_some()),
+            varied: any(|m| m.detail.varies()),
+            textures: any(|m| {
+                let colors = m.diffuse_texture.or(m.emission_texture).or(m.coverage_texture);
+                colors.is_some() || m.detail.textures().iter().any(Option::is_some)
+            }),
             alpha: any(|m| m.alpha_texture.is_some()),
             area_lights: lights.iter().any(|l| matches!(l, Light::Quad { .. } | Light::Triangles { .. })),
             many_lights: lights.len() > MAX_SINGLE_LIGHTS,
@@ -84,6 +95,8 @@ impl SceneFeatures {
             (self.mirror || self.glass, "secondary rays"),
             (self.glass, "refraction and solid bodies"),
             (self.glossy || self.frosted, "rough reflection and transmission"),
+            (self.normal_maps, "normal maps"),
+            (self.varied, "roughness, metal and transmission by picture"),
             (self.textures || self.alpha, "texture coordinates"),
             (self.alpha, "alpha test"),
             (self.area_lights, "area lights"),

@@ -1,6 +1,6 @@
 //! The hash that identifies a scene.
 
-use super::{Encoding, Light, MaterialKind, Sampling, Scene, Sky};
+use super::{Detail, Encoding, Light, MaterialKind, Sampling, Scene, Sky};
 use bytemuck::NoUninit;
 use glam::Vec3;
 use sha2::{Digest, Sha256};
@@ -63,7 +63,7 @@ impl SceneHasher {
                 self.add(texture.map(|t| t.texture.0).as_slice());
                 self.add(texture.map(|t| [t.scale, t.offset]).as_slice());
             }
-            for (slot, texture) in (0u32..).zip(material.textures()) {
+            for (slot, texture) in (0u32..).zip(material.texture_slots()) {
                 let Some(sampling) = texture.map(|t| t.sampling) else { continue };
                 if sampling != Sampling::default() {
                     self.add(&[3, slot, u32::from(sampling.code()), sampling.turn.to_bits()]);
@@ -82,6 +82,18 @@ impl SceneHasher {
                     self.add(&[t.scale, t.offset]);
                 }
             }
+            if material.detail != Detail::default() {
+                self.add_detail(&material.detail);
+            }
+        }
+    }
+
+    fn add_detail(&mut self, detail: &Detail) {
+        self.add(&[5u32]);
+        self.add(&detail.numbers());
+        for texture in detail.textures() {
+            self.add(texture.map(|t| t.texture.0).as_slice());
+            self.add(texture.map(|t| [t.scale, t.offset]).as_slice());
         }
     }
 

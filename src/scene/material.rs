@@ -1,7 +1,7 @@
 //! Surface materials. The diffuse part does not depend on the viewer, so that references can
 //! provide it; the specular part must be traced.
 
-use super::{Texture, TextureRef};
+use super::{Detail, Texture, TextureRef};
 use glam::{Vec2, Vec3};
 
 /// Index into [`Scene::materials`](super::Scene::materials).
@@ -74,6 +74,8 @@ pub struct Material {
     pub emission_texture: Option<TextureRef>,
     /// True for glass that is a pane wherever it is: also a closed body refracts nothing.
     pub is_thin: bool,
+    /// How the surface varies from place to place, apart from its colour.
+    pub detail: Detail,
     /// The specular part.
     pub kind: MaterialKind,
 }
@@ -91,6 +93,7 @@ impl Material {
             emits_from_front: false,
             emission_texture: None,
             is_thin: false,
+            detail: Detail::default(),
             kind: MaterialKind::Diffuse,
         }
     }
@@ -187,8 +190,15 @@ impl Material {
     }
 
     /// Returns all uses of textures.
-    pub fn textures(&self) -> [Option<TextureRef>; 4] {
+    pub fn textures(&self) -> impl Iterator<Item = TextureRef> {
+        self.texture_slots().flatten()
+    }
+
+    /// Returns the texture of each use, in a fixed order.
+    pub(super) fn texture_slots(&self) -> impl Iterator<Item = Option<TextureRef>> {
         [self.diffuse_texture, self.alpha_texture, self.coverage_texture, self.emission_texture]
+            .into_iter()
+            .chain(self.detail.textures())
     }
 
     /// Makes the surface transparent by the alpha channel of a texture, without refraction.
@@ -232,6 +242,8 @@ impl Material {
         const TOLERANCE: f32 = 1e-4;
         let sum = match self.kind {
             MaterialKind::Glossy { reflectance, .. } => self.diffuse.max(reflectance),
+            // Each place transmits one part of its light and scatters the other.
+            _ if self.detail.transmission_texture.is_some() => self.diffuse.max(self.specular()),
             _ => self.diffuse + self.specular(),
         };
         let sum = sum.max_element();
@@ -247,8 +259,14 @@ impl Material {
 
     /// Returns as which types of pixel the material is traced, and why.
     pub fn types(&self) -> (&'static str, &'static str) {
-        let has_base = self.diffuse != Vec3::ZERO;
+        let has_base = self.has_base();
         match self.kind {
+            MaterialKind::Diffuse if self.detail.normal.is_some() => {
+                ("Types 1 and 3", "relief: direct light is traced, smooth light is reused")
+            }
+            MaterialKind::Glossy { .. } if self.detail.metalness > 0.0 && has_base => {
+                ("Types 1 and 2", "metal in places, with rays by its roughness there")
+            }
             MaterialKind::Diffuse => ("Type 1", "its light does not depend on the viewer"),
             MaterialKind::Mirror { .. } if !has_base => ("Type 2", "a mirror: one ray"),
             MaterialKind::Glass { .. } if !has_base => ("Type 2", "clear glass: two rays"),
@@ -275,7 +293,7 @@ impl Material {
             MaterialKind::Diffuse => "diffuse",
             MaterialKind::Mirror { .. } => "mirror",
             MaterialKind::Glass { .. } => "glass",
-            MaterialKind::Glossy { .. } if self.diffuse == Vec3::ZERO => "rough metal",
+            MaterialKind::Glossy { .. } if !self.has_base() => "rough metal",
             MaterialKind::Glossy { .. } => "coated",
             MaterialKind::Frosted { .. } => "frosted glass",
         }

@@ -72,6 +72,7 @@ pub(super) fn sanitize_material(material: &mut Material) -> (usize, bool) {
         let right = if eta.is_nan() { *ETA.start() } else { eta.clamp(*ETA.start(), *ETA.end()) };
         clamped += replace(eta, right == *eta, right);
     }
+    clamped += material.sanitize_detail();
     // What is covered in part lets light through, as a film does; other surfaces are cut out.
     let is_film = matches!(material.kind, MaterialKind::Glass { eta, .. } if eta == 1.0);
     if let Some(coverage) = material.coverage_texture.take_if(|_| !is_film) {

@@ -88,15 +88,37 @@ impl TextureRef {
         textures[self.texture.0 as usize].alpha_sampled(self.place(uv), self.sampling)
     }
 
+    /// Returns the stored numbers at a texture coordinate of the surface as they are, 0 to 1,
+    /// whatever the texture's encoding.
+    pub fn value(&self, textures: &[Texture], uv: Vec2) -> Vec3 {
+        let texture = &textures[self.texture.0 as usize];
+        let decode = |[r, g, b, _]: [u8; 4]| Vec3::from([r, g, b].map(f32::from)) / 255.0;
+        texture.filtered(self.place(uv), self.sampling, decode)
+    }
+
+    /// Returns the direction that a texel of a normal map stores at a texture coordinate of the
+    /// surface; its length is not 1. Both middle values of a channel stand for zero.
+    pub(crate) fn direction(&self, textures: &[Texture], uv: Vec2) -> Vec3 {
+        let part = |byte: u8| {
+            let off = f32::from(byte) - 127.5;
+            (off.abs() - 0.5) / 127.0 * off.signum()
+        };
+        let decode = |[r, g, b, _]: [u8; 4]| Vec3::from([r, g, b].map(part));
+        textures[self.texture.0 as usize].filtered(self.place(uv), self.sampling, decode)
+    }
+
+    /// Returns the difference in the texture that belongs to one of texture coordinates.
+    pub(crate) fn along(&self, uv: Vec2) -> Vec2 {
+        self.turned(uv * self.scale)
+    }
+
     /// Returns the place in the texture.
     fn place(&self, uv: Vec2) -> Vec2 {
-        let scaled = uv * self.scale;
-        let turned = if self.sampling.turn == 0.0 {
-            scaled
-        } else {
-            Vec2::from_angle(self.sampling.turn).rotate(scaled)
-        };
-        turned + self.offset
+        self.turned(uv * self.scale) + self.offset
+    }
+
+    fn turned(&self, scaled: Vec2) -> Vec2 {
+        if self.sampling.turn == 0.0 { scaled } else { Vec2::from_angle(self.sampling.turn).rotate(scaled) }
     }
 }
 

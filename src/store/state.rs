@@ -8,8 +8,8 @@
 use super::bytes::{ByteReader, ByteWriter, list};
 use crate::scene::content::{ContentHash, LightContent};
 use crate::scene::{
-    CieKind, CieSky, DimmedSky, Gradient, LightSettings, Material, MaterialKind, PhysicalSky, PictureSky,
-    Sampling, Scene, SceneEdit, Sky, Sun, TextureId, TextureRef,
+    CieKind, CieSky, Detail, DimmedSky, Gradient, LightSettings, Material, MaterialKind, NormalMap,
+    PhysicalSky, PictureSky, Sampling, Scene, SceneEdit, Sky, Sun, TextureId, TextureRef,
 };
 use glam::{Vec2, Vec3};
 use std::collections::HashMap;
@@ -84,6 +84,9 @@ pub(super) fn read_state(bytes: &[u8], scene: &Scene, names: &StateNames) -> Opt
 /// where the material is thin.
 const OTHER_TEXTURES: u8 = 0x80;
 
+/// Tag in front of the detail of a material that has any.
+const DETAIL: u8 = 0x40;
+
 fn write_texture(to: &mut ByteWriter, texture: Option<TextureRef>, textures: &[ContentHash]) {
     let hash = texture.and_then(|used| textures.get(used.texture.0 as usize));
     let is_usual = texture.is_none_or(|used| used.sampling == Sampling::default());
@@ -109,6 +112,11 @@ fn write_material(to: &mut ByteWriter, material: &Material, textures: &[ContentH
         let flags = u8::from(material.is_thin) | u8::from(material.emits_from_front) << 1;
         to.0.push(OTHER_TEXTURES | flags);
         others.into_iter().for_each(|texture| write_texture(to, texture, textures));
+    }
+    if material.detail != Detail::default() {
+        to.0.push(DETAIL);
+        material.detail.numbers().into_iter().for_each(|number| to.f32(number));
+        material.detail.textures().into_iter().for_each(|texture| write_texture(to, texture, textures));
     }
     match material.kind {
         MaterialKind::Diffuse => to.0.push(0),
@@ -147,6 +155,11 @@ fn read_material(from: &mut ByteReader<'_>, textures: &HashMap<ContentHash, Text
         others = [read_texture(from, textures)?, read_texture(from, textures)?];
         tag = from.byte()?;
     }
+    let mut detail = Detail::default();
+    if tag == DETAIL {
+        detail = read_detail(from, textures)?;
+        tag = from.byte()?;
+    }
     let kind = match tag {
         0 => MaterialKind::Diffuse,
         tag @ (1 | 2) => MaterialKind::Mirror { reflectance: from.vector()?, fresnel: tag == 2 },
@@ -159,8 +172,24 @@ fn read_material(from: &mut ByteReader<'_>, textures: &HashMap<ContentHash, Text
         _ => return None,
     };
     let [coverage_texture, emission_texture] = others;
-    let plain = Material { emission, emits_from_front, is_thin, kind, ..Material::diffuse("", diffuse) };
+    let plain =
+        Material { emission, emits_from_front, is_thin, detail, kind, ..Material::diffuse("", diffuse) };
     Some(Material { diffuse_texture, alpha_texture, coverage_texture, emission_texture, ..plain })
+}
+
+fn read_detail(from: &mut ByteReader<'_>, textures: &HashMap<ContentHash, TextureId>) -> Option<Detail> {
+    let [strength, metalness, transmission] = [from.f32()?, from.f32()?, from.f32()?];
+    let normal = read_texture(from, textures)?.map(|texture| NormalMap { texture, strength });
+    let [metalness_texture, roughness_texture, transmission_texture] =
+        [read_texture(from, textures)?, read_texture(from, textures)?, read_texture(from, textures)?];
+    Some(Detail {
+        normal,
+        metalness,
+        metalness_texture,
+        roughness_texture,
+        transmission,
+        transmission_texture,
+    })
 }
 
 fn read_texture(

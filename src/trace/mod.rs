@@ -23,6 +23,7 @@ pub mod parallel;
 mod path;
 mod primary_tile;
 mod probe;
+mod relief;
 mod settings;
 mod start_view;
 mod surface;

@@ -37,7 +37,7 @@ impl Tracer {
     /// True for a triangle of clear glass without a diffuse part.
     pub(super) fn is_clear_glass(&self, triangle: u32) -> bool {
         let material = self.scene().material_of(triangle);
-        material.is_glass() && !material.is_frosted() && material.diffuse == Vec3::ZERO
+        material.is_glass() && !material.is_frosted() && !material.has_base()
     }
 }
 

@@ -1,9 +1,9 @@
 //! A point on a surface, with all that shading needs.
 
-use super::bvh::Hit;
-use crate::bsdf::{Facing, Scatter, albedo, base_share};
+use super::{bvh::Hit, relief};
+use crate::bsdf::{Facing, Scatter, albedo, base_share, lobe_cosine};
 use crate::math::{Ray, ray::offset_from_surface};
-use crate::scene::{MaterialId, Scene, SolidSide};
+use crate::scene::{Material, MaterialId, Scene, SolidSide};
 use glam::{Vec2, Vec3};
 
 /// A point on a triangle, seen from one of its sides.
@@ -14,8 +14,11 @@ pub struct SurfacePoint {
     pub position: Vec3,
     /// Unit normal of the triangle, on the viewer's side.
     pub geometric_normal: Vec3,
-    /// Unit interpolated normal, never pointing away from the viewer's side of the triangle.
+    /// Unit interpolated normal, tilted where the material has a normal map, never pointing away
+    /// from the viewer's side of the triangle.
     pub shading_normal: Vec3,
+    /// The shading normal without a normal map.
+    pub plain_normal: Vec3,
     /// Texture coordinate; zero in a scene without textures.
     pub uv: Vec2,
     /// Material of the triangle.
@@ -27,6 +30,8 @@ pub struct SurfacePoint {
     /// Share (0..1) of its light that the diffuse part sends to the viewer: less than all below a
     /// coat.
     base_share: f32,
+    /// True for a point as references store its light.
+    is_stored: bool,
     /// Largest coordinate of the triangle's corners, which scales the rounding error of the
     /// position.
     magnitude: f32,
@@ -41,17 +46,24 @@ impl SurfacePoint {
         let wound = unit_normal(e1, e2);
         let is_front = wound.dot(view_direction) <= 0.0;
         let geometric_normal = if is_front { wound } else { -wound };
-        let shading_normal = shading_normal(scene, triangle, [b1, b2], geometric_normal);
+        let uv = interpolate_uv(scene, triangle, [b1, b2]);
+        let plain_normal = shading_normal(scene, triangle, [b1, b2], geometric_normal);
+        let mut shading_normal = plain_normal;
+        if scene.features.normal_maps {
+            shading_normal = relief::tilted(scene, triangle, uv, (plain_normal, geometric_normal), is_front);
+        }
         let largest = |p: Vec3| p.abs().max_element();
         Self {
             position: a + e1 * b1 + e2 * b2,
             geometric_normal,
             shading_normal,
-            uv: interpolate_uv(scene, triangle, [b1, b2]),
+            plain_normal,
+            uv,
             material: scene.triangle_materials[triangle as usize],
             triangle,
             is_front,
-            base_share: share_below_coat(scene, triangle, shading_normal, view_direction),
+            base_share: share_below(scene, triangle, uv, [geometric_normal, shading_normal], view_direction),
+            is_stored: false,
             magnitude: largest(a).max(largest(b)).max(largest(c)),
         }
     }
@@ -83,6 +95,19 @@ impl SurfacePoint {
         offset_from_surface(self.position, -self.geometric_normal, self.magnitude)
     }
 
+    /// The point as references store its light: for the normal without a normal map, which changes
+    /// slowly, and also where metal leaves no diffuse part, because a look-up may read it for a
+    /// place next to it.
+    #[must_use]
+    pub(crate) fn as_stored(&self) -> Self {
+        Self { shading_normal: self.plain_normal, is_stored: true, ..*self }
+    }
+
+    /// True where a normal map tilts the shading normal.
+    pub(crate) fn is_tilted(&self) -> bool {
+        self.shading_normal != self.plain_normal
+    }
+
     /// Diffuse reflectance towards the viewer, per channel: below a coat, of what the coat does not
     /// reflect.
     pub fn albedo(&self, scene: &Scene) -> Vec3 {
@@ -95,6 +120,7 @@ impl SurfacePoint {
         Self {
             geometric_normal: -self.geometric_normal,
             shading_normal: -self.shading_normal,
+            plain_normal: -self.plain_normal,
             is_front: !self.is_front,
             ..*self
         }
@@ -112,6 +138,9 @@ impl SurfacePoint {
     /// True where the diffuse part is black, from wherever it is seen.
     pub(crate) fn is_black(&self, scene: &Scene) -> bool {
         let material = &scene.materials[self.material.0 as usize];
+        if self.is_stored && material.detail.mixes() {
+            return !material.has_base();
+        }
         albedo(material, &scene.textures, || self.uv) == Vec3::ZERO
     }
 
@@ -157,16 +186,31 @@ fn unit_normal(e1: Vec3, e2: Vec3) -> Vec3 {
 }
 
 /// Returns the share (0..1) of its light that the diffuse part of a triangle sends to a viewer who
-/// looks along `direction` (any length): less than all below a coat.
-fn share_below_coat(scene: &Scene, triangle: u32, normal: Vec3, direction: Vec3) -> f32 {
-    if !scene.features.glossy {
+/// looks along `direction` (any length): less than all below a coat. Takes the triangle's and the
+/// shading normal.
+fn share_below(scene: &Scene, triangle: u32, uv: Vec2, normals: [Vec3; 2], direction: Vec3) -> f32 {
+    if !scene.features.glossy && !scene.features.varied {
         return 1.0;
     }
     let material = scene.material_of(triangle);
-    if !material.is_glossy() {
+    if !reflects_above_base(material) {
         return 1.0;
     }
-    base_share(material, normal.dot(-direction.normalize_or(Vec3::Y)).clamp(0.0, 1.0))
+    let [geometric_normal, shading_normal] = normals;
+    let incident = direction.normalize_or(Vec3::Y);
+    let cos = shading_normal.dot(-incident).clamp(0.0, 1.0);
+    let place = material.at(&scene.textures, || uv);
+    if material.detail.normal.is_none() {
+        return base_share(&place, cos);
+    }
+    // What the lobe reflects is computed about the triangle's normal in places.
+    let facing = Facing { geometric_normal, shading_normal, enters_solid: None };
+    base_share(&place, lobe_cosine(&place, &facing, incident))
+}
+
+/// True for a material whose specular part takes light from the diffuse one.
+fn reflects_above_base(material: &Material) -> bool {
+    material.is_glossy() || material.detail.transmission_texture.is_some()
 }
 
 /// Returns [`SurfacePoint::albedo`] of the hit of a ray, without the rest of the point.
@@ -174,14 +218,10 @@ fn share_below_coat(scene: &Scene, triangle: u32, normal: Vec3, direction: Vec3)
 pub(super) fn albedo_of_hit(scene: &Scene, hit: &Hit, direction: Vec3) -> Vec3 {
     let (triangle, at) = (hit.triangle, [hit.b1, hit.b2]);
     let material = scene.material_of(triangle);
-    let albedo = albedo(material, &scene.textures, || interpolate_uv(scene, triangle, at));
-    if !scene.features.glossy || !material.is_glossy() {
-        return albedo;
+    if (scene.features.glossy || scene.features.varied) && reflects_above_base(material) {
+        return SurfacePoint::new(scene, triangle, at, direction).albedo(scene);
     }
-    let [a, b, c] = scene.corners(triangle);
-    let wound = unit_normal(b - a, c - a);
-    let geometric = if wound.dot(direction) <= 0.0 { wound } else { -wound };
-    albedo * share_below_coat(scene, triangle, shading_normal(scene, triangle, at, geometric), direction)
+    albedo(material, &scene.textures, || interpolate_uv(scene, triangle, at))
 }
 
 /// Returns the radiance that a triangle emits towards the origin of a ray of this direction (any

@@ -9,6 +9,7 @@ use crate::raster::exposure::Metered;
 use crate::scene::{Material, Scene, beats, share_plane};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
+use std::borrow::Cow;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
@@ -248,15 +249,15 @@ impl Tracer {
         emission_of_hit(&self.scene, hit.triangle, uv, direction)
     }
 
-    /// Material of a surface point.
-    pub(super) fn material(&self, point: &SurfacePoint) -> &Material {
-        &self.scene.materials[point.material.0 as usize]
+    /// Material of a surface point, as it is there.
+    pub(super) fn material(&self, point: &SurfacePoint) -> Cow<'_, Material> {
+        self.scene.materials[point.material.0 as usize].at(&self.scene.textures, || point.uv)
     }
 
     /// True where part of the radiance of a surface depends on the viewer, so that it must be
     /// traced.
     pub fn is_view_dependent(&self, point: &SurfacePoint) -> bool {
-        self.material(point).is_view_dependent()
+        self.scene.materials[point.material.0 as usize].is_view_dependent()
     }
 
     /// Returns the surface point of a hit.

@@ -85,9 +85,8 @@ fn a_picture_of_ambient_light_alone_is_the_colour() {
 #[test]
 fn pictures_and_values_without_effect_are_named() {
     let lines = [
-        ("map_bump a.png", "smooth"),
-        ("norm a.png", "smooth"),
-        ("bump -bm 0.2 a.png", "smooth"),
+        ("map_bump a.png", "read as heights"),
+        ("bump -bm 0.2 a.png", "read as heights"),
         ("disp a.png", "shape"),
         ("map_Ks a.png", "evenly"),
         ("refl a.png", "decal"),
@@ -98,7 +97,7 @@ fn pictures_and_values_without_effect_are_named() {
         let scene = load_mtl(&["a"], &format!("newmtl a\nKd 0.5 0.5 0.5\n{line}\n"));
         assert_eq!(warning(&scene, effect).1, 3, "{line}");
     }
-    for line in ["Pc 0", "map_Kd -bm 1.0 -clamp off -imfchan l a.png", "map_opacity a.png"] {
+    for line in ["Pc 0", "map_Kd -bm 1.0 -clamp off -imfchan l a.png", "map_opacity a.png", "norm a.png"] {
         assert_clean(&load_mtl(&["a"], &format!("newmtl a\nKd 0.5 0.5 0.5\n{line}\n")));
     }
 }

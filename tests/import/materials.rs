@@ -1,8 +1,9 @@
 //! Material libraries: their meaning, and the usual mistakes of exporters.
 
+use super::textures::png;
 use super::{Folder, TRIANGLE, assert_clean, material, warning};
 use afterimage::scene::{Material, MaterialKind, Scene};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 /// Eight matte materials. Next to them, a few mirrors are plausible.
 const MATTE: &str =
@@ -179,6 +180,56 @@ fn polished_metal_is_a_mirror() {
     let m = material_a("Kd 0.9 0.6 0.3\nPm 1\nPr 0.5\n");
     let reflectance = Vec3::new(0.9, 0.6, 0.3);
     assert_eq!((m.kind, m.diffuse), (MaterialKind::Glossy { reflectance, roughness: 0.5 }, Vec3::ZERO));
+}
+
+#[test]
+fn metal_keeps_its_picture_and_pictures_of_gloss_hold_for_each_place() {
+    let texels = [[255, 0, 0, 255], [0, 0, 255, 255]];
+    let load = |lines: &str| {
+        let gloss = png(2, 1, &[[26; 4], [255, 255, 255, 255]]);
+        let folder = Folder::with_mtl(&["a"], format!("newmtl a\nKd 1 1 1\n{lines}\n"));
+        folder.add("c.png", png(2, 1, &texels)).add("g.png", gloss).load()
+    };
+    let at = |scene: &Scene, u: f32| {
+        let place = material(scene, "a").at(&scene.textures, || Vec2::new(u, 0.5)).into_owned();
+        (place.kind, place.diffuse)
+    };
+    let metal = |reflectance, roughness| (MaterialKind::Glossy { reflectance, roughness }, Vec3::ZERO);
+    let scene = load("map_Kd c.png\nPm 1\nPr 0.3");
+    assert_eq!([at(&scene, 0.25), at(&scene, 0.75)], [metal(Vec3::X, 0.3), metal(Vec3::Z, 0.3)]);
+    let scene = load("map_Kd c.png\nPm 1\nmap_Pr g.png");
+    assert_eq!([at(&scene, 0.25), at(&scene, 0.75)], [metal(Vec3::X, 26.0 / 255.0), metal(Vec3::Z, 1.0)]);
+    let scene = load("map_Kd c.png\nPr 0.3\nmap_Pm g.png");
+    assert_eq!(at(&scene, 0.75), metal(Vec3::Z, 0.3));
+    assert!(at(&scene, 0.25).1.x > 0.8);
+    // A missing picture leaves the values of the material: a matte one.
+    assert_eq!(material(&load("map_Pr none.png"), "a").kind, MaterialKind::Diffuse);
+}
+
+#[test]
+fn bumps_are_heights_or_directions_by_their_picture() {
+    let load = |line: &str, texels: &[[u8; 4]]| {
+        let folder = Folder::with_mtl(&["a"], format!("newmtl a\nKd 1 1 1\n{line}\n"));
+        folder.add("n.png", png(2, 1, texels)).load()
+    };
+    let direction = |scene: &Scene, u: f32| {
+        let map = material(scene, "a").detail.normal.expect("a relief");
+        map.direction(&scene.textures, Vec2::new(u, 0.5))
+    };
+    let bluish = [[255, 128, 128, 255], [128, 128, 255, 255]];
+    let scene = load("bump -bm 2 n.png", &[[128, 128, 255, 255], [128, 128, 255, 255]]);
+    assert!(warning(&scene, "bluish").2.contains("normal map"));
+    assert_eq!(direction(&scene, 0.25), Vec3::Z);
+    assert_eq!(direction(&load("norm n.png", &bluish), 0.25), Vec3::X);
+    // Heights of one step right of the middle: the slope is that of the picture's width.
+    let folder = Folder::with_mtl(&["a"], "newmtl a\nKd 1 1 1\nbump -bm 3 n.png\n");
+    let heights: Vec<[u8; 4]> = (0..8).map(|x| [if x < 4 { 0 } else { 255 }; 4]).collect();
+    let scene = folder.add("n.png", png(8, 1, &heights)).load();
+    assert!(warning(&scene, "grey").2.contains("heights"));
+    let edge = direction(&scene, 3.5 / 8.0);
+    let expected = -3.0 * 0.02 * 8.0 / 2.0;
+    assert!((edge.x / edge.z - expected).abs() < 0.03, "{edge}");
+    assert_eq!(direction(&scene, 1.5 / 8.0), Vec3::Z);
 }
 
 #[test]

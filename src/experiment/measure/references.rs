@@ -27,9 +27,14 @@ impl References {
             let settings = settings_of_reference(trace, number);
             let size = context.settings.size;
             let (frame, samples) =
-                ReferenceFrame::trace_samples(tracer, pose, size, &settings, context.stop)?;
+                ReferenceFrame::trace_samples(tracer, pose, size, (&settings, false), context.stop)?;
             if let Some(looked_up) = &mut references.looked_up {
-                looked_up.insert(Arc::new(frame.clone().filtered(tracer, &samples)));
+                // Where normals are tilted, look-ups want the light of others.
+                let filtered = match tracer.scene().features.normal_maps {
+                    true => ReferenceFrame::trace_filtered(tracer, pose, size, &settings, context.stop)?,
+                    false => frame.clone().filtered(tracer, &samples),
+                };
+                looked_up.insert(Arc::new(filtered));
             }
             references.warped.insert(Arc::new(frame));
         }

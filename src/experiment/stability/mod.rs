@@ -14,6 +14,7 @@ mod lamps;
 mod light;
 mod materials;
 mod pictures;
+mod relief;
 mod report;
 mod rooms;
 mod rough;

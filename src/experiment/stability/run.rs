@@ -1,7 +1,9 @@
 //! The list of all cases, and the measurement of one.
 
 use super::case::{Case, Trial};
-use super::{artefacts, cache, camera, geometry, lamps, light, materials, rough, scale, stored, theorems};
+use super::{
+    artefacts, cache, camera, geometry, lamps, light, materials, relief, rough, scale, stored, theorems,
+};
 use crate::experiment::run::{
     Cell, CellOutcome, Effort, ExperimentContext, ExperimentError, ExperimentSettings, RunRecord,
 };
@@ -9,12 +11,13 @@ use crate::trace::BounceLimit;
 
 /// Every case, in the order of the catalogue.
 pub fn cases() -> impl Iterator<Item = &'static Case> {
-    let groups: [&[Case]; 11] = [
+    let groups: [&[Case]; 12] = [
         scale::CASES,
         camera::CASES,
         geometry::CASES,
         materials::CASES,
         rough::CASES,
+        relief::CASES,
         cache::CASES,
         theorems::CASES,
         artefacts::CASES,

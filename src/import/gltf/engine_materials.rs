@@ -5,7 +5,9 @@
 //!   is diffuse.
 //! - Metal is a mirror of the base colour, or rough. What is not metal has a clear coat, which is left
 //!   out where it is rougher than satin: it then looks matte from everywhere (`surfaces`).
-//! - A picture of metal and roughness counts with its mean.
+//! - Pictures of metal, roughness and transmission hold for each place, where they vary; metal then
+//!   has the colour of its place.
+//! - `normalTexture` tilts normals, in the frame of the texture coordinates; `TANGENT` is not read.
 //! - `emissiveFactor` times `emissiveStrength` is radiance, multiplied with its texture.
 //! - `MASK` removes what is below the cutoff. `BLEND` lets light pass by the alpha of the material and
 //!   its texture.
@@ -16,7 +18,7 @@ use super::{pictures::Pictures, schema};
 use crate::import::picture::{self, Picture, is_translucent};
 use crate::import::surfaces::{COAT, Gloss, METAL, fade, glass_of, reflectance_of, undefined};
 use crate::import::{tally::Tally, trouble::Trouble};
-use crate::scene::{Material, MaterialId, SceneBuilder, TextureId, TextureRef};
+use crate::scene::{Material, MaterialId, NormalMap, SceneBuilder, TextureId, TextureRef};
 use glam::Vec3;
 use std::collections::HashMap;
 
@@ -58,8 +60,9 @@ impl EngineMaterials {
         let read = MaterialReader { document, tally, index }.read(&json);
         let base = metallic_roughness(&json).base_color_texture.clone();
         let metal = metallic_roughness(&json).metallic_roughness_texture.clone();
+        let through = json.extensions.transmission.as_ref().and_then(|t| t.transmission_texture.as_ref());
         let glow = json.emissive_texture.as_ref().filter(|_| json.emissive_factor != [0.0; 3]);
-        let pictures = [base.as_ref(), glow, metal.as_ref()];
+        let pictures = [base.as_ref(), glow, metal.as_ref(), json.normal_texture.as_ref(), through];
         let mut sets = pictures.into_iter().flatten().map(|info| uv_set(Some(info)));
         // A vertex has one texture coordinate here: that of the first picture.
         let uv_set = sets.next();
@@ -75,7 +78,10 @@ impl EngineMaterials {
 
     /// Returns the indices of the images that the materials need.
     pub(super) fn images(&self) -> Vec<usize> {
-        let uses = self.materials.iter().flat_map(|(_, _, m)| [m.base_use, m.metal_use, m.glow_use]);
+        let uses = self.materials.iter().flat_map(|(_, _, m)| {
+            let relief = m.normal_use.map(|(used, _)| used);
+            [m.base_use, m.metal_use, m.glow_use, relief, m.transmission_use]
+        });
         let mut images: Vec<usize> = uses.flatten().map(|u| u.image).collect();
         images.sort_unstable();
         images.dedup();
@@ -136,18 +142,32 @@ impl Painter<'_> {
         if let Some(used) = read.glow_use {
             material.emission_texture = self.shown(used, builder);
         }
+        if let Some((used, strength)) = read.normal_use {
+            let map = self.shown(used, builder);
+            material.detail.normal = map.map(|texture| NormalMap { texture, strength });
+        }
         let base = read.base_use.and_then(|u| self.pictures.get(u.image));
         let mean_base = read.base * mean(read.base_use);
         let kept = if read.transmission > 0.0 {
-            let transmittance = mean_base * read.transmission * read.attenuation;
             material.is_thin = read.is_thin;
-            material.kind = glass_of(read.eta, transmittance, self.metal_and_roughness(read)[1]);
-            1.0 - read.transmission
+            let shares = read.transmission_use.and_then(|used| self.shown(used, builder));
+            let transmittance = match shares {
+                // Base colour and share are those of each place.
+                Some(_) => read.attenuation,
+                None => mean_base * read.transmission * read.attenuation,
+            };
+            let varied = self.varied_metal(read);
+            let roughness = if varied.is_some() { read.roughness } else { self.metal_and_roughness(read)[1] };
+            material.kind = glass_of(read.eta, transmittance, roughness);
+            material.detail.roughness_texture = varied.and_then(|used| self.shown(used, builder));
+            (material.detail.transmission, material.detail.transmission_texture) =
+                (read.transmission, shares);
+            if shares.is_some() { 1.0 } else { 1.0 - read.transmission }
         } else {
             // What is seen through has no coat here.
             let is_cloth = || base.is_some_and(|p| is_translucent(p.texture.texels.iter().map(|t| t[3])));
             if read.alpha != Alpha::Blend || opacity(read, base) >= 1.0 && !is_cloth() {
-                self.gloss(read).apply(&mut material, mean_base);
+                self.reflect(read, mean_base, &mut material, builder);
             }
             1.0
         };
@@ -160,6 +180,45 @@ impl Painter<'_> {
         // than arrives.
         material.scale_to_conserve();
         (material, trouble)
+    }
+
+    /// Makes a material reflect: evenly, or by its pictures where these vary or metal has a picture
+    /// of its colour.
+    fn reflect(
+        &mut self,
+        read: &GltfMaterial,
+        mean_base: Vec3,
+        material: &mut Material,
+        builder: &mut SceneBuilder,
+    ) {
+        let gloss = self.gloss(read);
+        let is_coated = gloss.roughness < self.metal_and_roughness(read)[1];
+        let varied = self.varied_metal(read).filter(|_| !is_coated);
+        let is_picture_of_metal = gloss.metalness > 0.0 && read.base_use.is_some() && !is_coated;
+        let Some(used) = varied else {
+            match is_picture_of_metal {
+                true => gloss.apply_by_place(material),
+                false => gloss.apply(material, mean_base),
+            }
+            return;
+        };
+        let factors = Gloss { metalness: read.metallic, roughness: read.roughness, ..gloss };
+        let picture = self.pictures.get(used.image);
+        let texels = picture.iter().flat_map(|p| p.texture.texels.iter());
+        if factors.is_matte_by_place(texels.map(|&[_, g, b, _]| [b, g])) {
+            return;
+        }
+        factors.apply_always(material);
+        let map = self.shown(used, builder);
+        (material.detail.metalness_texture, material.detail.roughness_texture) = (map, map);
+    }
+
+    /// The texture of metal and roughness where it varies.
+    fn varied_metal(&self, read: &GltfMaterial) -> Option<Use> {
+        let used = read.metal_use?;
+        let texels = &self.pictures.get(used.image)?.texture.texels;
+        let first = *texels.first()?;
+        texels.iter().any(|texel| texel[1..3] != first[1..3]).then_some(used)
     }
 
     /// How the surface reflects. A clear coat takes the place of the reflection of what is below

@@ -60,6 +60,10 @@ pub(super) struct GltfMaterial {
     pub(super) metal_use: Option<Use>,
     /// Texture of emission.
     pub(super) glow_use: Option<Use>,
+    /// Texture of directions, and the factor of their tilt.
+    pub(super) normal_use: Option<(Use, f32)>,
+    /// Texture of transmission (red).
+    pub(super) transmission_use: Option<Use>,
 }
 
 /// Returns which set of texture coordinates a texture uses.
@@ -111,7 +115,11 @@ impl MaterialReader<'_, '_, '_> {
         if coat[0] > 0.0 && pbr.metallic_factor > f64::from(METAL) {
             self.note(Trouble::METAL_COAT, json.name.as_deref().unwrap_or(""));
         }
-        let transmission = json.extensions.transmission.as_ref().map_or(0.0, |t| t.transmission_factor);
+        let through = json.extensions.transmission.as_ref();
+        let transmission = through.map_or(0.0, |t| t.transmission_factor);
+        let through = through.and_then(|t| t.transmission_texture.as_ref()).filter(|_| transmission > 0.0);
+        let relief = json.normal_texture.as_ref();
+        let strength = relief.and_then(|map| map.scale).unwrap_or(1.0) as f32;
         let ior = json.extensions.ior.as_ref().and_then(|i| i.ior).unwrap_or(f64::from(GLASS_ETA));
         GltfMaterial {
             base: Vec3::new(r, g, b),
@@ -130,6 +138,8 @@ impl MaterialReader<'_, '_, '_> {
             base_use: self.used(pbr.base_color_texture.as_ref()),
             metal_use: self.used(metal),
             glow_use: self.used(json.emissive_texture.as_ref().filter(|_| glow != DVec3::ZERO)),
+            normal_use: self.used(relief).map(|used| (used, strength)),
+            transmission_use: self.used(through),
         }
     }
 

@@ -9,7 +9,7 @@ use crate::scene::SceneError;
 use glam::{DMat4, DVec3};
 
 /// Extensions that are supported.
-const KNOWN: [&str; 17] = [
+const KNOWN: [&str; 18] = [
     "KHR_materials_transmission",
     "KHR_materials_ior",
     "KHR_materials_volume",

@@ -195,6 +195,7 @@ pub(super) struct Material {
     pub(super) emissive_factor: [f64; 3],
     pub(super) emissive_texture: Option<TextureInfo>,
     pub(super) double_sided: bool,
+    pub(super) normal_texture: Option<TextureInfo>,
     pub(super) alpha_mode: Option<String>,
     pub(super) alpha_cutoff: Option<f64>,
     pub(super) extensions: MaterialExtensions,
@@ -289,6 +290,7 @@ pub(super) struct Volume {
 #[serde(default, rename_all = "camelCase")]
 pub(super) struct Transmission {
     pub(super) transmission_factor: f64,
+    pub(super) transmission_texture: Option<TextureInfo>,
 }
 
 #[derive(Deserialize)]
@@ -308,6 +310,8 @@ pub(super) struct TextureInfo {
     pub(super) index: usize,
     #[serde(default)]
     pub(super) tex_coord: u32,
+    /// Factor of the tilt, of a normal map only.
+    pub(super) scale: Option<f64>,
     #[serde(default)]
     pub(super) extensions: TextureExtensions,
 }

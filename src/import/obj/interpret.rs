@@ -42,11 +42,12 @@ fn brightness(m: &MtlMaterial) -> f32 {
 /// How a material of the PBR extension of MTL reflects; `None` where it does not use it. `Ks` and
 /// `Ns` alone say nothing: exporters write them for matte materials too.
 fn gloss(m: &MtlMaterial) -> Option<Gloss> {
-    if [m.roughness, m.metallic, m.coat].iter().all(Option::is_none) {
+    let has_picture = m.map_roughness.is_some() || m.map_metallic.is_some();
+    if !has_picture && [m.roughness, m.metallic, m.coat].iter().all(Option::is_none) {
         return None;
     }
     let share = |value: Option<f32>, default: f32| value.unwrap_or(default).clamp(0.0, 1.0);
-    let metalness = share(m.metallic, 0.0);
+    let metalness = share(m.metallic, if m.map_metallic.is_some() { 1.0 } else { 0.0 });
     let (mut coat, mut roughness) = (Vec3::splat(COAT), share(m.roughness, 1.0));
     let of_coat = share(m.coat_roughness, 0.0);
     if share(m.coat, 0.0) > 0.0 && metalness <= METAL && of_coat < roughness {
@@ -155,7 +156,12 @@ pub(super) fn interpret(m: &MtlMaterial, habits: &Habits, tally: &mut Tally) -> 
                 tally.add(Trouble::METAL_COAT, m.line, || m.name.clone());
             }
             let base = material.diffuse;
-            gloss.apply(&mut material, base);
+            // Pictures are read later: `settle` then makes matte what does not reflect.
+            match (m.map_roughness.is_some() || m.map_metallic.is_some(), m.map_diffuse.is_some()) {
+                (true, _) => gloss.apply_always(&mut material),
+                (false, true) if gloss.metalness > 0.0 => gloss.apply_by_place(&mut material),
+                (false, _) => gloss.apply(&mut material, base),
+            }
         }
         Model::Mirror { fresnel } => mirror(&mut material, m, fresnel),
         Model::Matte => {}

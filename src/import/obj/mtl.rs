@@ -16,6 +16,8 @@ pub(super) struct MapSpec {
     pub(super) scale: Vec2,
     pub(super) offset: Vec2,
     pub(super) sampling: Sampling,
+    /// Factor of a relief (`-bm`).
+    pub(super) strength: f32,
     pub(super) line: u64,
 }
 
@@ -45,6 +47,12 @@ pub(super) struct MtlMaterial {
     pub(super) map_ambient: Option<MapSpec>,
     pub(super) map_opacity: Option<MapSpec>,
     pub(super) map_emission: Option<MapSpec>,
+    pub(super) map_roughness: Option<MapSpec>,
+    pub(super) map_metallic: Option<MapSpec>,
+    /// Heights or directions.
+    pub(super) map_bump: Option<MapSpec>,
+    /// Directions, which count before `map_bump`.
+    pub(super) map_normal: Option<MapSpec>,
 }
 
 /// Parses the text of a library and adds its materials. A line that cannot be read is counted and
@@ -106,9 +114,8 @@ fn is_known(key: &str) -> bool {
 /// there is no ambient light that it could reflect.
 fn note_unused(key: &str, rest: &str, line: u64, tally: &mut Tally) {
     let trouble = match key {
-        "bump" | "map_bump" | "norm" | "map_norm" | "map_kn" => Trouble::RELIEF,
         "disp" | "map_disp" => Trouble::DISPLACEMENT,
-        "map_ks" | "map_ns" | "map_pr" | "map_pm" | "map_ps" | "map_ni" => Trouble::GLOSS_PICTURE,
+        "map_ks" | "map_ns" | "map_ps" | "map_ni" => Trouble::GLOSS_PICTURE,
         "decal" | "map_decal" | "refl" | "map_refl" => Trouble::DECAL,
         "ps" | "aniso" | "anisor" if scalar(rest) != Some(0.0) => Trouble::FINISH,
         _ => return,
@@ -138,6 +145,10 @@ fn set(m: &mut MtlMaterial, key: &str, rest: &str, line: u64, tally: &mut Tally)
         "map_ka" => m.map_ambient = map(rest, line, tally),
         "map_d" | "map_tr" | "map_opacity" => m.map_opacity = map(rest, line, tally),
         "map_ke" | "map_emissive" => m.map_emission = map(rest, line, tally),
+        "map_pr" => m.map_roughness = map(rest, line, tally),
+        "map_pm" => m.map_metallic = map(rest, line, tally),
+        "bump" | "map_bump" => m.map_bump = map(rest, line, tally),
+        "norm" | "map_norm" | "map_kn" => m.map_normal = map(rest, line, tally),
         _ => {}
     }
     Some(())
@@ -199,7 +210,9 @@ fn option_operands(option: &str) -> Option<(usize, usize)> {
 /// Parses the operand of a `map_` line; `None` where it names no file.
 fn map(rest: &str, line: u64, tally: &mut Tally) -> Option<MapSpec> {
     let sampling = Sampling::default();
-    let mut spec = MapSpec { file: String::new(), scale: Vec2::ONE, offset: Vec2::ZERO, sampling, line };
+    let file = String::new();
+    let (scale, offset, strength) = (Vec2::ONE, Vec2::ZERO, 1.0);
+    let mut spec = MapSpec { file, scale, offset, sampling, strength, line };
     let mut left = rest.trim();
     loop {
         let (option, after) = first_word(left);
@@ -220,6 +233,7 @@ fn map(rest: &str, line: u64, tally: &mut Tally) -> Option<MapSpec> {
         match option.to_ascii_lowercase().as_str() {
             "-s" => spec.scale = Vec2::new(value(0, 1.0), value(1, 1.0)),
             "-o" => spec.offset = Vec2::new(value(0, 0.0), value(1, 0.0)),
+            "-bm" => spec.strength = value(0, 1.0),
             "-clamp" => {
                 let is_on = operands.first().is_some_and(|word| word.eq_ignore_ascii_case("on"));
                 spec.sampling.wrap = [if is_on { Wrap::Clamp } else { Wrap::Repeat }; 2];
@@ -240,7 +254,6 @@ fn is_default(option: &str, operands: &[&str]) -> bool {
         "-blendu" | "-blendv" => "on",
         "-cc" => "off",
         "-mm" => "0",
-        "-bm" => "1",
         "-boost" => "0",
         "-texres" | "-type" => return true,
         "-imfchan" => "l",

@@ -7,8 +7,8 @@ use crate::import::{
     context::Import, decoding, files, options::Limits, progress::Phase, progress::Steps, surfaces,
     text::without_comment,
 };
-use crate::scene::{SceneBuilder, SceneError, Texture, TextureId, TextureRef};
-use std::collections::HashMap;
+use crate::scene::{NormalMap, SceneBuilder, SceneError, Texture, TextureId, TextureRef};
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 /// Number of textures that are searched between two checks for a cancellation. One that is missing
@@ -21,6 +21,11 @@ enum Purpose {
     Color,
     Coverage,
     Glow,
+    Roughness,
+    Metalness,
+    /// Heights or directions.
+    Bump,
+    Normal,
 }
 
 /// A texture that a material names.
@@ -51,7 +56,8 @@ pub(super) fn attach(
 ) -> Result<(), SceneError> {
     let Import { finder, builder, options, steps, .. } = import;
     let requests = requests(written);
-    let mut painter = Painter { libraries, builder, decoded: HashMap::new(), checker: None, missing: 0 };
+    let (decoded, reliefs) = (HashMap::new(), HashSet::new());
+    let mut painter = Painter { libraries, builder, decoded, checker: None, reliefs, missing: 0 };
     let mut file_of: HashMap<(&str, usize), Option<PathBuf>> = HashMap::new();
     for (i, request) in requests.iter().enumerate() {
         if i % SEARCHED == 0 {
@@ -76,6 +82,10 @@ pub(super) fn attach(
     for (request, file) in requests.iter().zip(files) {
         painter.assign(request, file.map(PathBuf::as_path));
     }
+    let has_gloss = |r: &&Request| matches!(r.purpose, Purpose::Roughness | Purpose::Metalness);
+    for request in requests.iter().filter(has_gloss) {
+        surfaces::settle(&mut painter.builder.materials[request.material]);
+    }
     Ok(())
 }
 
@@ -86,6 +96,10 @@ fn requests<'a>(written: &[Option<&'a MtlMaterial>]) -> Vec<Request<'a>> {
             (Purpose::Color, &m.map_diffuse),
             (Purpose::Coverage, &m.map_opacity),
             (Purpose::Glow, &m.map_emission),
+            (Purpose::Roughness, &m.map_roughness),
+            (Purpose::Metalness, &m.map_metallic),
+            (Purpose::Bump, if m.map_normal.is_some() { &None } else { &m.map_bump }),
+            (Purpose::Normal, &m.map_normal),
         ];
         Some(maps.into_iter().filter_map(move |(purpose, spec)| {
             let has_coverage = m.map_opacity.is_some();
@@ -109,6 +123,8 @@ struct Decoded {
     picture: Result<Picture, PictureError>,
     color: Option<TextureId>,
     coverage: Option<TextureId>,
+    /// Directions made of heights.
+    relief: Option<TextureId>,
     reported: bool,
 }
 
@@ -127,7 +143,7 @@ fn decode_all(
         Ok((bytes.into(), path))
     };
     let pictures = decoding::decode_all(unique.len(), limits, steps, read)?;
-    let fresh = |picture| Decoded { picture, color: None, coverage: None, reported: false };
+    let fresh = |picture| Decoded { picture, color: None, coverage: None, relief: None, reported: false };
     Ok(unique.into_iter().cloned().zip(pictures.into_iter().map(fresh)).collect())
 }
 
@@ -137,6 +153,8 @@ struct Painter<'a> {
     builder: &'a mut SceneBuilder,
     decoded: HashMap<PathBuf, Decoded>,
     checker: Option<TextureId>,
+    /// Bump pictures that were reported.
+    reliefs: HashSet<String>,
     /// Number of textures that were not found.
     missing: usize,
 }
@@ -170,8 +188,8 @@ impl Painter<'_> {
     fn assign(&mut self, request: &Request, file: Option<&Path>) {
         let mut decoded = file.and_then(|f| self.decoded.remove_entry(f));
         match &mut decoded {
-            Some((_, Decoded { picture: Ok(picture), color, coverage, .. })) => {
-                self.assign_picture(request, picture, color, coverage);
+            Some((_, Decoded { picture: Ok(picture), color, coverage, relief, .. })) => {
+                self.assign_picture(request, picture, [color, coverage, relief]);
             }
             Some((path, Decoded { picture: Err(cause), reported, .. })) => {
                 if !std::mem::replace(reported, true) {
@@ -188,8 +206,7 @@ impl Painter<'_> {
         &mut self,
         request: &Request,
         picture: &Picture,
-        color: &mut Option<TextureId>,
-        coverage: &mut Option<TextureId>,
+        [color, coverage, relief]: [&mut Option<TextureId>; 3],
     ) {
         let mut with = |slot: &mut Option<TextureId>, make: &dyn Fn() -> Texture| {
             let texture = *slot.get_or_insert_with(|| self.builder.add_texture(make()));
@@ -222,6 +239,35 @@ impl Painter<'_> {
                 let texture = with(color, &as_it_is);
                 self.builder.materials[request.material].emission_texture = Some(texture);
             }
+            Purpose::Roughness | Purpose::Metalness => {
+                let texture = with(color, &as_it_is);
+                let material = &mut self.builder.materials[request.material];
+                match request.purpose {
+                    Purpose::Metalness => material.detail.metalness_texture = Some(texture),
+                    _ => surfaces::roughen(material, texture, picture),
+                }
+            }
+            Purpose::Bump | Purpose::Normal => {
+                let is_map = request.purpose == Purpose::Normal || picture::holds_normals(&picture.texture);
+                let texture = match is_map {
+                    true => with(color, &as_it_is),
+                    false => with(relief, &|| picture::normals_of_heights(&picture.texture)),
+                };
+                let material = &mut self.builder.materials[request.material];
+                material.detail.normal = Some(NormalMap { texture, strength: request.spec.strength });
+                if request.purpose == Purpose::Bump {
+                    self.note_relief(request, is_map);
+                }
+            }
+        }
+    }
+
+    /// Reports once for each picture what a `bump` was taken for.
+    fn note_relief(&mut self, request: &Request, is_map: bool) {
+        if self.reliefs.insert(request.spec.file.clone()) {
+            let read = if is_map { "bluish: read as a normal map" } else { "grey: read as heights" };
+            let message = format!("bump picture '{}' is {read}", request.spec.file);
+            self.builder.warn(&self.libraries[request.library].shown, request.spec.line, message);
         }
     }
 
@@ -246,5 +292,7 @@ fn instead(purpose: Purpose) -> &'static str {
         Purpose::Color => "a magenta checker is shown instead",
         Purpose::Coverage => "the surface is shown without holes",
         Purpose::Glow => "the surface glows evenly",
+        Purpose::Roughness | Purpose::Metalness => "the surface reflects evenly",
+        Purpose::Bump | Purpose::Normal => "the surface is shown smooth",
     }
 }

@@ -120,16 +120,17 @@ impl ReferenceFrame {
         settings: &TraceSettings,
         stop: Stop<'_>,
     ) -> Option<Self> {
-        Self::trace_samples(tracer, camera, size, settings, stop).map(|(frame, _)| frame)
+        Self::trace_samples(tracer, camera, size, (settings, false), stop).map(|(frame, _)| frame)
     }
 
     /// Traces [`Self::trace`], and in addition the samples of its smooth light, from which
-    /// [`Self::filtered`] makes the reference that look-ups read.
+    /// [`Self::filtered`] makes the reference that look-ups read. Where a scene has normal maps, its
+    /// light then has to be traced `for_look_ups`.
     pub(crate) fn trace_samples(
         tracer: &Tracer,
         camera: &Camera,
         size: [u32; 2],
-        settings: &TraceSettings,
+        (settings, for_look_ups): (&TraceSettings, bool),
         stop: Stop<'_>,
     ) -> Option<(Self, DenseSamples)> {
         let start = Instant::now();
@@ -140,7 +141,7 @@ impl ReferenceFrame {
         visible.find(tracer, &view, false);
         let (rays, complete) = trace_pixels(&order, &mut traced, stop, |pixel, rays| {
             let hit = visible.hit_of_pixel(tracer, &view, pixel);
-            tracer.reference_pixel_of_hit((&view, pixel), hit, settings, rays)
+            tracer.reference_pixel_of_hit(((&view, pixel), for_look_ups), hit, settings, rays)
         });
         if !complete {
             return None;
@@ -180,7 +181,7 @@ impl ReferenceFrame {
         settings: &TraceSettings,
         stop: Stop<'_>,
     ) -> Option<Self> {
-        let (frame, samples) = Self::trace_samples(tracer, camera, size, settings, stop)?;
+        let (frame, samples) = Self::trace_samples(tracer, camera, size, (settings, true), stop)?;
         Some(frame.filtered(tracer, &samples))
     }
 
@@ -345,7 +346,7 @@ impl ReferenceFrame {
             let offset = self.offset_from_eye(pixel);
             SurfacePoint::from_position(scene, triangle, self.view.eye + offset, offset)
         };
-        let albedo = match material.is_glossy() {
+        let albedo = match material.is_glossy() || material.detail.mixes() {
             true => point().albedo(scene),
             false => albedo(material, &scene.textures, || point().uv),
         };

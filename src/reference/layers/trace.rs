@@ -95,7 +95,8 @@ impl GroupTracer {
             finds_near: false,
         };
         let seed = PointSeed::of_growing_pixel(trace.seed, pixel, view.size[0]);
-        let light = tracer.light_by_group(&tracer.surface(&ray, &hit), &settings, seed, rays);
+        let point = tracer.surface(&ray, &hit).as_stored();
+        let light = tracer.light_by_group(&point, &settings, seed, rays);
         let is_finite = light.direct.iter().chain(light.smooth.iter().flatten()).all(|l| l.is_finite());
         is_finite.then(|| (0..groups).map(|group| (light.direct[group], light.smooth[group])).collect())
     }

@@ -29,8 +29,8 @@ impl ReferenceFrame {
         let own = SurfacePoint::from_position(tracer.scene(), triangle, self.view.eye + offset, offset);
         let most = REACH * self.view.scene_from_pixel.x_axis.length() * offset.length();
         let is_near = own.position.distance(point.position) <= most;
-        let faces_alike = own.shading_normal.dot(point.shading_normal) > 0.0;
-        let [a, b] = [&own, point].map(|p| (p.position, p.shading_normal));
+        let faces_alike = own.plain_normal.dot(point.plain_normal) > 0.0;
+        let [a, b] = [&own, point].map(|p| (p.position, p.plain_normal));
         (is_near && faces_alike && tracer.see_each_other(a, b, LIFT)).then(|| scale.unpack(word))
     }
 }

@@ -164,7 +164,7 @@ fn facet(frame: &ReferenceFrame, tracer: &Tracer, pixel: u32) -> Option<Facet> {
     (triangle != NO_TRIANGLE && position.is_finite()).then(|| {
         let point =
             SurfacePoint::from_position(tracer.scene(), triangle, frame.view.eye + position, position);
-        Facet { position, normal: point.shading_normal }
+        Facet { position, normal: point.plain_normal }
     })
 }
 

@@ -1,7 +1,6 @@
 //! What an edit leaves of the light of a pixel.
 
-use crate::scene::Scene;
-use glam::Vec3;
+use crate::scene::{Material, Scene};
 
 /// Light that differs by at most this share of a pixel's light still holds.
 pub const MAX_CHANGE: f32 = 0.01;
@@ -26,6 +25,7 @@ pub enum Mark {
 /// triangle in each.
 pub(super) fn was_black([(old, before), (new, now)]: [(&Scene, u32); 2]) -> bool {
     let [before, now] = [old.material_of(before), new.material_of(now)];
-    let may_be_black = before.diffuse == Vec3::ZERO || before.diffuse_texture.is_some();
-    may_be_black && (before.diffuse, before.diffuse_texture) != (now.diffuse, now.diffuse_texture)
+    let may_be_black = !before.has_base() || before.diffuse_texture.is_some();
+    let of = |m: &Material| (m.diffuse, m.diffuse_texture, m.has_base());
+    may_be_black && of(before) != of(now)
 }

@@ -218,7 +218,7 @@ fn reaches(light: &Light, (frame, pixel): (&ReferenceFrame, u32), old: &Tracer, 
     let ray = Tracer::primary_ray(&frame.view, pixel);
     let hit = old.hit_on_triangle(&ray, frame.triangle()[pixel as usize]);
     let Some(hit) = hit else { return true };
-    let point: SurfacePoint = old.surface(&ray, &hit);
+    let point: SurfacePoint = old.surface(&ray, &hit).as_stored();
     let shift = Key::of_pixel(frame.settings.seed, pixel).pair();
     let mut rays = RayCounts::default();
     states

@@ -67,7 +67,7 @@ impl<'a> Places<'a> {
                 let ray = Tracer::primary_ray(view, pixel);
                 let triangle = frames[frame as usize].triangle()[pixel as usize];
                 let hit = tracer.hit_on_triangle(&ray, triangle)?;
-                let point = tracer.surface(&ray, &hit);
+                let point = tracer.surface(&ray, &hit).as_stored();
                 Some(difference.at(&point, samples, Key::of_pixel(u64::from(key), pixel)))
             });
             doubts.fold(DoubtSamples::default(), DoubtSamples::and)

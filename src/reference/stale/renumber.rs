@@ -96,8 +96,11 @@ fn unmatched(numbers: &[u32]) -> Vec<u32> {
 /// A material whose textures come after others.
 fn with_textures_after(material: &Material, shift: u32) -> Material {
     let mut shifted = material.clone();
-    let Material { diffuse_texture, alpha_texture, coverage_texture, emission_texture, .. } = &mut shifted;
-    for used in [diffuse_texture, alpha_texture, coverage_texture, emission_texture].into_iter().flatten() {
+    let Material { diffuse_texture, alpha_texture, coverage_texture, emission_texture, detail, .. } =
+        &mut shifted;
+    let colors = [diffuse_texture, alpha_texture, coverage_texture, emission_texture];
+    let colors = colors.into_iter().map(Option::as_mut);
+    for used in colors.chain(detail.textures_mut()).flatten() {
         used.texture = TextureId(used.texture.0 + shift);
     }
     shifted

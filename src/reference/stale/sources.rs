@@ -97,7 +97,9 @@ impl Sources {
         if old.sky != scene.sky && (suns(old) || suns(scene)) {
             return None;
         }
-        let mirror = |m: &Material| m.is_mirror().then_some(m.kind);
+        // Normal maps change what is reflected as mirrors do.
+        let is_special = |m: &Material| m.is_mirror() || m.detail.normal.is_some();
+        let mirror = |m: &Material| is_special(m).then_some((m.kind, m.detail));
         let changes_mirrors = used
             .iter()
             .any(|&[a, b]| mirror(&old.materials[a as usize]) != mirror(&scene.materials[b as usize]));
@@ -198,7 +200,10 @@ fn change_of_albedo([old, new]: [&Scene; 2], triangle: u32, uv: Vec2) -> Vec3 {
     let reflected = |scene: &Scene| {
         let material = scene.material_of(triangle);
         let diffuse = albedo(material, &scene.textures, || uv);
-        if material.is_glass() { diffuse } else { diffuse + material.specular() }
+        if material.is_glass() {
+            return diffuse;
+        }
+        diffuse + material.at(&scene.textures, || uv).specular()
     };
     (reflected(new) - reflected(old)).abs()
 }

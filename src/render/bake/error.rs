@@ -76,7 +76,7 @@ fn light_of(
     };
     let ray = Tracer::primary_ray(&reference.view, pixel);
     let hit = tracer.hit_on_triangle(&ray, reference.triangle()[pixel as usize])?;
-    let point = tracer.surface(&ray, &hit);
+    let point = tracer.surface(&ray, &hit).as_stored();
     let seed = PointSeed::of_pixel(settings.seed, pixel, reference.view.size[0], settings.samples);
     let light = tracer.arriving_light(&point, 1.0, &settings.into(), seed, rays).total();
     light.is_finite().then_some(light)

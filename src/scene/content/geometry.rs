@@ -34,7 +34,7 @@ type Corner = ([i64; 3], [u32; 3], [u32; 2]);
 fn hash_triangle(scene: &Scene, triangle: u32) -> ContentHash {
     let vertices = scene.triangles[triangle as usize].map(|v| v as usize);
     let material = scene.material_of(triangle);
-    let is_textured = material.textures().iter().any(Option::is_some);
+    let is_textured = material.textures().next().is_some();
     // Adding zero makes -0 equal to +0.
     let normal = |v: usize| scene.normals.get(v).map_or([0; 3], |n| (*n + 0.0).to_array().map(f32::to_bits));
     let uv = |v: usize| scene.uvs.get(v).map_or([0; 2], |uv| (*uv + 0.0).to_array().map(f32::to_bits));

@@ -1,7 +1,9 @@
 //! Hashes of materials, textures, lights, sun and sky.
 
 use super::hasher::{ContentHash, ContentHasher};
-use crate::scene::{Encoding, Light, Material, MaterialKind, Sampling, Scene, Sky, Sun, Texture, TextureRef};
+use crate::scene::{
+    Detail, Encoding, Light, Material, MaterialKind, Sampling, Scene, Sky, Sun, Texture, TextureRef,
+};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -104,7 +106,38 @@ fn content_of_material(material: &Material, textures: &[ContentHash]) -> Materia
     if material.coverage_texture.is_some() {
         texture(&mut transmission, material.coverage_texture);
     }
-    match material.kind {
+    hash_kind(material.kind, &mut reflection, &mut transmission);
+    if material.is_thin {
+        transmission.word(3);
+    }
+    // Materials without detail keep their hashes.
+    if material.detail != Detail::default() {
+        material.detail.numbers().into_iter().for_each(|number| reflection.number(number));
+        material.detail.textures().into_iter().for_each(|used| texture(&mut reflection, used));
+    }
+    if material.detail.transmission_texture.is_some() {
+        transmission.triple(material.diffuse);
+        transmission.number(material.detail.transmission);
+        texture(&mut transmission, material.diffuse_texture);
+        texture(&mut transmission, material.detail.transmission_texture);
+    }
+    let mut emission = ContentHasher::new(b"emission");
+    emission.triple(material.emission);
+    if material.has_dark_back() {
+        emission.word(1);
+    }
+    // Materials without these keep their hashes.
+    for used in [material.emission_texture, material.coverage_texture].into_iter().filter(Option::is_some) {
+        texture(&mut emission, used);
+    }
+    let [reflection, transmission, emission] =
+        [reflection, transmission, emission].map(ContentHasher::finish);
+    MaterialContent { reflection, transmission, emission }
+}
+
+/// Hashes the specular part of a material: what it reflects and what it transmits.
+fn hash_kind(kind: MaterialKind, reflection: &mut ContentHasher, transmission: &mut ContentHasher) {
+    match kind {
         MaterialKind::Diffuse => reflection.word(0),
         MaterialKind::Mirror { reflectance, fresnel } => {
             reflection.word(1 + u64::from(fresnel));
@@ -124,21 +157,6 @@ fn content_of_material(material: &Material, textures: &[ContentHash]) -> Materia
             transmission.triple(transmittance);
         }
     }
-    if material.is_thin {
-        transmission.word(3);
-    }
-    let mut emission = ContentHasher::new(b"emission");
-    emission.triple(material.emission);
-    if material.has_dark_back() {
-        emission.word(1);
-    }
-    // Materials without these keep their hashes.
-    for used in [material.emission_texture, material.coverage_texture].into_iter().filter(Option::is_some) {
-        texture(&mut emission, used);
-    }
-    let [reflection, transmission, emission] =
-        [reflection, transmission, emission].map(ContentHasher::finish);
-    MaterialContent { reflection, transmission, emission }
 }
 
 fn hash_texture(texture: &Texture) -> ContentHash {

@@ -31,8 +31,8 @@ impl Judge for Passage<'_> {
             (cosines(n, self.bundle.directions(), first), scene.solids[triangle as usize])
         };
         let material = scene.material_of(triangle);
-        // What a covered surface lets through differs from ray to ray.
-        if material.coverage_texture.is_some() {
+        // What such surfaces let through differs from ray to ray.
+        if material.coverage_texture.is_some() || material.detail.transmission_texture.is_some() {
             return false;
         }
         let Some(shares) = material.straight_transmittances(passage) else { return false };
@@ -138,7 +138,11 @@ impl Tracer {
             *passed *= gap;
             return false;
         }
-        match material.straight_transmittance(passage) {
+        let found = match material.detail.transmission_texture {
+            None => material.straight_transmittance(passage),
+            Some(_) => material.at(&scene.textures, || self.uv(hit)).straight_transmittance(passage),
+        };
+        match found {
             Some(share) => {
                 *passed *= share;
                 false

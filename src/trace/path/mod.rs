@@ -9,6 +9,7 @@ mod dimension;
 mod pixel;
 mod rough_link;
 mod specular;
+mod tilt;
 
 pub use bounces::MAX_PATH;
 pub(crate) use bounces::{PathStop, SmoothSettings};

@@ -42,7 +42,7 @@ impl Tracer {
         settings: &TraceSettings,
         rays: &mut RayCounts,
     ) -> PixelTrace {
-        self.pixel_with(of, hit, settings, rays, |point, direction, seed, rays| {
+        self.pixel_with((of, false), hit, settings, rays, |point, direction, seed, rays| {
             self.specular_radiance(point, direction, settings, seed, rays)
         })
     }
@@ -57,13 +57,14 @@ impl Tracer {
         rays: &mut RayCounts,
     ) -> PixelTrace {
         let hit = self.closest(&Self::primary_ray(view, pixel));
-        self.reference_pixel_of_hit((view, pixel), hit, settings, rays)
+        self.reference_pixel_of_hit(((view, pixel), false), hit, settings, rays)
     }
 
-    /// [`Self::reference_pixel`] of a view and a pixel whose first hit is known.
-    pub fn reference_pixel_of_hit(
+    /// [`Self::reference_pixel`] of a view and a pixel whose first hit is known, with the light that
+    /// look-ups want ([`SurfacePoint::as_stored`]) where `for_look_ups`.
+    pub(crate) fn reference_pixel_of_hit(
         &self,
-        of: (&View, u32),
+        of: ((&View, u32), bool),
         hit: Option<Hit>,
         settings: &TraceSettings,
         rays: &mut RayCounts,
@@ -77,7 +78,7 @@ impl Tracer {
     /// Traces a pixel whose viewer-dependent radiance and number of bounces `specular` returns.
     fn pixel_with(
         &self,
-        (view, pixel): (&View, u32),
+        ((view, pixel), for_look_ups): ((&View, u32), bool),
         hit: Option<Hit>,
         settings: &TraceSettings,
         rays: &mut RayCounts,
@@ -86,7 +87,8 @@ impl Tracer {
         let seed = PointSeed::of_pixel(settings.seed, pixel, view.size[0], settings.samples);
         rays.primary += 1;
         let ray = Self::primary_ray(view, pixel);
-        let (mut traced, point) = self.shade_hit(&ray, hit, &(*settings).into(), seed, rays);
+        let settings = LightSettings::from(*settings);
+        let (mut traced, point) = self.shade_hit((&ray, for_look_ups), hit, &settings, seed, rays);
         if let Some(point) = point.filter(|point| self.is_view_dependent(point)) {
             let (radiance, reflections) = specular(&point, ray.direction, seed, rays);
             traced.radiance += radiance;
@@ -116,10 +118,10 @@ impl Tracer {
     }
 
     /// Returns the diffuse part of what a primary ray hit, and the surface point; no point for the
-    /// sky.
+    /// sky. With `for_look_ups`, it is lit as references store light ([`SurfacePoint::as_stored`]).
     pub(crate) fn shade_hit(
         &self,
-        ray: &Ray,
+        (ray, for_look_ups): (&Ray, bool),
         hit: Option<Hit>,
         settings: &LightSettings<'_>,
         seed: PointSeed,
@@ -133,7 +135,8 @@ impl Tracer {
             );
         };
         let point = self.surface(ray, &hit);
-        let light = self.arriving_light(&point, 1.0, settings, seed, rays);
+        let lit = if for_look_ups { point.as_stored() } else { point };
+        let light = self.arriving_light(&lit, 1.0, settings, seed, rays);
         let radiance = point.emission(self.scene()) + light.reflected(point.albedo(self.scene()));
         (PixelTrace { light, radiance, hit: Some(hit), reflections: 0 }, Some(point))
     }

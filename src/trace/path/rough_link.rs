@@ -86,12 +86,12 @@ impl Path<'_> {
 }
 
 /// The material with metal or a coat at least this rough.
-pub(super) fn at_least_as_rough(material: &Material, least: f32) -> Cow<'_, Material> {
+pub(super) fn at_least_as_rough(material: Cow<'_, Material>, least: f32) -> Cow<'_, Material> {
     match material.kind {
         MaterialKind::Glossy { reflectance, roughness } if roughness < least => {
             let kind = MaterialKind::Glossy { reflectance, roughness: least };
             Cow::Owned(Material { kind, name: String::new(), ..*material })
         }
-        _ => Cow::Borrowed(material),
+        _ => material,
     }
 }

@@ -280,7 +280,7 @@ impl Tracer {
 
     /// Samples the viewer-dependent lobe of a point seen along `direction` (any length).
     pub(super) fn scatter(&self, point: &SurfacePoint, direction: Vec3, key: Key) -> ScatterSet {
-        self.scatter_of(self.material(point), point, direction, key)
+        self.scatter_of(&self.material(point), point, direction, key)
     }
 
     /// [`Self::scatter`] with another material.

@@ -66,6 +66,92 @@ fn a_picture_of_metal_and_roughness_counts_with_its_mean() {
     assert_eq!(with([0, 200, 0, 255]), MaterialKind::Diffuse);
 }
 
+/// A model of one material with a picture of 2 by 1 texels.
+fn with_picture(texels: &[[u8; 4]], json: impl FnOnce(usize) -> Value) -> Model {
+    let mut model = Model::painted(json!({"name": "a"}));
+    let texture = model.texture(&png(2, 1, texels));
+    let mut painted = json(texture);
+    painted["name"] = "a".into();
+    model.json["materials"][0] = painted;
+    model
+}
+
+#[test]
+fn metal_and_roughness_that_vary_hold_for_each_place() {
+    let rusty = [[0, 255, 0, 255], [0, 51, 255, 255]];
+    let info = |i: usize| json!({"index": i});
+    let of = |texels: &[[u8; 4]], factor: f64| {
+        let base = [0.5, 0.25, 0.125, 1.0];
+        let json = |i| {
+            pbr(
+                json!({"baseColorFactor": base, "roughnessFactor": factor, "metallicRoughnessTexture": info(i)}),
+            )
+        };
+        let scene = with_picture(texels, json).load();
+        let paint = material(&scene, "a").clone();
+        [0.25, 0.75].map(|u| {
+            let place = paint.at(&scene.textures, || Vec2::new(u, 0.5)).into_owned();
+            (place.kind, place.diffuse)
+        })
+    };
+    let [rust, metal] = of(&rusty, 0.5);
+    let color = Vec3::new(0.5, 0.25, 0.125);
+    assert!(
+        matches!(rust.0, MaterialKind::Glossy { roughness: 0.5, reflectance } if (reflectance - 0.04).abs().max_element() < 1e-6)
+    );
+    assert_eq!(rust.1, color);
+    assert_eq!(metal, (MaterialKind::Glossy { reflectance: color, roughness: 0.5 * 0.2 }, Vec3::ZERO));
+    // Where no place is smoother than satin, the surface is matte.
+    let [matte, _] = of(&[[0, 200, 0, 255], [0, 255, 0, 255]], 1.0);
+    assert_eq!(matte, (MaterialKind::Diffuse, color));
+}
+
+#[test]
+fn metal_has_the_picture_of_its_colour() {
+    let texels = [[255, 0, 0, 255], [0, 0, 255, 255]];
+    let json = |i: usize| pbr(json!({"baseColorTexture": {"index": i}, "roughnessFactor": 0.3}));
+    let scene = with_picture(&texels, json).load();
+    let metal = material(&scene, "a");
+    assert_eq!((metal.kind_name(), metal.types().0), ("rough metal", "Type 2"));
+    let at = |u: f32| metal.at(&scene.textures, || Vec2::new(u, 0.5)).specular();
+    assert_eq!([at(0.25), at(0.75)], [Vec3::X, Vec3::Z]);
+}
+
+#[test]
+fn normal_maps_keep_their_strength_and_place() {
+    let json = |i: usize| {
+        let mut json = pbr(json!({"metallicFactor": 0.0}));
+        let transform = json!({"KHR_texture_transform": {"scale": [2.0, 3.0]}});
+        json["normalTexture"] = json!({"index": i, "scale": 0.5, "extensions": transform});
+        json
+    };
+    let scene = with_picture(&[[255, 128, 128, 255], [128, 128, 255, 255]], json).load();
+    let map = material(&scene, "a").detail.normal.expect("a normal map");
+    assert_eq!((map.strength, map.texture.scale), (0.5, Vec2::new(2.0, 3.0)));
+    assert!(scene.features.normal_maps && !scene.uvs.is_empty());
+    let direction = |u: f32| map.direction(&scene.textures, Vec2::new(u / 2.0, 0.0));
+    assert_eq!([direction(0.25), direction(0.75)], [Vec3::X * 0.5, Vec3::Z]);
+}
+
+#[test]
+fn a_picture_of_transmission_makes_panes_in_a_frame() {
+    let json = |i: usize| {
+        let color = [0.5, 0.25, 0.25, 1.0];
+        let mut json = pbr(json!({"baseColorFactor": color, "metallicFactor": 0.0, "roughnessFactor": 0.0}));
+        let through = json!({"transmissionFactor": 1.0, "transmissionTexture": {"index": i}});
+        json["extensions"] = json!({"KHR_materials_transmission": through});
+        json
+    };
+    let scene = with_picture(&[[255, 0, 0, 255], [0, 0, 0, 255]], json).load();
+    let window = material(&scene, "a");
+    let color = Vec3::new(0.5, 0.25, 0.25);
+    let at = |u: f32| {
+        let place = window.at(&scene.textures, || Vec2::new(u, 0.5)).into_owned();
+        (place.diffuse, place.specular())
+    };
+    assert_eq!([at(0.25), at(0.75)], [(Vec3::ZERO, color), (color, Vec3::ZERO)]);
+}
+
 #[test]
 fn coats_follow_their_extensions() {
     let with = |extensions: Value| {

@@ -25,7 +25,8 @@ fn object(loaded: &Loaded) -> Value {
     let material = |m: &Material| {
         let (types, why) = m.types();
         let textured = m.diffuse_texture.is_some();
-        json!({"name": m.name, "kind": m.kind_name(), "textured": textured, "types": types, "why": why})
+        json!({"name": m.name, "kind": m.kind_name(), "textured": textured, "types": types, "why": why,
+            "by_picture": m.varies_by_picture()})
     };
     let kinds: serde_json::Map<String, Value> =
         light_kinds(scene).into_iter().map(|(kind, count)| (kind.to_owned(), count.into())).collect();
@@ -130,6 +131,15 @@ fn traced(scene: &Scene) -> Vec<String> {
     ways.into_iter().map(line).collect()
 }
 
+/// What pictures vary in the materials, apart from colour: a line for each such thing, with a count.
+fn varied(scene: &Scene) -> Vec<String> {
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+    for what in scene.materials.iter().flat_map(Material::varies_by_picture) {
+        *counts.entry(what).or_default() += 1;
+    }
+    counts.into_iter().map(|(what, count)| format!("{what} by picture in {count} materials")).collect()
+}
+
 fn table(loaded: &Loaded) -> String {
     let scene = loaded.scene();
     let [low, high] = scene.bounds_m;
@@ -171,7 +181,7 @@ fn table(loaded: &Loaded) -> String {
         ("loaded in", format!("{:.3} s", loaded.load_secs)),
         ("warnings", scene.warnings.len().to_string()),
     ]);
-    for line in traced(scene) {
+    for line in traced(scene).into_iter().chain(varied(scene)) {
         text += &format!("  {line}\n");
     }
     if let Some(names) = one_sided(scene) {

@@ -102,6 +102,10 @@ fn controls(ui: &mut Ui, material: &Material, before: &Material) -> Material {
             roughness_row(ui, roughness);
         }
     });
+    let by_picture = material.varies_by_picture();
+    if !by_picture.is_empty() {
+        ui.weak(format!("By picture: {}.", by_picture.join(", ")));
+    }
     if material.is_emissive() {
         ui.weak("This material also emits light; its emission is not edited here.");
     }

@@ -145,6 +145,7 @@ impl Edits {
                     *place;
                 let mut material = Material { diffuse_texture, alpha_texture, ..material.clone() };
                 (material.coverage_texture, material.emission_texture) = (coverage_texture, emission_texture);
+                material.detail = place.detail;
                 carried.change(Change::Material(MaterialId(at as u32), material), &mut Vec::new());
             }
         }
