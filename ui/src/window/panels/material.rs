@@ -25,7 +25,7 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
             let before = &edits.saved().materials[id.0 as usize];
             let edited = controls(ui, material, before);
             if edited != *material {
-                commands.push(Command::Edit(EditCommand::Change(Change::Material(id, edited))));
+                commands.push(Command::Edit(EditCommand::Change(Change::Material(id, Box::new(edited)))));
             }
         }
     }

@@ -12,7 +12,7 @@ const ONE_GESTURE: Duration = Duration::from_millis(800);
 #[derive(Clone, Debug, PartialEq)]
 pub enum Change {
     /// A material has other properties.
-    Material(MaterialId, Material),
+    Material(MaterialId, Box<Material>),
     /// An object is moved, hidden, deleted, or shown again.
     Object(ObjectKey, ObjectEdit),
     /// Sun and sky have other values.
@@ -146,7 +146,7 @@ impl Edits {
                 let mut material = Material { diffuse_texture, alpha_texture, ..material.clone() };
                 (material.coverage_texture, material.emission_texture) = (coverage_texture, emission_texture);
                 material.detail = place.detail;
-                carried.change(Change::Material(MaterialId(at as u32), material), &mut Vec::new());
+                carried.change(Change::Material(MaterialId(at as u32), Box::new(material)), &mut Vec::new());
             }
         }
         for key in self.now.objects.keys().chain(self.saved.objects.keys()) {
@@ -172,7 +172,7 @@ impl Edits {
         let before = match change {
             Change::Material(id, material) => {
                 let place = &mut self.now.materials[id.0 as usize];
-                Change::Material(id, std::mem::replace(place, material))
+                Change::Material(id, Box::new(std::mem::replace(place, *material)))
             }
             Change::Object(key, edit) => {
                 let objects = &mut self.now.objects;
@@ -215,7 +215,7 @@ mod tests {
 
     fn red(id: u32, amount: f32) -> Change {
         let name = ["a", "b"][id as usize];
-        Change::Material(MaterialId(id), Material::diffuse(name, Vec3::new(amount, 0.0, 0.0)))
+        Change::Material(MaterialId(id), Box::new(Material::diffuse(name, Vec3::new(amount, 0.0, 0.0))))
     }
 
     #[test]
