@@ -14,9 +14,10 @@
 //! ```
 //!
 //! A look-up is a guess where light is extrapolated past an edge, where neighbouring samples jump,
-//! as at the edge of a shadow, or where interpolation smooths too much. Only light straight from sun
-//! and lamps has such edges and is checked. Light from the sky and from other surfaces is smooth:
-//! references share it between neighbours on a surface, and bounce rays end in [`cells`] of light.
+//! as at the edge of a shadow, or where interpolation smooths too much. Only light straight from
+//! sun and lamps has such edges and is checked. Light from the sky and from other surfaces is
+//! smooth: references share it between neighbours on a surface, and bounce rays end in [`cells`] of
+//! light.
 //!
 //! [`Mode::Fast`] takes the light of the single best reference and checks nothing. [`Mode::Full`]
 //! is the ordinary ray tracer, the truth that the others are measured against. [`Mode::Paper`] is

@@ -225,8 +225,8 @@ fn rays_are_bounded_with_ten_thousand_lamps() {
     assert!((0.9..1.1).contains(&ratio), "{ratio}");
 }
 
-/// Squared error of a picture without the worst hundredth of its pixels: there, lamps touch what they
-/// light, and single bright paths arrive.
+/// Squared error of a picture without the worst hundredth of its pixels: there, lamps touch what
+/// they light, and single bright paths arrive.
 fn squared_error(picture: &[Vec3], truth: &[Vec3]) -> f64 {
     let mut errors: Vec<f32> = picture.iter().zip(truth).map(|(a, b)| (*a - *b).length_squared()).collect();
     errors.sort_by(f32::total_cmp);

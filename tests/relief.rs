@@ -311,7 +311,8 @@ impl Walk {
         truth
     }
 
-    /// The last frame of the walk in a mode that looks up, and seconds of a frame of its second half.
+    /// The last frame of the walk in a mode that looks up, and seconds of a frame of its second
+    /// half.
     fn looked_up(&self, mode: Mode) -> (Vec<Vec3>, f64) {
         let mut walk = Walkthrough::new(self.tracer.clone(), WalkthroughSettings::default());
         let mut settings = *walk.settings();

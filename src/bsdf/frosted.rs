@@ -82,8 +82,8 @@ impl Frosted {
         Ggx::new(self.roughness)
     }
 
-    /// Share (0..1) of its light that a diffuse part of an open sheet sends to a viewer at a cosine:
-    /// what the sheet does not reflect, estimated by a few microfacets.
+    /// Share (0..1) of its light that a diffuse part of an open sheet sends to a viewer at a
+    /// cosine: what the sheet does not reflect, estimated by a few microfacets.
     pub(super) fn base_share(&self, cos: f32) -> f32 {
         const FACETS: u32 = 16;
         /// Bound on the relative error of the estimate.

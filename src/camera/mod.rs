@@ -39,8 +39,8 @@ pub struct Camera {
     pub pitch: f64,
     /// Vertical field of view in radians.
     pub fov_y: f64,
-    /// Rotation about the viewing direction in radians. Positive values lean the viewer's head to the
-    /// right. Nobody walks so: only cameras of models, and views made from them, have a roll.
+    /// Rotation about the viewing direction in radians. Positive values lean the viewer's head to
+    /// the right. Nobody walks so: only cameras of models, and views made from them, have a roll.
     #[serde(default, skip_serializing_if = "is_level")]
     pub roll: f64,
 }

@@ -148,8 +148,8 @@ impl Head {
         Ok(Self { factor, angles, vertical, horizontal })
     }
 
-    /// Horizontal angles of all planes, ascending, each with the index of the plane in the file that
-    /// it repeats by the symmetry that their range stands for.
+    /// Horizontal angles of all planes, ascending, each with the index of the plane in the file
+    /// that it repeats by the symmetry that their range stands for.
     fn planes(&self, angles: &[f64], reader: &Reader) -> Result<Vec<(f64, usize)>, IesError> {
         let [first, last] = [angles[0], angles[angles.len() - 1]];
         if self.angles != ProfileAngles::AroundAim {

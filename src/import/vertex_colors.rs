@@ -77,8 +77,8 @@ pub(super) fn show(colors: &VertexColors, import: &mut Import) {
     }
 }
 
-/// True where a picture of this number of triangles is within the limits; takes its bytes from those
-/// that are left.
+/// True where a picture of this number of triangles is within the limits; takes its bytes from
+/// those that are left.
 fn fits(triangles: usize, limits: &Limits, left: &mut u64) -> bool {
     let [width, height] = size_of_picture(triangles);
     let rest = left.checked_sub(width as u64 * height as u64 * 4);

@@ -197,8 +197,8 @@ impl PointCache {
         pairs.flat_map_iter(|(point, cell)| self.edges_near(point, cell)).collect()
     }
 
-    /// Takes over the points of an earlier epoch of which direct light is the same. Smooth light may
-    /// not be, and is forgotten.
+    /// Takes over the points of an earlier epoch of which direct light is the same. Smooth light
+    /// may not be, and is forgotten.
     pub(crate) fn take_direct(&mut self, before: Self, epoch: SceneEpoch) {
         *self = Self { epoch: Some(epoch), ..before };
         self.entries.par_iter_mut().flatten().for_each(|entry| entry.smooth = rgbe::NONE);

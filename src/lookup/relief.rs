@@ -3,8 +3,8 @@
 //! References hold the light for the normal without the map, which changes slowly over a surface.
 //! What differs for the tilted normal is traced in each frame: all direct light, and of the smooth
 //! light the difference between the two normals. That difference is small where the tilt is, so few
-//! paths, which end in cells, have less noise than all light traced at the point. Mode `fast` leaves
-//! the difference out.
+//! paths, which end in cells, have less noise than all light traced at the point. Mode `fast`
+//! leaves the difference out.
 
 use super::SurfaceKey;
 use super::exact::{Guess, PixelResolver, ReliefEnd, Tally};
@@ -44,8 +44,8 @@ impl PixelResolver<'_> {
         (self.reflected(point, smooth) + self.relief(point, end, tally)).max(Vec3::ZERO)
     }
 
-    /// The diffuse radiance of a tilted point seen in a mirror or through glass, which contributes a
-    /// share of the pixel.
+    /// The diffuse radiance of a tilted point seen in a mirror or through glass, which contributes
+    /// a share of the pixel.
     pub(super) fn relief_in_mirror(
         &self,
         point: &SurfacePoint,

@@ -55,8 +55,8 @@ impl Walkthrough {
         Some(LayerJob { id, frame, light })
     }
 
-    /// Adds the light of a reference by groups. Returns true where the next frame shows other light,
-    /// because that of the reference did not hold.
+    /// Adds the light of a reference by groups. Returns true where the next frame shows other
+    /// light, because that of the reference did not hold.
     pub fn insert_layers(&mut self, traced: TracedLayers) -> bool {
         let tracer = self.tracer().clone();
         self.cache.set_layers(traced.id, Arc::new(traced.layers), &tracer)

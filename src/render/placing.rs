@@ -17,8 +17,8 @@ pub(super) struct Placing<'w> {
 }
 
 impl Placing<'_> {
-    /// The pose of the reference that the policy wants after a frame, if it wants one. `previous` is
-    /// the camera of the frame before.
+    /// The pose of the reference that the policy wants after a frame, if it wants one. `previous`
+    /// is the camera of the frame before.
     pub(super) fn decide(self, frame: &Frame, previous: Camera) -> Option<Camera> {
         let Self { tracer, cache, settings, selector } = self;
         if settings.render.mode == Mode::Full {

@@ -10,9 +10,8 @@ use crate::store::StoreSession;
 const QUADRUPLED: u32 = 4;
 
 impl Walkthrough {
-    /// Sets the store of references that is read and written. References that are traced from now on
-    /// have other random numbers than those in the store.
-    /// Returns the store before.
+    /// Sets the store of references that is read and written. References that are traced from now
+    /// on have other random numbers than those in the store. Returns the store before.
     pub fn set_store(&mut self, store: Option<StoreSession>) -> Option<StoreSession> {
         self.drop_refinement();
         let number = store.as_ref().map_or(0, StoreSession::last_number);
@@ -33,8 +32,8 @@ impl Walkthrough {
         }
     }
 
-    /// Reads the stored references that serve a pose where a reference is wanted. Returns true where
-    /// there were some.
+    /// Reads the stored references that serve a pose where a reference is wanted. Returns true
+    /// where there were some.
     pub(super) fn read_ahead(&mut self, pose: &Camera, size: [u32; 2]) -> bool {
         let RenderSettings { mode, trace } = self.settings.render;
         let store = self.store.as_mut();

@@ -4,8 +4,8 @@ use super::light_groups::LightSettings;
 use super::{Daylight, Light, Material, ObjectEdits, Scene, coincident, sanitize};
 use std::sync::Arc;
 
-/// The parts of a scene that can be changed: materials, sun, sky, where its objects are, and how the
-/// groups of lights are set.
+/// The parts of a scene that can be changed: materials, sun, sky, where its objects are, and how
+/// the groups of lights are set.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneEdit {
     /// All materials, by [`MaterialId`](super::MaterialId), with their lamps at full light.
@@ -39,11 +39,12 @@ impl Scene {
         Arc::ptr_eq(&self.triangles, &other.triangles) && Arc::ptr_eq(&self.positions, &other.positions)
     }
 
-    /// Returns this scene with other materials, sun and sky, its objects elsewhere, and other settings
-    /// of its lights. Lights, features, solids and hash are recomputed; where only settings of lights
-    /// change, this takes no time that grows with the geometry. Where no object is edited, the geometry
-    /// is the one that was loaded, to the bit. Edits of objects that the scene does not have, and of
-    /// ways that are not finite or too long, are left out; so are all where no triangle would be left.
+    /// Returns this scene with other materials, sun and sky, its objects elsewhere, and other
+    /// settings of its lights. Lights, features, solids and hash are recomputed; where only
+    /// settings of lights change, this takes no time that grows with the geometry. Where no object
+    /// is edited, the geometry is the one that was loaded, to the bit. Edits of objects that the
+    /// scene does not have, and of ways that are not finite or too long, are left out; so are all
+    /// where no triangle would be left.
     ///
     /// # Panics
     /// If the edit has more or fewer materials than the scene, and so belongs to another one.

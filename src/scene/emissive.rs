@@ -38,8 +38,8 @@ pub(super) fn lights(scene: &Scene) -> Vec<Lamp> {
 
 /// Returns two triangles as a parallelogram if they form one to within rounding.
 ///
-/// The front of one that emits from its front is that of the first triangle; the other must have the
-/// same.
+/// The front of one that emits from its front is that of the first triangle; the other must have
+/// the same.
 fn as_quad(corners: &[[Vec3; 3]], radiance: Vec3, has_one_side: bool) -> Option<Light> {
     /// Allowed distance of the fourth corner from its ideal position, as a share of the longer
     /// edge. Decimal coordinates in a file cause errors of a few units in the last place.

@@ -144,7 +144,8 @@ impl Material {
         self.alpha_texture.is_none() && !self.is_glass()
     }
 
-    /// Largest reflectance of a mirror or a coat over all angles and channels; 0 for other materials.
+    /// Largest reflectance of a mirror or a coat over all angles and channels; 0 for other
+    /// materials.
     pub fn max_mirror_reflectance(&self) -> f32 {
         match self.kind {
             // At grazing angles the Fresnel reflectance is 1.

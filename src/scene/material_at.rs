@@ -69,8 +69,8 @@ impl Material {
         Self { name: String::new(), diffuse, diffuse_texture: None, kind, detail: none, ..*self }
     }
 
-    /// Removes what of the detail does not fit the kind of the material, and clamps the rest. Returns the number of
-    /// values that were out of range.
+    /// Removes what of the detail does not fit the kind of the material, and clamps the rest.
+    /// Returns the number of values that were out of range.
     pub(super) fn sanitize_detail(&mut self) -> usize {
         let (kind, detail) = (self.kind, &mut self.detail);
         let mut clamped = 0;

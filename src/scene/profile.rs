@@ -111,8 +111,8 @@ impl LightProfile {
     }
 
     fn integral(&self) -> f32 {
-        /// Number of directions around the aim and from it: enough for an error of a thousandth on a
-        /// grid of degrees.
+        /// Number of directions around the aim and from it: enough for an error of a thousandth on
+        /// a grid of degrees.
         const STEPS: u32 = 256;
         let mut sum = 0.0f64;
         for row in 0..STEPS {

@@ -10,8 +10,8 @@ use super::cells::{Cell, CellCounts};
 /// references has less noise.
 pub(super) const WANTED_COVER: f32 = 2.0;
 
-/// The same for light of another state of the scene, of which little may hold: it is read only where
-/// there is no other.
+/// The same for light of another state of the scene, of which little may hold: it is read only
+/// where there is no other.
 pub(super) const WANTED_STALE: f32 = 1.0;
 
 /// Least share of the picture that a reference must add.

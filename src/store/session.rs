@@ -103,9 +103,9 @@ pub struct StoreSession {
 }
 
 impl StoreSession {
-    /// Opens a store for a walk through a scene. With `waits`, the walk waits for the store: it reads
-    /// all references that serve a view at once, and drops none of its own. Without, it reads a few
-    /// before each frame.
+    /// Opens a store for a walk through a scene. With `waits`, the walk waits for the store: it
+    /// reads all references that serve a view at once, and drops none of its own. Without, it reads
+    /// a few before each frame.
     ///
     /// # Errors
     /// [`StoreError`] if the folder exists and cannot be read.
@@ -349,7 +349,8 @@ impl StoreSession {
         problems
     }
 
-    /// Stores a new reference, on a thread of its own. Records have no roll: one that has is left out.
+    /// Stores a new reference, on a thread of its own. Records have no roll: one that has is left
+    /// out.
     pub fn keep(&mut self, reference: &Arc<ReferenceFrame>, purpose: Purpose) {
         let start = Instant::now();
         let is_level = reference.camera.roll == 0.0;

@@ -104,8 +104,8 @@ impl Tracer {
         self.full.as_ref()
     }
 
-    /// Returns a tracer of another state of the scene. It shares the hierarchy where the geometry is
-    /// the same.
+    /// Returns a tracer of another state of the scene. It shares the hierarchy where the geometry
+    /// is the same.
     #[must_use]
     pub fn with_state(&self, scene: Arc<Scene>) -> Self {
         if scene.has_same_geometry(&self.scene) { self.with_same_geometry(scene) } else { Self::new(scene) }

@@ -1,4 +1,5 @@
-//! An attribute of the vertices of a primitive, stored in a buffer or decoded from a compressed mesh.
+//! An attribute of the vertices of a primitive, stored in a buffer or decoded from a compressed
+//! mesh.
 
 use super::accessor::Accessor;
 use super::buffers::Buffers;

@@ -52,7 +52,8 @@ impl DracoMesh {
 #[cfg(feature = "draco")]
 fn decode(bytes: &[u8], limit: usize) -> Result<DracoMesh, String> {
     use draco_core::{DecodeLimits, DecoderBuffer, Mesh, MeshDecoder};
-    /// Bytes of all attributes of a vertex: position, normal, tangent, colours, texture coordinates.
+    /// Bytes of all attributes of a vertex: position, normal, tangent, colours, texture
+    /// coordinates.
     const VERTEX_BYTES: u64 = 128;
     let limit = limit as u64;
     let limits = DecodeLimits::default()

@@ -33,8 +33,8 @@ pub(super) struct EngineMaterials {
 }
 
 impl EngineMaterials {
-    /// Returns the material of a primitive, and the set of texture coordinates that it uses where it
-    /// has pictures.
+    /// Returns the material of a primitive, and the set of texture coordinates that it uses where
+    /// it has pictures.
     pub(super) fn material(
         &mut self,
         index: Option<usize>,

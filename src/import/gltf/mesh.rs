@@ -34,8 +34,8 @@ struct Local {
     material: MaterialId,
 }
 
-/// Where the attributes of a primitive are from: its accessors, or a compressed mesh with the numbers
-/// of its attributes there.
+/// Where the attributes of a primitive are from: its accessors, or a compressed mesh with the
+/// numbers of its attributes there.
 struct Source<'a> {
     attributes: &'a schema::Attributes,
     compressed: Option<&'a (DracoMesh, schema::Attributes)>,

@@ -1,8 +1,8 @@
 //! The lines of numbers of an OBJ file (`v`, `vt`, `vn`): where they are, and how they are written
 //! for `tobj`.
 //!
-//! Nearly all numbers are plain. Those are checked without being parsed, and copied as they are: only
-//! `tobj` parses them.
+//! Nearly all numbers are plain. Those are checked without being parsed, and copied as they are:
+//! only `tobj` parses them.
 
 use super::piece::Counts;
 use crate::import::text::{self, Lines};
@@ -38,7 +38,8 @@ impl NumberLines {
         let mut found = Self::default();
         let mut lines = Lines::new(text, 0);
         loop {
-            // A piece is longer than 4 GB only where it is no text; its lines are then not found again.
+            // A piece is longer than 4 GB only where it is no text; its lines are then not found
+            // again.
             let at = u32::try_from(text.len() - lines.bytes_left()).unwrap_or(u32::MAX);
             let Some(line) = lines.next() else { break };
             let (key, rest) = text::keyword(&line.text);

@@ -1,10 +1,10 @@
 //! The faces of one piece as an OBJ text of their own, with the numbers they use, parsed by `tobj`.
 //!
-//! `tobj` looks up the corners of a face among the numbers it has read. So that pieces can be parsed
-//! independently, a piece brings those that its faces use, numbered by their first use. That is how
-//! `tobj` numbers what it returns, too. Where a piece has texture coordinates or normals, every
-//! corner gets them: `tobj` would take those of the corner before. A corner without gets one that
-//! stands for none.
+//! `tobj` looks up the corners of a face among the numbers it has read. So that pieces can be
+//! parsed independently, a piece brings those that its faces use, numbered by their first use. That
+//! is how `tobj` numbers what it returns, too. Where a piece has texture coordinates or normals,
+//! every corner gets them: `tobj` would take those of the corner before. A corner without gets one
+//! that stands for none.
 
 use super::numbers::{NumberLines, write_normal, write_position, write_uv};
 use super::piece::{Corner, Counts, NONE, Piece, UsedNumbers};

@@ -109,8 +109,8 @@ pub(super) fn apply(lamps: Vec<Lamp>, file_name: &str, finder: &mut Finder, buil
 }
 
 impl Lamp {
-    /// Largest intensity in radiance times square metres, of a lamp with or without a profile and its
-    /// candela.
+    /// Largest intensity in radiance times square metres, of a lamp with or without a profile and
+    /// its candela.
     fn intensity(&self, profile: Option<(&LightProfile, f64)>, nits_per_unit: f32) -> Vec3 {
         let flux = profile.map_or(4.0 * PI, |(profile, _)| profile.flux());
         let candela = match self.strength {

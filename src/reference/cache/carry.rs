@@ -100,7 +100,8 @@ impl ReferenceCache {
     /// Follows the triangles of a model to their numbers in another geometry of it, loaded again or
     /// with other objects, before [`Self::carry_to`]. Where objects moved, came or went, the light
     /// that they can change is marked as stale. References come back as they were where they have
-    /// been in this geometry before. Drops the references of other models, and returns their number.
+    /// been in this geometry before. Drops the references of other models, and returns their
+    /// number.
     pub fn renumber(&mut self, tracers: [&Tracer; 2]) -> usize {
         let [old, new] = tracers.map(Tracer::scene);
         let count = self.entries.len();

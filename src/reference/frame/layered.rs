@@ -77,8 +77,8 @@ impl ReferenceFrame {
         self.traced.as_ref().map_or(&self.origin, |traced| &traced.origin)
     }
 
-    /// The factor per channel by which the light differs from that which was traced, where it is the
-    /// same for all groups.
+    /// The factor per channel by which the light differs from that which was traced, where it is
+    /// the same for all groups.
     fn common_ratio(&self, scene: &Scene) -> Option<Vec3> {
         let ratio = |(before, now): (Vec3, Vec3)| (before.min_element() > 0.0).then(|| now / before);
         let mut ratios = self.traced_in().light_factors().into_iter().zip(scene.light_factors()).map(ratio);

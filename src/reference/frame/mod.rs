@@ -124,8 +124,8 @@ impl ReferenceFrame {
     }
 
     /// Traces [`Self::trace`], and in addition the samples of its smooth light, from which
-    /// [`Self::filtered`] makes the reference that look-ups read. Where a scene has normal maps, its
-    /// light then has to be traced `for_look_ups`.
+    /// [`Self::filtered`] makes the reference that look-ups read. Where a scene has normal maps,
+    /// its light then has to be traced `for_look_ups`.
     pub(crate) fn trace_samples(
         tracer: &Tracer,
         camera: &Camera,

@@ -56,8 +56,8 @@ const PLACE_LEVELS: usize = 5;
 const PLACE_REACH: f32 = 8.0;
 
 /// Distance between places that share light at most, relative to that from the eye. Without this
-/// limit, blocks of a furnished room of 48 x 32 pixels were off by up to 13.7 %; with any limit from
-/// 0.12 to 0.25, by less than 13 %.
+/// limit, blocks of a furnished room of 48 x 32 pixels were off by up to 13.7 %; with any limit
+/// from 0.12 to 0.25, by less than 13 %.
 const FARTHEST_PLACE: f32 = 0.18;
 
 /// The filter of a picture: which of its pixels share light, whatever samples they have.

@@ -160,8 +160,8 @@ impl Moved {
 }
 
 impl Known<'_> {
-    /// What holds of the light of a pixel whose direct light does. Without bounces, light of the sky
-    /// is part of that.
+    /// What holds of the light of a pixel whose direct light does. Without bounces, light of the
+    /// sky is part of that.
     fn smooth_mark(&self, frame: &ReferenceFrame, pixel: u32) -> Mark {
         let other = if frame.settings.bounces > 0 { Mark::DirectHolds } else { Mark::Stale };
         let Some(places) = &self.places else { return other };
@@ -226,7 +226,8 @@ fn reaches(light: &Light, (frame, pixel): (&ReferenceFrame, u32), old: &Tracer, 
         .any(|state| state.irradiance_of_light(light, &point, SAMPLES, shift, &mut rays) != Vec3::ZERO)
 }
 
-/// The triangles that let light pass otherwise in one of two states of a geometry than in the other.
+/// The triangles that let light pass otherwise in one of two states of a geometry than in the
+/// other.
 fn changed_transmission(states: [&Scene; 2], materials: &[Vec<MaterialContent>; 2]) -> Vec<u32> {
     let passes = |state: usize, triangle: u32| {
         materials[state][states[state].triangle_materials[triangle as usize].0 as usize].transmission

@@ -166,8 +166,8 @@ impl BakePlan {
         self.entries[reference].mask.covers(at, self.reach)
     }
 
-    /// The settings of a reference in a pass. All that it depends on, besides the scene, decides its
-    /// random numbers, so that these also tell it from others in a store.
+    /// The settings of a reference in a pass. All that it depends on, besides the scene, decides
+    /// its random numbers, so that these also tell it from others in a store.
     pub fn settings(&self, reference: usize, trace: &TraceSettings, pass: u32) -> TraceSettings {
         let PlanEntry { camera, mask, .. } = &self.entries[reference];
         let eye = camera.eye.to_array();

@@ -86,8 +86,8 @@ fn lights(walk: &Walkthrough) -> Vec<[Vec3; 2]> {
     lit.map(|(pixel, word)| [direct.1.unpack(*word), smooth.1.unpack(smooth.0[pixel as usize])]).collect()
 }
 
-/// The share of pixels whose direct light differs by more than packing, and the difference of smooth
-/// light on average. Where lights are traced by groups, fewer of them are culled.
+/// The share of pixels whose direct light differs by more than packing, and the difference of
+/// smooth light on average. Where lights are traced by groups, fewer of them are culled.
 fn differences(a: &Walkthrough, b: &Walkthrough) -> [f32; 2] {
     let (a, b) = (lights(a), lights(b));
     assert!(a.len() == b.len() && a.len() > 1000, "{} and {}", a.len(), b.len());

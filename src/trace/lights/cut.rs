@@ -167,9 +167,9 @@ impl<F: Fn(u32, Key) -> bool> Sight<'_, F> {
 }
 
 impl Known {
-    /// Factor of the importance: the root of the share that is visible, because the variance of what
-    /// is hidden by chance grows with the share itself. The share is that of half a line more, which
-    /// is seen.
+    /// Factor of the importance: the root of the share that is visible, because the variance of
+    /// what is hidden by chance grows with the share itself. The share is that of half a line more,
+    /// which is seen.
     fn visible(&self) -> f32 {
         let lines = self.lines as f32;
         ((self.share * lines + 0.5) / (lines + 0.5)).sqrt()

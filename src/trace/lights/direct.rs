@@ -49,8 +49,8 @@ impl Tracer {
         total
     }
 
-    /// Adds the irradiance that arrives straight from some kinds of lights to those of their groups.
-    /// Takes the rays of [`Self::irradiance_of`].
+    /// Adds the irradiance that arrives straight from some kinds of lights to those of their
+    /// groups. Takes the rays of [`Self::irradiance_of`].
     pub(crate) fn add_irradiance_by_group(
         &self,
         kinds: LightKinds,
@@ -118,8 +118,8 @@ impl Tracer {
     }
 
     /// Finds the irradiance of each light, and passes it to `add` with the light's index. `trace`
-    /// receives each bundle of shadow rays with the number of its rays whose irradiance was bounded,
-    /// and writes the share of light that passes along each.
+    /// receives each bundle of shadow rays with the number of its rays whose irradiance was
+    /// bounded, and writes the share of light that passes along each.
     #[inline(always)]
     fn irradiance_through(
         &self,

@@ -159,8 +159,8 @@ impl LightGrid {
         CellLights::new(&self.tree, distant_lights(scene), sight.parts())
     }
 
-    /// The lights of a region where each lamp is looked at, ascending; `None` where they are too many
-    /// to be sampled one by one, which a few lines show.
+    /// The lights of a region where each lamp is looked at, ascending; `None` where they are too
+    /// many to be sampled one by one, which a few lines show.
     fn find_singly(&self, scene: &Scene, bvh: &Bvh, region: &Region) -> Option<Vec<u32>> {
         // Enclose the region in a sphere.
         let (centre, radius) = (region.centre(), region.radius());

@@ -1,7 +1,8 @@
 //! Sampling of the scene's light sources: which of them matter where (`grid`, `region`, `cut`), in
-//! which order many lamps lie (`tree`, `emission`, `arrays`), how many samples each gets (`share`), points on
-//! them (`sample`, `quad`), which of those are left to paths (`near`), what passes on the way (`shadow`), the irradiance that arrives
-//! (`direct`, `many`), and what rough lobes scatter of it (`lobe`).
+//! which order many lamps lie (`tree`, `emission`, `arrays`), how many samples each gets (`share`),
+//! points on them (`sample`, `quad`), which of those are left to paths (`near`), what passes on the
+//! way (`shadow`), the irradiance that arrives (`direct`, `many`), and what rough lobes scatter of
+//! it (`lobe`).
 
 mod arrays;
 mod cut;

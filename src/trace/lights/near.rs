@@ -3,9 +3,9 @@
 //! A panel a hand's breadth below a ceiling lights the ceiling by the few points of it that are
 //! nearest. Points chosen evenly on the panel seldom fall there, and bring thousands of times the
 //! mean when they do: dots all over a picture of many bounces. The next ray of a path meets such a
-//! lamp often and brings its radiance alone. So at a vertex of a path, each direction belongs to one
-//! of the two: to a shadow ray where the sample would bring at most [`MOST`], else to the path. The
-//! halves add up without weights, as in the maximum heuristic of Veach and Guibas, "Optimally
+//! lamp often and brings its radiance alone. So at a vertex of a path, each direction belongs to
+//! one of the two: to a shadow ray where the sample would bring at most [`MOST`], else to the path.
+//! The halves add up without weights, as in the maximum heuristic of Veach and Guibas, "Optimally
 //! Combining Sampling Techniques for Monte Carlo Rendering", SIGGRAPH 1995.
 
 use crate::scene::Light;

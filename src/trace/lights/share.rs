@@ -20,8 +20,8 @@ use glam::Vec3;
 /// do not depend on it.
 pub(super) const MAX_LIGHTS: usize = MAX_SINGLE_LIGHTS;
 
-/// Largest number of lamps of a cell each of which is estimated at every point. Of more, parts of the
-/// tree are estimated first. Not tuned.
+/// Largest number of lamps of a cell each of which is estimated at every point. Of more, parts of
+/// the tree are estimated first. Not tuned.
 const MAX_SINGLE_ESTIMATES: usize = 512;
 
 /// Largest number of lamps of a part of the tree that are estimated one by one. Not tuned.

@@ -166,8 +166,8 @@ impl LightTree {
         &self.lamps[first as usize..][..count as usize]
     }
 
-    /// Estimates what each lamp of a node brings to a surface point, times a factor, and appends it;
-    /// zero only where it brings none.
+    /// Estimates what each lamp of a node brings to a surface point, times a factor, and appends
+    /// it; zero only where it brings none.
     pub(super) fn append_estimates(
         &self,
         node: u32,

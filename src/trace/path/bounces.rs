@@ -287,10 +287,10 @@ impl Path<'_> {
         }
     }
 
-    /// Follows a ray from a vertex to the next point that scatters diffusely, through mirrors, glass and rough
-    /// surfaces on the way. At a surface with several lobes one is chosen at random, by the share
-    /// of light that it carries. Appends to `lit` what rough surfaces scatter straight from lights,
-    /// with their indices.
+    /// Follows a ray from a vertex to the next point that scatters diffusely, through mirrors,
+    /// glass and rough surfaces on the way. At a surface with several lobes one is chosen at
+    /// random, by the share of light that it carries. Appends to `lit` what rough surfaces scatter
+    /// straight from lights, with their indices.
     fn next(
         &self,
         (vertex, mut ray): (&SurfacePoint, Ray),

@@ -60,8 +60,8 @@ impl Tracer {
         self.reference_pixel_of_hit(((view, pixel), false), hit, settings, rays)
     }
 
-    /// [`Self::reference_pixel`] of a view and a pixel whose first hit is known, with the light that
-    /// look-ups want ([`SurfacePoint::as_stored`]) where `for_look_ups`.
+    /// [`Self::reference_pixel`] of a view and a pixel whose first hit is known, with the light
+    /// that look-ups want ([`SurfacePoint::as_stored`]) where `for_look_ups`.
     pub(crate) fn reference_pixel_of_hit(
         &self,
         of: ((&View, u32), bool),

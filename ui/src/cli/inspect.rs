@@ -131,7 +131,8 @@ fn traced(scene: &Scene) -> Vec<String> {
     ways.into_iter().map(line).collect()
 }
 
-/// What pictures vary in the materials, apart from colour: a line for each such thing, with a count.
+/// What pictures vary in the materials, apart from colour: a line for each such thing, with a
+/// count.
 fn varied(scene: &Scene) -> Vec<String> {
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
     for what in scene.materials.iter().flat_map(Material::varies_by_picture) {

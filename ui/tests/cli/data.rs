@@ -256,7 +256,8 @@ fn one_recorded_walk_serves_tours_and_experiments() {
         assert_eq!(tour["frames"].as_array().unwrap().len(), if file == "mine.json" { 4 } else { 6 });
         let line = "experiment placement room.obj --quick --size 32x18 --samples 1 --truth-samples 2 --frames 4 --json";
         let context = bench.json(&format!("{line} --path {file} --out lab-{}", file.replace('#', "-")));
-        // Two modes, six camera paths, five rules; and each rule again with a store and after a bake.
+        // Two modes, six camera paths, five rules; and each rule again with a store and after a
+        // bake.
         assert_eq!((&context["cells"], &context["is_complete"]), (&json!(70), &json!(true)));
         let policies = context.pointer("/exact/policies").unwrap().as_array().unwrap();
         let none = policies.iter().find(|p| p["rule"] == "none" && p["walk"] == "slow").unwrap();

@@ -1,8 +1,9 @@
 //! Decoding buffer views that are compressed by `EXT_meshopt_compression` or
 //! `KHR_meshopt_compression`.
 //!
-//! Source: the text of the two extensions, appendix A (bitstream) and B (filters). The decoder is our
-//! own, because it must bear any bytes: nothing is allocated for a size that the data cannot fill.
+//! Source: the text of the two extensions, appendix A (bitstream) and B (filters). The decoder is
+//! our own, because it must bear any bytes: nothing is allocated for a size that the data cannot
+//! fill.
 
 mod attributes;
 mod bytes;

@@ -98,7 +98,8 @@ impl Decoder<'_> {
         Some(())
     }
 
-    /// A triangle without a recent edge. The halves of `pair` say where its other vertices are from.
+    /// A triangle without a recent edge. The halves of `pair` say where its other vertices are
+    /// from.
     fn free(&mut self, a: u32, pair: u8) -> Option<()> {
         let (high, low) = (pair >> 4, pair & 0xF);
         let b = self.vertex(high)?;

@@ -130,8 +130,8 @@ impl Edits {
         self.undone.clear();
     }
 
-    /// Applies the unsaved edits to a scene that was loaded again; materials and objects are matched
-    /// by name.
+    /// Applies the unsaved edits to a scene that was loaded again; materials and objects are
+    /// matched by name.
     #[must_use]
     pub fn carried_to(&self, saved: SceneEdit) -> Self {
         let mut carried = Self::new(saved);
