@@ -278,7 +278,8 @@ mod tests {
             dark.forget_light([0, 0], side);
             assert_eq!(dark.merged(&a).packed_light().0.len(), a.packed_light().0.len());
             assert_eq!(dark.merged(&a).lit(), a.lit());
-            assert!(errors[2] < errors[0] && errors[2] < errors[1], "{errors:?}");
+            // The squared error of a weighted mean is at most the weighted mean of theirs.
+            assert!(errors[2] <= 1.01 * (0.75 * errors[0] + 0.25 * errors[1]), "{errors:?}");
         });
     }
 

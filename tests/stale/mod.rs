@@ -84,11 +84,13 @@ fn of_random_edits_of_all_kinds_nearly_all_light_that_moved_is_marked_and_not_mu
     let mut all = edits::Found::default();
     for (kind, found) in sums {
         eprintln!("{kind}: {found:?}");
-        // A pane changes little: the shadows that it dims are looked for on the safe side.
-        assert!(found.marked <= 3 * found.moved, "{kind}: {found:?}");
+        // A pane changes little: the shadows that it dims are looked for on the safe side. A few
+        // hundred pixels of one kind are a small sample.
+        let most = if found.moved < 500 { 4 } else { 3 };
+        assert!(found.marked <= most * found.moved, "{kind}: {found:?}");
         all += found;
     }
-    assert!(all.moved > 1000 && all.missed * 50 <= all.moved, "{all:?}");
+    assert!(all.moved > 1000 && all.marked <= 3 * all.moved && all.missed * 50 <= all.moved, "{all:?}");
 }
 
 #[test]

@@ -31,6 +31,7 @@ mod planting;
 mod rooms;
 mod trim;
 mod walk;
+mod weave;
 
 use crate::scene::{Gradient, SceneBuilder, SceneError, Sky, Sun};
 use glam::{DVec3, Vec3};

@@ -1,7 +1,7 @@
 //! Materials and textures of the gallery.
 
 use super::plan::RoomName;
-use super::{fabric, paintings, parquet};
+use super::{paintings, parquet, weave};
 use crate::scene::builtin::parts::{HARBOUR, MARBLE, Materials, TILES, WOOD, texture, textured};
 use crate::scene::{Material, MaterialId, MaterialKind, SceneBuilder, SceneError, TextureId, TextureRef};
 use glam::Vec3;
@@ -135,7 +135,7 @@ fn frosted(b: &mut SceneBuilder) -> MaterialId {
 }
 
 fn curtain(b: &mut SceneBuilder) -> MaterialId {
-    let texture = b.add_texture(fabric::sheer());
+    let texture = b.add_texture(weave::sheer());
     let mut material = Material::diffuse("sheer curtain", Vec3::splat(0.8));
     material.cover_by(TextureRef::plain(texture));
     b.add_material(material)
