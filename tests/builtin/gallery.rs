@@ -1,7 +1,7 @@
 //! Properties of the gallery.
 
 use super::{scene, triangles_where};
-use afterimage::scene::{Light, Material, SolidSide};
+use afterimage::scene::{Light, SolidSide};
 
 #[test]
 fn gallery_has_its_documented_size() {
