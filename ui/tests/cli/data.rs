@@ -119,9 +119,13 @@ fn inspect_answers_with_the_contract() {
             "glass",
             "glossy",
             "frosted",
+            "normal_maps",
+            "varied",
             "textures",
             "alpha",
             "area_lights",
+            "many_lights",
+            "light_profiles",
             "sky",
             "needles",
             "coincident"
