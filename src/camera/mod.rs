@@ -40,7 +40,8 @@ pub struct Camera {
     /// Vertical field of view in radians.
     pub fov_y: f64,
     /// Rotation about the viewing direction in radians. Positive values lean the viewer's head to
-    /// the right. Nobody walks so: only cameras of models, and views made from them, have a roll.
+    /// the right. Only cameras of models, and views made from them, have a roll; levelling the view
+    /// removes it.
     #[serde(default, skip_serializing_if = "is_level")]
     pub roll: f64,
 }

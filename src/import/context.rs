@@ -57,8 +57,8 @@ impl<'a> Import<'a> {
         self.options.up.or(self.sidecar.up)
     }
 
-    /// Warns where the model seems to lie on its side, and nobody has said what is up. It is not
-    /// turned: a slab of a building has the shape of a hall that lies on its side.
+    /// Warns where the model seems to lie on its side and no option or sidecar says which axis is
+    /// up. It is not turned: a slab of a building has the shape of a hall that lies on its side.
     pub(super) fn hint_up(&mut self) {
         if self.up().is_none() && units::looks_z_up(&self.builder.positions, &self.builder.triangles) {
             let file = &self.sidecar.file_name;

@@ -19,7 +19,7 @@ pub enum ProfileAngles {
 /// Intensities of a lamp on a grid of directions, relative to the largest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LightProfile {
-    /// How directions are named.
+    /// The pair of angles that names a direction, as in types A, B and C of LM-63.
     angles: ProfileAngles,
     /// Radians, ascending: 0 to 2 pi around the aim, -pi/2 to pi/2 else.
     horizontal: Vec<f32>,
@@ -49,7 +49,7 @@ pub struct ProfileLight {
     pub position_m: glam::DVec3,
     /// Largest intensity.
     pub intensity: Vec3,
-    /// How it depends on direction.
+    /// Share of the largest intensity in each direction around the lamp.
     pub profile: AimedProfile,
 }
 

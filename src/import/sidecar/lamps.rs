@@ -26,7 +26,7 @@ pub(super) struct Lamp {
     profile: Option<(String, [Vec3; 2])>,
 }
 
-/// How bright a lamp is.
+/// Brightness of a `[[point_light]]`, by the one of its keys that gives it.
 #[derive(Clone, Copy, Debug)]
 enum Strength {
     /// Intensity in radiance times square metres.

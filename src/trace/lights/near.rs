@@ -21,6 +21,10 @@ impl Tracer {
     /// True where shadow rays leave the emission of `lamp` to the path that arrives from `vertex`.
     pub(in crate::trace) fn is_lamp_near(&self, vertex: &SurfacePoint, lamp: &SurfacePoint) -> bool {
         let scene = self.scene();
+        // Most surfaces are no lamps: search the list of those only where a surface emits.
+        if !scene.material_of(lamp.triangle).is_emissive() {
+            return false;
+        }
         let Some(light) = scene.lamp_of_triangle(lamp.triangle) else { return false };
         let area = match &scene.lights[light as usize] {
             Light::Quad { edge_u, edge_v, .. } => edge_u.cross(*edge_v).length(),

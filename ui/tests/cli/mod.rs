@@ -2,6 +2,7 @@
 
 mod bake;
 mod data;
+mod inspect;
 mod runs;
 mod settings;
 mod trouble;

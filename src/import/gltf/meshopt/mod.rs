@@ -18,7 +18,7 @@ pub(super) use filters::Filter;
 /// Maximum size of an element in bytes, which is that of the extension.
 const MAX_STRIDE: usize = 256;
 
-/// What a compressed view holds.
+/// Layout of the elements of a compressed buffer view (`mode` of `EXT_meshopt_compression`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Mode {
     /// Elements of any kind.
