@@ -27,8 +27,8 @@ pub(super) enum Cell {
     /// All light that arrives at its surfaces, as the radiance of a white one, and the point that
     /// sees all others.
     Lit(Vec3, Anchor),
-    /// Its surfaces do not see each other, as on both sides of a wall, or are too small to be
-    /// found.
+    /// Its surfaces do not see each other, as on both sides of a wall, are close to a lamp, or are too
+    /// small to be found.
     Divided,
 }
 
@@ -119,12 +119,25 @@ pub(super) fn for_each_sample(
             && sees(tracer, key, first.position, position_of(key, &sequence, *anchor))
     };
     let (_, anchor) = points.first().filter(|first| is_whole(first)).copied()?;
+    if points.iter().any(|(point, _)| is_close_to_lamp(tracer, key, point)) {
+        return None;
+    }
     // Rays of cells are not counted: which thread traces them is left to chance.
     let mut rays = RayCounts::default();
     for number in 0..POINTS as u32 {
         sample(&points[number as usize % points.len()].0, number, sequence, &mut rays);
     }
     Some(anchor)
+}
+
+/// True where a lamp is nearer in front of a point than the cell is wide. It may light that part of
+/// the cell alone, which the rest of the room does not see, as the ceiling above a hanging panel.
+fn is_close_to_lamp(tracer: &Tracer, key: &CellKey, point: &SurfacePoint) -> bool {
+    if !tracer.scene().features.area_lights {
+        return false;
+    }
+    let ray = Ray { t_max: key.length(), ..Ray::new(point.origin_in_front(), point.geometric_normal) };
+    tracer.closest(&ray).is_some_and(|hit| tracer.scene().material_of(hit.triangle).is_emissive())
 }
 
 /// The random shift of each light for a sample of a cell.
