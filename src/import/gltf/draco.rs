@@ -37,14 +37,16 @@ impl DracoMesh {
         let attribute = self.mesh.attribute_by_unique_id(u32::try_from(id).ok()?)?;
         let mut values = attribute.read_f32s(self.count, width);
         let most = match attribute.data_type() {
-            _ if !is_normalized => 1.0,
             DataType::Int8 => 127.0,
             DataType::Uint8 => 255.0,
             DataType::Int16 => 32_767.0,
             DataType::Uint16 => 65_535.0,
-            _ => 1.0,
+            _ => return Some(values),
         };
-        values.iter_mut().for_each(|value| *value = (*value / most).max(-most));
+        // The equations of the specification for normalised integers.
+        if is_normalized {
+            values.iter_mut().for_each(|value| *value = (*value / most).max(-1.0));
+        }
         Some(values)
     }
 }
