@@ -78,9 +78,13 @@ fn strength(s: &Section, notes: &mut Notes) -> Option<Strength> {
     let mut number = |key: &str| s.number(key, range.clone(), notes).map(|n| n as f32);
     let candela = number("candela").map(Strength::Candela);
     let lumens = number("lumens").map(Strength::Lumens);
-    let factor = number("factor").unwrap_or(1.0);
-    let profile = s.text("ies", notes).map(|_| Strength::Profile(factor));
+    let factor = number("factor");
+    let profile = s.text("ies", notes).map(|_| Strength::Profile(factor.unwrap_or(1.0)));
     let given: Vec<Strength> = [intensity, candela, lumens].into_iter().flatten().collect();
+    if factor.is_some() && (profile.is_none() || !given.is_empty()) {
+        let cause = "'factor' in [[point_light]] has no effect; it multiplies the candela of 'ies' alone";
+        notes.add(s.at(), cause.to_owned());
+    }
     match (given.as_slice(), profile) {
         ([one], _) => Some(*one),
         ([], profile) => profile,
