@@ -106,7 +106,7 @@ fn through_window(sky: &CieSky, at: DVec3) -> f64 {
     let area = (WINDOW_X_M[1] - WINDOW_X_M[0]) * (WINDOW_Y_M[1] - WINDOW_Y_M[0]) / f64::from(STEPS).powi(2);
     let piece = |(i, j): (u32, u32)| {
         let way = dvec(middle(WINDOW_X_M, i), middle(WINDOW_Y_M, j), WINDOW_Z_M) - at;
-        let direction = way.normalize();
+        let direction = way.normalize_or(DVec3::Y);
         let radiance = f64::from(sky.radiance(direction.as_vec3()).y);
         radiance * direction.y.max(0.0) * direction.z * area / way.length_squared()
     };
