@@ -5,6 +5,7 @@ mod adapter;
 mod comparing;
 mod desk;
 mod disk;
+mod document;
 mod driving;
 mod dropping;
 mod editing;

@@ -2,8 +2,8 @@
 
 use super::{
     Arrival, Canvas, CurrentScene, FloorWatch, MOTION_TIME, OwnWrites, Parts, Services, apply, autosave,
-    current_work, end_autosave, hold_close, is_session, open, open_session, poll, read_state_folder,
-    send_request, show_appearance, update_comparison,
+    current_work, end_autosave, hold_close, is_session, open, open_model, open_session, poll,
+    read_state_folder, send_request, show_appearance, update_comparison,
 };
 use crate::window::gpu::adapter;
 use crate::window::input::{Input, key_commands, steer};
@@ -11,6 +11,7 @@ use crate::window::launch::LaunchOptions;
 use crate::window::panels;
 use crate::window::rendering::{RenderThread, SceneSource, Wake};
 use crate::window::state::{AppState, Command, Quality, Severity, Work};
+use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
@@ -86,12 +87,13 @@ impl App {
             own_writes: OwnWrites::default(),
             light: None,
             tasks: Vec::new(),
+            ended: Arc::default(),
         };
         show_appearance(&mut state, &services, services.launch.appearance);
         let mut parts = Parts { state, current: CurrentScene::new(arrival), services };
         match parts.services.launch.scene.clone().unwrap_or_else(SceneSource::default_builtin) {
             SceneSource::File { path, .. } if is_session(&path) => open_session(&mut parts, path),
-            scene => open(&mut parts, scene),
+            scene => open_model(&mut parts, scene),
         }
         if parts.services.loading.is_none() {
             open(&mut parts, SceneSource::default_builtin());
@@ -102,6 +104,12 @@ impl App {
     /// Returns what the window shows.
     pub fn state(&self) -> &AppState {
         &self.parts.state
+    }
+
+    /// Returns a flag that ends the program without a question, as the system does. What is not
+    /// saved is kept, and offered at the next start.
+    pub fn ended(&self) -> Arc<AtomicBool> {
+        self.parts.services.ended.clone()
     }
 
     /// Returns the render thread.
@@ -208,7 +216,7 @@ impl eframe::App for App {
         if let Some(export) = self.parts.services.export.take() {
             export.cancel_and_wait();
         }
-        end_autosave(&self.parts.services);
+        end_autosave(&mut self.parts);
         self.parts.services.render.stop();
     }
 }
