@@ -2,10 +2,14 @@
 
 use super::*;
 use afterimage::Tracer;
+use afterimage::camera::CameraPath;
 use afterimage::raster::exposure::Exposure;
 use afterimage::scene::{LightSetting, Material, MaterialId, MaterialKind, ObjectEdit, SceneEdit};
+use afterimage_ui::window::input::playback::{path_secs, with_key};
 use afterimage_ui::window::panels;
-use afterimage_ui::window::state::{AppState, Change, Command, Compare, EditCommand, Edits, SceneInfo};
+use afterimage_ui::window::state::{
+    AppState, Change, Command, Compare, Document, EditCommand, OpenDocument, SceneInfo, SunControls,
+};
 use egui::Key;
 use glam::{DVec3, Vec3};
 use proptest::prelude::*;
@@ -58,19 +62,33 @@ fn state_of(kind: MaterialKind, diffuse: [f32; 3], n: &[f32]) -> AppState {
         let setting = LightSetting { intensity: n[4] / 3.0, color: Vec3::from_array(diffuse), is_on: true };
         edit.lights.set(&group.name, setting);
     }
-    let mut state = AppState { scene: Some(scene), edits: Some(Edits::new(edit)), ..AppState::default() };
+    let document = Document { scene: edit, sun: sun_of(n), path: Some(path_of(n)), ..Document::default() };
+    let mut state = AppState { scene: Some(scene), ..AppState::default() };
+    set_quality(&mut state, n);
+    state.navigation.playback.at_secs = path_secs(&path_of(n)) * 0.123_456_789;
+    state.document = Some(OpenDocument::new(document, state.quality));
     (state.selection.material, state.selection.object) = (Some(MaterialId(0)), key);
     state.knows_lights = true;
-    set_light_and_quality(&mut state, n);
     state
 }
 
-fn set_light_and_quality(state: &mut AppState, n: &[f32]) {
+fn sun_of(n: &[f32]) -> SunControls {
     let number = |i: usize| f64::from(n[i]);
-    state.sun.is_by_place = n[5] > 1.0;
-    state.sun.place.hours = number(5) % 24.0;
-    (state.sun.place.latitude_deg, state.sun.direction.azimuth_deg) = (number(6) % 90.0, number(6) % 360.0);
-    (state.sun.north_deg, state.sun.turbidity) = (number(7) % 180.0, 1.0 + n[7] % 9.0);
+    let mut sun = SunControls { is_by_place: n[5] > 1.0, ..SunControls::default() };
+    sun.place.hours = number(5) % 24.0;
+    (sun.place.latitude_deg, sun.direction.azimuth_deg) = (number(6) % 90.0, number(6) % 360.0);
+    (sun.north_deg, sun.turbidity) = (number(7) % 180.0, 1.0 + n[7] % 9.0);
+    sun
+}
+
+fn path_of(n: &[f32]) -> CameraPath {
+    let key = |i: usize| Camera::look_at(DVec3::X * f64::from(n[i]), DVec3::Y, 60.0);
+    let path = with_key(None, &key(0));
+    with_key(Some(&with_key(Some(&path), &key(1))), &key(2))
+}
+
+fn set_quality(state: &mut AppState, n: &[f32]) {
+    let number = |i: usize| f64::from(n[i]);
     let quality = &mut state.quality;
     (quality.render_scale, quality.budget_ms) = (n[8] / 400.0, n[8] * 3.1);
     quality.exposure = if n[8] > 1.0 { Exposure::Stops(n[9] / 17.0) } else { Exposure::Auto };
@@ -78,11 +96,6 @@ fn set_light_and_quality(state: &mut AppState, n: &[f32]) {
     quality.walk.cache_bytes = (number(10) * 1e7) as usize;
     quality.walk.render.trace.samples = n[10] as u32;
     (state.comparison.shows, state.comparison.split) = (Compare::Split, n[11] / 400.0);
-    let playback = &mut state.navigation.playback;
-    for i in 0..3 {
-        playback.add_key(&Camera::look_at(DVec3::X * number(i), DVec3::Y, 60.0));
-    }
-    playback.at_secs = playback.secs() * 0.123_456_789;
     state.navigation.fly.jump_to(Camera::look_at(DVec3::ZERO, DVec3::X, 20.0 + number(11) / 5.0));
     state.navigation.fly.set_speed(number(11) / 3.0);
 }
@@ -153,8 +166,8 @@ fn clicking_a_surface_does_not_edit_it() {
     for [right, down] in [[-20.0, 180.0], [0.0, 0.0], [90.0, -60.0], [-120.0, 40.0]] {
         editing::click(&mut window, right, down);
         window.run_steps(3);
-        let edits = window.state().state().edits.as_ref().expect("a scene");
-        assert!(!edits.is_unsaved() && !edits.can_undo());
+        let state = window.state().state();
+        assert!(!state.is_unsaved() && !state.document.as_ref().expect("a scene").can_undo());
     }
     settle(&mut window);
 }

@@ -146,7 +146,7 @@ fn views_and_references_get_small_pictures() {
     let is_there = |app: &App| {
         let state = app.state();
         let thumbnails = &state.thumbnails;
-        let views = state.scene.iter().flat_map(|s| &s.views).map(|v| v.camera);
+        let views = state.views().iter().map(|v| v.camera);
         let references = state.frame.iter().flat_map(|f| &f.references).map(|r| r.camera);
         views.chain(references).all(|camera| thumbnails.of(&camera).is_some())
     };

@@ -60,7 +60,7 @@ pub(super) fn update_plan(app: &mut Parts) {
 pub(super) fn update_thumbnails(state: &mut AppState, services: &Services) {
     state.thumbnails.poll(&services.ctx);
     if matches!(state.work, Work::Complete | Work::Refining | Work::Converged | Work::Paused) {
-        let views = state.scene.iter().flat_map(|s| s.views.iter().map(|v| &v.camera));
+        let views = state.document.iter().flat_map(|d| d.now().views.iter().map(|v| &v.camera));
         let references = state.frame.iter().flat_map(|f| f.references.iter().map(|r| &r.camera));
         let exposure_ev = state.exposure_ev();
         state.thumbnails.request(views.chain(references), exposure_ev, &services.wake);

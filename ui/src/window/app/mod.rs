@@ -39,9 +39,9 @@ use persistence::{
 use pictures::{handle_picture, poll_export, save_from_references};
 use poll::poll;
 use render_request::{current_work, note_frame, send_request};
-use scene_edits::{begin_edits, handle_edit, is_sky, open_sky, poll_edit, save_sidecar, show_sky_picture};
+use scene_edits::{begin_document, handle_edit, is_sky, open_sky, poll_edit, save_sidecar, show_sky_picture};
 use services::{AppEvent, FloorWatch, Measurement, PendingEdit, Services};
 use session_file::{EXTENSION, SessionFile, is_session};
 use update::{apply, show_appearance};
-use watch::{modified, watch};
+use watch::{OwnWrites, modified, watch};
 pub use window_app::App;

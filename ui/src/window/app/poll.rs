@@ -78,8 +78,8 @@ fn apply(app: &mut Parts, event: AppEvent) {
         AppEvent::PictureView(view) => go_to_picture(app, view),
         AppEvent::SavedEdit(edit, Ok(path)) => {
             saved(&mut app.state, &path);
-            if let Some(edits) = &mut app.state.edits {
-                edits.set_saved(*edit);
+            if let Some(document) = &mut app.state.document {
+                document.set_saved_in_files(*edit);
             }
             leave(app);
         }

@@ -1,5 +1,6 @@
 //! Threads, tasks and the graphics adapter.
 
+use super::OwnWrites;
 use crate::picture::restore::PictureView;
 use crate::window::export::{Destination, Exported};
 use crate::window::launch::LaunchOptions;
@@ -7,7 +8,7 @@ use crate::window::rendering::baking::{Baking, ShownFloor};
 use crate::window::rendering::{
     FullTrace, Loading, Plan, RenderThread, Task, TaskError, Wake, spawn_activity,
 };
-use crate::window::state::{AppState, Pair, PictureError};
+use crate::window::state::{AppState, Document, Pair, PictureError};
 use afterimage::Tracer;
 use afterimage::render::bake::FloorCover;
 use afterimage::scene::{SceneEdit, SkyImage};
@@ -28,7 +29,7 @@ pub(super) enum AppEvent {
     /// The view of a picture was read.
     PictureView(PictureView),
     /// Materials and daylight were saved in the sidecar, or could not be saved.
-    SavedEdit(Box<SceneEdit>, anyhow::Result<PathBuf>),
+    SavedEdit(Box<Document>, anyhow::Result<PathBuf>),
     /// A picture of the sky was read.
     SkyPicture(Arc<SkyImage>),
 }
@@ -83,6 +84,8 @@ pub(super) struct Services {
     pub(super) baking: Option<Baking>,
     pub(super) floor: FloorWatch,
     pub(super) file_dialog: Option<Task<Option<PathBuf>>>,
+    /// Files that the program has written itself.
+    pub(super) own_writes: OwnWrites,
     /// Ends when the files of the scene have changed.
     pub(super) watch: Option<Task<PathBuf>>,
     /// Measures the light in the scene for the automatic exposure.

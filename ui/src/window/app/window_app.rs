@@ -1,9 +1,9 @@
 //! The app of the window.
 
 use super::{
-    Arrival, Canvas, CurrentScene, FloorWatch, MOTION_TIME, Parts, Services, apply, autosave, current_work,
-    end_autosave, hold_close, is_session, open, open_session, poll, read_state_folder, send_request,
-    show_appearance, update_comparison,
+    Arrival, Canvas, CurrentScene, FloorWatch, MOTION_TIME, OwnWrites, Parts, Services, apply, autosave,
+    current_work, end_autosave, hold_close, is_session, open, open_session, poll, read_state_folder,
+    send_request, show_appearance, update_comparison,
 };
 use crate::window::gpu::adapter;
 use crate::window::input::{Input, key_commands, steer};
@@ -83,6 +83,7 @@ impl App {
             floor: FloorWatch::default(),
             file_dialog: None,
             watch: None,
+            own_writes: OwnWrites::default(),
             light: None,
             tasks: Vec::new(),
         };

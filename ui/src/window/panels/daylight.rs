@@ -29,12 +29,12 @@ const SKIES: [(SkyKind, &str, &str); 5] = [
 
 /// Shows the controls of the sun and the sky.
 pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
-    let Some(edits) = &state.edits else {
+    let Some(document) = &state.document else {
         ui.weak("No scene yet.");
         return;
     };
-    let now = &edits.now().daylight;
-    let (mut has_sun, mut has_sky, mut sun) = (now.sun.is_some(), now.sky.is_some(), state.sun.clone());
+    let (now, before) = (&document.scene().daylight, &document.now().sun);
+    let (mut has_sun, mut has_sky, mut sun) = (now.sun.is_some(), now.sky.is_some(), before.clone());
     let mut picture = match &now.sky {
         Some(Sky::Picture(sky)) => Some(sky.clone()),
         _ => None,
@@ -68,15 +68,12 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
         }
         _ => drop(ui.weak(if height_deg > 0.0 { place } else { format!("{place}: below the horizon") })),
     }
-    let mut wanted = daylight(now, &state.sun, &sun, [has_sun, has_sky]);
+    let mut wanted = daylight(now, before, &sun, [has_sun, has_sky]);
     if let (Some(Sky::Picture(sky)), Some(changed)) = (&mut wanted.sky, picture) {
         *sky = changed;
     }
-    if wanted != *now {
-        commands.push(Command::Edit(EditCommand::Change(Change::Daylight(wanted))));
-    }
-    if sun != state.sun {
-        commands.push(Command::Edit(EditCommand::SetSun(sun)));
+    if wanted != *now || sun != *before {
+        commands.push(Command::Edit(EditCommand::Change(Change::Daylight(wanted, Box::new(sun)))));
     }
 }
 

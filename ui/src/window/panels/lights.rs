@@ -13,7 +13,7 @@ const STOPS: std::ops::RangeInclusive<f64> = -10.0..=10.0;
 
 /// Shows a row for each group of lights.
 pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
-    let (Some(edits), Some(scene)) = (&state.edits, &state.scene) else {
+    let (Some(document), Some(scene)) = (&state.document, &state.scene) else {
         ui.weak("No scene yet.");
         return;
     };
@@ -26,7 +26,7 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     }
     ui.spacing_mut().slider_width = 110.0;
     for group in &scene.light_groups {
-        let before = edits.now().lights.get(&group.name);
+        let before = document.scene().lights.get(&group.name);
         let setting = row(ui, &group.name, before);
         if setting != before {
             commands.push(Command::Edit(EditCommand::Change(Change::Light(group.name.clone(), setting))));

@@ -1,6 +1,6 @@
 //! The selected object: moving, hiding and deleting it; and the objects that are not shown.
 
-use super::super::state::{AppState, Change, Command, EditCommand, Edits, InspectCommand};
+use super::super::state::{AppState, Change, Command, EditCommand, InspectCommand, OpenDocument};
 use super::{numbers::Number, widgets::key_hint};
 use crate::window::input::keymap::Action;
 use afterimage::scene::{ObjectEdit, ObjectKey, Objects};
@@ -11,7 +11,7 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// Shows the selected object with its controls, and the list of hidden and deleted ones.
 pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
-    let (Some(edits), Some(scene)) = (&state.edits, &state.scene) else {
+    let (Some(document), Some(scene)) = (&state.document, &state.scene) else {
         ui.weak("No scene yet.");
         return;
     };
@@ -25,9 +25,9 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
         None => {
             ui.weak("Click an object or select one.");
         }
-        Some(key) => controls(ui, key, &edits.object(key), scene.reach_m(), commands),
+        Some(key) => controls(ui, key, &document.object(key), scene.reach_m(), commands),
     }
-    gone(ui, edits, commands);
+    gone(ui, document, commands);
 }
 
 fn choice(ui: &mut Ui, objects: &Objects, chosen: Option<&ObjectKey>, commands: &mut Vec<Command>) {
@@ -83,8 +83,8 @@ fn controls(ui: &mut Ui, key: &ObjectKey, now: &ObjectEdit, reach_m: f64, comman
 }
 
 /// Lists the objects that are hidden or deleted.
-fn gone(ui: &mut Ui, edits: &Edits, commands: &mut Vec<Command>) {
-    let gone: Vec<_> = edits.now().objects.iter().filter(|(_, edit)| edit.is_gone()).collect();
+fn gone(ui: &mut Ui, document: &OpenDocument, commands: &mut Vec<Command>) {
+    let gone: Vec<_> = document.scene().objects.iter().filter(|(_, edit)| edit.is_gone()).collect();
     if gone.is_empty() {
         return;
     }

@@ -1,10 +1,12 @@
 //! Everything that panels read.
 
 use super::{
-    Appearance, Comparison, Edits, FrameRate, Leaving, Navigation, Notice, Options, Overlay, PictureState,
-    Presentation, Quality, Sample, SceneInfo, Selection, Severity, SunControls, Work, history, notices,
+    Appearance, Comparison, FrameRate, Leaving, Navigation, Notice, OpenDocument, Options, Overlay,
+    PictureState, Presentation, Quality, Sample, SavedView, SceneInfo, Selection, Severity, Work, history,
+    notices,
 };
 use crate::window::rendering::{Plan, PlanView, Progress, PublishedFrame, SceneSource, Thumbnails};
+use afterimage::camera::CameraPath;
 use afterimage::raster::exposure::Metered;
 use glam::DVec3;
 use std::collections::VecDeque;
@@ -50,10 +52,9 @@ pub struct AppState {
     pub software_adapter: Option<String>,
     /// The comparison with the full tracer.
     pub comparison: Comparison,
-    /// Changes of materials and daylight; `None` before the first scene.
-    pub edits: Option<Edits>,
-    /// Position of the sun, as its controls show it.
-    pub sun: SunControls,
+    /// What the user can change about the scene: materials, objects, light, views, path and
+    /// measures; `None` before the first scene.
+    pub document: Option<OpenDocument>,
     /// Light is traced by groups, because the controls of the lights were shown.
     pub knows_lights: bool,
     /// The pixel, distance, material and reference that are selected.
@@ -126,6 +127,29 @@ impl AppState {
     /// Returns the exposure in stops.
     pub fn exposure_ev(&self) -> f32 {
         self.quality.exposure.stops().or(self.metered.map(Metered::ev)).unwrap_or_default()
+    }
+
+    /// True where something that the user has changed is not saved.
+    pub fn is_unsaved(&self) -> bool {
+        self.document.as_ref().is_some_and(|document| document.is_unsaved(&self.quality))
+    }
+
+    /// Returns the saved views, the start view first.
+    pub fn views(&self) -> &[SavedView] {
+        self.document.as_ref().map_or(&[], |document| &document.now().views)
+    }
+
+    /// Returns the user's camera path, or that of the scene where there is none; an empty one
+    /// without a scene.
+    pub fn path(&self) -> &CameraPath {
+        static NONE: CameraPath = CameraPath { fov_y_deg: 0.0, frames: 0, keyframes: Vec::new() };
+        let own = self.document.as_ref().and_then(|document| document.now().path.as_ref());
+        own.or(self.scene.as_ref().map(|scene| &scene.walk)).unwrap_or(&NONE)
+    }
+
+    /// True where the camera path is the user's own.
+    pub fn has_own_path(&self) -> bool {
+        self.document.as_ref().is_some_and(|document| document.now().path.is_some())
     }
 
     /// Returns width divided by height of the viewport.
