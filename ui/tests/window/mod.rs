@@ -8,6 +8,7 @@ mod disk;
 mod driving;
 mod dropping;
 mod editing;
+mod idle;
 mod inspect;
 mod keys;
 mod measured;

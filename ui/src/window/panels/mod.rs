@@ -1,5 +1,6 @@
 //! Panels around and over the viewport. A panel reads the state and requests changes by commands.
 
+pub mod color;
 pub mod comparison;
 pub mod daylight;
 pub mod help;
@@ -9,6 +10,7 @@ pub mod lights;
 pub mod material;
 pub mod menu;
 pub mod notices;
+pub mod numbers;
 pub mod object;
 pub mod overlay;
 pub mod path;
