@@ -2,6 +2,7 @@
 
 pub mod comparison;
 pub mod daylight;
+pub mod file_list;
 pub mod help;
 pub mod inspector;
 pub mod legend;

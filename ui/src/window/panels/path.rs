@@ -45,7 +45,10 @@ fn timeline(ui: &mut Ui, playback: &Playback, path: &CameraPath, commands: &mut 
     let label = ui.label("Time");
     let mut at_secs = playback.at_secs;
     ui.spacing_mut().slider_width = (ui.available_width() - 70.0).max(60.0);
-    let slider = Slider::new(&mut at_secs, 0.0..=path_secs(path)).fixed_decimals(1).suffix(" s");
+    let slider = Slider::new(&mut at_secs, 0.0..=path_secs(path))
+        .fixed_decimals(1)
+        .suffix(" s")
+        .clamping(egui::SliderClamping::Edits);
     if ui.add_enabled(!path.keyframes.is_empty(), slider).labelled_by(label.id).changed() {
         commands.push(Command::Navigate(NavigationCommand::SetPlayback(Playback {
             at_secs,
