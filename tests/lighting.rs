@@ -1,10 +1,12 @@
 //! Illuminance against closed forms, and the points and errors of work planes.
 
 use crate::rooms::{cuboid, dvec};
-use afterimage::Tracer;
-use afterimage::render::lighting::{LightMeter, PlaneArea, PlaneError, PlaneStatistics, Sensor, WorkPlane};
+use afterimage::render::lighting::{
+    LightMeter, PlaneArea, PlaneError, PlaneStatistics, Sensor, SurfaceLight, WorkPlane,
+};
 use afterimage::scene::{CieSky, Material, SceneBuilder, Sky};
 use afterimage::trace::{TraceSettings, parallel::NEVER};
+use afterimage::{Camera, Tracer};
 use glam::{DVec3, Vec2, Vec3};
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -47,6 +49,30 @@ fn a_white_room_has_its_closed_form_within_one_percent() {
     for reading in meter.readings() {
         assert!((reading.lux / expected - 1.0).abs() < 0.01, "{reading:?} for {expected}");
     }
+}
+
+/// The same for what a picture of the room shows: the light of each pixel is that of its surface.
+#[test]
+fn a_picture_of_the_light_in_a_white_room_has_its_closed_form() {
+    let rho = 0.5f32;
+    let mut b = SceneBuilder::new("white room");
+    let wall =
+        b.add_material(Material { emission: Vec3::ONE, ..Material::diffuse("wall", Vec3::splat(rho)) });
+    let mirror = b.add_material(Material::mirror("mirror", Vec3::splat(0.9)));
+    cuboid(&mut b, dvec(-2.0, -2.0, -2.0), dvec(2.0, 2.0, 2.0), wall, true);
+    let corners = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]];
+    b.add_quad(corners.map(|[x, y]| dvec(x, y, -1.9)), Vec2::ONE, mirror);
+    let tracer = tracer(b);
+    let camera = Camera::look_at(dvec(0.0, 0.0, 1.5), dvec(0.0, 0.0, -1.0), 60.0);
+    let trace = settings(64, TraceSettings::ALL_BOUNCES);
+    let light = SurfaceLight::trace(&tracer, &camera, [32, 32], &trace, NEVER).unwrap();
+    let lux = light.lux(tracer.scene().nits_per_unit());
+    let known: Vec<f64> = lux.iter().filter(|v| v.is_finite()).map(|v| f64::from(*v)).collect();
+    // The mirror has no illuminance, and dims the room a little.
+    assert!(lux[16 * 32 + 16].is_nan() && known.len() > 900, "{} pixels", known.len());
+    let expected = PI / f64::from(1.0 - rho) * f64::from(tracer.scene().nits_per_unit());
+    let mean = known.iter().sum::<f64>() / known.len() as f64;
+    assert!((mean / expected - 1.0).abs() < 0.03, "{mean} for {expected}");
 }
 
 /// A black room with a window to an overcast sky: the light of a point is the integral of the sky's

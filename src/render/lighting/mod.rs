@@ -5,9 +5,11 @@
 //! ([`Scene::is_photometric`](crate::Scene)), they are relative.
 
 mod meter;
+mod picture;
 mod plane;
 mod statistics;
 
 pub use meter::{LightMeter, Reading, Sensor};
+pub use picture::SurfaceLight;
 pub use plane::{MAX_POINTS, PlaneArea, PlaneError, WorkPlane};
 pub use statistics::PlaneStatistics;

@@ -165,8 +165,9 @@ fn floor_below(tracer: &Tracer, point: DVec3) -> Option<f64> {
     (probe.normal.y > 0.5).then_some(probe.position_m.y)
 }
 
+/// True where a surface cuts the way, or lies at its end: nearer than a hundredth of the way.
 fn is_blocked(tracer: &Tracer, from: DVec3, to: DVec3) -> bool {
-    tracer.probe(from, to - from, from.distance(to)).is_some()
+    tracer.probe(from, to - from, 1.01 * from.distance(to)).is_some()
 }
 
 fn is_under_roof(tracer: &Tracer, point: DVec3) -> bool {

@@ -12,8 +12,8 @@ fn measure_answers_with_the_contract_and_writes_its_table() {
         ["mean_lux", "min_lux", "max_lux", "uniformity", "error_percent", "points", "is_photometric"];
     assert_keys(&answer, &wanted);
     let points = answer["points"].as_array().unwrap();
-    // Whole metres from the eye: three across, eight along the room.
-    assert_eq!(points.len(), 3 * 8);
+    // Whole metres from the eye, without those on the walls: three across, seven along the room.
+    assert_eq!(points.len(), 3 * 7);
     let lux = |point: &serde_json::Value| point[3].as_f64().unwrap();
     let mean = points.iter().map(lux).sum::<f64>() / points.len() as f64;
     assert!((number(&answer, "/mean_lux") / mean - 1.0).abs() < 1e-9);
@@ -41,6 +41,40 @@ fn a_point_of_a_file_reads_what_the_plane_reads_there() {
         let on_plane = plane["points"].as_array().unwrap().iter().find(|p| p[2].as_f64() == Some(z)).unwrap();
         let ratio = on_plane[3].as_f64().unwrap() / from_file;
         assert!((ratio - 1.0).abs() < 0.1, "{ratio} at {z}");
+    }
+}
+
+#[test]
+fn illuminance_is_shown_in_false_colour_and_written_as_numbers() {
+    let bench = Bench::new();
+    let view = "--eye 0,1.6,3 --look-at 0.4,1.4,0 --size 48x32 --samples 4 --bounces 1 --json";
+    let answer = bench.json(&format!("render room.obj {view} --show illuminance --isolines -o lux.png"));
+    assert_eq!((&answer["show"], &answer["unit"]), (&"illuminance".into(), &"lx".into()));
+    let max = number(&answer, "/scale_max");
+    assert!(number(&answer, "/mean") < max && number(&answer, "/line_step") < max);
+    let fixed = bench.json(&format!("render room.obj {view} --show illuminance --scale 50000 -o lux.exr"));
+    assert_eq!(number(&fixed, "/scale_max"), 50_000.0);
+    let layers = exr::prelude::read_all_flat_layers_from_file(bench.path("lux.exr")).unwrap();
+    let channels = &layers.layer_data[0].channel_data.list;
+    let values = channels.iter().find(|channel| channel.name.to_string() == "Y").unwrap();
+    let sum: f64 = values.sample_data.values_as_f32().map(f64::from).sum();
+    let known: f64 = channels[0].sample_data.values_as_f32().map(f64::from).sum();
+    assert_eq!(channels[0].name.to_string(), "A");
+    assert!((sum / known / number(&fixed, "/mean") - 1.0).abs() < 1e-4);
+    for show in ["luminance", "clay"] {
+        bench.json(&format!("render room.obj {view} --show {show} -o {show}.png"));
+        assert!(bench.path(&format!("{show}.png")).exists());
+    }
+    for (flags, part) in [
+        ("--show clay --scale 5", "--scale and --isolines"),
+        ("--isolines", "--scale and --isolines"),
+        ("--show illuminance --antialias 4", "--antialias is for --show radiance"),
+        ("--show illuminance --scale 0", "above 0"),
+        ("--show heat", "illuminance"),
+    ] {
+        let output = bench.run(&format!("render room.obj {view} {flags} -o none.png"));
+        assert_eq!(output.status.code(), Some(2), "{flags}");
+        assert!(stderr(&output).contains(part), "{flags}: {}", stderr(&output));
     }
 }
 

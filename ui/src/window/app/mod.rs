@@ -3,6 +3,7 @@
 mod autosave;
 mod baking;
 mod canvas;
+mod choose_file;
 mod comparison;
 mod current_scene;
 mod inspect;
@@ -25,6 +26,7 @@ use afterimage::render::schedule::MOTION_TIME;
 use autosave::{Autosave, is_recovery, keep_session, left_behind, recovery_file};
 use baking::{poll_bake, toggle_bake, update_floor};
 use canvas::Canvas;
+use choose_file::{handle_list, poll_files, set_path_text};
 use comparison::{overlay, update_comparison};
 use current_scene::{Arrival, CurrentScene};
 use inspect::{handle_inspect, show_reference, update_plan, update_thumbnails};
@@ -45,7 +47,7 @@ use render_request::{current_work, note_frame, send_request};
 use scene_edits::{
     begin_document, change, handle_edit, is_sky, open_sky, poll_edit, rebuild, show_sky_picture,
 };
-use services::{AppEvent, FloorWatch, Measurement, PendingEdit, SavedSession, Services};
+use services::{AppEvent, Choosing, FloorWatch, Measurement, PendingEdit, SavedSession, Services};
 use session::{EXTENSION, SessionFile, beside_model, is_session, write_session};
 use update::{apply, show_appearance};
 use watch::{OwnWrites, modified, watch};

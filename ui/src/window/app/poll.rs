@@ -1,7 +1,7 @@
 //! Takes over everything that has happened in the background since the last update of the window.
 
 use super::{
-    AppEvent, Parts, go_to_picture, note_frame, open_path, poll_bake, poll_edit, poll_export, poll_loading,
+    AppEvent, Parts, go_to_picture, note_frame, poll_bake, poll_edit, poll_export, poll_files, poll_loading,
     poll_watch, save_from_references, save_session, session_saved, show_reference, show_sky_picture,
     update_floor, update_plan, update_thumbnails,
 };
@@ -18,6 +18,7 @@ pub(super) fn poll(app: &mut Parts) {
     poll_edit(app);
     poll_watch(app);
     poll_messages(app);
+    poll_files(app);
     poll_tasks(app);
     poll_frame(app);
     poll_light(app);
@@ -43,13 +44,6 @@ fn poll_messages(app: &mut Parts) {
 }
 
 fn poll_tasks(app: &mut Parts) {
-    match take_result(&mut app.services.file_dialog) {
-        Some(Ok(Some(path))) => open_path(app, path),
-        Some(Err(TaskError::Failed(text))) => {
-            app.state.error(format!("the file dialog cannot be started: {text}"));
-        }
-        Some(Ok(None) | Err(TaskError::Cancelled)) | None => {}
-    }
     let mut results = Vec::new();
     app.services.tasks.retain(|task| {
         let result = task.result();

@@ -1,9 +1,10 @@
 //! Sun and sky: the position of the sun by azimuth and elevation, or by place and time.
 
 use super::super::state::{AppState, Change, Command, EditCommand, SunControls};
+use super::numbers::Number;
 use afterimage::scene::place::PlaceAndTime;
 use afterimage::scene::{Daylight, PhysicalSky, PictureSky, Sky, SkyKind, solar::SunPosition};
-use egui::{DragValue, Slider, Ui};
+use egui::{DragValue, Slider, SliderClamping, Ui};
 
 /// Suggested places: name, latitude and longitude in degrees, time zone.
 const PLACES: [(&str, f64, f64, &str); 8] = [
@@ -112,11 +113,11 @@ fn slider(
     value: &mut f64,
     range: std::ops::RangeInclusive<f64>,
     decimals: usize,
-    unit: &str,
+    unit: &'static str,
 ) {
     let label = ui.label(name).on_hover_text(help);
-    let slider = Slider::new(value, range).clamping(egui::SliderClamping::Edits);
-    ui.add(slider.fixed_decimals(decimals).suffix(unit)).labelled_by(label.id).on_hover_text(help);
+    let slider = Number::new(range, decimals, unit).slider(ui, value);
+    slider.labelled_by(label.id).on_hover_text(help);
     ui.end_row();
 }
 
@@ -144,7 +145,9 @@ fn sky_rows(ui: &mut Ui, sun: &mut SunControls, picture: Option<&mut PictureSky>
         let (help, mut turbidity) = ("Turbidity: 2 is very clear, 3 clear, 10 hazy", sun.turbidity.into());
         let range = f64::from(*PhysicalSky::TURBIDITIES.start())..=f64::from(*PhysicalSky::TURBIDITIES.end());
         slider(ui, "Haze", help, &mut turbidity, range, 1, "");
-        sun.turbidity = turbidity as f32;
+        if turbidity != f64::from(sun.turbidity) {
+            sun.turbidity = turbidity as f32;
+        }
     }
     if let Some(sky) = picture {
         let [mut rotation, mut stops] =
@@ -192,6 +195,7 @@ fn place_rows(ui: &mut Ui, place: &mut PlaceAndTime) {
     let help = "Local time of the place, with summer time where its zone has it";
     let label = ui.label("Time of day").on_hover_text(help);
     let clock = Slider::new(&mut place.hours, 0.0..=24.0).custom_formatter(|hours, _| clock_text(hours));
+    let clock = clock.clamping(SliderClamping::Edits).update_while_editing(false);
     ui.add(clock.custom_parser(clock_hours).step_by(1.0 / 12.0)).labelled_by(label.id).on_hover_text(help);
     ui.end_row();
     let help = "Time zone by its name in the IANA database, such as Europe/Berlin";

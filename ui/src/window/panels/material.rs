@@ -1,11 +1,11 @@
 //! The editor of the selected material: matte, glossy, mirror, glass or frosted glass.
 
 use super::super::state::{AppState, Change, Command, EditCommand, InspectCommand, OpenDocument};
-use super::widgets::key_hint;
+use super::{color::color_button, numbers::Number, widgets::key_hint};
 use crate::window::input::keymap::Action;
 use crate::window::rendering::scene_loading::SceneSource;
 use afterimage::scene::{Material, MaterialId, MaterialKind};
-use egui::{Slider, SliderClamping, Ui};
+use egui::Ui;
 use glam::Vec3;
 
 /// Shows the selected material, its controls, and undo.
@@ -116,23 +116,19 @@ fn refraction_row(ui: &mut Ui, eta: &mut f32) {
     let label = ui
         .label("Refraction")
         .on_hover_text("Index of refraction: water 1.33, window glass 1.52, diamond 2.42");
-    let slider = Slider::new(eta, 1.0..=3.0).clamping(SliderClamping::Edits).fixed_decimals(2);
-    ui.add(slider).labelled_by(label.id);
+    Number::new(1.0..=3.0, 2, "").slider(ui, eta).labelled_by(label.id);
     ui.end_row();
 }
 
 fn roughness_row(ui: &mut Ui, roughness: &mut f32) {
     let label = ui.label("Roughness").on_hover_text("Polished 0, satin varnish 0.3, brushed metal 0.5");
-    ui.add(Slider::new(roughness, 0.0..=1.0).fixed_decimals(2)).labelled_by(label.id);
+    Number::new(0.0..=1.0, 2, "").slider(ui, roughness).labelled_by(label.id);
     ui.end_row();
 }
 
 fn color_row(ui: &mut Ui, name: &str, color: &mut Vec3) {
     let label = ui.label(name);
-    let mut rgb = color.to_array();
-    if ui.color_edit_button_rgb(&mut rgb).labelled_by(label.id).changed() {
-        *color = Vec3::from_array(rgb).clamp(Vec3::ZERO, Vec3::ONE);
-    }
+    color_button(ui, name, color).labelled_by(label.id);
     ui.end_row();
 }
 
@@ -140,11 +136,11 @@ fn color_row(ui: &mut Ui, name: &str, color: &mut Vec3) {
 fn brightness_row(ui: &mut Ui, name: &str, color: &mut Vec3) {
     let label = ui.label(name);
     let largest = color.max_element();
-    let mut percent = largest * 100.0;
-    let slider = Slider::new(&mut percent, 0.0..=100.0).fixed_decimals(0).suffix(" %");
-    if ui.add(slider).labelled_by(label.id).changed() {
+    let mut wanted = largest;
+    Number::percent(0.0..=100.0).slider(ui, &mut wanted).labelled_by(label.id);
+    if wanted != largest {
         let share = if largest > 0.0 { *color / largest } else { Vec3::ONE };
-        *color = share * (percent / 100.0).clamp(0.0, 1.0);
+        *color = share * wanted;
     }
     ui.end_row();
 }

@@ -1,8 +1,8 @@
 //! The menu bar.
 
 use super::super::state::{
-    AppState, Command, EditCommand, FileCommand, InspectCommand, NavigationCommand, OpenDocument, Options,
-    PictureCommand,
+    AppState, Command, EditCommand, FileCommand, InspectCommand, ListCommand, NavigationCommand,
+    OpenDocument, Options, PictureCommand, Purpose,
 };
 use crate::window::input::keymap::{Action, keys_of};
 use crate::window::{input::fly_camera::MoveMode, rendering::scene_loading::SceneSource};
@@ -66,7 +66,7 @@ fn recent_menu(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
 
 fn scene_menu(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     if item(ui, "Open...", Some(Action::Open)) {
-        commands.push(Command::Browse);
+        commands.push(Command::List(ListCommand::Ask(Purpose::Open)));
     }
     ui.menu_button("Built-in", |ui| {
         for name in builtin::NAMES {

@@ -1,10 +1,10 @@
 //! The selected object: moving, hiding and deleting it; and the objects that are not shown.
 
 use super::super::state::{AppState, Change, Command, EditCommand, InspectCommand, OpenDocument};
-use super::widgets::key_hint;
+use super::{numbers::Number, widgets::key_hint};
 use crate::window::input::keymap::Action;
 use afterimage::scene::{ObjectEdit, ObjectKey, Objects};
-use egui::{DragValue, Ui};
+use egui::Ui;
 
 /// Names of the axes of the world.
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -55,16 +55,17 @@ fn controls(ui: &mut Ui, key: &ObjectKey, now: &ObjectEdit, reach_m: f64, comman
         ui.label("Move");
         for (axis, name) in AXES.into_iter().enumerate() {
             let value = &mut edited.moved_m[axis];
-            let drag = DragValue::new(value).speed(0.01).range(-reach_m..=reach_m).max_decimals(3);
-            let drag = ui.add(drag.prefix(format!("{name} ")).suffix(" m"));
+            let number = Number::new(-reach_m..=reach_m, 3, " m").speed(0.01);
+            let drag = number.field(ui, &format!("{name} "), value);
             drag.on_hover_text(format!("Drag, or click and type; keys {}", key_hint(Action::ObjectAway)))
                 .accessible_name(format!("Way of the object along {name}, metres"));
         }
     });
     ui.horizontal(|ui| {
         let label = ui.label("Turn");
-        let drag = DragValue::new(&mut edited.turned_deg).speed(1.0).range(-180.0..=180.0).suffix("°");
-        ui.add(drag).labelled_by(label.id).accessible_name("Angle of the object, degrees");
+        let number = Number::new(-180.0..=180.0, 1, "°").speed(1.0);
+        let drag = number.field(ui, "", &mut edited.turned_deg);
+        drag.labelled_by(label.id).accessible_name("Angle of the object, degrees");
         let hide = ui.selectable_label(edited.is_hidden, "Hide").on_hover_text(key_hint(Action::HideObject));
         edited.is_hidden ^= hide.accessible_name("Hide the object").clicked();
         let delete = ui.add_enabled(!edited.is_deleted, egui::Button::new("Delete"));

@@ -1,11 +1,11 @@
 //! The camera path: its keys, a timeline, and recording.
 
 use super::super::state::{AppState, Command, NavigationCommand};
-use super::widgets::key_hint;
+use super::{numbers::Number, widgets::key_hint};
 use crate::window::input::keymap::Action;
 use crate::window::input::playback::{Playback, path_secs};
 use afterimage::camera::CameraPath;
-use egui::{Slider, Ui};
+use egui::Ui;
 
 /// Shows the timeline, the keys and the recording button.
 pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
@@ -45,8 +45,11 @@ fn timeline(ui: &mut Ui, playback: &Playback, path: &CameraPath, commands: &mut 
     let label = ui.label("Time");
     let mut at_secs = playback.at_secs;
     ui.spacing_mut().slider_width = (ui.available_width() - 70.0).max(60.0);
-    let slider = Slider::new(&mut at_secs, 0.0..=path_secs(path)).fixed_decimals(1).suffix(" s");
-    if ui.add_enabled(!path.keyframes.is_empty(), slider).labelled_by(label.id).changed() {
+    let is_enabled = !path.keyframes.is_empty();
+    let number = Number::new(0.0..=path_secs(path), 1, " s");
+    let slider = ui.add_enabled_ui(is_enabled, |ui| number.slider(ui, &mut at_secs)).inner;
+    slider.labelled_by(label.id);
+    if at_secs != playback.at_secs {
         commands.push(Command::Navigate(NavigationCommand::SetPlayback(Playback {
             at_secs,
             is_playing: false,
