@@ -85,3 +85,28 @@ fn stamps(model: &Path) -> Stamps {
     files.sort();
     files
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_the_program_writes_itself_is_no_change_and_what_others_write_is() {
+        let folder = tempfile::tempdir().unwrap();
+        let [model, sidecar] = ["a.obj", "a.afterimage.toml"].map(|name| folder.path().join(name));
+        std::fs::write(&model, "v 0 0 0").unwrap();
+        let (own, mut known) = (OwnWrites::default(), stamps(&model));
+        for text in ["unit = 'm'", "unit = 'mm'"] {
+            let write = || std::fs::write(&sidecar, text).map(|()| sidecar.clone());
+            own.write(write).unwrap();
+            let now = own.stamps(&model, &mut known);
+            assert_eq!(now, known);
+        }
+        std::fs::write(&sidecar, "# by hand").unwrap();
+        let now = own.stamps(&model, &mut known);
+        assert_ne!(now, known);
+        known = now;
+        std::fs::remove_file(&sidecar).unwrap();
+        assert_ne!(own.stamps(&model, &mut known), known);
+    }
+}
