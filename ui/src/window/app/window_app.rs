@@ -31,6 +31,16 @@ fn say_at_start(state: &mut AppState, launch: &mut LaunchOptions) {
     }
 }
 
+/// Where the program was asked to start.
+fn first_arrival(launch: &LaunchOptions) -> Arrival {
+    Arrival {
+        camera: launch.camera,
+        view: launch.view.clone(),
+        fov_y_deg: launch.fov_y_deg,
+        ..Arrival::default()
+    }
+}
+
 impl App {
     /// Starts the threads, and starts to load the scene.
     ///
@@ -59,12 +69,7 @@ impl App {
         state.software_adapter = graphics.as_ref().and_then(|g| adapter::prepare(g, &graphics_errors, &wake));
         let all = || std::thread::available_parallelism().map_or(1, usize::from);
         let threads = launch.threads.unwrap_or_else(all);
-        let arrival = Arrival {
-            camera: launch.camera,
-            view: launch.view.clone(),
-            fov_y_deg: launch.fov_y_deg,
-            ..Arrival::default()
-        };
+        let arrival = first_arrival(&launch);
         let services = Services {
             render: RenderThread::start(threads, wake.clone(), launch.store.clone())?,
             threads,
