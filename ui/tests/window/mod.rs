@@ -3,6 +3,7 @@
 mod accessible;
 mod adapter;
 mod comparing;
+mod daylight;
 mod desk;
 mod disk;
 mod driving;

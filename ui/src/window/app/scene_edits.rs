@@ -5,7 +5,7 @@
 use super::{AppEvent, Parts, PendingEdit};
 use crate::window::input::Obstacles;
 use crate::window::rendering::{RenderCommand, SceneSource, TaskError, spawn_task};
-use crate::window::state::{AppState, Change, EditCommand, Edits, Selection};
+use crate::window::state::{AppState, Change, EditCommand, Edits, Selection, SunControls};
 use afterimage::import::{Limits, load_sky};
 use afterimage::scene::{Daylight, PictureSky, Scene, Sky, SkyImage};
 use afterimage::{Tracer, import};
@@ -62,7 +62,7 @@ pub(super) fn is_sky(path: &Path) -> bool {
 /// Shows a picture as the sky. It has a sun of its own, so that the other one is switched off.
 pub(super) fn show_sky_picture(app: &mut Parts, image: Arc<SkyImage>) {
     let sky = Sky::Picture(PictureSky::new(image, app.state.sun.nits_per_unit));
-    app.state.sun.kind = sky.kind();
+    (app.state.sun.kind, app.state.sun.has_sun, app.state.sun.has_sky) = (sky.kind(), false, true);
     let daylight = Daylight { sun: None, sky: Some(sky) };
     handle_edit(app, EditCommand::Change(Change::Daylight(daylight)));
 }
@@ -75,7 +75,7 @@ fn step(state: &mut AppState, is_undo: bool) {
     let now = edits.now().daylight.clone();
     let navigation = &mut state.navigation;
     if now != before {
-        (state.sun.is_by_place, navigation.view_index) = (false, 0);
+        navigation.view_index = 0;
         state.sun.show(&now);
     }
     navigation.view_index = navigation.view_index.min(scene.views.len().saturating_sub(1));
@@ -139,6 +139,9 @@ pub(super) fn begin_edits(app: &mut Parts, scene: &Scene, is_reload: bool) {
         Some(edits) => edits.carried_to(saved),
         None => Edits::new(saved),
     };
+    if !is_reload {
+        app.state.sun = SunControls::default();
+    }
     app.state.sun.nits_per_unit = scene.nits_per_unit();
     app.state.sun.show(&edits.now().daylight);
     app.state.edits = Some(edits);
