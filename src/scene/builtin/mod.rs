@@ -17,6 +17,7 @@ mod shapes;
 #[cfg(feature = "pictures")]
 mod statue_hall;
 mod studio;
+mod varnished_hall;
 mod views;
 
 #[cfg(feature = "pictures")]
@@ -37,6 +38,7 @@ pub const NAMES: &[&str] = &[
     "mirrors",
     "furnace",
     "studio",
+    "varnished-hall",
 ];
 
 /// Name of the gallery on which speed is measured. It never changes, so that measurements of
@@ -62,6 +64,7 @@ pub fn build(name: &str) -> Result<Scene, SceneError> {
         "mirrors" => mirrors::add_to(&mut b),
         "furnace" => furnace::add_to(&mut b),
         "studio" => studio::add_to(&mut b),
+        "varnished-hall" => varnished_hall::add_to(&mut b),
         _ => return Err(SceneError::UnknownBuiltin { name: name.to_owned(), known: NAMES.join(", ") }),
     }
     b.finish()
