@@ -39,6 +39,9 @@ pub fn save_edit(model: &Path, before: &SceneEdit, now: &SceneEdit) -> Result<Pa
             unreadable(&path, cause, "nothing was written; copy it there and choose it again")
         })?;
     }
+    if before.ground != now.ground {
+        super::ground::write(&mut document, now.ground);
+    }
     super::lights::write(&mut document, &before.lights, &now.lights)
         .ok_or_else(|| damaged(&path, "'lights' is not written as [[lights]]"))?;
     write_atomically(&path, document.to_string().as_bytes()).map_err(|error| {
@@ -222,7 +225,7 @@ fn name_beside(file: &Path, model: &Path) -> Result<String, String> {
     relative().ok_or_else(|| format!("the sky picture {} is not in the model's folder", file.display()))
 }
 
-fn section<'d>(document: &'d mut DocumentMut, name: &str) -> &'d mut dyn toml_edit::TableLike {
+pub(super) fn section<'d>(document: &'d mut DocumentMut, name: &str) -> &'d mut dyn toml_edit::TableLike {
     let item = &mut document[name];
     if !item.is_table_like() {
         *item = Item::Table(Table::new());
@@ -247,6 +250,6 @@ fn color(c: Vec3) -> Item {
 
 /// Returns the number that is written as the shortest decimal of an `f32`, rather than with the
 /// digits of the equal `f64`.
-fn number(v: f32) -> f64 {
+pub(super) fn number(v: f32) -> f64 {
     v.to_string().parse().unwrap_or(f64::from(v))
 }

@@ -2,6 +2,7 @@
 //! edits in it.
 
 mod edit;
+mod ground;
 mod lamps;
 mod light;
 mod lights;

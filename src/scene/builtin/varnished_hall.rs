@@ -74,11 +74,7 @@ fn room(b: &mut SceneBuilder, m: &Materials) {
     let across = |x: f64, z: f64| [[x, 0.0, z], [x, 0.0, -z], [x, h, -z], [x, h, z]].map(DVec3::from);
     b.add_quad(across(-l, w), Vec2::ONE, m.plaster);
     b.add_quad(across(l, -w), Vec2::ONE, m.plaster);
-    b.add_quad(
-        [[-l, 0.0, -w], [l, 0.0, -w], [l, h, -w], [-l, h, -w]].map(DVec3::from),
-        Vec2::ONE,
-        m.plaster,
-    );
+    b.add_quad([[-l, 0.0, -w], [l, 0.0, -w], [l, h, -w], [-l, h, -w]].map(DVec3::from), Vec2::ONE, m.plaster);
     let opening = |x: f64| Opening { along: [x, x + WINDOW_WIDTH_M], height: [0.5, 3.8] };
     let windows = Wall {
         frame: Local::turned(DVec3::new(l, 0.0, w + WALL_M / 2.0), 180.0),

@@ -2,7 +2,7 @@
 
 use super::super::state::{AppState, Change, Command, EditCommand, SunControls};
 use super::{sun_time, typed};
-use afterimage::scene::{Daylight, PhysicalSky, PictureSky, Sky, SkyKind, solar::SunPosition};
+use afterimage::scene::{Daylight, GroundAdvice, PhysicalSky, PictureSky, Sky, SkyKind, solar::SunPosition};
 use egui::Ui;
 
 /// Kinds of skies, with their names and explanations.
@@ -48,6 +48,7 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
         slider(ui, "North", help, &mut sun.north_deg, -180.0..=180.0, 0, "°");
     });
     describe(ui, &sun);
+    ground_rows(ui, state, commands);
     push_changes(state, now, sun, picture, commands);
 }
 
@@ -74,6 +75,33 @@ fn describe(ui: &mut Ui, sun: &SunControls) {
     ui.weak(format!("Sun at azimuth {azimuth_deg:.1}°, elevation {height_deg:.1}°"));
     if !sun.words().is_empty() {
         ui.label(sun.words());
+    }
+}
+
+/// Shows the ground: whether there is one, its height, and why.
+fn ground_rows(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
+    let (Some(edits), Some(scene)) = (&state.edits, &state.scene) else { return };
+    let now = edits.now().ground;
+    let (mut ground, mut has_ground) = (now.unwrap_or(scene.lowest_ground), now.is_some());
+    let help = "A level ground that takes shadows and light, and that you can stand on";
+    ui.checkbox(&mut has_ground, "Ground").on_hover_text(help);
+    if has_ground {
+        egui::Grid::new("ground").num_columns(2).min_col_width(84.0).show(ui, |ui| {
+            let reach = scene.reach_m();
+            let range = scene.lowest_ground.height_m - reach..=scene.lowest_ground.height_m + reach;
+            let label = ui.label("Ground height").on_hover_text("Height in metres, as the model has it");
+            typed::metres(ui, &mut ground.height_m, range).labelled_by(label.id);
+            ui.end_row();
+        });
+    }
+    ui.weak(match scene.ground_advice {
+        GroundAdvice::Wanted => "The model has no ground of its own.",
+        GroundAdvice::HasOwn => "The model has a ground of its own.",
+        GroundAdvice::NoDaylight => "Without sun and sky, a ground stays dark.",
+    });
+    let wanted = has_ground.then_some(ground);
+    if wanted != now {
+        commands.push(Command::Edit(EditCommand::Change(Change::Ground(wanted))));
     }
 }
 

@@ -26,6 +26,15 @@ pub fn whole(ui: &mut Ui, value: &mut i32, range: RangeInclusive<i32>) -> Respon
     ui.add(field.custom_formatter(|v, _| format!("{v:.0}")))
 }
 
+/// A length in metres to the centimetre, which can be dragged and typed.
+pub fn metres(ui: &mut Ui, value: &mut f64, range: RangeInclusive<f64>) -> Response {
+    let before = *value;
+    let field = DragValue::new(value).range(range).speed(0.02).update_while_editing(false);
+    let response = ui.add(field.clamp_existing_to_range(false).fixed_decimals(2).suffix(" m"));
+    keep_same(value, before, |v| format!("{v:.2}"));
+    response
+}
+
 /// A time of day in hours, shown and typed as hours and minutes.
 pub fn clock(ui: &mut Ui, hours: &mut f64) -> Response {
     let before = *hours;

@@ -1,7 +1,9 @@
 //! Edits of the scene since it was opened, with undo and redo.
 
 use super::SavedView;
-use afterimage::scene::{Daylight, LightSetting, Material, MaterialId, ObjectEdit, ObjectKey, SceneEdit};
+use afterimage::scene::{
+    Daylight, Ground, LightSetting, Material, MaterialId, ObjectEdit, ObjectKey, SceneEdit,
+};
 use std::time::{Duration, Instant};
 
 /// Changes of one thing within this time are one step: a slider is being dragged, or a colour
@@ -17,6 +19,8 @@ pub enum Change {
     Object(ObjectKey, ObjectEdit),
     /// Sun and sky have other values.
     Daylight(Daylight),
+    /// There is another ground, or none.
+    Ground(Option<Ground>),
     /// A group of lights, given by its name, is set differently.
     Light(String, LightSetting),
     /// The saved views. They are not part of the scene's files.
@@ -29,6 +33,7 @@ impl Change {
             (Self::Material(a, _), Self::Material(b, _)) => a == b,
             (Self::Object(a, before), Self::Object(b, now)) => a == b && before.is_gone() == now.is_gone(),
             (Self::Daylight(_), Self::Daylight(_)) => true,
+            (Self::Ground(a), Self::Ground(b)) => a.is_some() == b.is_some(),
             (Self::Light(a, _), Self::Light(b, _)) => a == b,
             _ => false,
         }
@@ -158,6 +163,9 @@ impl Edits {
         if self.now.daylight != self.saved.daylight {
             carried.change(Change::Daylight(self.now.daylight.clone()), &mut Vec::new());
         }
+        if self.now.ground != self.saved.ground {
+            carried.change(Change::Ground(self.now.ground), &mut Vec::new());
+        }
         for (name, _) in self.now.lights.iter().chain(self.saved.lights.iter()) {
             let setting = self.now.lights.get(name);
             if setting != self.saved.lights.get(name) {
@@ -185,6 +193,7 @@ impl Edits {
             Change::Daylight(daylight) => {
                 Change::Daylight(std::mem::replace(&mut self.now.daylight, daylight))
             }
+            Change::Ground(ground) => Change::Ground(std::mem::replace(&mut self.now.ground, ground)),
             Change::Light(name, setting) => {
                 let before = self.now.lights.get(&name);
                 self.now.lights.set(&name, setting);
@@ -210,6 +219,7 @@ mod tests {
             daylight: Daylight::default(),
             lights: LightSettings::default(),
             objects: Default::default(),
+            ground: None,
         }
     }
 
