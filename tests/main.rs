@@ -24,6 +24,7 @@ mod import;
 
 mod layers;
 mod light_theorems;
+mod lighting;
 mod lights;
 mod lookup;
 mod metrics;

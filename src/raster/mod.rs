@@ -4,6 +4,7 @@
 pub mod atomic_file;
 pub mod color;
 pub mod exposure;
+pub mod false_color;
 pub mod fill;
 #[cfg(feature = "pictures")]
 pub mod load;

@@ -17,6 +17,7 @@ mod deadline;
 pub mod frame;
 mod light_around;
 mod light_layers;
+pub mod lighting;
 mod measures;
 mod mixture;
 mod pace;

@@ -1,6 +1,7 @@
 //! A point on a surface, with all that shading needs.
 
-use super::{bvh::Hit, relief};
+use super::bvh::{Hit, NO_TRIANGLE};
+use super::relief;
 use crate::bsdf::{Facing, Scatter, albedo, base_share, lobe_cosine};
 use crate::math::{Ray, ray::offset_from_surface};
 use crate::scene::{Material, MaterialId, Scene, SolidSide};
@@ -83,6 +84,24 @@ impl SurfacePoint {
         let b1 = if finite { b1.clamp(0.0, 1.0) } else { 0.0 };
         let b2 = if finite { b2.clamp(0.0, 1.0 - b1) } else { 0.0 };
         Self::new(scene, triangle, [b1 as f32, b2 as f32], view_direction)
+    }
+
+    /// A point of no surface: a small sensor in free space, at a position in scene space, that faces
+    /// a unit vector. Only the light that arrives at it may be asked for: it has no material.
+    pub(super) fn sensor(position: Vec3, facing: Vec3) -> Self {
+        Self {
+            position,
+            geometric_normal: facing,
+            shading_normal: facing,
+            plain_normal: facing,
+            uv: Vec2::ZERO,
+            material: MaterialId(0),
+            triangle: NO_TRIANGLE,
+            is_front: true,
+            base_share: 1.0,
+            is_stored: false,
+            magnitude: position.abs().max_element(),
+        }
     }
 
     /// Origin for rays that leave on the viewer's side, scene space.

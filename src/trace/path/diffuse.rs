@@ -147,6 +147,31 @@ impl Tracer {
         ArrivingLight { direct_irradiance, smooth_sums, paths: count }
     }
 
+    /// Returns the light that arrives at a small sensor in free space, which faces a unit vector.
+    /// `position` is in scene space. Paths end in no cells: the mean over seeds is unbiased.
+    pub(crate) fn light_at_sensor(
+        &self,
+        (position, facing): (Vec3, Vec3),
+        trace: &TraceSettings,
+        seed: PointSeed,
+        rays: &mut RayCounts,
+    ) -> ArrivingLight {
+        let point = SurfacePoint::sensor(position, facing);
+        let direct = |kinds, rays: &mut RayCounts| {
+            self.irradiance_of(kinds, &point, trace.samples, |light| seed.key.with(light).pair(), rays)
+        };
+        if trace.bounces == 0 {
+            let direct_irradiance = direct(LightKinds::All, rays);
+            return ArrivingLight { direct_irradiance, ..ArrivingLight::default() };
+        }
+        // No picture shares the light of a sensor, so paths may find the lamps next to it.
+        let direct_irradiance = direct(LightKinds::FarButSky, rays);
+        let settings = LightSettings::from(*trace);
+        let smooth = SmoothSettings { finds_near: true, ..settings.smooth(trace.samples) };
+        let smooth_sums = self.smooth_light(&point, 0..trace.samples, seed.sequence, smooth, rays);
+        ArrivingLight { direct_irradiance, smooth_sums, paths: trace.samples }
+    }
+
     /// Returns the irradiance straight from the lights, without the sky where paths find it.
     pub(crate) fn direct_irradiance(
         &self,

@@ -13,6 +13,7 @@ mod generate;
 mod headless;
 mod inspect;
 mod interrupt;
+mod measure;
 mod output;
 pub(crate) mod paths;
 mod pose;
@@ -21,6 +22,7 @@ mod render;
 mod render_store;
 mod report;
 mod scene;
+mod show;
 mod start;
 mod store;
 mod tour;
@@ -67,6 +69,8 @@ enum Command {
     Experiment(experiment::ExperimentArgs),
     /// List a scene's contents, the features it uses, and the warnings about its files.
     Inspect(inspect::InspectArgs),
+    /// Measure the illuminance of a work plane or at points, in lux.
+    Measure(measure::MeasureArgs),
     /// Compare a picture with a ground-truth picture of the same size.
     Compare(compare::CompareArgs),
     /// List, check, tidy and join stores of references.
@@ -88,6 +92,7 @@ impl Command {
             Self::Render(args) => args.scene.as_deref(),
             Self::Tour(args) => args.scene.as_deref(),
             Self::Bake(args) => args.scene.as_deref(),
+            Self::Measure(args) => args.scene.as_deref(),
             Self::Inspect(args) => Some(&args.scene),
             _ => None,
         }
@@ -180,6 +185,7 @@ fn dispatch(cli: &Cli, layers: &Layers) -> Result<(), Failure> {
         (None, Some(Command::Bake(args))) => bake::run(args, flags),
         (None, Some(Command::Experiment(args))) => experiment::run(args, flags),
         (None, Some(Command::Inspect(args))) => inspect::run(args, flags),
+        (None, Some(Command::Measure(args))) => measure::run(args, flags),
         (None, Some(Command::Compare(args))) => compare::run(args, flags),
         (None, Some(Command::Store(args))) => store::run(args, flags),
         (None, Some(Command::Doctor)) => doctor::run(flags, layers.user_file.as_deref()),

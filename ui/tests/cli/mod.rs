@@ -3,6 +3,7 @@
 mod bake;
 mod data;
 mod inspect;
+mod measure;
 mod runs;
 mod settings;
 mod trouble;

@@ -9,11 +9,11 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
 fn sun(app: &App) -> &SunControls {
-    &app.state().sun
+    &app.state().document.as_ref().expect("a scene").now().sun
 }
 
 fn daylight(app: &App) -> &Daylight {
-    &app.state().edits.as_ref().expect("a scene").now().daylight
+    &app.state().document.as_ref().expect("a scene").scene().daylight
 }
 
 /// The app with sun and sky by place and time, at noon of midsummer.
@@ -100,4 +100,17 @@ fn the_sun_comes_back_after_the_night() {
     assert_eq!((sun(harness.state()).place.month, sun(harness.state()).place.day), (12, 21));
     harness.get_by_label_contains("Sunrise 08:1");
     harness.get_by_label("CET");
+}
+
+#[test]
+fn undo_of_another_time_stays_by_place_and_time() {
+    let mut harness = sunny();
+    type_into(&mut harness, "Time", "15:00", |_| {});
+    enter(&mut harness);
+    harness.get_by_label("Time").focus();
+    harness.key_press(Key::Escape);
+    harness.run_steps(3);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    harness.run_steps(3);
+    assert!(sun(harness.state()).is_by_place);
 }

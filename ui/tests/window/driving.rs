@@ -195,7 +195,7 @@ fn a_broken_path_is_reported_and_the_scene_stays() {
 #[test]
 fn saved_views_are_reached_by_number_and_in_turn() {
     let mut harness = app();
-    let views = harness.state().state().scene.as_ref().expect("a scene").views.clone();
+    let views = harness.state().state().views().to_vec();
     for (key, view) in [(Key::Num2, 1), (Key::L, 2), (Key::Num1, 0)] {
         harness.key_press(key);
         harness.run_steps(60);
@@ -290,7 +290,7 @@ fn options_of_the_start_are_kept() {
     harness.run_steps(3);
     let state = harness.state().state();
     assert!((state.navigation.fly.camera().fov_y.to_degrees() - 8.5).abs() < 1e-9);
-    assert_eq!(state.navigation.fly.camera().eye, state.scene.as_ref().expect("a scene").views[1].camera.eye);
+    assert_eq!(state.navigation.fly.camera().eye, state.views()[1].camera.eye);
     assert_eq!((state.exposure_ev(), state.quality.tone_map), (9.25, ToneMap::Linear));
     assert_eq!(state.quality, state.default_quality);
     assert!(state.notices.is_empty());

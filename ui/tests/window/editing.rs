@@ -3,11 +3,11 @@
 use super::*;
 use afterimage::import::{DaylightOptions, SkyChoice};
 use afterimage::scene::{MaterialKind, Sky, SkyKind};
-use afterimage_ui::window::state::{Edits, SceneInfo, Severity};
+use afterimage_ui::window::state::{OpenDocument, SceneInfo, Severity};
 use egui::{Key, Modifiers};
 
-fn edits(app: &App) -> &Edits {
-    app.state().edits.as_ref().expect("a scene")
+fn document(app: &App) -> &OpenDocument {
+    app.state().document.as_ref().expect("a scene")
 }
 
 fn scene(app: &App) -> &SceneInfo {
@@ -29,7 +29,7 @@ pub(super) fn click(harness: &mut Harness<'static, App>, right: f32, down: f32) 
 
 fn kind_of_chosen(app: &App) -> MaterialKind {
     let id = app.state().selection.material.expect("a chosen material");
-    edits(app).now().materials[id.0 as usize].kind
+    document(app).scene().materials[id.0 as usize].kind
 }
 
 #[test]
@@ -37,7 +37,7 @@ fn a_clicked_surface_is_made_a_mirror_and_matte_again() {
     let mut harness = app();
     // The floor, left below the centre.
     click(&mut harness, -20.0, 180.0);
-    let before = edits(harness.state()).now().clone();
+    let before = document(harness.state()).now().clone();
     let newest = harness.state().threads().generation();
     harness.get_by_label("Mirror").click_accesskit();
     step_until(&mut harness, "the new scene", |app| app.threads().generation() > newest);
@@ -48,7 +48,7 @@ fn a_clicked_surface_is_made_a_mirror_and_matte_again() {
     harness.get_by_label("Unsaved changes");
     harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
     harness.step();
-    assert_eq!(*edits(harness.state()).now(), before);
+    assert_eq!(*document(harness.state()).now(), before);
     settle(&mut harness);
     harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
     harness.step();
@@ -82,7 +82,7 @@ fn the_sun_is_switched_on_and_moved() {
     let lights = scene(harness.state()).lights;
     harness.get_by_label("Sun").click_accesskit();
     step_until(&mut harness, "one light more", |app| scene(app).lights == lights + 1);
-    let direction = |app: &App| edits(app).now().daylight.sun.expect("a sun").direction;
+    let direction = |app: &App| document(app).scene().daylight.sun.expect("a sun").direction;
     let before = direction(harness.state());
     harness.get_by_label("By place and time").click_accesskit();
     harness.run_steps(3);
@@ -95,7 +95,7 @@ fn the_sun_is_switched_on_and_moved() {
         harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
         harness.run_steps(2);
     }
-    assert!(!edits(harness.state()).is_unsaved());
+    assert!(!harness.state().state().is_unsaved());
     step_until(&mut harness, "the lights there were", |app| scene(app).lights == lights);
 }
 
@@ -103,11 +103,11 @@ fn the_sun_is_switched_on_and_moved() {
 fn a_group_of_lights_is_switched_off_and_on_and_undone() {
     let mut harness = app();
     let name = scene(harness.state()).light_groups[0].name.clone();
-    let before = edits(harness.state()).now().clone();
+    let before = document(harness.state()).now().clone();
     harness.get_by_label("Lights").click_accesskit();
     harness.run_steps(30);
     assert!(harness.state().state().knows_lights);
-    let setting = |app: &App, name: &str| edits(app).now().lights.get(name);
+    let setting = |app: &App, name: &str| document(app).scene().lights.get(name);
     let newest = generation(&harness);
     harness.get_by_label(&name).click_accesskit();
     harness.run_steps(2);
@@ -117,15 +117,15 @@ fn a_group_of_lights_is_switched_off_and_on_and_undone() {
     });
     harness.get_by_label(&name).click_accesskit();
     harness.run_steps(2);
-    assert_eq!(*edits(harness.state()).now(), before);
+    assert_eq!(*document(harness.state()).now(), before);
     for control in ["intensity", "stops", "colour"] {
         harness.get_by_label(&format!("{name}: {control}"));
     }
-    while edits(harness.state()).can_undo() {
+    while document(harness.state()).can_undo() {
         harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
         harness.run_steps(2);
     }
-    assert!(!edits(harness.state()).is_unsaved() && *edits(harness.state()).now() == before);
+    assert!(!harness.state().state().is_unsaved() && *document(harness.state()).now() == before);
     settle(&mut harness);
 }
 
@@ -145,9 +145,9 @@ fn a_dropped_sky_picture_is_shown_and_one_that_is_no_sky_leaves_the_old_one() {
     std::fs::write(&model, "v -1 0 0\nv 1 0 0\nv 1 2 0\nv -1 2 0\nf 1 2 3 4\n").expect("a file");
     let scene = Some(SceneSource::file(&model));
     let mut harness = open(LaunchOptions { scene, daylight, ..request() }, false);
-    let kind = |app: &App| edits(app).now().daylight.sky.as_ref().map(Sky::kind);
+    let kind = |app: &App| document(app).scene().daylight.sky.as_ref().map(Sky::kind);
     assert_eq!(
-        (kind(harness.state()), edits(harness.state()).is_unsaved()),
+        (kind(harness.state()), harness.state().state().is_unsaved()),
         (Some(SkyKind::Overcast), false)
     );
     harness.input_mut().dropped_files.push(Arc::new(driving::Dropped(square)));
@@ -177,12 +177,12 @@ fn changes_are_saved_beside_a_model_and_survive_a_reload_before() {
     harness.key_press(Key::F5);
     harness.step();
     settle(&mut harness);
-    assert!(edits(harness.state()).is_unsaved(), "a reload loses nothing");
+    assert!(harness.state().state().is_unsaved(), "a reload loses nothing");
     assert!(matches!(kind_of_chosen(harness.state()), MaterialKind::Mirror { .. }));
     step_until(&mut harness, "the mirror", |app| scene(app).features.mirror);
     harness.step();
     harness.get_by_label("Save changes").click_accesskit();
-    step_until(&mut harness, "a saved look", |app| !edits(app).is_unsaved());
+    step_until(&mut harness, "a saved look", |app| !app.state().is_unsaved());
     let text = std::fs::read_to_string(&side).expect("the file");
     assert!(text.starts_with("# mine\nunit = \"m\"\n") && text.contains("kind = \"mirror\""), "{text}");
 }
@@ -206,13 +206,13 @@ fn a_scene_of_the_program_cannot_be_saved_beside_and_says_so() {
 #[test]
 fn a_deleted_view_comes_back() {
     let mut harness = app();
-    let views = scene(harness.state()).views.clone();
+    let views = harness.state().state().views().to_vec();
     harness.get_by_label("Delete mirror").click_accesskit();
     harness.run_steps(2);
-    assert_eq!(scene(harness.state()).views.len(), views.len() - 1);
+    assert_eq!(harness.state().state().views().len(), views.len() - 1);
     harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
     harness.run_steps(2);
-    assert_eq!(scene(harness.state()).views, views);
+    assert_eq!(harness.state().state().views(), views);
 }
 
 #[test]
@@ -228,12 +228,12 @@ fn a_clicked_object_is_moved_hidden_shown_and_everything_undone() {
     click(&mut harness, (to.dot(right) * scale) as f32, (down * scale) as f32);
     let key = harness.state().state().selection.object.clone().expect("an object");
     assert_eq!(key.to_string(), "tall box");
-    let before = edits(harness.state()).now().clone();
+    let before = document(harness.state()).now().clone();
     let triangles = scene(harness.state()).triangles;
     let newest = harness.state().threads().generation();
     harness.key_press_modifiers(Modifiers::COMMAND, Key::ArrowLeft);
     step_until(&mut harness, "the new scene", |app| app.threads().generation() > newest);
-    let moved = edits(harness.state()).object(&key).moved_m;
+    let moved = document(harness.state()).object(&key).moved_m;
     assert!((moved.x + 0.1).abs() < 1e-9 && moved.y == 0.0 && moved.z == 0.0, "{moved}");
     settle(&mut harness);
     harness.key_press(Key::H);
@@ -241,14 +241,14 @@ fn a_clicked_object_is_moved_hidden_shown_and_everything_undone() {
     harness.get_by_label("Unsaved changes");
     harness.get_by_label("Show tall box").click_accesskit();
     step_until(&mut harness, "the box to come back", |app| scene(app).triangles == triangles);
-    assert_eq!(edits(harness.state()).object(&key).moved_m, moved);
+    assert_eq!(document(harness.state()).object(&key).moved_m, moved);
     for _ in 0..3 {
         harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
         harness.step();
     }
-    assert_eq!(*edits(harness.state()).now(), before);
+    assert_eq!(*document(harness.state()).now(), before);
     harness.key_press_modifiers(Modifiers::COMMAND, Key::Y);
     harness.step();
-    assert_eq!(edits(harness.state()).object(&key).moved_m, moved);
+    assert_eq!(document(harness.state()).object(&key).moved_m, moved);
     settle(&mut harness);
 }

@@ -84,17 +84,14 @@ fn moves(window: &mut Window, action: Action, chord: Chord, index: usize) {
 fn changes_view(window: &mut Window, action: Action, chord: Chord, index: usize) {
     match action {
         Action::NextView | Action::PreviousView => {
-            let (count, before) = (
-                state(window).scene.as_ref().map_or(0, |s| s.views.len()),
-                state(window).navigation.view_index,
-            );
+            let (count, before) = (state(window).views().len(), state(window).navigation.view_index);
             press(window, chord);
             arrive(window);
             let step = if action == Action::NextView { 1 } else { count - 1 };
             assert_eq!(state(window).navigation.view_index, (before + step) % count);
         }
         Action::GoToView => {
-            let view = state(window).scene.as_ref().and_then(|s| s.views.get(index).map(|v| v.camera));
+            let view = state(window).views().get(index).map(|v| v.camera);
             press(window, chord);
             arrive(window);
             match view {
@@ -105,7 +102,7 @@ fn changes_view(window: &mut Window, action: Action, chord: Chord, index: usize)
         Action::SaveView => {
             press(window, chord);
             let key = Some(index as u8 + 1);
-            let views = &state(window).scene.as_ref().expect("a scene").views;
+            let views = state(window).views();
             let saved = views.iter().find(|v| v.key == key).expect("a view of this key");
             assert_eq!(saved.camera, camera(window));
         }
@@ -254,7 +251,7 @@ fn asks(window: &mut Window, action: Action, chord: Chord) {
         }
         Action::AddPathKey => {
             press(window, chord);
-            assert!(state(window).navigation.playback.is_own);
+            assert!(state(window).has_own_path());
         }
         Action::PlayPath => {
             press(window, chord);

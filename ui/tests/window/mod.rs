@@ -2,6 +2,7 @@
 
 mod accessible;
 mod adapter;
+mod choosing;
 mod comparing;
 mod daylight;
 mod desk;
@@ -9,6 +10,7 @@ mod disk;
 mod driving;
 mod dropping;
 mod editing;
+mod idle;
 mod inspect;
 mod keys;
 mod measured;
@@ -46,6 +48,8 @@ fn request() -> LaunchOptions {
     let mut request = LaunchOptions {
         scene: Some(SceneSource::Ready(small_room())),
         threads: Some(2),
+        // A dialog of the system cannot be driven from here.
+        has_own_file_list: true,
         ..LaunchOptions::default()
     };
     // Direct light: most tests are about the window, not about what it shows.

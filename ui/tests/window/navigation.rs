@@ -103,7 +103,7 @@ fn a_view_is_saved_under_a_number_renamed_and_deleted() {
     harness.key_press(Key::Enter);
     harness.run_steps(3);
     let names = |harness: &Harness<'static, App>| -> Vec<String> {
-        harness.state().state().scene.iter().flat_map(|s| &s.views).map(|v| v.name.clone()).collect()
+        harness.state().state().views().iter().map(|v| v.name.clone()).collect()
     };
     assert_eq!(names(&harness).last().map(String::as_str), Some("view 7 of the lamp"));
     harness.get_by_label("Delete view 7 of the lamp").click();
@@ -158,7 +158,7 @@ fn k_sets_keys_and_space_plays_them() {
     let end = camera(&harness);
     harness.key_press(Key::K);
     harness.step();
-    assert_eq!(harness.state().state().navigation.playback.path.keyframes.len(), 2);
+    assert_eq!(harness.state().state().path().keyframes.len(), 2);
     harness.key_press(Key::Space);
     harness.run_steps(3);
     assert!(harness.state().state().navigation.playback.is_playing);
@@ -213,6 +213,25 @@ fn without_motion_views_change_at_once() {
     assert_eq!(harness.state().state().options.view_change, ViewChange::AtOnce);
     harness.key_press(Key::Num3);
     harness.step();
-    let views = &harness.state().state().scene.as_ref().expect("a scene").views;
+    let views = harness.state().state().views();
     assert_eq!(camera(&harness), views[2].camera);
+}
+
+#[test]
+fn a_path_plays_while_its_section_is_open() {
+    let mut harness = app();
+    harness.key_press(Key::K);
+    harness.key_press(Key::Num2);
+    arrive(&mut harness);
+    harness.key_press(Key::K);
+    harness.step();
+    harness.get_by_label_contains("Camera path").scroll_to_me();
+    harness.run_steps(3);
+    harness.get_by_label_contains("Camera path").click();
+    harness.run_steps(20);
+    harness.get_by_label("Play path").click_accesskit();
+    harness.run_steps(8);
+    let playback = harness.state().state().navigation.playback;
+    assert!(playback.is_playing, "the timeline has not stopped it: {playback:?}");
+    harness.get_by_label("Pause path");
 }

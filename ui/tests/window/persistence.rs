@@ -57,7 +57,7 @@ fn a_session_is_saved_and_brought_back() {
     assert_eq!(said(&mut harness, "afterimage-session.toml"), Severity::Info);
     let (camera, path) = {
         let state = harness.state().state();
-        (*state.navigation.fly.camera(), state.navigation.playback.path.clone())
+        (*state.navigation.fly.camera(), state.path().clone())
     };
     drop(harness);
     let mut files =
@@ -70,13 +70,8 @@ fn a_session_is_saved_and_brought_back() {
     });
     settle(&mut harness);
     let state = harness.state().state();
-    assert_eq!(
-        (*state.navigation.fly.camera(), &state.navigation.playback.path, state.navigation.playback.is_own),
-        (camera, &path, true)
-    );
-    assert!(
-        state.scene.as_ref().is_some_and(|s| s.views.iter().any(|v| v.key == Some(7) && v.camera == camera))
-    );
+    assert_eq!((*state.navigation.fly.camera(), state.path(), state.has_own_path()), (camera, &path, true));
+    assert!(state.views().iter().any(|v| v.key == Some(7) && v.camera == camera));
 }
 
 #[test]

@@ -172,7 +172,7 @@ fn the_path_becomes_numbered_pictures_and_goes_on_where_it_was_cut() {
     let (severity, text) = notice(&mut harness);
     assert_eq!(severity, Severity::Info, "{text}");
     let sequence = folder.path().join("afterimage-room-sequence-0001");
-    let frames = harness.state().state().navigation.playback.path.frames as usize;
+    let frames = harness.state().state().path().frames as usize;
     let count = || std::fs::read_dir(&sequence).expect("the folder").count() - 1;
     assert_eq!(count(), frames, "and its description");
     let command = harness.state().state().picture.film_command.clone().expect("a command");

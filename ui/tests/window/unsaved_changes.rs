@@ -1,7 +1,7 @@
 //! Unsaved changes are asked about before they would be lost.
 
 use super::*;
-use afterimage_ui::window::state::{Edits, Severity};
+use afterimage_ui::window::state::Severity;
 use egui::{Key, ViewportCommand, ViewportEvent, ViewportId};
 
 /// A wall on disk that was made a mirror, unsaved.
@@ -35,7 +35,7 @@ fn make_mirror(window: &mut Harness<'static, App>, down: f32) {
 }
 
 fn is_unsaved(app: &App) -> bool {
-    app.state().edits.as_ref().is_some_and(Edits::is_unsaved)
+    app.state().is_unsaved()
 }
 
 /// Requests to close the window; true where that was held up.

@@ -18,10 +18,7 @@ pub(super) fn handle_inspect(state: &mut AppState, services: &Services, command:
         InspectCommand::CloseInspector => selection.inspection = None,
         InspectCommand::SelectMaterial(id) => selection.material = Some(id),
         InspectCommand::SelectObject(key) => selection.object = Some(key),
-        InspectCommand::ToggleMeasure => {
-            selection.measure.is_on = !selection.measure.is_on;
-            selection.measure.hover = None;
-        }
+        InspectCommand::ToggleMeasure => selection.measure.switch(!selection.measure.is_on),
         InspectCommand::ClearMeasure => selection.measure = Default::default(),
         InspectCommand::SelectReference(id) => selection.reference = id,
         InspectCommand::EnableReference(id, is_enabled) => {
@@ -60,7 +57,7 @@ pub(super) fn update_plan(app: &mut Parts) {
 pub(super) fn update_thumbnails(state: &mut AppState, services: &Services) {
     state.thumbnails.poll(&services.ctx);
     if matches!(state.work, Work::Complete | Work::Refining | Work::Converged | Work::Paused) {
-        let views = state.scene.iter().flat_map(|s| s.views.iter().map(|v| &v.camera));
+        let views = state.document.iter().flat_map(|d| d.now().views.iter().map(|v| &v.camera));
         let references = state.frame.iter().flat_map(|f| f.references.iter().map(|r| &r.camera));
         let exposure_ev = state.exposure_ev();
         state.thumbnails.request(views.chain(references), exposure_ev, &services.wake);

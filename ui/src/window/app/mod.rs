@@ -3,6 +3,7 @@
 mod autosave;
 mod baking;
 mod canvas;
+mod choose_file;
 mod comparison;
 mod current_scene;
 mod inspect;
@@ -24,6 +25,7 @@ use afterimage::render::schedule::MOTION_TIME;
 use autosave::{Autosave, is_recovery, left_behind, recovery_file};
 use baking::{poll_bake, toggle_bake, update_floor};
 use canvas::Canvas;
+use choose_file::{handle_list, poll_files, set_path_text};
 use comparison::{overlay, update_comparison};
 use current_scene::{Arrival, CurrentScene};
 use inspect::{handle_inspect, show_reference, update_plan, update_thumbnails};
@@ -39,9 +41,9 @@ use persistence::{
 use pictures::{handle_picture, poll_export, save_from_references};
 use poll::poll;
 use render_request::{current_work, note_frame, send_request};
-use scene_edits::{begin_edits, handle_edit, is_sky, open_sky, poll_edit, save_sidecar, show_sky_picture};
-use services::{AppEvent, FloorWatch, Measurement, PendingEdit, Services};
+use scene_edits::{begin_document, handle_edit, is_sky, open_sky, poll_edit, save_sidecar, show_sky_picture};
+use services::{AppEvent, Choosing, FloorWatch, Measurement, PendingEdit, Services};
 use session_file::{EXTENSION, SessionFile, is_session};
 use update::{apply, show_appearance};
-use watch::{modified, watch};
+use watch::{OwnWrites, modified, watch};
 pub use window_app::App;

@@ -3,29 +3,14 @@
 use super::{AppEvent, Services};
 use crate::picture::pose_text::pose_of_flags;
 use crate::window::export::Destination;
+use crate::window::input::playback::{with_key, without_key};
 use crate::window::input::{MoveMode, Recording};
 use crate::window::rendering::TaskError;
-use crate::window::state::{AppState, NavigationCommand, SavedView};
+use crate::window::state::{AppState, Change, NavigationCommand, SavedView};
 use afterimage::camera::CameraPath;
 
-/// Applies a command. Changes of the saved views can be undone.
+/// Applies a command. Changes of the saved views and of the path can be undone.
 pub(super) fn handle_navigation(state: &mut AppState, services: &mut Services, command: NavigationCommand) {
-    let views_before = match command {
-        NavigationCommand::SaveView(_)
-        | NavigationCommand::AddView
-        | NavigationCommand::RemoveView(_)
-        | NavigationCommand::FinishRenaming => state.scene.as_ref().map(|s| s.views.clone()),
-        _ => None,
-    };
-    apply(state, services, command);
-    if let (Some(before), Some(scene), Some(edits)) = (views_before, &state.scene, &mut state.edits)
-        && before != scene.views
-    {
-        edits.note_views(before);
-    }
-}
-
-fn apply(state: &mut AppState, services: &mut Services, command: NavigationCommand) {
     let navigation = &mut state.navigation;
     match command {
         NavigationCommand::GoToView(index) => go_to_view(state, index),
@@ -35,9 +20,7 @@ fn apply(state: &mut AppState, services: &mut Services, command: NavigationComma
         NavigationCommand::AddView => save_view(state, None),
         NavigationCommand::RemoveView(index) => {
             navigation.renaming = None;
-            if let Some(scene) = &mut state.scene {
-                scene.views.remove(index);
-            }
+            change_views(state, |views| drop(views.remove(index)));
         }
         NavigationCommand::Rename(renaming) => navigation.renaming = renaming,
         NavigationCommand::FinishRenaming => finish_renaming(state),
@@ -50,40 +33,65 @@ fn apply(state: &mut AppState, services: &mut Services, command: NavigationComma
             state.info(if move_mode == MoveMode::Walk { "walking" } else { "flying" });
         }
         NavigationCommand::AddPathKey => {
-            navigation.playback.add_key(navigation.fly.camera());
-            let count = navigation.playback.path.keyframes.len();
+            let own = state.document.as_ref().and_then(|document| document.now().path.as_ref());
+            let path = with_key(own, navigation.fly.camera());
+            let count = path.keyframes.len();
+            change_path(state, path, f64::INFINITY);
             state.info(format!("key {count} of the camera path was set here"));
         }
-        NavigationCommand::RemovePathKey(index) => navigation.playback.remove_key(index),
+        NavigationCommand::RemovePathKey(index) => {
+            let at_secs = navigation.playback.at_secs;
+            let path = without_key(state.path(), index);
+            change_path(state, path, at_secs);
+        }
         NavigationCommand::SetPlayback(playback) => {
             navigation.playback = playback;
-            if let Some(camera) = navigation.playback.camera() {
-                navigation.fly.jump_to(camera);
+            if let Some(camera) = playback.camera(state.path()) {
+                state.navigation.fly.jump_to(camera);
             }
         }
-        NavigationCommand::PlayPath => navigation.playback.toggle(),
+        NavigationCommand::PlayPath => {
+            let mut playback = navigation.playback;
+            playback.toggle(state.path());
+            state.navigation.playback = playback;
+        }
         NavigationCommand::ToggleRecording => toggle_recording(state, services),
     }
 }
 
+/// Changes the saved views in one step.
+fn change_views(state: &mut AppState, change: impl FnOnce(&mut Vec<SavedView>)) {
+    let Some(document) = &mut state.document else { return };
+    let mut views = document.now().views.clone();
+    change(&mut views);
+    if views != document.now().views {
+        document.change(Change::Views(views));
+    }
+}
+
+/// Changes the user's path, and pauses it at a time.
+fn change_path(state: &mut AppState, path: CameraPath, at_secs: f64) {
+    let Some(document) = &mut state.document else { return };
+    state.navigation.playback.pause_at(&path, at_secs);
+    document.change(Change::Path(Some(path)));
+}
+
 fn go_to_view(state: &mut AppState, index: usize) {
-    let view = state.scene.as_ref().and_then(|s| s.views.get(index));
-    if let Some(camera) = view.map(|v| v.camera) {
+    if let Some(camera) = state.views().get(index).map(|v| v.camera) {
         state.navigation.view_index = index;
         state.navigation.fly.ease_to(camera);
     }
 }
 
 fn go_to_key(state: &mut AppState, key: u8) {
-    let views = state.scene.iter().flat_map(|s| s.views.iter());
-    match views.enumerate().find(|(_, v)| v.key == Some(key)).map(|(index, _)| index) {
+    match state.views().iter().enumerate().find(|(_, v)| v.key == Some(key)).map(|(index, _)| index) {
         Some(index) => go_to_view(state, index),
         None => state.info(format!("no view is saved as {key}; Ctrl+{key} saves one")),
     }
 }
 
 fn step_view(state: &mut AppState, step: isize) {
-    let count = state.scene.as_ref().map_or(0, |s| s.views.len());
+    let count = state.views().len();
     if count > 0 {
         let next = (state.navigation.view_index as isize + step).rem_euclid(count as isize);
         go_to_view(state, next as usize);
@@ -93,21 +101,19 @@ fn step_view(state: &mut AppState, step: isize) {
 /// Saves the pose under a key, or as one more view without a key.
 fn save_view(state: &mut AppState, key: Option<u8>) {
     let camera = *state.navigation.fly.camera();
-    let Some(scene) = &mut state.scene else { return };
-    let taken = scene.views.iter_mut().position(|v| key.is_some() && v.key == key);
-    let (index, verb) = match taken {
-        Some(index) => {
-            scene.views[index].camera = camera;
-            (index, "replaced")
-        }
-        None => {
-            let name = format!("view {}", key.map_or(scene.views.len() + 1, usize::from));
-            scene.views.push(SavedView { name, camera, key });
-            (scene.views.len() - 1, "saved")
-        }
-    };
+    if state.document.is_none() {
+        return;
+    }
+    let count = state.views().len();
+    let taken = state.views().iter().position(|v| key.is_some() && v.key == key);
+    let name = format!("view {}", key.map_or(count + 1, usize::from));
+    change_views(state, |views| match taken {
+        Some(index) => views[index].camera = camera,
+        None => views.push(SavedView { name, camera, key }),
+    });
+    let (index, verb) = taken.map_or((count, "saved"), |index| (index, "replaced"));
     state.navigation.view_index = index;
-    let name = &scene.views[index].name;
+    let name = &state.views()[index].name;
     let goes_there = key.map_or(String::new(), |key| format!("; key {key} goes there"));
     let text = format!("{name} was {verb}{goes_there}");
     state.info(text);
@@ -115,10 +121,11 @@ fn save_view(state: &mut AppState, key: Option<u8>) {
 
 fn finish_renaming(state: &mut AppState) {
     let Some((index, name)) = state.navigation.renaming.take() else { return };
-    let view = state.scene.as_mut().and_then(|s| s.views.get_mut(index));
-    if let Some(view) = view.filter(|_| !name.trim().is_empty()) {
-        name.trim().clone_into(&mut view.name);
-    }
+    change_views(state, |views| {
+        if let Some(view) = views.get_mut(index).filter(|_| !name.trim().is_empty()) {
+            name.trim().clone_into(&mut view.name);
+        }
+    });
 }
 
 /// Starts to record a walk, or ends the recording and saves it.

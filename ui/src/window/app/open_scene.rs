@@ -2,14 +2,14 @@
 //! lost.
 
 use super::{
-    AppEvent, Arrival, Parts, Services, SessionFile, begin_edits, is_recovery, is_session, is_sky, open_sky,
-    remember_model, restore_session, save_sidecar, watch,
+    AppEvent, Arrival, Parts, Services, SessionFile, begin_document, is_recovery, is_session, is_sky,
+    open_sky, remember_model, restore_session, save_sidecar, watch,
 };
 use crate::picture::restore::{PictureView, beside, is_picture, read_view};
 use crate::settings;
 use crate::window::input::{Obstacles, Playback};
 use crate::window::rendering::{Loading, RenderCommand, SceneSource, TaskError, take_result};
-use crate::window::state::{Answer, AppState, Edits, Leaving, PlanState, SceneInfo};
+use crate::window::state::{Answer, AppState, Leaving, PlanState, SceneInfo};
 use afterimage::{Camera, Tracer, raster::exposure::Exposure};
 use egui::ViewportCommand;
 use std::path::PathBuf;
@@ -87,13 +87,9 @@ fn is_shown(state: &AppState, source: &SceneSource) -> bool {
     state.scene.as_ref().is_some_and(|s| s.source.is_same(source))
 }
 
-fn has_unsaved_changes(state: &AppState) -> bool {
-    state.edits.as_ref().is_some_and(Edits::is_unsaved)
-}
-
 /// Loads a scene, or asks first what is to be done with unsaved changes. A reload keeps them.
 pub(super) fn open(app: &mut Parts, source: SceneSource) {
-    if is_shown(&app.state, &source) || !has_unsaved_changes(&app.state) {
+    if is_shown(&app.state, &source) || !app.state.is_unsaved() {
         load(&mut app.services, source);
     } else {
         app.state.dialogs.leaving = Some(Leaving::Open(source));
@@ -134,7 +130,7 @@ pub(super) fn poll_loading(app: &mut Parts) {
     match result {
         Ok(tracer) => {
             let discards = std::mem::take(&mut app.current.discards_edits);
-            if is_shown(&app.state, &source) || discards || !has_unsaved_changes(&app.state) {
+            if is_shown(&app.state, &source) || discards || !app.state.is_unsaved() {
                 show_scene(app, source, tracer);
             } else {
                 app.state.dialogs.leaving = Some(Leaving::Show(source, tracer));
@@ -153,7 +149,8 @@ pub(super) fn poll_loading(app: &mut Parts) {
 /// the new one cannot be loaded.
 pub(super) fn poll_watch(app: &mut Parts) {
     if let Some(Ok(path)) = take_result(&mut app.services.watch) {
-        app.services.watch = Some(watch(path.clone(), app.services.wake.clone()));
+        app.services.watch =
+            Some(watch(path.clone(), app.services.own_writes.clone(), app.services.wake.clone()));
         app.state.info(format!("{} has changed and is loaded again", path.display()));
         reload(app);
     }
@@ -175,7 +172,7 @@ fn show_scene(app: &mut Parts, source: SceneSource, tracer: Arc<Tracer>) {
         app.state.navigation.view_index = view_index;
         app.state.navigation.fly.jump_to(start);
         app.state.navigation.fly.set_speed(scene.speed_m_per_s);
-        app.state.navigation.playback = Playback::of_scene(tracer.scene().walk.clone());
+        app.state.navigation.playback = Playback::default();
         (app.state.navigation.recording, app.state.navigation.renaming) = (None, None);
     }
     app.state.scene = Some(scene);
@@ -187,17 +184,17 @@ fn show_scene(app: &mut Parts, source: SceneSource, tracer: Arc<Tracer>) {
         ..Default::default()
     };
     app.current.obstacles = Some(Obstacles::new(tracer.clone()));
-    begin_edits(app, tracer.scene(), is_reload);
-    app.current.first_generation = app.services.render.send(RenderCommand::SetTracer(tracer));
     if !is_reload {
         reset_exposure(app, &arrival, exposure);
     }
+    begin_document(app, tracer.scene(), is_reload);
+    app.current.first_generation = app.services.render.send(RenderCommand::SetTracer(tracer));
     app.current.sent = None;
     restore_session(app, arrival.session, is_reload);
     app.services.watch = None;
     if let SceneSource::File { path, .. } = source {
         remember_model(app, &path);
-        app.services.watch = Some(watch(path, app.services.wake.clone()));
+        app.services.watch = Some(watch(path, app.services.own_writes.clone(), app.services.wake.clone()));
     }
 }
 
@@ -228,7 +225,7 @@ fn start_pose(state: &mut AppState, scene: &SceneInfo, arrival: &Arrival) -> (us
 /// Keeps the window open where closing it would lose changes, and asks.
 pub(super) fn hold_close(app: &mut Parts) {
     let is_closing = app.services.ctx.input(|i| i.viewport().close_requested());
-    if is_closing && !app.current.may_close && has_unsaved_changes(&app.state) {
+    if is_closing && !app.current.may_close && app.state.is_unsaved() {
         app.services.ctx.send_viewport_cmd(ViewportCommand::CancelClose);
         app.current.arrival = Arrival::default();
         app.state.dialogs.leaving = Some(Leaving::Close);

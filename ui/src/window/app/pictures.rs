@@ -102,7 +102,7 @@ fn export_picture(
 
 /// Saves the camera path. Every picture of the sequence is traced in full.
 fn sequence(app: &mut Parts) -> anyhow::Result<()> {
-    let walk = app.state.navigation.playback.path.clone();
+    let walk = app.state.path().clone();
     let is_path = walk.keyframes.len() > 1;
     ensure!(is_path, "a sequence needs a camera path of two keys or more; K adds one at your pose");
     let settings = &app.state.picture.settings;

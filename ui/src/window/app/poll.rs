@@ -1,8 +1,8 @@
 //! Takes over everything that has happened in the background since the last update of the window.
 
 use super::{
-    AppEvent, Parts, go_to_picture, handle_answer, leave, note_frame, open_path, poll_bake, poll_edit,
-    poll_export, poll_loading, poll_watch, save_from_references, show_reference, show_sky_picture,
+    AppEvent, Parts, go_to_picture, handle_answer, leave, note_frame, poll_bake, poll_edit, poll_export,
+    poll_files, poll_loading, poll_watch, save_from_references, show_reference, show_sky_picture,
     update_floor, update_plan, update_thumbnails,
 };
 use crate::window::gpu::viewport;
@@ -18,6 +18,7 @@ pub(super) fn poll(app: &mut Parts) {
     poll_edit(app);
     poll_watch(app);
     poll_messages(app);
+    poll_files(app);
     poll_tasks(app);
     poll_frame(app);
     poll_light(app);
@@ -43,13 +44,6 @@ fn poll_messages(app: &mut Parts) {
 }
 
 fn poll_tasks(app: &mut Parts) {
-    match take_result(&mut app.services.file_dialog) {
-        Some(Ok(Some(path))) => open_path(app, path),
-        Some(Err(TaskError::Failed(text))) => {
-            app.state.error(format!("the file dialog cannot be started: {text}"));
-        }
-        Some(Ok(None) | Err(TaskError::Cancelled)) | None => {}
-    }
     let mut results = Vec::new();
     app.services.tasks.retain(|task| {
         let result = task.result();
@@ -78,8 +72,8 @@ fn apply(app: &mut Parts, event: AppEvent) {
         AppEvent::PictureView(view) => go_to_picture(app, view),
         AppEvent::SavedEdit(edit, Ok(path)) => {
             saved(&mut app.state, &path);
-            if let Some(edits) = &mut app.state.edits {
-                edits.set_saved(*edit);
+            if let Some(document) = &mut app.state.document {
+                document.set_saved_in_files(*edit);
             }
             leave(app);
         }

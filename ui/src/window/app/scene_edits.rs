@@ -2,10 +2,13 @@
 //! scene is rebuilt in the background, and the old picture stays until there is one of the new
 //! scene.
 
-use super::{AppEvent, Parts, PendingEdit};
+use super::{AppEvent, Parts, PendingEdit, handle_list};
 use crate::window::input::Obstacles;
 use crate::window::rendering::{RenderCommand, SceneSource, TaskError, spawn_task};
-use crate::window::state::{AppState, Change, EditCommand, Edits, Selection, SunControls};
+use crate::window::state::{
+    AppState, Change, Document, EditCommand, ListCommand, OpenDocument, Purpose, SceneInfo, Selection,
+    SunControls,
+};
 use afterimage::import::{Limits, load_sky};
 use afterimage::scene::{Daylight, PictureSky, Scene, Sky, SkyImage};
 use afterimage::{Tracer, import};
@@ -16,32 +19,20 @@ use std::sync::Arc;
 pub(super) fn handle_edit(app: &mut Parts, command: EditCommand) {
     match command {
         EditCommand::Change(change) => {
-            if let (Some(edits), Some(scene)) = (&mut app.state.edits, &mut app.state.scene) {
-                edits.change(change, &mut scene.views);
+            if let Some(document) = &mut app.state.document {
+                document.change(change);
             }
         }
-        EditCommand::SetSun(sun) => app.state.sun = sun,
         EditCommand::KnowLights => {
             app.state.knows_lights = true;
             app.services.render.send(RenderCommand::KnowLights(true));
         }
-        EditCommand::BrowseSky => browse_sky(app),
+        EditCommand::BrowseSky => handle_list(app, ListCommand::Ask(Purpose::Sky)),
         EditCommand::Undo => step(&mut app.state, true),
         EditCommand::Redo => step(&mut app.state, false),
         EditCommand::SaveSidecar => save_sidecar(app),
     }
     rebuild(app);
-}
-
-/// Asks for a picture of the sky and reads it, in the background. Where it cannot be used, a
-/// message says so and the sky stays.
-fn browse_sky(app: &mut Parts) {
-    app.services.spawn("reading a sky", || {
-        let dialog = rfd::FileDialog::new()
-            .set_title("Choose a picture of the sky")
-            .add_filter("Pictures of all directions", &["hdr", "exr"]);
-        dialog.pick_file().map_or(Ok(AppEvent::Kept), |path| read_sky(&path))
-    });
 }
 
 /// Reads a picture of the sky in the background.
@@ -61,24 +52,23 @@ pub(super) fn is_sky(path: &Path) -> bool {
 
 /// Shows a picture as the sky. It has a sun of its own, so that the other one is switched off.
 pub(super) fn show_sky_picture(app: &mut Parts, image: Arc<SkyImage>) {
-    let sky = Sky::Picture(PictureSky::new(image, app.state.sun.nits_per_unit));
-    (app.state.sun.kind, app.state.sun.has_sun, app.state.sun.has_sky) = (sky.kind(), false, true);
+    let Some(document) = &app.state.document else { return };
+    let mut sun = document.now().sun.clone();
+    let sky = Sky::Picture(PictureSky::new(image, sun.nits_per_unit));
+    (sun.kind, sun.has_sun, sun.has_sky) = (sky.kind(), false, true);
     let daylight = Daylight { sun: None, sky: Some(sky) };
-    handle_edit(app, EditCommand::Change(Change::Daylight(daylight)));
+    handle_edit(app, EditCommand::Change(Change::Daylight(daylight, Box::new(sun))));
 }
 
 /// Undoes or redoes an edit.
 fn step(state: &mut AppState, is_undo: bool) {
-    let (Some(edits), Some(scene)) = (&mut state.edits, &mut state.scene) else { return };
-    let before = edits.now().daylight.clone();
-    let is_done = if is_undo { edits.undo(&mut scene.views) } else { edits.redo(&mut scene.views) };
-    let now = edits.now().daylight.clone();
-    let navigation = &mut state.navigation;
-    if now != before {
-        navigation.view_index = 0;
-        state.sun.show(&now);
-    }
-    navigation.view_index = navigation.view_index.min(scene.views.len().saturating_sub(1));
+    let Some(document) = &mut state.document else { return };
+    let is_done = if is_undo { document.undo() } else { document.redo() };
+    let views = document.now().views.len();
+    state.navigation.view_index = state.navigation.view_index.min(views.saturating_sub(1));
+    let mut playback = state.navigation.playback;
+    playback.pause_at(state.path(), playback.at_secs);
+    state.navigation.playback = playback;
     if !is_done {
         state.info(if is_undo { "there is nothing to undo" } else { "there is nothing to redo" });
     }
@@ -86,14 +76,15 @@ fn step(state: &mut AppState, is_undo: bool) {
 
 /// Starts to rebuild the scene with the current edit, unless it is shown or being rebuilt.
 fn rebuild(app: &mut Parts) {
-    let (Some(edits), Some(tracer), None) = (&app.state.edits, app.current.tracer(), &app.services.edit)
+    let (Some(document), Some(tracer), None) =
+        (&app.state.document, app.current.tracer(), &app.services.edit)
     else {
         return;
     };
-    if app.current.rendered_edit.as_ref() == Some(edits.now()) {
+    if app.current.rendered_edit.as_ref() == Some(document.scene()) {
         return;
     }
-    let (edit, base, wanted) = (edits.now().clone(), tracer.clone(), edits.now().clone());
+    let (edit, base, wanted) = (document.scene().clone(), tracer.clone(), document.scene().clone());
     let work = move || Arc::new(base.with_state(Arc::new(base.scene().with_edit(&wanted))));
     let task = spawn_task("edit", app.services.wake.clone(), move |_| Ok(work()));
     app.services.edit = Some(PendingEdit { edit, task });
@@ -130,21 +121,22 @@ fn show_rebuilt(app: &mut Parts, tracer: Arc<Tracer>) {
     app.current.sent = None;
 }
 
-/// Begins the edits of a scene that was loaded. Unsaved edits of the same scene are kept.
-pub(super) fn begin_edits(app: &mut Parts, scene: &Scene, is_reload: bool) {
-    let saved = scene.to_edit();
-    app.current.rendered_edit = Some(saved.clone());
+/// Begins the document of a scene that was loaded. After a reload, what the user has changed stays,
+/// and the rest follows the files.
+pub(super) fn begin_document(app: &mut Parts, scene: &Scene, is_reload: bool) {
+    let files = document_of(scene, app.state.scene.as_ref());
+    app.current.rendered_edit = Some(files.scene.clone());
     app.services.edit = None;
-    let edits = match app.state.edits.as_ref().filter(|e| is_reload && e.is_unsaved()) {
-        Some(edits) => edits.carried_to(saved),
-        None => Edits::new(saved),
+    let document = match app.state.document.take().filter(|_| is_reload) {
+        Some(document) => {
+            let objects = scene.all_objects();
+            let carried = document.carried_to(files, &|key| objects.keys().contains(key));
+            say_dropped(&mut app.state, carried.dropped_steps);
+            carried.document
+        }
+        None => OpenDocument::new(files, app.state.quality),
     };
-    if !is_reload {
-        app.state.sun = SunControls::default();
-    }
-    app.state.sun.nits_per_unit = scene.nits_per_unit();
-    app.state.sun.show(&edits.now().daylight);
-    app.state.edits = Some(edits);
+    app.state.document = Some(document);
     if !is_reload {
         app.state.knows_lights = false;
         app.services.render.send(RenderCommand::KnowLights(false));
@@ -153,9 +145,28 @@ pub(super) fn begin_edits(app: &mut Parts, scene: &Scene, is_reload: bool) {
     rebuild(app);
 }
 
+/// The document that the files of a scene hold.
+fn document_of(scene: &Scene, info: Option<&SceneInfo>) -> Document {
+    let mut sun = SunControls { nits_per_unit: scene.nits_per_unit(), ..SunControls::default() };
+    let edit = scene.to_edit();
+    sun.show(&edit.daylight);
+    let views = info.map_or_else(Vec::new, |info| info.views.clone());
+    Document { scene: edit, sun, views, ..Document::default() }
+}
+
+fn say_dropped(state: &mut AppState, dropped_steps: usize) {
+    match dropped_steps {
+        0 => {}
+        1 => state.info("one change can no longer be undone: what it changed is no longer in the model"),
+        n => state.info(format!(
+            "{n} changes can no longer be undone: what they changed is no longer in the model"
+        )),
+    }
+}
+
 /// Saves materials, objects and daylight in the sidecar of the model.
 pub(super) fn save_sidecar(app: &mut Parts) {
-    let (Some(edits), Some(scene)) = (&app.state.edits, &app.state.scene) else { return };
+    let (Some(document), Some(scene)) = (&app.state.document, &app.state.scene) else { return };
     let SceneSource::File { path, .. } = &scene.source else {
         let text = format!(
             "{} is part of the program and has no sidecar; open a model file to keep changes",
@@ -163,9 +174,10 @@ pub(super) fn save_sidecar(app: &mut Parts) {
         );
         return app.state.error(text);
     };
-    let (path, before, edit) = (path.clone(), edits.saved().clone(), edits.now().clone());
+    let (path, before, now) = (path.clone(), document.files().scene.clone(), document.now().clone());
+    let own = app.services.own_writes.clone();
     app.services.spawn("saving the sidecar", move || {
-        let saved = import::save_edit(&path, &before, &edit).map_err(Into::into);
-        Ok(AppEvent::SavedEdit(Box::new(edit), saved))
+        let saved = own.write(|| import::save_edit(&path, &before, &now.scene)).map_err(Into::into);
+        Ok(AppEvent::SavedEdit(Box::new(now), saved))
     });
 }

@@ -1,13 +1,15 @@
 //! Threads, tasks and the graphics adapter.
 
+use super::OwnWrites;
 use crate::picture::restore::PictureView;
 use crate::window::export::{Destination, Exported};
+use crate::window::files::{Asked, Reached};
 use crate::window::launch::LaunchOptions;
 use crate::window::rendering::baking::{Baking, ShownFloor};
 use crate::window::rendering::{
     FullTrace, Loading, Plan, RenderThread, Task, TaskError, Wake, spawn_activity,
 };
-use crate::window::state::{AppState, Pair, PictureError};
+use crate::window::state::{AppState, Document, Pair, PictureError, Purpose};
 use afterimage::Tracer;
 use afterimage::render::bake::FloorCover;
 use afterimage::scene::{SceneEdit, SkyImage};
@@ -28,7 +30,7 @@ pub(super) enum AppEvent {
     /// The view of a picture was read.
     PictureView(PictureView),
     /// Materials and daylight were saved in the sidecar, or could not be saved.
-    SavedEdit(Box<SceneEdit>, anyhow::Result<PathBuf>),
+    SavedEdit(Box<Document>, anyhow::Result<PathBuf>),
     /// A picture of the sky was read.
     SkyPicture(Arc<SkyImage>),
 }
@@ -59,6 +61,17 @@ pub(super) struct FloorWatch {
     pub(super) looked: Option<((SceneEpoch, u32), Instant)>,
 }
 
+/// Tasks by which files are chosen.
+#[derive(Default)]
+pub(super) struct Choosing {
+    /// The system's dialog, and what it was opened for.
+    pub(super) dialog: Option<Task<(Purpose, Asked)>>,
+    /// A folder that is being read for the list of files.
+    pub(super) folder: Option<Task<Reached>>,
+    /// A folder that is being read for the path field.
+    pub(super) nearby: Option<Task<Reached>>,
+}
+
 /// Threads, tasks and the graphics adapter.
 pub(super) struct Services {
     /// What the window was started with.
@@ -82,7 +95,9 @@ pub(super) struct Services {
     /// The bake that is running.
     pub(super) baking: Option<Baking>,
     pub(super) floor: FloorWatch,
-    pub(super) file_dialog: Option<Task<Option<PathBuf>>>,
+    pub(super) choosing: Choosing,
+    /// Files that the program has written itself.
+    pub(super) own_writes: OwnWrites,
     /// Ends when the files of the scene have changed.
     pub(super) watch: Option<Task<PathBuf>>,
     /// Measures the light in the scene for the automatic exposure.

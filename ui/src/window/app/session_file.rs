@@ -72,8 +72,8 @@ impl SessionFile {
             exposure: quality.exposure,
             tone_map: quality.tone_map.name().to_owned(),
             camera: *state.navigation.fly.camera(),
-            views: scene.views.iter().map(view).collect(),
-            path: state.navigation.playback.is_own.then(|| state.navigation.playback.path.clone()),
+            views: state.views().iter().map(view).collect(),
+            path: state.has_own_path().then(|| state.path().clone()),
             other: other.clone(),
         })
     }
@@ -122,13 +122,14 @@ impl SessionFile {
         quality.exposure = self.exposure;
         quality.tone_map = settings::named(&self.tone_map).unwrap_or(quality.tone_map);
         state.navigation.fly.jump_to(self.camera);
-        if let Some(scene) = &mut state.scene {
+        if let Some(open) = &mut state.document {
             let view = |v: &View| SavedView { name: v.name.clone(), key: v.key, camera: v.camera };
-            scene.views = self.views.iter().map(view).collect();
+            let mut document = open.now().clone();
+            document.views = self.views.iter().map(view).collect();
+            document.path.clone_from(&self.path);
+            open.restore(document);
             state.navigation.view_index = 0;
-        }
-        if let Some(path) = &self.path {
-            state.navigation.playback = Playback { is_own: true, ..Playback::of_scene(path.clone()) };
+            state.navigation.playback = Playback::default();
         }
         self.other.clone()
     }

@@ -1,9 +1,9 @@
 //! The app of the window.
 
 use super::{
-    Arrival, Canvas, CurrentScene, FloorWatch, MOTION_TIME, Parts, Services, apply, autosave, current_work,
-    end_autosave, hold_close, is_session, open, open_session, poll, read_state_folder, send_request,
-    show_appearance, update_comparison,
+    Arrival, Canvas, Choosing, CurrentScene, FloorWatch, MOTION_TIME, OwnWrites, Parts, Services, apply,
+    autosave, current_work, end_autosave, hold_close, is_session, open, open_session, poll,
+    read_state_folder, send_request, show_appearance, update_comparison,
 };
 use crate::window::gpu::adapter;
 use crate::window::input::{Input, key_commands, steer};
@@ -81,8 +81,9 @@ impl App {
             plan: None,
             baking: None,
             floor: FloorWatch::default(),
-            file_dialog: None,
+            choosing: Choosing::default(),
             watch: None,
+            own_writes: OwnWrites::default(),
             light: None,
             tasks: Vec::new(),
         };
@@ -145,6 +146,7 @@ impl App {
         if state.options.shows_help {
             panels::help::show(ctx, state, commands);
         }
+        panels::file_list::show(ctx, state, commands);
         panels::questions::show(ctx, state, commands);
     }
 

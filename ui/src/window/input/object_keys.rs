@@ -21,10 +21,10 @@ pub(super) fn object_command(state: &AppState, action: Action) -> Option<Command
         Action::HideObject | Action::DeleteObject => DVec3::ZERO,
         _ => return None,
     };
-    let (Some(key), Some(edits)) = (&state.selection.object, &state.edits) else {
+    let (Some(key), Some(document)) = (&state.selection.object, &state.document) else {
         return Some(Command::Say("click an object first".to_owned()));
     };
-    let mut edit = edits.object(key);
+    let mut edit = document.object(key);
     let reach_m = state.scene.as_ref().map_or(0.0, SceneInfo::reach_m);
     edit.moved_m = (edit.moved_m + way * STEP_M).clamp(DVec3::splat(-reach_m), DVec3::splat(reach_m));
     edit.is_hidden ^= action == Action::HideObject;

@@ -15,13 +15,9 @@ const SECS_PER_KEY: f64 = 1.0;
 /// Poses recorded per second: a key every 25 cm at walking speed.
 const RECORDS_PER_SEC: f64 = 10.0;
 
-/// The camera path of the window: the scene's, until the user sets a key.
-#[derive(Clone, Debug, Default, PartialEq)]
+/// How the camera path of the window is played.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Playback {
-    /// The path; empty without a scene.
-    pub path: CameraPath,
-    /// True where the keys are the user's, not the scene's.
-    pub is_own: bool,
     /// Time since the start of the path, in seconds.
     pub at_secs: f64,
     /// True while the path is being played.
@@ -31,64 +27,61 @@ pub struct Playback {
 }
 
 impl Playback {
-    /// A scene's own path, paused at its start.
-    pub fn of_scene(path: CameraPath) -> Self {
-        Self { path, ..Self::default() }
-    }
-
-    /// Returns the duration of the path in seconds.
-    pub fn secs(&self) -> f64 {
-        f64::from(self.path.frames.max(2) - 1) / FRAMES_PER_SEC
-    }
-
-    /// Adds a key at a pose. The first one replaces the scene's path.
-    pub fn add_key(&mut self, camera: &Camera) {
-        let mut keyframes = if self.is_own { std::mem::take(&mut self.path.keyframes) } else { Vec::new() };
-        keyframes.push(key_of(camera));
-        *self = Self { path: path_of(keyframes, camera), is_own: true, loops: self.loops, ..Self::default() };
-        self.at_secs = self.secs();
-    }
-
-    /// Removes the key of this index; the path is then the user's own.
-    pub fn remove_key(&mut self, index: usize) {
-        if index < self.path.keyframes.len() {
-            self.path.keyframes.remove(index);
-            let camera = Camera { fov_y: self.path.fov_y_deg.to_radians(), ..CAMERA_OF_NO_PLACE };
-            self.path = path_of(std::mem::take(&mut self.path.keyframes), &camera);
-            (self.is_own, self.is_playing) = (true, false);
-            self.at_secs = self.at_secs.min(self.secs());
-        }
+    /// Pauses at a time of a path, at its end if the time is later.
+    pub fn pause_at(&mut self, path: &CameraPath, at_secs: f64) {
+        (self.at_secs, self.is_playing) = (at_secs.min(path_secs(path)), false);
     }
 
     /// Plays from the current time, from the start where the path is at its end, or pauses.
-    pub fn toggle(&mut self) {
-        self.is_playing = !self.is_playing && !self.path.keyframes.is_empty();
-        if self.is_playing && self.at_secs >= self.secs() {
+    pub fn toggle(&mut self, path: &CameraPath) {
+        self.is_playing = !self.is_playing && !path.keyframes.is_empty();
+        if self.is_playing && self.at_secs >= path_secs(path) {
             self.at_secs = 0.0;
         }
     }
 
     /// Advances the time; returns the pose while the path is played.
-    pub fn advance(&mut self, secs: f64) -> Option<Camera> {
+    pub fn advance(&mut self, path: &CameraPath, secs: f64) -> Option<Camera> {
         if !self.is_playing {
             return None;
         }
         self.at_secs += secs;
-        let end = self.secs();
+        let end = path_secs(path);
         if self.at_secs >= end {
             self.is_playing = self.loops;
             self.at_secs = if self.loops { self.at_secs % end } else { end };
         }
-        self.camera()
+        self.camera(path)
     }
 
     /// Returns the pose at the current time.
-    pub fn camera(&self) -> Option<Camera> {
+    pub fn camera(&self, path: &CameraPath) -> Option<Camera> {
         // Finer than frames: a display may be faster than [`FRAMES_PER_SEC`].
         const PARTS: u32 = 1_000_000;
-        let part = (self.at_secs / self.secs()).clamp(0.0, 1.0) * f64::from(PARTS);
-        self.path.camera(part.round() as u32, PARTS + 1)
+        let part = (self.at_secs / path_secs(path)).clamp(0.0, 1.0) * f64::from(PARTS);
+        path.camera(part.round() as u32, PARTS + 1)
     }
+}
+
+/// Returns the duration of a path in seconds.
+pub fn path_secs(path: &CameraPath) -> f64 {
+    f64::from(path.frames.max(2) - 1) / FRAMES_PER_SEC
+}
+
+/// Returns the user's path with one more key, at a pose. The first key starts a path.
+pub fn with_key(own: Option<&CameraPath>, camera: &Camera) -> CameraPath {
+    let mut keyframes = own.map_or_else(Vec::new, |path| path.keyframes.clone());
+    keyframes.push(key_of(camera));
+    path_of(keyframes, camera)
+}
+
+/// Returns a path without the key of this index.
+pub fn without_key(path: &CameraPath, index: usize) -> CameraPath {
+    let mut keyframes = path.keyframes.clone();
+    if index < keyframes.len() {
+        keyframes.remove(index);
+    }
+    path_of(keyframes, &Camera { fov_y: path.fov_y_deg.to_radians(), ..CAMERA_OF_NO_PLACE })
 }
 
 const CAMERA_OF_NO_PLACE: Camera =
@@ -155,32 +148,30 @@ mod tests {
     }
 
     #[test]
-    fn the_first_key_replaces_the_scenes_path() {
-        let mut playback = Playback::of_scene(CameraPath::still(&at(9.0)));
-        playback.add_key(&at(0.0));
-        playback.add_key(&at(7.0));
-        assert_eq!(playback.path.keyframes.len(), 2);
-        assert!((playback.secs() - (5.0 + 2.0)).abs() < 0.1, "{}", playback.secs());
-        playback.remove_key(0);
-        assert_eq!(playback.path.keyframes.len(), 1);
+    fn a_path_is_made_and_unmade_key_by_key() {
+        let path = with_key(Some(&with_key(None, &at(0.0))), &at(7.0));
+        assert_eq!(path.keyframes.len(), 2);
+        assert!((path_secs(&path) - (5.0 + 2.0)).abs() < 0.1, "{}", path_secs(&path));
+        assert_eq!(without_key(&path, 0).keyframes.len(), 1);
+        assert_eq!(without_key(&path, 2).keyframes.len(), 2);
     }
 
     #[test]
     fn a_path_plays_to_its_end_and_starts_again_when_looping() {
         let mut playback = Playback::default();
-        assert_eq!(playback.advance(1.0), None);
-        playback.toggle();
+        let path = CameraPath::default();
+        assert_eq!(playback.advance(&path, 1.0), None);
+        playback.toggle(&path);
         assert!(!playback.is_playing, "nothing to play");
-        playback.add_key(&at(0.0));
-        playback.add_key(&at(7.0));
-        playback.toggle();
-        let half = playback.advance(playback.secs() / 2.0).unwrap();
+        let path = with_key(Some(&with_key(None, &at(0.0))), &at(7.0));
+        playback.toggle(&path);
+        let half = playback.advance(&path, path_secs(&path) / 2.0).unwrap();
         assert!((half.eye.x - 3.5).abs() < 1e-3, "{half:?}");
-        assert!((playback.advance(100.0).unwrap().eye.x - 7.0).abs() < 1e-9);
+        assert!((playback.advance(&path, 100.0).unwrap().eye.x - 7.0).abs() < 1e-9);
         assert!(!playback.is_playing);
         playback.loops = true;
-        playback.toggle();
-        let again = playback.advance(playback.secs() * 1.25).unwrap();
+        playback.toggle(&path);
+        let again = playback.advance(&path, path_secs(&path) * 1.25).unwrap();
         assert!(playback.is_playing && (again.eye.x - 1.75).abs() < 1e-3, "{again:?}");
     }
 

@@ -52,8 +52,11 @@ pub(crate) fn steer(
     let factor = ctx.input(|i| speed_factor(i.modifiers));
     let secs = secs_of_motion(input, ctx);
     state.comparison.is_held = input.keyboard.is_held(Action::ShowFull);
+    let mut playback = state.navigation.playback;
+    let played = playback.advance(state.path(), secs);
     let navigation = &mut state.navigation;
-    if let Some(camera) = navigation.playback.advance(secs) {
+    navigation.playback = playback;
+    if let Some(camera) = played {
         navigation.fly.jump_to(camera);
     }
     grab(input, viewport);

@@ -1,7 +1,7 @@
 //! Comparison of the picture with the full tracer's.
 
 use super::super::state::{AppState, Command, Compare};
-use super::widgets::key_hint;
+use super::{numbers::Number, widgets::key_hint};
 use crate::window::input::keymap::{Action, keys_of};
 use egui::{Sense, Ui};
 
@@ -18,11 +18,10 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
             .on_hover_text(format!("Key {}: FLIP, the perceived difference", keys_of(Action::CompareErrors)));
     });
     if shows == Compare::Split {
-        let mut percent = split * 100.0;
-        let slider =
-            egui::Slider::new(&mut percent, 0.0..=100.0).suffix(" %").fixed_decimals(0).text("Split at");
-        ui.add(slider);
-        split = percent / 100.0;
+        ui.horizontal(|ui| {
+            let label = ui.label("Split at");
+            Number::percent(0.0..=100.0).slider(ui, &mut split).labelled_by(label.id);
+        });
     }
     if (shows, split) != (state.comparison.shows, state.comparison.split) {
         commands.push(Command::Compare(shows, split));

@@ -16,11 +16,12 @@ const SKIES: [(SkyKind, &str, &str); 5] = [
 
 /// Shows the controls of the sun and the sky.
 pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
-    let Some(edits) = &state.edits else {
+    let Some(document) = &state.document else {
         ui.weak("No scene yet.");
         return;
     };
-    let (now, mut sun) = (&edits.now().daylight, state.sun.clone());
+    let (now, before) = (&document.scene().daylight, &document.now().sun);
+    let mut sun = before.clone();
     let mut picture = match &now.sky {
         Some(Sky::Picture(sky)) => Some(sky.clone()),
         _ => None,
@@ -29,7 +30,7 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
         ui.checkbox(&mut sun.has_sun, "Sun");
         ui.checkbox(&mut sun.has_sky, "Sky");
     });
-    if sun.has_sky && !state.sun.has_sky && sun.kind == SkyKind::Picture {
+    if sun.has_sky && !before.has_sky && sun.kind == SkyKind::Picture {
         // The picture was left with the sky that was switched off.
         sun.kind = SkyKind::default();
     }
@@ -49,7 +50,7 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     });
     describe(ui, &sun);
     ground_rows(ui, state, commands);
-    push_changes(state, now, sun, picture, commands);
+    push_changes((now, before), sun, picture, commands);
 }
 
 /// Shows the choice between a direction and a place and time. A sun that is set by direction from
@@ -80,8 +81,8 @@ fn describe(ui: &mut Ui, sun: &SunControls) {
 
 /// Shows the ground: whether there is one, its height, and why.
 fn ground_rows(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
-    let (Some(edits), Some(scene)) = (&state.edits, &state.scene) else { return };
-    let now = edits.now().ground;
+    let (Some(document), Some(scene)) = (&state.document, &state.scene) else { return };
+    let now = document.scene().ground;
     let (mut ground, mut has_ground) = (now.unwrap_or(scene.lowest_ground), now.is_some());
     let help = "A level ground that takes shadows and light, and that you can stand on";
     ui.checkbox(&mut has_ground, "Ground").on_hover_text(help);
@@ -107,21 +108,17 @@ fn ground_rows(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
 
 /// Pushes the commands for what was changed.
 fn push_changes(
-    state: &AppState,
-    now: &Daylight,
+    (now, before): (&Daylight, &SunControls),
     sun: SunControls,
     picture: Option<PictureSky>,
     commands: &mut Vec<Command>,
 ) {
-    let mut wanted = if sun == state.sun { now.clone() } else { sun.changed(&state.sun, now) };
+    let mut wanted = if sun == *before { now.clone() } else { sun.changed(before, now) };
     if let (Some(Sky::Picture(sky)), Some(changed)) = (&mut wanted.sky, picture) {
         *sky = changed;
     }
-    if wanted != *now {
-        commands.push(Command::Edit(EditCommand::Change(Change::Daylight(wanted))));
-    }
-    if sun != state.sun {
-        commands.push(Command::Edit(EditCommand::SetSun(sun)));
+    if wanted != *now || sun != *before {
+        commands.push(Command::Edit(EditCommand::Change(Change::Daylight(wanted, Box::new(sun)))));
     }
 }
 
@@ -132,7 +129,7 @@ fn slider(
     value: &mut f64,
     range: std::ops::RangeInclusive<f64>,
     decimals: usize,
-    unit: &str,
+    unit: &'static str,
 ) {
     let label = ui.label(name).on_hover_text(help);
     typed::slider(ui, value, range, decimals, unit).labelled_by(label.id).on_hover_text(help);

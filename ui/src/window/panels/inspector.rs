@@ -40,7 +40,7 @@ fn pixel(ui: &mut Ui, state: &AppState, found: &Inspection, commands: &mut Vec<C
 }
 
 fn lines(state: &AppState, found: &Inspection) -> Vec<(&'static str, String)> {
-    let of_scene = state.edits.as_ref().and_then(|e| e.now().materials.get(found.material.0 as usize));
+    let of_scene = state.document.as_ref().and_then(|d| d.scene().materials.get(found.material.0 as usize));
     let material = of_scene.map_or_else(String::new, |m| format!("{} ({})", m.name, m.kind_name()));
     let (types, why) = of_scene.map_or(("", ""), Material::types);
     let mut lines = vec![

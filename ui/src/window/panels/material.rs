@@ -1,39 +1,39 @@
 //! The editor of the selected material: matte, glossy, mirror, glass or frosted glass.
 
-use super::super::state::{AppState, Change, Command, EditCommand, Edits, InspectCommand};
-use super::widgets::key_hint;
+use super::super::state::{AppState, Change, Command, EditCommand, InspectCommand, OpenDocument};
+use super::{color::color_button, numbers::Number, widgets::key_hint};
 use crate::window::input::keymap::Action;
 use crate::window::rendering::scene_loading::SceneSource;
 use afterimage::scene::{Material, MaterialId, MaterialKind};
-use egui::{Slider, SliderClamping, Ui};
+use egui::Ui;
 use glam::Vec3;
 
 /// Shows the selected material, its controls, and undo.
 pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
-    let Some(edits) = &state.edits else {
+    let Some(document) = &state.document else {
         ui.weak("No scene yet.");
         return;
     };
-    let chosen = state.selection.material.filter(|id| (id.0 as usize) < edits.now().materials.len());
-    choice(ui, edits, chosen, commands);
+    let chosen = state.selection.material.filter(|id| (id.0 as usize) < document.scene().materials.len());
+    choice(ui, document, chosen, commands);
     match chosen {
         None => {
             ui.weak("Click a surface or select a material.");
         }
         Some(id) => {
-            let material = &edits.now().materials[id.0 as usize];
-            let before = &edits.saved().materials[id.0 as usize];
+            let material = &document.scene().materials[id.0 as usize];
+            let before = &document.files().scene.materials[id.0 as usize];
             let edited = controls(ui, material, before);
             if edited != *material {
                 commands.push(Command::Edit(EditCommand::Change(Change::Material(id, Box::new(edited)))));
             }
         }
     }
-    history(ui, state, edits, commands);
+    history(ui, state, document, commands);
 }
 
-fn choice(ui: &mut Ui, edits: &Edits, chosen: Option<MaterialId>, commands: &mut Vec<Command>) {
-    let materials = &edits.now().materials;
+fn choice(ui: &mut Ui, document: &OpenDocument, chosen: Option<MaterialId>, commands: &mut Vec<Command>) {
+    let materials = &document.scene().materials;
     let name = chosen.map_or("none selected", |id| &materials[id.0 as usize].name);
     let combo = egui::ComboBox::from_id_salt("chosen material").selected_text(name).width(230.0).truncate();
     let response = combo.show_ui(ui, |ui| {
@@ -116,23 +116,19 @@ fn refraction_row(ui: &mut Ui, eta: &mut f32) {
     let label = ui
         .label("Refraction")
         .on_hover_text("Index of refraction: water 1.33, window glass 1.52, diamond 2.42");
-    let slider = Slider::new(eta, 1.0..=3.0).clamping(SliderClamping::Edits).fixed_decimals(2);
-    ui.add(slider).labelled_by(label.id);
+    Number::new(1.0..=3.0, 2, "").slider(ui, eta).labelled_by(label.id);
     ui.end_row();
 }
 
 fn roughness_row(ui: &mut Ui, roughness: &mut f32) {
     let label = ui.label("Roughness").on_hover_text("Polished 0, satin varnish 0.3, brushed metal 0.5");
-    ui.add(Slider::new(roughness, 0.0..=1.0).fixed_decimals(2)).labelled_by(label.id);
+    Number::new(0.0..=1.0, 2, "").slider(ui, roughness).labelled_by(label.id);
     ui.end_row();
 }
 
 fn color_row(ui: &mut Ui, name: &str, color: &mut Vec3) {
     let label = ui.label(name);
-    let mut rgb = color.to_array();
-    if ui.color_edit_button_rgb(&mut rgb).labelled_by(label.id).changed() {
-        *color = Vec3::from_array(rgb).clamp(Vec3::ZERO, Vec3::ONE);
-    }
+    color_button(ui, name, color).labelled_by(label.id);
     ui.end_row();
 }
 
@@ -140,11 +136,11 @@ fn color_row(ui: &mut Ui, name: &str, color: &mut Vec3) {
 fn brightness_row(ui: &mut Ui, name: &str, color: &mut Vec3) {
     let label = ui.label(name);
     let largest = color.max_element();
-    let mut percent = largest * 100.0;
-    let slider = Slider::new(&mut percent, 0.0..=100.0).fixed_decimals(0).suffix(" %");
-    if ui.add(slider).labelled_by(label.id).changed() {
+    let mut wanted = largest;
+    Number::percent(0.0..=100.0).slider(ui, &mut wanted).labelled_by(label.id);
+    if wanted != largest {
         let share = if largest > 0.0 { *color / largest } else { Vec3::ONE };
-        *color = share * (percent / 100.0).clamp(0.0, 1.0);
+        *color = share * wanted;
     }
     ui.end_row();
 }
@@ -182,7 +178,7 @@ fn frosted(material: &Material) -> Material {
     Material { kind, diffuse: Vec3::ZERO, ..material.clone() }
 }
 
-fn history(ui: &mut Ui, state: &AppState, edits: &Edits, commands: &mut Vec<Command>) {
+fn history(ui: &mut Ui, state: &AppState, document: &OpenDocument, commands: &mut Vec<Command>) {
     ui.horizontal_wrapped(|ui| {
         let mut button = |ui: &mut Ui, text: &str, is_enabled: bool, help: String, editing: EditCommand| {
             let button = ui.add_enabled(is_enabled, egui::Button::new(text));
@@ -190,15 +186,15 @@ fn history(ui: &mut Ui, state: &AppState, edits: &Edits, commands: &mut Vec<Comm
                 commands.push(Command::Edit(editing));
             }
         };
-        button(ui, "Undo", edits.can_undo(), key_hint(Action::Undo), EditCommand::Undo);
-        button(ui, "Redo", edits.can_redo(), key_hint(Action::Redo), EditCommand::Redo);
+        button(ui, "Undo", document.can_undo(), key_hint(Action::Undo), EditCommand::Undo);
+        button(ui, "Redo", document.can_redo(), key_hint(Action::Redo), EditCommand::Redo);
         let is_file = state.scene.as_ref().is_some_and(|s| matches!(s.source, SceneSource::File { .. }));
         let help = if is_file {
             "Save materials, objects, sun, sky and lights in the sidecar (.afterimage.toml) of the model; the model itself is not changed"
         } else {
             "This scene is built in; open a model file to save changes"
         };
-        let can_save = edits.is_unsaved() && is_file;
+        let can_save = document.differs_from_files() && is_file;
         button(ui, "Save changes", can_save, help.to_owned(), EditCommand::SaveSidecar);
     });
 }

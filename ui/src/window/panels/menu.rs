@@ -1,8 +1,8 @@
 //! The menu bar.
 
 use super::super::state::{
-    AppState, Command, EditCommand, Edits, FileCommand, InspectCommand, NavigationCommand, Options,
-    PictureCommand,
+    AppState, Command, EditCommand, FileCommand, InspectCommand, ListCommand, NavigationCommand,
+    OpenDocument, Options, PictureCommand, Purpose,
 };
 use crate::window::input::keymap::{Action, keys_of};
 use crate::window::{input::fly_camera::MoveMode, rendering::scene_loading::SceneSource};
@@ -24,9 +24,9 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
             commands.push(Command::SetOptions(options));
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            if state.edits.as_ref().is_some_and(Edits::is_unsaved) {
+            if state.is_unsaved() {
                 ui.label("Unsaved changes")
-                    .on_hover_text("Materials or light were changed; save them in the section Material");
+                    .on_hover_text(format!("{} saves all of it in a session", keys_of(Action::SaveSession)));
             }
             if let Some(adapter) = &state.software_adapter {
                 ui.weak("no graphics card")
@@ -66,7 +66,7 @@ fn recent_menu(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
 
 fn scene_menu(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     if item(ui, "Open...", Some(Action::Open)) {
-        commands.push(Command::Browse);
+        commands.push(Command::List(ListCommand::Ask(Purpose::Open)));
     }
     ui.menu_button("Built-in", |ui| {
         for name in builtin::NAMES {
@@ -103,23 +103,23 @@ fn scene_menu(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
 }
 
 fn edit_menu(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
-    let can = |test: fn(&Edits) -> bool| state.edits.as_ref().is_some_and(test);
+    let can = |test: fn(&OpenDocument) -> bool| state.document.as_ref().is_some_and(test);
     let mut entry = |text: &str, action: Option<Action>, is_enabled: bool, command: Command| {
         let keys = action.map(keys_of).unwrap_or_default();
         if ui.add_enabled(is_enabled, Button::new(text).shortcut_text(keys)).clicked() {
             commands.push(command);
         }
     };
-    entry("Undo change", Some(Action::Undo), can(Edits::can_undo), Command::Edit(EditCommand::Undo));
-    entry("Redo change", Some(Action::Redo), can(Edits::can_redo), Command::Edit(EditCommand::Redo));
+    entry("Undo change", Some(Action::Undo), can(OpenDocument::can_undo), Command::Edit(EditCommand::Undo));
+    entry("Redo change", Some(Action::Redo), can(OpenDocument::can_redo), Command::Edit(EditCommand::Redo));
     let save = Command::Edit(EditCommand::SaveSidecar);
-    entry("Save changes of the scene", None, can(Edits::is_unsaved), save);
+    entry("Save changes of the scene", None, can(OpenDocument::differs_from_files), save);
     let text = if state.selection.measure.is_on { "Stop measuring distances" } else { "Measure distances" };
     entry(text, Some(Action::Measure), true, Command::Inspect(InspectCommand::ToggleMeasure));
 }
 
 fn view_menu(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
-    for (i, view) in state.scene.iter().flat_map(|s| s.views.iter().enumerate()) {
+    for (i, view) in state.views().iter().enumerate() {
         let key = view.key.map_or(String::new(), |key| format!("{key}  "));
         let button = ui.add(Button::new(format!("{key}{}", view.name)));
         // The section Views has a button with the same text.

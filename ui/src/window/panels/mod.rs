@@ -1,7 +1,9 @@
 //! Panels around and over the viewport. A panel reads the state and requests changes by commands.
 
+pub mod color;
 pub mod comparison;
 pub mod daylight;
+pub mod file_list;
 pub mod help;
 pub mod inspector;
 pub mod legend;
@@ -9,6 +11,7 @@ pub mod lights;
 pub mod material;
 pub mod menu;
 pub mod notices;
+pub mod numbers;
 pub mod object;
 pub mod overlay;
 pub mod path;

@@ -1,17 +1,17 @@
 //! The selected object: moving, hiding and deleting it; and the objects that are not shown.
 
-use super::super::state::{AppState, Change, Command, EditCommand, Edits, InspectCommand};
-use super::widgets::key_hint;
+use super::super::state::{AppState, Change, Command, EditCommand, InspectCommand, OpenDocument};
+use super::{numbers::Number, widgets::key_hint};
 use crate::window::input::keymap::Action;
 use afterimage::scene::{ObjectEdit, ObjectKey, Objects};
-use egui::{DragValue, Ui};
+use egui::Ui;
 
 /// Names of the axes of the world.
 const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// Shows the selected object with its controls, and the list of hidden and deleted ones.
 pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
-    let (Some(edits), Some(scene)) = (&state.edits, &state.scene) else {
+    let (Some(document), Some(scene)) = (&state.document, &state.scene) else {
         ui.weak("No scene yet.");
         return;
     };
@@ -25,9 +25,9 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
         None => {
             ui.weak("Click an object or select one.");
         }
-        Some(key) => controls(ui, key, &edits.object(key), scene.reach_m(), commands),
+        Some(key) => controls(ui, key, &document.object(key), scene.reach_m(), commands),
     }
-    gone(ui, edits, commands);
+    gone(ui, document, commands);
 }
 
 fn choice(ui: &mut Ui, objects: &Objects, chosen: Option<&ObjectKey>, commands: &mut Vec<Command>) {
@@ -55,16 +55,17 @@ fn controls(ui: &mut Ui, key: &ObjectKey, now: &ObjectEdit, reach_m: f64, comman
         ui.label("Move");
         for (axis, name) in AXES.into_iter().enumerate() {
             let value = &mut edited.moved_m[axis];
-            let drag = DragValue::new(value).speed(0.01).range(-reach_m..=reach_m).max_decimals(3);
-            let drag = ui.add(drag.prefix(format!("{name} ")).suffix(" m"));
+            let number = Number::new(-reach_m..=reach_m, 3, " m").speed(0.01);
+            let drag = number.field(ui, &format!("{name} "), value);
             drag.on_hover_text(format!("Drag, or click and type; keys {}", key_hint(Action::ObjectAway)))
                 .accessible_name(format!("Way of the object along {name}, metres"));
         }
     });
     ui.horizontal(|ui| {
         let label = ui.label("Turn");
-        let drag = DragValue::new(&mut edited.turned_deg).speed(1.0).range(-180.0..=180.0).suffix("°");
-        ui.add(drag).labelled_by(label.id).accessible_name("Angle of the object, degrees");
+        let number = Number::new(-180.0..=180.0, 1, "°").speed(1.0);
+        let drag = number.field(ui, "", &mut edited.turned_deg);
+        drag.labelled_by(label.id).accessible_name("Angle of the object, degrees");
         let hide = ui.selectable_label(edited.is_hidden, "Hide").on_hover_text(key_hint(Action::HideObject));
         edited.is_hidden ^= hide.accessible_name("Hide the object").clicked();
         let delete = ui.add_enabled(!edited.is_deleted, egui::Button::new("Delete"));
@@ -82,8 +83,8 @@ fn controls(ui: &mut Ui, key: &ObjectKey, now: &ObjectEdit, reach_m: f64, comman
 }
 
 /// Lists the objects that are hidden or deleted.
-fn gone(ui: &mut Ui, edits: &Edits, commands: &mut Vec<Command>) {
-    let gone: Vec<_> = edits.now().objects.iter().filter(|(_, edit)| edit.is_gone()).collect();
+fn gone(ui: &mut Ui, document: &OpenDocument, commands: &mut Vec<Command>) {
+    let gone: Vec<_> = document.scene().objects.iter().filter(|(_, edit)| edit.is_gone()).collect();
     if gone.is_empty() {
         return;
     }

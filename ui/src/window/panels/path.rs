@@ -1,17 +1,18 @@
 //! The camera path: its keys, a timeline, and recording.
 
 use super::super::state::{AppState, Command, NavigationCommand};
-use super::widgets::key_hint;
+use super::{numbers::Number, widgets::key_hint};
 use crate::window::input::keymap::Action;
-use crate::window::input::playback::Playback;
-use egui::{Slider, Ui};
+use crate::window::input::playback::{Playback, path_secs};
+use afterimage::camera::CameraPath;
+use egui::Ui;
 
 /// Shows the timeline, the keys and the recording button.
 pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
-    let playback = &state.navigation.playback;
-    let count = playback.path.keyframes.len();
-    let whose = if playback.is_own { "Your path" } else { "The scene's path" };
-    ui.weak(format!("{whose}: {count} keys, {:.1} s, {:.1} m", playback.secs(), playback.path.length_m()));
+    let (playback, path) = (&state.navigation.playback, state.path());
+    let count = path.keyframes.len();
+    let whose = if state.has_own_path() { "Your path" } else { "The scene's path" };
+    ui.weak(format!("{whose}: {count} keys, {:.1} s, {:.1} m", path_secs(path), path.length_m()));
     ui.horizontal_wrapped(|ui| {
         let play = if playback.is_playing { "Pause path" } else { "Play path" };
         let button = ui.add_enabled(count > 0, egui::Button::new(play));
@@ -23,15 +24,12 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
         }
         let mut loops = playback.loops;
         if ui.checkbox(&mut loops, "Loop").changed() {
-            commands.push(Command::Navigate(NavigationCommand::SetPlayback(Playback {
-                loops,
-                ..playback.clone()
-            })));
+            commands.push(Command::Navigate(NavigationCommand::SetPlayback(Playback { loops, ..*playback })));
         }
     });
-    timeline(ui, playback, commands);
-    if playback.is_own {
-        keys(ui, playback, commands);
+    timeline(ui, playback, path, commands);
+    if state.has_own_path() {
+        keys(ui, path, commands);
     }
     let text = match &state.navigation.recording {
         None => "Record path".to_owned(),
@@ -43,23 +41,26 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     }
 }
 
-fn timeline(ui: &mut Ui, playback: &Playback, commands: &mut Vec<Command>) {
+fn timeline(ui: &mut Ui, playback: &Playback, path: &CameraPath, commands: &mut Vec<Command>) {
     let label = ui.label("Time");
     let mut at_secs = playback.at_secs;
     ui.spacing_mut().slider_width = (ui.available_width() - 70.0).max(60.0);
-    let slider = Slider::new(&mut at_secs, 0.0..=playback.secs()).fixed_decimals(1).suffix(" s");
-    if ui.add_enabled(!playback.path.keyframes.is_empty(), slider).labelled_by(label.id).changed() {
+    let is_enabled = !path.keyframes.is_empty();
+    let number = Number::new(0.0..=path_secs(path), 1, " s");
+    let slider = ui.add_enabled_ui(is_enabled, |ui| number.slider(ui, &mut at_secs)).inner;
+    slider.labelled_by(label.id);
+    if at_secs != playback.at_secs {
         commands.push(Command::Navigate(NavigationCommand::SetPlayback(Playback {
             at_secs,
             is_playing: false,
-            ..playback.clone()
+            ..*playback
         })));
     }
 }
 
-fn keys(ui: &mut Ui, playback: &Playback, commands: &mut Vec<Command>) {
+fn keys(ui: &mut Ui, path: &CameraPath, commands: &mut Vec<Command>) {
     ui.horizontal_wrapped(|ui| {
-        for i in 0..playback.path.keyframes.len() {
+        for i in 0..path.keyframes.len() {
             let button = ui.small_button(format!("{} x", i + 1));
             let button = button.accessible_name(format!("Delete path key {}", i + 1));
             if button.on_hover_text("Delete this key").clicked() {

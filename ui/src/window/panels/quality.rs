@@ -1,19 +1,15 @@
 //! Settings that trade time for quality, each with its unit and a reset button.
 
 use super::super::state::{AppState, Command, Options, Quality};
-use super::widgets::choice;
+use super::{numbers::Number, widgets::choice};
 use crate::window::input::fly_camera::ViewChange;
 use afterimage::Mode;
 use afterimage::raster::{color::ToneMap, exposure::Exposure};
 use afterimage::reference::{PlacementPolicy, PlacementRule, placement};
 use afterimage::trace::BounceLimit;
-use egui::{Slider, SliderClamping, Ui};
+use egui::Ui;
 
 const MB: usize = 1 << 20;
-
-/// Values from the command line may be outside a slider's range or between its steps; showing them
-/// must not change them.
-const KEEP: SliderClamping = SliderClamping::Edits;
 
 /// Limits of bounces to choose from; the command line takes others too.
 const BOUNCE_LIMITS: [BounceLimit; 6] =
@@ -95,7 +91,7 @@ fn sampling_rows(ui: &mut Ui, q: &mut Quality, d: &Quality) {
                 one place share 16 rays for each sample. The window's default is low for smooth motion.";
     let (trace, default) = (&mut q.walk.render.trace, &d.walk.render.trace);
     row(ui, "Samples", help, &mut trace.samples, default.samples, |ui, v| {
-        ui.add(Slider::new(v, 1..=256).clamping(KEEP).logarithmic(true).suffix(" /light"))
+        Number::new(1.0..=256.0, 0, " /light").step(1.0).logarithmic().slider(ui, v)
     });
     let help =
         "Maximum number of diffuse bounces of light: all is as many as matter, 0 is direct light only.";
@@ -109,15 +105,13 @@ fn pace_rows(ui: &mut Ui, q: &mut Quality, d: &Quality) {
     let help = "While the camera moves: rendered pixels per screen pixel, along each axis, at most. There are fewer where \
                 more would not keep the rate. When it is stationary, every mode but paper refines the picture to full \
                 resolution.";
-    let mut percent = q.render_scale * 100.0;
-    row(ui, "Render scale", help, &mut percent, d.render_scale * 100.0, |ui, v| {
-        ui.add(Slider::new(v, 25.0..=100.0).step_by(5.0).fixed_decimals(0).suffix(" %"))
+    row(ui, "Render scale", help, &mut q.render_scale, d.render_scale, |ui, v| {
+        Number::percent(25.0..=100.0).step(5.0).slider(ui, v)
     });
-    q.render_scale = percent / 100.0;
     let help = "While the camera moves, a frame ends after this time; where light is not known by then, it \
                 is filled from around. When it is stationary, every frame is finished.";
     row(ui, "Frame budget", help, &mut q.budget_ms, d.budget_ms, |ui, v| {
-        ui.add(Slider::new(v, 16.0..=1000.0).logarithmic(true).fixed_decimals(0).suffix(" ms"))
+        Number::new(16.0..=1000.0, 0, " ms").logarithmic().slider(ui, v)
     });
 }
 
@@ -138,13 +132,13 @@ fn placement_rows(ui: &mut Ui, q: &mut Quality, d: &Quality) {
         let help = "A new reference is traced when the percentage of Type 3 pixels exceeds this.";
         let default = d.walk.placement.percent;
         row(ui, "Threshold", help, &mut q.walk.placement.percent, default, |ui, v| {
-            ui.add(Slider::new(v, 0.5..=50.0).logarithmic(true).fixed_decimals(1).suffix(" %"))
+            Number::new(0.5..=50.0, 1, " %").logarithmic().slider(ui, v)
         });
     }
     let help = "Memory for references; the least useful ones are evicted first.";
     let mut megabytes = q.walk.cache_bytes / MB;
     row(ui, "Cache limit", help, &mut megabytes, d.walk.cache_bytes / MB, |ui, v| {
-        ui.add(Slider::new(v, 16..=8192).logarithmic(true).suffix(" MB"))
+        Number::new(16.0..=8192.0, 0, " MB").step(1.0).logarithmic().slider(ui, v)
     });
     if megabytes != q.walk.cache_bytes / MB {
         q.walk.cache_bytes = megabytes * MB;
@@ -173,8 +167,7 @@ fn exposure_rows(ui: &mut Ui, state: &AppState, q: &mut Quality) {
     let help = "Exposure in stops: one stop more is twice as bright. Setting it ends the automatic exposure.";
     row(ui, "Exposure", help, &mut q.exposure, default, |ui, v| {
         let mut ev = v.stops().unwrap_or(state.exposure_ev());
-        let slider = Slider::new(&mut ev, -8.0..=8.0).clamping(KEEP).step_by(0.1).fixed_decimals(1);
-        let response = ui.add(slider.suffix(" EV"));
+        let response = Number::new(-8.0..=8.0, 1, " EV").step(0.1).slider(ui, &mut ev);
         if response.changed() {
             *v = Exposure::Stops(ev);
         }
@@ -195,7 +188,7 @@ fn camera_rows(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     let usual = state.scene.as_ref().map_or(DEFAULT_SPEED, |scene| scene.speed_m_per_s);
     let help = "Speed of the movement keys; also right mouse button + wheel. Shift is five times as fast, Alt a fifth.";
     row(ui, "Speed", help, &mut speed, usual, |ui, v| {
-        ui.add(Slider::new(v, SPEED_RANGE).logarithmic(true).max_decimals(2).suffix(" m/s"))
+        Number::new(SPEED_RANGE, 2, " m/s").logarithmic().slider(ui, v)
     });
     if speed != state.navigation.fly.speed_m_per_s() {
         commands.push(Command::SetSpeed(speed));
@@ -204,7 +197,7 @@ fn camera_rows(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     let shown = (state.navigation.fly.camera().fov_y.to_degrees() * 1e6).round() / 1e6;
     let mut fov = shown;
     row(ui, "Field of view", "Vertical field of view.", &mut fov, 60.0, |ui, v| {
-        ui.add(Slider::new(v, 10.0..=130.0).clamping(KEEP).fixed_decimals(0).suffix("°"))
+        Number::new(10.0..=130.0, 0, "°").slider(ui, v)
     });
     let mut is_reduced = state.options.view_change == ViewChange::AtOnce;
     let help = "Change views without animation.";

@@ -1,9 +1,9 @@
 //! The dialog "Settings": appearance of the window.
 
 use super::super::state::{AppState, Appearance, Command};
-use super::widgets::choice;
+use super::{numbers::Number, widgets::choice};
 use crate::settings::{Theme, UI_SCALES};
-use egui::{Slider, Ui};
+use egui::Ui;
 
 /// Shows the dialog. Changes are saved in the settings file.
 pub fn show(ctx: &egui::Context, state: &AppState, commands: &mut Vec<Command>) {
@@ -39,13 +39,12 @@ fn rows(ui: &mut Ui, appearance: &mut Appearance) {
     choice(ui, "theme", name, &mut appearance.theme, themes).labelled_by(label.id);
     reset(ui, "theme", &mut appearance.theme, default.theme);
     let label = ui.label("Text size");
-    let mut percent = appearance.ui_scale * 100.0;
-    let range = *UI_SCALES.start() * 100.0..=*UI_SCALES.end() * 100.0;
-    let slider = Slider::new(&mut percent, range).step_by(5.0).fixed_decimals(0).suffix(" %");
+    let mut scale = appearance.ui_scale;
+    let [low, high] = [UI_SCALES.start(), UI_SCALES.end()].map(|s| f64::from(*s) * 100.0);
+    let response = Number::percent(low..=high).step(5.0).slider(ui, &mut scale).labelled_by(label.id);
     // Scaling during a drag would move the slider away from the pointer.
-    let response = ui.add(slider).labelled_by(label.id);
     if response.drag_stopped() || (response.changed() && !response.dragged()) {
-        appearance.ui_scale = percent / 100.0;
+        appearance.ui_scale = scale;
     }
     reset(ui, "text size", &mut appearance.ui_scale, default.ui_scale);
     ui.label("Motion");

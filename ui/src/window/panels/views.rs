@@ -7,10 +7,10 @@ use egui::{Key, RichText, Ui};
 
 /// Shows the list of saved views.
 pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
-    let Some(scene) = &state.scene else {
+    if state.document.is_none() {
         ui.weak("No scene yet.");
         return;
-    };
+    }
     let help = format!("{} saves it under a number", keys_of(Action::SaveView));
     if ui.button("Save this view").on_hover_text(help).clicked() {
         commands.push(Command::Navigate(NavigationCommand::AddView));
@@ -19,7 +19,7 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     // As wide as the panel, so that the scroll bar does not cover buttons; the height is kept
     // inside the scrolled panel.
     area.min_scrolled_height(LIST_HEIGHT).auto_shrink([false, true]).show(ui, |ui| {
-        for (i, view) in scene.views.iter().enumerate() {
+        for (i, view) in state.views().iter().enumerate() {
             entry(ui, state, i, view, commands);
         }
     });
@@ -50,7 +50,7 @@ fn entry(ui: &mut Ui, state: &AppState, i: usize, view: &SavedView, commands: &m
                     commands.push(Command::Navigate(NavigationCommand::Rename(Some((i, view.name.clone())))));
                 }
                 // One view must remain.
-                let is_deletable = state.scene.as_ref().is_some_and(|s| s.views.len() > 1);
+                let is_deletable = state.views().len() > 1;
                 let delete = ui.add_enabled(is_deletable, egui::Button::new("Delete").small());
                 if delete.accessible_name(format!("Delete {}", view.name)).clicked() {
                     commands.push(Command::Navigate(NavigationCommand::RemoveView(i)));

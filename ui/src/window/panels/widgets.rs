@@ -3,7 +3,7 @@
 use crate::window::input::keymap::{Action, keys_of};
 use crate::window::{state::AppState, state::FILLED_COLOR};
 use afterimage::raster::pixel_types::TYPE_SRGB;
-use egui::{Color32, Ui};
+use egui::{Color32, Ui, Widget as _};
 
 /// Names of the pixel types 1, 2 and 3.
 pub const TYPE_NAMES: [&str; 3] = ["Type 1, reused", "Type 2, mirror or glass", "Type 3, traced"];
@@ -51,6 +51,34 @@ pub fn choice<T: PartialEq, N: Into<egui::WidgetText>>(
         }
     };
     combo.show_ui(ui, menu).response
+}
+
+/// A text field, and what was entered in it.
+pub struct TextField {
+    /// Response of the field.
+    pub response: egui::Response,
+    /// The text, where it is finished and another one than before.
+    pub entered: Option<String>,
+}
+
+/// Shows a text field whose text counts on Enter or when the field is left; Escape drops it. `look`
+/// sets width and hint.
+pub fn text_field(
+    ui: &mut Ui,
+    name: &str,
+    before: &str,
+    look: impl FnOnce(egui::TextEdit<'_>) -> egui::TextEdit<'_>,
+) -> TextField {
+    let id = ui.scope_id().with(name);
+    let draft: Option<String> = ui.data_mut(|data| data.remove_temp(id));
+    let mut text = draft.unwrap_or_else(|| before.to_owned());
+    let response = look(egui::TextEdit::singleline(&mut text)).ui(ui);
+    let is_dropped = ui.input(|i| i.key_pressed(egui::Key::Escape));
+    let is_finished = response.lost_focus() && !is_dropped && text != before;
+    if response.has_focus() && text != before {
+        ui.data_mut(|data| data.insert_temp(id, text.clone()));
+    }
+    TextField { response, entered: is_finished.then_some(text) }
 }
 
 /// A small picture of the view of a camera; grey until it is rendered.

@@ -1,10 +1,13 @@
 //! Everything that panels read.
 
 use super::{
-    Appearance, Comparison, Edits, FrameRate, Leaving, Navigation, Notice, Options, Overlay, PictureState,
-    Presentation, Quality, Sample, SceneInfo, Selection, Severity, SunControls, Work, history, notices,
+    Appearance, Comparison, FileList, FrameRate, Leaving, Navigation, Notice, OpenDocument, Options, Overlay,
+    PictureState, Presentation, Quality, Sample, SavedView, SceneInfo, Selection, Severity, Work, history,
+    notices,
 };
+use crate::window::files::Listing;
 use crate::window::rendering::{Plan, PlanView, Progress, PublishedFrame, SceneSource, Thumbnails};
+use afterimage::camera::CameraPath;
 use afterimage::raster::exposure::Metered;
 use glam::DVec3;
 use std::collections::VecDeque;
@@ -50,10 +53,9 @@ pub struct AppState {
     pub software_adapter: Option<String>,
     /// The comparison with the full tracer.
     pub comparison: Comparison,
-    /// Changes of materials and daylight; `None` before the first scene.
-    pub edits: Option<Edits>,
-    /// Position of the sun, as its controls show it.
-    pub sun: SunControls,
+    /// What the user can change about the scene: materials, objects, light, views, path and
+    /// measures; `None` before the first scene.
+    pub document: Option<OpenDocument>,
     /// Light is traced by groups, because the controls of the lights were shown.
     pub knows_lights: bool,
     /// The pixel, distance, material and reference that are selected.
@@ -86,6 +88,12 @@ pub struct Dialogs {
 pub struct FileState {
     /// Text of the path field.
     pub path_text: String,
+    /// The folder that the path field names, for suggestions.
+    pub nearby: Arc<Listing>,
+    /// The program's own list of files, while it is open.
+    pub list: Option<FileList>,
+    /// Folder of the file that was chosen last.
+    pub last_folder: Option<PathBuf>,
     /// Models that were opened before, the newest first.
     pub recent: Vec<PathBuf>,
     /// A session left behind by a crash; the user is asked whether to restore it.
@@ -126,6 +134,29 @@ impl AppState {
     /// Returns the exposure in stops.
     pub fn exposure_ev(&self) -> f32 {
         self.quality.exposure.stops().or(self.metered.map(Metered::ev)).unwrap_or_default()
+    }
+
+    /// True where something that the user has changed is not saved.
+    pub fn is_unsaved(&self) -> bool {
+        self.document.as_ref().is_some_and(|document| document.is_unsaved(&self.quality))
+    }
+
+    /// Returns the saved views, the start view first.
+    pub fn views(&self) -> &[SavedView] {
+        self.document.as_ref().map_or(&[], |document| &document.now().views)
+    }
+
+    /// Returns the user's camera path, or that of the scene where there is none; an empty one
+    /// without a scene.
+    pub fn path(&self) -> &CameraPath {
+        static NONE: CameraPath = CameraPath { fov_y_deg: 0.0, frames: 0, keyframes: Vec::new() };
+        let own = self.document.as_ref().and_then(|document| document.now().path.as_ref());
+        own.or(self.scene.as_ref().map(|scene| &scene.walk)).unwrap_or(&NONE)
+    }
+
+    /// True where the camera path is the user's own.
+    pub fn has_own_path(&self) -> bool {
+        self.document.as_ref().is_some_and(|document| document.now().path.is_some())
     }
 
     /// Returns width divided by height of the viewport.
@@ -178,9 +209,13 @@ impl AppState {
         self.software_adapter.is_some() && !self.options.is_paused && !self.frame_rate.is_late()
     }
 
-    /// True while a question is open: it receives all keys.
+    /// True while a question or the list of files is open: it receives all keys.
     pub fn is_asking(&self) -> bool {
-        self.dialogs.leaving.is_some() || self.dialogs.asks_to_clear || self.files.recovery.is_some()
+        let is_list_open = self.files.list.is_some();
+        self.dialogs.leaving.is_some()
+            || self.dialogs.asks_to_clear
+            || self.files.recovery.is_some()
+            || is_list_open
     }
 
     /// Returns the number of references that the newest frame used, and the number that are held.

@@ -2,14 +2,14 @@
 
 use crate::window::input::{FlyCamera, Playback, Recording};
 
-/// The camera, the saved view it was last at, and the camera path.
+/// The camera, the saved view it was last at, and how the camera path is played.
 #[derive(Clone, Debug, Default)]
 pub struct Navigation {
     /// Pose and motion of the camera.
     pub fly: FlyCamera,
     /// Index of the saved view that was visited last.
     pub view_index: usize,
-    /// The camera path and the time at which it is played.
+    /// The time at which the camera path is played.
     pub playback: Playback,
     /// The walk that is being recorded, if any.
     pub recording: Option<Recording>,

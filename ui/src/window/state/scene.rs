@@ -2,6 +2,7 @@
 
 use crate::window::input::fly_camera::speed_for;
 use crate::window::rendering::SceneSource;
+use afterimage::camera::CameraPath;
 use afterimage::scene::{Ground, GroundAdvice, LightGroup, Objects, Scene, SceneFeatures, Warning};
 use afterimage::{Camera, Tracer};
 use std::sync::Arc;
@@ -24,8 +25,10 @@ pub struct SceneInfo {
     pub name: String,
     /// Where the scene was loaded from.
     pub source: SceneSource,
-    /// Saved views, the start view first.
+    /// Views that the files of the scene hold, the start view first.
     pub views: Vec<SavedView>,
+    /// Camera path of the scene, used until the user sets keys.
+    pub walk: CameraPath,
     /// Warnings of the import, listed in the Scene panel.
     pub warnings: Vec<Warning>,
     /// Named objects of the model, also those that are hidden or deleted.
@@ -62,6 +65,7 @@ impl SceneInfo {
             name: scene.name.clone(),
             source,
             views: scene.views.iter().enumerate().map(saved_view).collect(),
+            walk: scene.walk.clone(),
             warnings: scene.warnings.clone(),
             objects: scene.all_objects().clone(),
             triangles: scene.triangles.len(),

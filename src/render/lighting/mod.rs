@@ -1,0 +1,15 @@
+//! Lighting analysis: illuminance at points, on work planes and in pictures.
+//!
+//! All numbers are photometric: lux and cd/m2 from irradiance and radiance, before any exposure or
+//! tone map. Where a model gives its lights without photometric units
+//! ([`Scene::is_photometric`](crate::Scene)), they are relative.
+
+mod meter;
+mod picture;
+mod plane;
+mod statistics;
+
+pub use meter::{LightMeter, Reading, Sensor};
+pub use picture::SurfaceLight;
+pub use plane::{MAX_POINTS, PlaneArea, PlaneError, WorkPlane};
+pub use statistics::PlaneStatistics;

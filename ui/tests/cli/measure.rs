@@ -1,0 +1,104 @@
+//! What `measure` answers, and what it says about faults.
+
+use super::{Bench, assert_keys, number, stderr};
+
+#[test]
+fn measure_answers_with_the_contract_and_writes_its_table() {
+    let bench = Bench::new();
+    let line = "measure room.obj --eye 0,1.6,3 --look-at 0,1.6,0 --plane height=0.85 --grid 1 --error 10 \
+                --bounces 1 --json --csv lux.csv";
+    let answer = bench.json(line);
+    let wanted =
+        ["mean_lux", "min_lux", "max_lux", "uniformity", "error_percent", "points", "is_photometric"];
+    assert_keys(&answer, &wanted);
+    let points = answer["points"].as_array().unwrap();
+    // Whole metres from the eye, without those on the walls: three across, seven along the room.
+    assert_eq!(points.len(), 3 * 7);
+    let lux = |point: &serde_json::Value| point[3].as_f64().unwrap();
+    let mean = points.iter().map(lux).sum::<f64>() / points.len() as f64;
+    assert!((number(&answer, "/mean_lux") / mean - 1.0).abs() < 1e-9);
+    assert!(number(&answer, "/min_lux") > 0.0 && number(&answer, "/uniformity") < 1.0);
+    assert!(points.iter().all(|p| (p[1].as_f64().unwrap() - 0.85).abs() < 1e-4));
+    let table = std::fs::read_to_string(bench.path("lux.csv")).unwrap();
+    assert_eq!(table.lines().count(), 1 + points.len());
+    assert!(table.starts_with("x_m,y_m,z_m,lux,standard_error_lux\n"));
+    // Lamps without photometric units give relative numbers, and the command says so.
+    let output = bench.run(line);
+    assert!(stderr(&output).contains("relative"), "{}", stderr(&output));
+}
+
+#[test]
+fn a_point_of_a_file_reads_what_the_plane_reads_there() {
+    let bench = Bench::new();
+    std::fs::write(bench.path("points.txt"), "# desk\n0 0.85 0 0 1 0\n\n0,0.85,-1 0,2,0\n").unwrap();
+    let flags = "--error 2 --json";
+    let points = bench.json(&format!("measure room.obj --points points.txt {flags}"));
+    let plane =
+        bench.json(&format!("measure room.obj --plane height=0.85,x=-0.5..0.5,z=-1.5..0.5 --grid 1 {flags}"));
+    for place in [0, 1] {
+        let from_file = number(&points, &format!("/points/{place}/3"));
+        let z = number(&points, &format!("/points/{place}/2"));
+        let on_plane = plane["points"].as_array().unwrap().iter().find(|p| p[2].as_f64() == Some(z)).unwrap();
+        let ratio = on_plane[3].as_f64().unwrap() / from_file;
+        assert!((ratio - 1.0).abs() < 0.1, "{ratio} at {z}");
+    }
+}
+
+#[test]
+fn illuminance_is_shown_in_false_colour_and_written_as_numbers() {
+    let bench = Bench::new();
+    let view = "--eye 0,1.6,3 --look-at 0.4,1.4,0 --size 48x32 --samples 4 --bounces 1 --json";
+    let answer = bench.json(&format!("render room.obj {view} --show illuminance --isolines -o lux.png"));
+    assert_eq!((&answer["show"], &answer["unit"]), (&"illuminance".into(), &"lx".into()));
+    let max = number(&answer, "/scale_max");
+    assert!(number(&answer, "/mean") < max && number(&answer, "/line_step") < max);
+    let fixed = bench.json(&format!("render room.obj {view} --show illuminance --scale 50000 -o lux.exr"));
+    assert_eq!(number(&fixed, "/scale_max"), 50_000.0);
+    let layers = exr::prelude::read_all_flat_layers_from_file(bench.path("lux.exr")).unwrap();
+    let channels = &layers.layer_data[0].channel_data.list;
+    let values = channels.iter().find(|channel| channel.name.to_string() == "Y").unwrap();
+    let sum: f64 = values.sample_data.values_as_f32().map(f64::from).sum();
+    let known: f64 = channels[0].sample_data.values_as_f32().map(f64::from).sum();
+    assert_eq!(channels[0].name.to_string(), "A");
+    assert!((sum / known / number(&fixed, "/mean") - 1.0).abs() < 1e-4);
+    for show in ["luminance", "clay"] {
+        bench.json(&format!("render room.obj {view} --show {show} -o {show}.png"));
+        assert!(bench.path(&format!("{show}.png")).exists());
+    }
+    for (flags, part) in [
+        ("--show clay --scale 5", "--scale and --isolines"),
+        ("--isolines", "--scale and --isolines"),
+        ("--show illuminance --antialias 4", "--antialias is for --show radiance"),
+        ("--show illuminance --scale 0", "above 0"),
+        ("--show heat", "illuminance"),
+    ] {
+        let output = bench.run(&format!("render room.obj {view} {flags} -o none.png"));
+        assert_eq!(output.status.code(), Some(2), "{flags}");
+        assert!(stderr(&output).contains(part), "{flags}: {}", stderr(&output));
+    }
+}
+
+#[test]
+fn faults_have_one_clear_line() {
+    let bench = Bench::new();
+    std::fs::write(bench.path("bad.txt"), "0 1 0 0 1 0\n0 1 0 0 0 0\n").unwrap();
+    std::fs::write(bench.path("none.txt"), "# nothing\n").unwrap();
+    for (flags, code, part) in [
+        ("--plane height=0.85,depth=1", 2, "no 'depth'"),
+        ("--plane height=0.85,x=0..1", 2, "needs both"),
+        ("--grid 0", 2, "metres"),
+        ("--points missing.txt", 1, "missing.txt"),
+        ("--points bad.txt", 1, "bad.txt, line 2"),
+        ("--points none.txt", 1, "no points"),
+        ("--eye 50,1,0 --look-at 0,1,0", 1, "no floor"),
+        ("--eye 0,1,0 --look-at 0,1,1 --grid 0.001", 1, "more than 100000 points"),
+        ("--eye 0,1,0 --look-at 0,1,1 --plane height=4", 1, "no point of the plane is free"),
+        ("--error 50 --csv missing/lux.csv", 1, "missing"),
+    ] {
+        let output = bench.run(&format!("measure room.obj {flags}"));
+        let said = stderr(&output);
+        assert_eq!(output.status.code(), Some(code), "{flags}: {said}");
+        assert!(said.contains(part), "{flags}: {said}");
+        assert!(!bench.path("lux.csv").exists());
+    }
+}
