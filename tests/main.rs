@@ -19,6 +19,7 @@ mod experiments;
 mod exposure;
 mod features;
 mod golden;
+mod ground;
 mod import;
 
 mod layers;

@@ -4,7 +4,8 @@ use super::{options::Limits, sky_picture::load_sky};
 use crate::scene::place::PlaceAndTime;
 use crate::scene::solar::SunPosition;
 use crate::scene::{
-    Daylight, DaylightModel, LightSetting, NO_LIGHT, PictureSky, Scene, SceneEdit, Sky, SkyKind, Sun, Warning,
+    Daylight, DaylightModel, GroundChoice, LightSetting, NO_LIGHT, PictureSky, Scene, SceneEdit, Sky,
+    SkyKind, Sun, Warning,
 };
 use std::path::{Path, PathBuf};
 use std::{convert::Infallible, str::FromStr, sync::Arc};
@@ -69,7 +70,7 @@ impl FromStr for LightChoice {
     }
 }
 
-/// Daylight and lights that the user asks for. The default leaves those of the scene.
+/// Daylight, lights and ground that the user asks for. The default leaves those of the scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DaylightOptions {
     /// Groups of lights that are set differently.
@@ -80,6 +81,8 @@ pub struct DaylightOptions {
     pub sun: Option<PlaceAndTime>,
     /// Angle of north from -Z towards +X in degrees, for the sun and for sky pictures.
     pub north_deg: f64,
+    /// The ground.
+    pub ground: Option<GroundChoice>,
 }
 
 impl DaylightOptions {
@@ -87,7 +90,11 @@ impl DaylightOptions {
     /// which keeps its own.
     #[must_use]
     pub fn apply(&self, scene: Scene) -> Scene {
-        self.set_lights(self.apply_daylight(scene))
+        let scene = self.set_lights(self.apply_daylight(scene));
+        match self.ground {
+            Some(choice) => scene.with_ground_choice(choice),
+            None => scene,
+        }
     }
 
     /// Sets groups of lights. A name that no group has is a warning of the scene.

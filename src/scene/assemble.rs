@@ -72,6 +72,8 @@ impl SceneBuilder {
             triangle_materials: Arc::new(self.triangle_materials),
             objects: Arc::new(self.objects),
             edited_objects: None,
+            grounded: None,
+            is_ground_given: false,
             solids: Vec::new(),
             materials: self.materials,
             textures: Arc::new(self.textures),

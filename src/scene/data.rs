@@ -3,8 +3,8 @@
 use super::daylight::nits_per_unit;
 use super::light_groups::{LampGroup, LightGroups, LightSettings};
 use super::{
-    Conditioning, EditedObjects, Light, Material, MaterialId, NamedView, Objects, SceneFeatures, SceneFrame,
-    Sky, Sun, Texture, Warning,
+    Conditioning, EditedObjects, GroundedGeometry, Light, Material, MaterialId, NamedView, Objects,
+    SceneFeatures, SceneFrame, Sky, Sun, Texture, Warning,
 };
 use crate::camera::{Camera, CameraPath};
 use crate::raster::exposure::Exposure;
@@ -37,6 +37,11 @@ pub struct Scene {
     pub objects: Arc<Objects>,
     /// The edits of objects, and what was loaded; `None` where that is what is here.
     pub edited_objects: Option<Arc<EditedObjects>>,
+    /// The ground that was added, and the geometry without it; `None` where there is no such ground.
+    /// Its triangles and its material are the last ones.
+    pub grounded: Option<Arc<GroundedGeometry>>,
+    /// True where the scene's files say which ground there is, or that there is none.
+    pub is_ground_given: bool,
     /// How each triangle bounds a solid of glass. Empty if the scene has no glass; the entries of
     /// triangles that are not glass have no meaning.
     pub solids: Vec<SolidSide>,

@@ -50,12 +50,12 @@ const AIR_DEPTH: Vec3 = Vec3::new(0.0656, 0.1001, 0.1985);
 /// Height of the sun in degrees for which [`Sun::clear_day`] and [`Gradient::CLEAR_DAY`] are meant.
 const DEFAULT_HEIGHT_DEG: f64 = 55.0;
 
-/// Height of the sun in degrees at which the sky is dark: the end of civil twilight.
-const TWILIGHT_DEG: f64 = -6.0;
-
 impl DaylightModel {
     /// Default of [`Self::turbidity`]: a clear day.
     pub const DEFAULT_TURBIDITY: f32 = 3.0;
+
+    /// Height of the sun in degrees at which the sky is dark: the end of civil twilight.
+    pub const NIGHT_DEG: f64 = -6.0;
 
     /// Returns the model of a kind of sky for a position of the sun, with north along -Z, in a
     /// scene without photometric units.
@@ -69,7 +69,7 @@ impl DaylightModel {
     /// horizon there is none either, and the sky fades to black until the end of civil twilight.
     pub fn daylight(&self) -> Daylight {
         let sun = self.sun().filter(|_| self.position.height_deg > 0.0 && self.kind != SkyKind::Overcast);
-        Daylight { sun, sky: (self.position.height_deg > TWILIGHT_DEG).then(|| self.sky(sun)) }
+        Daylight { sun, sky: (self.position.height_deg > DaylightModel::NIGHT_DEG).then(|| self.sky(sun)) }
     }
 
     /// Returns radiances of one unit, for 10,000 cd/m2.
@@ -146,7 +146,7 @@ fn air_mass(height_deg: f64) -> f32 {
 /// Returns the share of the light at sunset that the sky still has: 1 while the sun is up, and 0 at
 /// the end of civil twilight.
 fn after_sunset(height_deg: f64) -> f64 {
-    (1.0 - height_deg.min(0.0) / TWILIGHT_DEG).max(0.0)
+    (1.0 - height_deg.min(0.0) / DaylightModel::NIGHT_DEG).max(0.0)
 }
 
 /// Returns the illuminance in kilolux of level ground under a clear sky, without the sun itself.

@@ -1,14 +1,15 @@
 //! Changes of a complete scene: of its materials, its sun and sky, and its objects.
 
 use super::light_groups::LightSettings;
-use super::{Daylight, Light, Material, ObjectEdits, Scene, coincident, sanitize};
+use super::{Daylight, Ground, Light, Material, ObjectEdits, Scene, coincident, sanitize};
 use std::sync::Arc;
 
 /// The parts of a scene that can be changed: materials, sun, sky, where its objects are, and how
 /// the groups of lights are set.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneEdit {
-    /// All materials, by [`MaterialId`](super::MaterialId), with their lamps at full light.
+    /// All materials of the model, by [`MaterialId`](super::MaterialId), with their lamps at full
+    /// light.
     pub materials: Vec<Material>,
     /// Sun and sky at full light.
     pub daylight: Daylight,
@@ -16,6 +17,8 @@ pub struct SceneEdit {
     pub lights: LightSettings,
     /// Objects that are moved, hidden or deleted.
     pub objects: ObjectEdits,
+    /// The ground below the model; `None` for that of the model, if it has one.
+    pub ground: Option<Ground>,
 }
 
 impl Scene {
@@ -23,10 +26,11 @@ impl Scene {
     pub fn to_edit(&self) -> SceneEdit {
         let full = self.at_full();
         SceneEdit {
-            materials: full.materials.clone(),
+            materials: full.model_materials().to_vec(),
             daylight: full.daylight(),
             lights: self.light_settings.clone(),
             objects: self.object_edits(),
+            ground: self.ground(),
         }
     }
 
@@ -39,8 +43,8 @@ impl Scene {
         Arc::ptr_eq(&self.triangles, &other.triangles) && Arc::ptr_eq(&self.positions, &other.positions)
     }
 
-    /// Returns this scene with other materials, sun and sky, its objects elsewhere, and other
-    /// settings of its lights. Lights, features, solids and hash are recomputed; where only
+    /// Returns this scene with other materials, sun and sky, its objects elsewhere, another ground,
+    /// and other settings of its lights. Lights, features, solids and hash are recomputed; where only
     /// settings of lights change, this takes no time that grows with the geometry. Where no object
     /// is edited, the geometry is the one that was loaded, to the bit. Edits of objects that the
     /// scene does not have, and of ways that are not finite or too long, are left out; so are all
@@ -50,11 +54,12 @@ impl Scene {
     /// If the edit has more or fewer materials than the scene, and so belongs to another one.
     #[must_use]
     pub fn with_edit(&self, edit: &SceneEdit) -> Self {
-        assert_eq!(edit.materials.len(), self.materials.len(), "the edit belongs to another scene");
+        assert_eq!(edit.materials.len(), self.model_materials().len(), "the edit belongs to another scene");
         let full = self.at_full();
-        let is_same = edit.materials == full.materials
+        let is_same = edit.materials == full.model_materials()
             && edit.daylight == full.daylight()
-            && edit.objects == full.object_edits();
+            && edit.objects == full.object_edits()
+            && edit.ground == full.ground();
         let full = if is_same { full } else { Arc::new(full.with_surfaces(edit)) };
         let mut edited = full.with_light_settings(&edit.lights);
         // Views may have been chosen since.
@@ -63,9 +68,10 @@ impl Scene {
         edited
     }
 
-    /// Returns this scene at full light with the materials, objects, sun and sky of an edit.
+    /// Returns this scene at full light with the materials, objects, ground, sun and sky of an edit.
     fn with_surfaces(&self, edit: &SceneEdit) -> Self {
-        let mut edited = self.with_objects(&edit.objects);
+        let bare = self.without_ground();
+        let mut edited = bare.with_objects(&edit.objects);
         edited.materials.clone_from(&edit.materials);
         for material in &mut edited.materials {
             let (clamped, is_scaled) = sanitize::sanitize_material(material);
@@ -73,11 +79,11 @@ impl Scene {
             edited.conditioning.repairs.materials_scaled += usize::from(is_scaled);
         }
         let opaque = |scene: &Self| scene.materials.iter().map(Material::is_opaque).collect::<Vec<_>>();
-        let is_moved_back = self.edited_objects.is_some() && edited.edited_objects.is_none();
-        if is_moved_back || opaque(&edited) != opaque(self) {
+        let is_moved_back = bare.edited_objects.is_some() && edited.edited_objects.is_none();
+        if is_moved_back || opaque(&edited) != opaque(&bare) {
             edited.coincident = Arc::new(coincident::find(&edited));
         }
-        edited.with_daylight(edit.daylight.clone())
+        edited.on_ground(edit.ground, self).with_daylight(edit.daylight.clone())
     }
 
     /// Returns this scene, whose lights are as the files have them, with another sun and sky.

@@ -23,6 +23,7 @@ mod edit;
 mod emissive;
 mod error;
 mod features;
+mod ground;
 mod group_lights;
 mod hash;
 mod light;
@@ -61,6 +62,7 @@ pub use edit::SceneEdit;
 pub use error::{SceneError, Warning};
 pub(crate) use features::MAX_SINGLE_LIGHTS;
 pub use features::SceneFeatures;
+pub use ground::{Ground, GroundAdvice, GroundChoice, GroundError, GroundedGeometry};
 pub(crate) use light::point_on_mesh;
 pub use light::{Beam, Light, LightPicture, SpotLight};
 pub use light_groups::{

@@ -53,22 +53,34 @@ impl Scene {
     }
 
     fn loaded(&self) -> LoadedGeometry {
-        self.edited_objects.as_ref().map_or_else(
-            || LoadedGeometry {
-                positions: self.positions.clone(),
-                normals: self.normals.clone(),
-                uvs: self.uvs.clone(),
-                triangles: self.triangles.clone(),
-                triangle_materials: self.triangle_materials.clone(),
-                objects: self.objects.clone(),
-                hidden: self.hidden.clone(),
-                coincident: self.coincident.clone(),
-            },
-            |edited| edited.loaded.clone(),
-        )
+        self.edited_objects.as_ref().map_or_else(|| self.bare_geometry(), |edited| edited.loaded.clone())
     }
 
-    /// Returns this scene with other edits of its objects. Those of unknown objects, and impossible
+    /// The geometry that is shown.
+    pub(super) fn bare_geometry(&self) -> LoadedGeometry {
+        LoadedGeometry {
+            positions: self.positions.clone(),
+            normals: self.normals.clone(),
+            uvs: self.uvs.clone(),
+            triangles: self.triangles.clone(),
+            triangle_materials: self.triangle_materials.clone(),
+            objects: self.objects.clone(),
+            hidden: self.hidden.clone(),
+            coincident: self.coincident.clone(),
+        }
+    }
+
+    /// Shows another geometry. What follows from it must be derived afterwards.
+    pub(super) fn set_geometry(&mut self, geometry: &LoadedGeometry) {
+        let LoadedGeometry { positions, normals, uvs, triangles, triangle_materials, .. } = geometry.clone();
+        (self.positions, self.normals, self.uvs) = (positions, normals, uvs);
+        (self.triangles, self.triangle_materials) = (triangles, triangle_materials);
+        self.objects.clone_from(&geometry.objects);
+        self.hidden.clone_from(&geometry.hidden);
+        self.coincident.clone_from(&geometry.coincident);
+    }
+
+    /// Returns this scene, which has no added ground, with other edits of its objects. Those of unknown objects, and impossible
     /// ones, are left out. Where nothing would be left, the geometry stays as it is. Frame, box and
     /// views stay, so that light that holds is recognised. What follows from the geometry must be
     /// derived afterwards.
@@ -82,11 +94,8 @@ impl Scene {
         let loaded = self.loaded();
         let mut scene = self.clone();
         if edits.is_empty() {
-            let LoadedGeometry { positions, normals, uvs, triangles, triangle_materials, .. } = loaded;
-            (scene.positions, scene.normals, scene.uvs) = (positions, normals, uvs);
-            (scene.triangles, scene.triangle_materials) = (triangles, triangle_materials);
-            (scene.objects, scene.hidden, scene.edited_objects) = (loaded.objects, loaded.hidden, None);
-            scene.coincident = loaded.coincident;
+            scene.set_geometry(&loaded);
+            scene.edited_objects = None;
             return scene;
         }
         let Some(moved) = self.moved(&loaded, &edits) else { return scene };

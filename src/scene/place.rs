@@ -8,7 +8,9 @@ use super::solar::SunPosition;
 use jiff::civil::{Date, DateTime};
 use jiff::tz::{TimeZone, db};
 use jiff::{SignedDuration, Timestamp, ZonedDateTime};
-use solar_positioning::{Location, RefractionCorrection, SolarPositions, delta_t, time::JulianDate};
+use solar_positioning::{
+    Horizon, Location, RefractionCorrection, SolarEvents, SolarPositions, delta_t, time::JulianDate,
+};
 
 /// A place on earth and a local time there.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,6 +29,23 @@ pub struct PlaceAndTime {
     pub hours: f64,
     /// Time zone by its name in the IANA database, such as `Europe/Berlin`.
     pub zone: String,
+}
+
+/// When the sun rises and sets on a day at a place, by the clocks there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SunTimes {
+    /// Hours since midnight of the first sunrise and the first sunset of the day; one of them may be
+    /// missing where the sun is up around midnight.
+    Changes {
+        /// Local time of sunrise in hours.
+        sunrise: Option<f64>,
+        /// Local time of sunset in hours.
+        sunset: Option<f64>,
+    },
+    /// The sun is up all day.
+    AlwaysUp,
+    /// The sun stays below the horizon.
+    AlwaysDown,
 }
 
 /// A place or time that cannot be used, with the reason and an example.
@@ -88,16 +107,58 @@ impl PlaceAndTime {
     /// [`PlaceError`] where the date or zone does not exist, or a value is out of range.
     pub fn sun(&self) -> Result<SunPosition, PlaceError> {
         let time = self.timestamp()?;
-        let seconds = time.as_duration().as_secs_f64();
-        let location = Location { latitude: self.latitude_deg, longitude: self.longitude_deg };
+        let location = self.location();
         let position = delta_t::estimate_from_date(self.year, self.month)
-            .and_then(|delta| JulianDate::new(seconds / 86_400.0 + JULIAN_DAY_OF_1970, delta))
+            .and_then(|delta| JulianDate::new(julian_day(time), delta))
             .and_then(|day| {
                 let refraction = Some(RefractionCorrection::standard());
                 SolarPositions::new().at_from_julian(day, location, 0.0, refraction)
             });
         let position = position.map_err(|error| PlaceError(error.to_string()))?;
         Ok(SunPosition { azimuth_deg: position.azimuth(), height_deg: position.elevation_angle() })
+    }
+
+    /// Returns when the sun rises and sets on the day: when its upper edge, raised by refraction,
+    /// touches the horizon, as calendars have it.
+    ///
+    /// # Errors
+    /// As [`Self::sun`].
+    pub fn sun_times(&self) -> Result<SunTimes, PlaceError> {
+        let midnight = |hours| Self { hours, ..self.clone() }.timestamp().map(julian_day);
+        let (start, end) = (midnight(0.0)?, midnight(24.0)?);
+        let events = delta_t::estimate_from_date(self.year, self.month).and_then(|delta| {
+            let (events, horizon) = (SolarEvents::new(), Horizon::SunriseSunset);
+            events.for_interval_from_julian(start, end, self.location(), delta, horizon)
+        });
+        let events = events.map_err(|error| PlaceError(error.to_string()))?;
+        if events.always_above() {
+            return Ok(SunTimes::AlwaysUp);
+        }
+        if events.always_below() {
+            return Ok(SunTimes::AlwaysDown);
+        }
+        let clock = |days: &[f64]| days.first().and_then(|day| self.clock_at(*day));
+        Ok(SunTimes::Changes { sunrise: clock(&events.rises), sunset: clock(&events.sets) })
+    }
+
+    /// Returns the name of the clocks at the time, such as `CEST`, or the offset where the zone has
+    /// none; empty where the time is not valid.
+    pub fn clock_name(&self) -> String {
+        let zoned = |at: Timestamp| TimeZone::get(&self.zone).map(|zone| at.to_zoned_datetime(zone));
+        let zoned = self.timestamp().ok().and_then(|at| zoned(at).ok());
+        zoned.map_or_else(String::new, |zoned| zoned.strftime("%Z").to_string())
+    }
+
+    /// Returns the local time in hours of a Julian day in universal time.
+    fn clock_at(&self, julian: f64) -> Option<f64> {
+        let seconds = (julian - JULIAN_DAY_OF_1970) * 86_400.0;
+        let time = Timestamp::from_duration(SignedDuration::from_secs_f64(seconds)).ok()?;
+        let local = time.to_zoned_datetime(TimeZone::get(&self.zone).ok()?).time();
+        Some(local.duration_since(jiff::civil::Time::midnight()).as_secs_f64() / 3600.0)
+    }
+
+    fn location(&self) -> Location {
+        Location { latitude: self.latitude_deg, longitude: self.longitude_deg }
     }
 
     /// Returns the moment in universal time. Of a time that a change of the clocks skips or
@@ -123,6 +184,10 @@ impl PlaceAndTime {
 
 /// Julian day of the start of 1 January 1970 in universal time.
 const JULIAN_DAY_OF_1970: f64 = 2_440_587.5;
+
+fn julian_day(time: Timestamp) -> f64 {
+    time.as_duration().as_secs_f64() / 86_400.0 + JULIAN_DAY_OF_1970
+}
 
 /// Returns the names of all time zones, sorted.
 pub fn zones() -> Vec<String> {
@@ -221,5 +286,26 @@ mod tests {
         let after = PlaceAndTime { hours: 3.5, ..skipped.clone() };
         assert_eq!(skipped.sun(), after.sun());
         assert!(zones().len() > 400 && zones().iter().any(|zone| zone == "Asia/Tokyo"));
+    }
+
+    #[test]
+    fn the_sun_rises_and_sets_when_calendars_say() {
+        // Times of the almanac for Berlin, Sydney and Nairobi, to the minute.
+        for (place, time, rise, set, clocks) in [
+            ("52.52,13.40", "2026-06-21T12:00[Europe/Berlin]", 4.72, 21.55, "CEST"),
+            ("52.52,13.40", "2026-12-21T12:00[Europe/Berlin]", 8.25, 15.9, "CET"),
+            ("-1.29,36.82", "2026-03-21T12:00[Africa/Nairobi]", 6.57, 18.68, "EAT"),
+        ] {
+            let place = PlaceAndTime::parse(place, time).unwrap();
+            let SunTimes::Changes { sunrise: Some(up), sunset: Some(down) } = place.sun_times().unwrap()
+            else {
+                panic!("{place:?}")
+            };
+            assert!((up - rise).abs() < 0.05 && (down - set).abs() < 0.05, "{time}: {up} {down}");
+            assert_eq!(place.clock_name(), clocks);
+        }
+        let north = |time| PlaceAndTime::parse("78.2,15.6", time).unwrap().sun_times().unwrap();
+        assert_eq!(north("2026-06-21T12:00[Europe/Oslo]"), SunTimes::AlwaysUp);
+        assert_eq!(north("2026-12-21T12:00[Europe/Oslo]"), SunTimes::AlwaysDown);
     }
 }

@@ -72,6 +72,10 @@ pub(super) fn read_state(bytes: &[u8], scene: &Scene, names: &StateNames) -> Opt
         let known = stored.get(name)?;
         *material = Material { name: std::mem::take(&mut material.name), ..known.clone() };
     }
+    if let (Some(ground), Some(name)) = (&mut edit.ground, names.materials.get(edit.materials.len())) {
+        // Its material is the one after those of the model.
+        ground.albedo = stored.get(name)?.diffuse.x;
+    }
     edit.daylight.sun = match from.byte()? {
         0 => None,
         _ => Some(Sun { direction: from.vector()?, angular_radius: from.f32()?, irradiance: from.vector()? }),

@@ -2,7 +2,9 @@
 
 use super::Folder;
 use afterimage::import::save_edit;
-use afterimage::scene::{DaylightModel, LightSetting, Material, SceneEdit, SkyKind, solar::SunPosition};
+use afterimage::scene::{
+    DaylightModel, Ground, GroundChoice, LightSetting, Material, SceneEdit, SkyKind, solar::SunPosition,
+};
 use glam::Vec3;
 use std::fs;
 
@@ -39,6 +41,26 @@ fn a_saved_edit_is_imported_again_and_everything_else_is_kept() {
     assert_eq!(text.matches("\"wall\"").count(), 1);
     save_edit(&folder.path("scene.obj"), &now, &now).unwrap();
     assert_eq!(fs::read_to_string(&file).unwrap(), text, "without a difference nothing is written");
+}
+
+#[test]
+fn a_ground_is_saved_and_imported_again_and_so_is_that_there_is_none() {
+    let folder = Folder::with_obj(MODEL);
+    let before = folder.load().to_edit();
+    let ground = Some(Ground { height_m: -0.45, albedo: 0.25 });
+    let now = SceneEdit { ground, ..before.clone() };
+    save_edit(&folder.path("scene.obj"), &before, &now).unwrap();
+    let scene = folder.load();
+    assert_eq!((scene.ground(), scene.is_ground_given), (ground, true));
+    assert!(scene.warnings.iter().all(|w| w.file != "scene.afterimage.toml"), "{:?}", scene.warnings);
+    save_edit(&folder.path("scene.obj"), &now, &before).unwrap();
+    let scene = folder.load();
+    assert_eq!(scene.ground(), None);
+    assert_eq!(
+        scene.with_ground_choice(GroundChoice::Auto).ground(),
+        None,
+        "the file says that there is none"
+    );
 }
 
 #[test]

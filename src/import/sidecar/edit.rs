@@ -72,6 +72,9 @@ pub(super) fn write_edit(
     if before.daylight != now.daylight {
         write_daylight(document, sky, &now.daylight).map_err(EditError::Sky)?;
     }
+    if before.ground != now.ground {
+        super::ground::write(document, now.ground);
+    }
     super::lights::write(document, &before.lights, &now.lights)
         .ok_or(EditError::Damaged("'lights' is not written as [[lights]]"))
 }
@@ -250,7 +253,7 @@ pub(super) fn name_beside(file: &Path, model: &Path) -> Result<String, String> {
     relative().ok_or_else(|| format!("the sky picture {} is not in the model's folder", file.display()))
 }
 
-fn section<'d>(document: &'d mut DocumentMut, name: &str) -> &'d mut dyn toml_edit::TableLike {
+pub(super) fn section<'d>(document: &'d mut DocumentMut, name: &str) -> &'d mut dyn toml_edit::TableLike {
     let item = &mut document[name];
     if !item.is_table_like() {
         *item = Item::Table(Table::new());
@@ -275,6 +278,6 @@ fn color(c: Vec3) -> Item {
 
 /// Returns the number that is written as the shortest decimal of an `f32`, rather than with the
 /// digits of the equal `f64`.
-fn number(v: f32) -> f64 {
+pub(super) fn number(v: f32) -> f64 {
     v.to_string().parse().unwrap_or(f64::from(v))
 }

@@ -3,6 +3,7 @@
 
 mod edit;
 mod edit_text;
+mod ground;
 mod lamps;
 mod light;
 mod lights;

@@ -3,6 +3,7 @@
 //!
 //! A broken sidecar is a warning: the model is shown without it.
 
+use super::ground::{self, GroundLine};
 use super::lamps::{self, Lamp};
 use super::light::Light;
 use super::lights::Lights;
@@ -74,6 +75,7 @@ pub(in crate::import) struct Sidecar {
     lamps: Vec<Lamp>,
     light: Light,
     lights: Lights,
+    ground: Option<GroundLine>,
     start: Option<Camera>,
     views: Vec<NamedView>,
     walk: Option<CameraPath>,
@@ -125,6 +127,7 @@ impl Sidecar {
             "sun",
             "sky",
             "lights",
+            "ground",
             "start",
             "walk",
             "view",
@@ -140,6 +143,7 @@ impl Sidecar {
             lamps: lamps::read(&top, notes),
             light: Light::read(&top, notes),
             lights: Lights::read(&top, notes),
+            ground: ground::read(&top, notes),
             start: start(&top, notes),
             views: views(&top, notes),
             walk: walk(&top, notes),
@@ -194,12 +198,18 @@ impl Sidecar {
 
     /// Moves, hides and deletes objects of the finished scene.
     pub(in crate::import) fn edit_objects(&mut self, scene: Scene) -> Scene {
-        objects::apply(std::mem::take(&mut self.objects), &self.file_name, scene)
+        let scene = objects::apply(std::mem::take(&mut self.objects), &self.file_name, scene);
+        ground::apply(self.ground, scene)
     }
 
     /// Returns the changes of objects, in the order of the file.
     pub(super) fn take_objects(&mut self) -> impl Iterator<Item = (ObjectKey, ObjectEdit)> {
         std::mem::take(&mut self.objects).into_iter().map(ObjectLine::into_edit)
+    }
+
+    /// Returns the ground that the file gives, if it says anything of one.
+    pub(super) fn ground(&self) -> Option<GroundLine> {
+        self.ground
     }
 
     /// Sets groups of lights, sun and sky.

@@ -1,7 +1,7 @@
 //! Rays that meet the building alone. From inside, it stands on a floor at its lowest point.
 //!
 //! The floor stands for the ground of a model whose rooms have no floor of their own; so a ground
-//! plane can come and go. Other things outside the box of the building only hide it.
+//! plane can come and go, and one that was added is not met at all. Other things outside the box of the building only hide it.
 
 use crate::scene::MaterialId;
 use crate::trace::{Probe, Tracer};
@@ -74,7 +74,8 @@ impl<'a> Building<'a> {
     /// The floor is met from inside the box only.
     pub(super) fn probe(&self, origin_m: DVec3, direction: DVec3) -> Option<BuildingHit> {
         let is_outside = !self.contains(origin_m);
-        let stops = |triangle: u32| !(is_outside && self.is_ground(triangle));
+        let is_added = |triangle: u32| self.tracer.scene().is_added_ground(triangle);
+        let stops = |triangle: u32| !(is_added(triangle) || is_outside && self.is_ground(triangle));
         let hit = self.tracer.probe_where(origin_m, direction, f64::INFINITY, stops);
         let is_above_floor = |hit: &Probe| is_outside || hit.position_m.y > self.low.y + self.margin();
         match hit.filter(is_above_floor) {

@@ -37,7 +37,7 @@ impl Tracer {
     ///
     /// It is a view from outside of the whole building; or one from inside a room, where the
     /// building is dark from outside, shows its back faces, or shows much more from inside. The
-    /// view from outside is then the second. Where the model brings no camera path, the path turns
+    /// view from outside is then the second, unless no light falls there: it would be black. Where the model brings no camera path, the path turns
     /// around in the room or leads once around the building.
     #[must_use]
     pub fn with_start_view(mut self) -> Self {
@@ -47,8 +47,10 @@ impl Tracer {
         let outside = overview::best_overview(&self);
         let inside = rooms::best_view(&self).filter(|inside| self.is_entered(&outside, inside));
         let view = |name: &str, camera| NamedView { name: name.to_owned(), camera };
+        let is_dark = self.is_dark_outside();
         self.change_views(|scene| {
             scene.views = match inside {
+                Some(inside) if is_dark => vec![view("start", inside)],
                 Some(inside) => vec![view("start", inside), view("outside", outside)],
                 None => vec![view("start", outside)],
             };

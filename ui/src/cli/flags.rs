@@ -5,6 +5,7 @@ use crate::picture::pose_text::parse_point;
 use crate::settings::{DEFAULT_BOUNCES, named, picture_size};
 use afterimage::import::{DaylightOptions, LightChoice, SkyChoice, Unit, Up};
 use afterimage::raster::{color::ToneMap, exposure::Exposure};
+use afterimage::scene::GroundChoice;
 use afterimage::scene::place::{PlaceAndTime, parse_place};
 use afterimage::store::StoreSettings;
 use afterimage::trace::{BounceLimit, TraceSettings};
@@ -105,6 +106,12 @@ pub(crate) struct Flags {
     #[arg(long, global = true, value_name = "DEG", default_value_t = 0.0, allow_hyphen_values = true)]
     #[arg(value_parser = number_in(-360.0..=360.0, " degrees"))]
     pub(crate) north: f64,
+    /// A level ground that takes shadows: at a height in metres, or `auto` for one at the lowest
+    /// point of a model that has none, where there is daylight [default: as the model's
+    /// .afterimage.toml says, else off; in the window auto].
+    #[arg(long, global = true, value_name = "auto|off|HEIGHT", allow_hyphen_values = true)]
+    #[arg(value_parser = str::parse::<GroundChoice>)]
+    pub(crate) ground: Option<GroundChoice>,
     /// Dims or raises a group of lights by a factor, or `off`; `inspect` lists the groups. May be
     /// given several times.
     #[arg(long, global = true, value_name = "NAME=FACTOR", value_parser = str::parse::<LightChoice>)]
@@ -183,7 +190,7 @@ impl Flags {
             _ => return Err("--sun-place and --sun-time need each other".to_owned()),
         };
         let (sky, lights) = (self.sky.clone(), self.light.clone());
-        Ok(DaylightOptions { lights, sky, sun, north_deg: self.north })
+        Ok(DaylightOptions { lights, sky, sun, north_deg: self.north, ground: self.ground })
     }
 
     /// The store of references; `default` is used where none is given.

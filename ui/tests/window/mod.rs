@@ -4,6 +4,7 @@ mod accessible;
 mod adapter;
 mod choosing;
 mod comparing;
+mod daylight;
 mod desk;
 mod disk;
 mod document;

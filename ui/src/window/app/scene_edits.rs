@@ -59,7 +59,7 @@ pub(super) fn show_sky_picture(app: &mut Parts, image: Arc<SkyImage>) {
     let Some(document) = &app.state.document else { return };
     let mut sun = document.now().sun.clone();
     let sky = Sky::Picture(PictureSky::new(image, sun.nits_per_unit));
-    sun.kind = sky.kind();
+    (sun.kind, sun.has_sun, sun.has_sky) = (sky.kind(), false, true);
     let daylight = Daylight { sun: None, sky: Some(sky) };
     handle_edit(app, EditCommand::Change(Change::Daylight(daylight, Box::new(sun))));
 }

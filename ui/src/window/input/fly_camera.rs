@@ -127,9 +127,19 @@ impl FlyCamera {
         self.move_mode
     }
 
-    /// Changes how it moves. Walking begins with a fall to the floor.
+    /// Changes how it moves.
     pub fn set_move_mode(&mut self, move_mode: MoveMode) {
         (self.move_mode, self.walker) = (move_mode, Walker::default());
+    }
+
+    /// Returns a pose as one who moves in this way takes it: a walker stands on the floor below,
+    /// where there is one.
+    pub fn standing(&self, camera: Camera, obstacles: Option<&Obstacles>) -> Camera {
+        let stands = |obstacles: &Obstacles| obstacles.standing_m(camera.eye);
+        match obstacles.filter(|_| self.move_mode == MoveMode::Walk).and_then(stands) {
+            Some(height_m) => Camera { eye: DVec3::new(camera.eye.x, height_m, camera.eye.z), ..camera },
+            None => camera,
+        }
     }
 
     /// Sets how views change from now on.

@@ -99,6 +99,13 @@ impl Obstacles {
             .max_by(f64::total_cmp)
     }
 
+    /// Returns the height of the eyes of someone who stands on the floor below a position; `None`
+    /// where there is none.
+    pub fn standing_m(&self, eye: DVec3) -> Option<f64> {
+        let below = self.nearest(eye, DVec3::NEG_Y, f64::INFINITY)?.0;
+        Some(eye.y - below + EYE_HEIGHT_M)
+    }
+
     /// Returns the offset out of all walls within the radius of a walker's axis.
     fn push(&self, eye: DVec3) -> DVec3 {
         let feet = eye - DVec3::Y * EYE_HEIGHT_M;
@@ -339,6 +346,20 @@ mod tests {
         let half = walk(&space, [0.0, 5.0, 0.0], [0.0, 0.0], 0.5);
         assert!((half.y - (5.0 - 0.5 * GRAVITY_M_PER_S2 * 0.25)).abs() < 0.1, "{half}");
         assert!(walk(&space, [0.0, 5.0, 0.0], [0.0, 0.0], 3.0).y.abs() < 1e-3);
+    }
+
+    #[test]
+    fn one_stands_on_the_floor_below_or_nowhere() {
+        let table = ([1.0, 0.0, -1.0], [2.0, 0.75, 1.0], "table");
+        let space = obstacles(&[table]);
+        for (eye, wanted) in [
+            ([0.0, 9.0, 0.0], Some(EYE_HEIGHT_M)),
+            ([1.5, 3.0, 0.0], Some(0.75 + EYE_HEIGHT_M)),
+            ([30.0, 2.0, 0.0], None),
+        ] {
+            let stands = space.standing_m(DVec3::from_array(eye));
+            assert_eq!(stands.map(|h| (h * 1e3).round()), wanted.map(|h| (h * 1e3).round()), "{eye:?}");
+        }
     }
 
     #[test]

@@ -25,5 +25,7 @@ pub mod scene;
 pub mod settings;
 pub mod side;
 pub mod statistics;
+mod sun_time;
+pub mod typed;
 pub mod views;
 pub mod widgets;

@@ -5,7 +5,7 @@ use afterimage::Tracer;
 use afterimage::import;
 use afterimage::import::{DaylightOptions, ImportOptions, Phase};
 use afterimage::raster::exposure::Exposure;
-use afterimage::scene::{Scene, SceneError, builtin};
+use afterimage::scene::{GroundChoice, Scene, SceneError, builtin};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -102,7 +102,12 @@ fn load(
             task.begin("building the scene")?;
             Arc::new(daylight.apply(builtin::build(name).map_err(TaskError::failed)?))
         }
-        SceneSource::File { path, options } => Arc::new(daylight.apply(import(path, options, task)?)),
+        SceneSource::File { path, options } => {
+            // A house without a ground floats in the sky, and its sun casts no shadow.
+            let ground = Some(daylight.ground.unwrap_or(GroundChoice::Auto));
+            let daylight = DaylightOptions { ground, ..daylight.clone() };
+            Arc::new(daylight.apply(import(path, options, task)?))
+        }
     };
     task.begin("building the ray tree")?;
     let tracer = Arc::new(Tracer::new(scene).with_start_view());

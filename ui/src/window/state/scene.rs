@@ -3,7 +3,7 @@
 use crate::window::input::fly_camera::speed_for;
 use crate::window::rendering::SceneSource;
 use afterimage::camera::CameraPath;
-use afterimage::scene::{LightGroup, Objects, Scene, SceneFeatures, Warning};
+use afterimage::scene::{Ground, GroundAdvice, LightGroup, Objects, Scene, SceneFeatures, Warning};
 use afterimage::{Camera, Tracer};
 use std::sync::Arc;
 
@@ -51,6 +51,10 @@ pub struct SceneInfo {
     pub speed_m_per_s: f64,
     /// Features of the scene that the renderer must handle.
     pub features: SceneFeatures,
+    /// Whether the scene wants a ground, and why not.
+    pub ground_advice: GroundAdvice,
+    /// The ground at the lowest point of the building.
+    pub lowest_ground: Ground,
 }
 
 impl SceneInfo {
@@ -73,6 +77,8 @@ impl SceneInfo {
             extent_m: (scene.bounds_m[1] - scene.bounds_m[0]).to_array(),
             speed_m_per_s: speed_for(scene.building_m),
             features: scene.features,
+            ground_advice: scene.ground_advice(),
+            lowest_ground: scene.lowest_ground(),
         }
     }
 

@@ -8,7 +8,8 @@ use crate::window::state::{AppState, Change, Document, OpenDocument, SavedView, 
 use afterimage::camera::{CameraKey, CameraPath};
 use afterimage::import::{ImportOptions, load, save_edit};
 use afterimage::scene::{
-    LightSetting, Material, MaterialId, MaterialKind, ObjectEdit, ObjectKey, Scene, solar::SunPosition,
+    Ground, LightSetting, Material, MaterialId, MaterialKind, ObjectEdit, ObjectKey, Scene,
+    solar::SunPosition,
 };
 use afterimage::{Camera, Tracer};
 use glam::{DVec3, Vec3};
@@ -73,7 +74,7 @@ impl Desk {
 
     fn change(&mut self, dice: &mut Dice) {
         let now = self.now().clone();
-        let change = match dice.below(7) {
+        let change = match dice.below(8) {
             0 => {
                 let id = dice.below(now.scene.materials.len() as u64) as u32;
                 let material = material(dice, &now.scene.materials[id as usize]);
@@ -91,6 +92,10 @@ impl Desk {
             3 => {
                 let setting = LightSetting { intensity: dice.unit() as f32, ..LightSetting::FULL };
                 Change::Light(["sun", "sky"][dice.below(2) as usize].to_owned(), setting)
+            }
+            6 => {
+                let ground = Ground { height_m: -dice.unit(), ..self.scene.lowest_ground() };
+                Change::Ground(Some(ground).filter(|_| dice.below(3) > 0))
             }
             4 => {
                 let view = |dice: &mut Dice, i| SavedView {
@@ -214,7 +219,8 @@ fn daylight(dice: &mut Dice, now: &SunControls) -> Change {
     sun.direction = SunPosition { azimuth_deg: 360.0 * dice.unit(), height_deg: 80.0 * dice.unit() + 1.0 };
     sun.place.hours = 24.0 * dice.unit();
     sun.north_deg = (90.0 * dice.unit()).round();
-    let daylight = sun.moved(dice.below(3) > 0, dice.below(3) > 0);
+    (sun.has_sun, sun.has_sky) = (dice.below(3) > 0, dice.below(3) > 0);
+    let daylight = sun.daylight();
     Change::Daylight(daylight, Box::new(sun))
 }
 
@@ -222,7 +228,7 @@ fn daylight(dice: &mut Dice, now: &SunControls) -> Change {
 fn assert_same(a: &Document, b: &Document) {
     assert_eq!(a.scene.materials, b.scene.materials);
     assert_eq!(a.scene.objects, b.scene.objects);
-    assert_eq!(a.scene.lights, b.scene.lights);
+    assert_eq!((&a.scene.lights, a.scene.ground), (&b.scene.lights, b.scene.ground));
     assert_eq!((&a.views, &a.path, &a.measures, &a.sun), (&b.views, &b.path, &b.measures, &b.sun));
     let (a, b) = (&a.scene.daylight, &b.scene.daylight);
     assert_eq!(a.sky.is_some(), b.sky.is_some());

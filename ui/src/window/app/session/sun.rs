@@ -9,6 +9,8 @@ use serde::{Deserialize, Serialize};
 /// The controls of the sun, as a session file holds them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct SunTable {
+    has_sun: bool,
+    has_sky: bool,
     is_by_place: bool,
     azimuth_deg: f64,
     height_deg: f64,
@@ -28,6 +30,8 @@ impl SunTable {
     pub(super) fn of(sun: &SunControls) -> Self {
         let place = sun.place.clone();
         Self {
+            has_sun: sun.has_sun,
+            has_sky: sun.has_sky,
             is_by_place: sun.is_by_place,
             azimuth_deg: sun.direction.azimuth_deg,
             height_deg: sun.direction.height_deg,
@@ -49,6 +53,8 @@ impl SunTable {
         let mut kinds = SkyKind::MODELS.into_iter().chain([SkyKind::Picture]);
         let kind = kinds.find(|kind| kind.name() == self.kind).unwrap_or_default();
         SunControls {
+            has_sun: self.has_sun,
+            has_sky: self.has_sky,
             is_by_place: self.is_by_place,
             direction: SunPosition { azimuth_deg: self.azimuth_deg, height_deg: self.height_deg },
             place: PlaceAndTime {

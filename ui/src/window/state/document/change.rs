@@ -3,7 +3,9 @@
 use super::Document;
 use crate::window::state::{SavedView, SunControls};
 use afterimage::camera::CameraPath;
-use afterimage::scene::{Daylight, LightSetting, Material, MaterialId, ObjectEdit, ObjectKey, SceneEdit};
+use afterimage::scene::{
+    Daylight, Ground, LightSetting, Material, MaterialId, ObjectEdit, ObjectKey, SceneEdit,
+};
 use glam::DVec3;
 use std::mem::replace;
 
@@ -18,6 +20,8 @@ pub enum Change {
     Daylight(Daylight, Box<SunControls>),
     /// The whole scene has other values, and the controls of the sun show these.
     Scene(Box<(SceneEdit, SunControls)>),
+    /// There is another ground, or none.
+    Ground(Option<Ground>),
     /// A group of lights, given by its name, is set differently.
     Light(String, LightSetting),
     /// The saved views.
@@ -35,6 +39,7 @@ impl Change {
             (Self::Material(a, _), Self::Material(b, _)) => a == b,
             (Self::Object(a, before), Self::Object(b, now)) => a == b && before.is_gone() == now.is_gone(),
             (Self::Daylight(..), Self::Daylight(..)) => true,
+            (Self::Ground(a), Self::Ground(b)) => a.is_some() == b.is_some(),
             (Self::Light(a, _), Self::Light(b, _)) => a == b,
             _ => false,
         }
@@ -64,6 +69,7 @@ impl Change {
                 let before = replace(scene, edit);
                 Self::Scene(Box::new((before, replace(&mut document.sun, sun))))
             }
+            Self::Ground(ground) => Self::Ground(replace(&mut scene.ground, ground)),
             Self::Light(name, setting) => {
                 let before = scene.lights.get(&name);
                 scene.lights.set(&name, setting);

@@ -72,6 +72,7 @@ impl<'a> Merge<'a> {
             daylight: chosen(&before.daylight, &mine.daylight, &after.daylight).clone(),
             lights: lights(&before.lights, &mine.lights, &after.lights),
             objects: objects(&before.objects, &mine.objects, &after.objects),
+            ground: *chosen(&before.ground, &mine.ground, &after.ground),
         }
     }
 

@@ -17,7 +17,7 @@ use glam::DVec3;
 /// [`AppState`](super::AppState), because they also hold before there is a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Document {
-    /// Materials, objects, sun, sky and lights.
+    /// Materials, objects, ground, sun, sky and lights.
     pub scene: SceneEdit,
     /// Sun and sky as their controls show them.
     pub sun: SunControls,
@@ -36,6 +36,7 @@ impl Default for Document {
             daylight: Daylight::default(),
             lights: LightSettings::default(),
             objects: Default::default(),
+            ground: None,
         };
         let (views, measures) = (Vec::new(), Vec::new());
         Self { scene, sun: SunControls::default(), views, path: None, measures }
