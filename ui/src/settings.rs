@@ -39,6 +39,26 @@ impl Theme {
     }
 }
 
+/// Tab of the window's side panel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[allow(missing_docs, reason = "the panel names each")]
+pub enum Tab {
+    #[default]
+    Scene,
+    Look,
+    Camera,
+    Method,
+    Numbers,
+}
+
+impl Tab {
+    /// Name of the tab in `settings.toml`.
+    pub fn name(self) -> &'static str {
+        ["scene", "look", "camera", "method", "numbers"][self as usize]
+    }
+}
+
 /// The settings of all layers together; `None` leaves the program's default. A setting with the
 /// name of a flag is the default of that flag.
 ///
@@ -71,6 +91,8 @@ pub struct Settings {
     pub ui_scale: Option<f32>,
     /// True to change views without animation.
     pub reduced_motion: Option<bool>,
+    /// Tab of the side panel that is shown.
+    pub tab: Option<Tab>,
     /// The section `[keys]`: names of actions and their keys.
     pub keys: Option<Table>,
 }
@@ -79,7 +101,7 @@ pub struct Settings {
 type Rule = (&'static str, &'static str, fn(&Settings) -> Option<bool>);
 
 /// All settings in the order of the documentation.
-const RULES: [Rule; 13] = [
+const RULES: [Rule; 14] = [
     ("mode", "'full', 'paper', 'fast' or 'exact'", any),
     ("samples", "a whole number from 1 to 1048576", |s| Some((1..=1 << 20).contains(&s.samples?))),
     ("bounces", BounceLimit::EXPECTED, any),
@@ -92,6 +114,7 @@ const RULES: [Rule; 13] = [
     ("theme", "'system', 'dark' or 'light'", any),
     ("ui_scale", "a number from 0.5 to 3", |s| Some(UI_SCALES.contains(&s.ui_scale?))),
     ("reduced_motion", "true or false", any),
+    ("tab", "'scene', 'look', 'camera', 'method' or 'numbers'", any),
     ("keys", "a section [keys] with actions and their keys", any),
 ];
 
@@ -120,6 +143,36 @@ pub(crate) fn picture_size(text: &str) -> Result<[u32; 2], &'static str> {
     let (width, height) = text.split_once(['x', 'X']).ok_or(expected)?;
     let side = |t: &str| t.parse().ok().filter(|n| (1..=65536).contains(n)).ok_or(expected);
     Ok([side(width)?, side(height)?])
+}
+
+/// The path that a user typed or pasted: with `~` for the home folder, as `file://` address, or in
+/// quotes.
+pub(crate) fn typed_path(text: &str) -> PathBuf {
+    let text = text.trim();
+    let quoted = |quote: char| text.strip_prefix(quote).and_then(|t| t.strip_suffix(quote));
+    let text = quoted('"').or_else(|| quoted('\'')).unwrap_or(text);
+    if let Some(address) = text.strip_prefix("file://") {
+        return percent_decoded(address.strip_prefix("localhost").unwrap_or(address)).into();
+    }
+    let home = || std::env::var_os("HOME").filter(|home| !home.is_empty()).map(PathBuf::from);
+    match (text.strip_prefix('~'), home()) {
+        (Some(""), Some(home)) => home,
+        (Some(rest), Some(home)) if rest.starts_with('/') => home.join(rest.trim_start_matches('/')),
+        _ => text.into(),
+    }
+}
+
+/// The text of an address, in which `%20` stands for a space. Wrong escapes stay as they are.
+fn percent_decoded(text: &str) -> String {
+    let (mut bytes, mut rest) = (Vec::new(), text.as_bytes());
+    while let [first, after @ ..] = rest {
+        let digits = after.get(..2).filter(|_| *first == b'%').and_then(|d| std::str::from_utf8(d).ok());
+        match digits.and_then(|d| u8::from_str_radix(d, 16).ok()) {
+            Some(byte) => (bytes.push(byte), rest = &after[2..]).1,
+            None => (bytes.push(*first), rest = after).1,
+        }
+    }
+    String::from_utf8(bytes).unwrap_or_else(|_| text.to_owned())
 }
 
 /// Range of [`Settings::ui_scale`].

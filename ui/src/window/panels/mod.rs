@@ -24,5 +24,6 @@ pub mod scene;
 pub mod settings;
 pub mod side;
 pub mod statistics;
+pub mod toolbar;
 pub mod views;
 pub mod widgets;
