@@ -126,6 +126,7 @@ fn p_pauses_and_resumes() {
     harness.step();
     harness.step();
     assert_eq!(harness.state().state().work, Work::Paused);
+    assert!(harness.query_by_label("Paused").is_some(), "it is seen");
     let rendered = harness.state().threads().frames_rendered();
     harness.key_down(Key::D);
     harness.run_steps(10);

@@ -334,6 +334,22 @@ fn the_chosen_tab_is_kept_in_the_settings() {
 }
 
 #[test]
+fn f3_shows_all_figures_then_none_then_few() {
+    let mut window = open(request(), false);
+    let shows = |window: &Window| ["reused", "rays"].map(|name| window.query_by_label(name).is_some());
+    assert_eq!(shows(&window), [true, false]);
+    for expected in [[true, true], [false, false], [true, false]] {
+        window.key_press(Key::F3);
+        window.run_steps(2);
+        assert_eq!(shows(&window), expected);
+    }
+    window.key_press(Key::T);
+    window.run_steps(2);
+    assert!(window.query_all_by_label_contains("mirror or glass ").next().is_some(), "the legend");
+    settle(&mut window);
+}
+
+#[test]
 fn the_edit_menu_names_the_step_and_the_title_has_a_mark() {
     let mut window = open(request(), false);
     assert!(!state(&window).title().starts_with('*') && state(&window).title().ends_with("Afterimage"));

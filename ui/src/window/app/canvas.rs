@@ -30,14 +30,12 @@ impl Canvas {
         let canvas = Self { painter: ui.painter().clone(), shape: ui.painter().add(egui::Shape::Noop), rect };
         panels::overlay::show(ui, rect, state);
         let inner = rect.shrink(10.0);
-        if state.options.statistics != Statistics::Off && inner.is_positive() {
+        let has_figures = state.options.statistics != Statistics::Off || state.options.is_paused;
+        if has_figures && inner.is_positive() {
             ui.scope_builder(egui::UiBuilder::new().max_rect(inner), |ui| statistics::show(ui, state));
         }
         if state.options.heatmap != Heatmap::Off && inner.is_positive() {
             panels::legend::over_viewport(ui, inner, state);
-        }
-        if state.options.is_paused && inner.is_positive() {
-            statistics::paused(ui, rect);
         }
         if !state.navigation.has_moved && state.loading.is_none() && inner.is_positive() {
             statistics::hint(ui, rect);

@@ -23,6 +23,12 @@ pub fn show(ui: &mut Ui, state: &AppState) {
     ground().show(ui, |ui| {
         ui.style_mut().interaction.selectable_labels = false;
         ui.spacing_mut().item_spacing = egui::vec2(10.0, 3.0);
+        if state.options.is_paused {
+            paused(ui);
+        }
+        if state.options.statistics == Statistics::Off {
+            return;
+        }
         state_line(ui, state);
         let is_full = state.options.statistics == Statistics::Full;
         egui::Grid::new("statistics").num_columns(2).min_col_width(76.0).show(ui, |ui| {
@@ -46,19 +52,10 @@ pub fn show(ui: &mut Ui, state: &AppState) {
     });
 }
 
-/// Paints that the renderer is paused, large and in the middle.
-pub fn paused(ui: &Ui, viewport: egui::Rect) {
-    let keys = keys_of(Action::Pause);
-    for (text, size, below) in [
-        ("Paused".to_owned(), 34.0, 0.0),
-        (format!("{keys} goes on; until then the old picture is shown"), 14.0, 30.0),
-    ] {
-        let galley = ui.painter().layout_no_wrap(text, egui::FontId::proportional(size), TEXT);
-        let centre = viewport.center_top() + egui::vec2(0.0, 60.0 + below);
-        let rect = egui::Rect::from_center_size(centre, galley.size() + egui::vec2(24.0, 8.0));
-        ui.painter().rect_filled(rect, 6.0, GROUND);
-        ui.painter().galley(rect.min + egui::vec2(12.0, 4.0), galley, TEXT);
-    }
+/// Shows that the renderer is paused, large.
+fn paused(ui: &mut Ui) {
+    ui.label(RichText::new("Paused").color(TEXT).size(26.0).strong());
+    ui.label(RichText::new(format!("{} goes on", keys_of(Action::Pause))).color(TEXT));
 }
 
 /// What everyone wants to know.
