@@ -145,36 +145,6 @@ pub(crate) fn picture_size(text: &str) -> Result<[u32; 2], &'static str> {
     Ok([side(width)?, side(height)?])
 }
 
-/// The path that a user typed or pasted: with `~` for the home folder, as `file://` address, or in
-/// quotes.
-pub(crate) fn typed_path(text: &str) -> PathBuf {
-    let text = text.trim();
-    let quoted = |quote: char| text.strip_prefix(quote).and_then(|t| t.strip_suffix(quote));
-    let text = quoted('"').or_else(|| quoted('\'')).unwrap_or(text);
-    if let Some(address) = text.strip_prefix("file://") {
-        return percent_decoded(address.strip_prefix("localhost").unwrap_or(address)).into();
-    }
-    let home = || std::env::var_os("HOME").filter(|home| !home.is_empty()).map(PathBuf::from);
-    match (text.strip_prefix('~'), home()) {
-        (Some(""), Some(home)) => home,
-        (Some(rest), Some(home)) if rest.starts_with('/') => home.join(rest.trim_start_matches('/')),
-        _ => text.into(),
-    }
-}
-
-/// The text of an address, in which `%20` stands for a space. Wrong escapes stay as they are.
-fn percent_decoded(text: &str) -> String {
-    let (mut bytes, mut rest) = (Vec::new(), text.as_bytes());
-    while let [first, after @ ..] = rest {
-        let digits = after.get(..2).filter(|_| *first == b'%').and_then(|d| std::str::from_utf8(d).ok());
-        match digits.and_then(|d| u8::from_str_radix(d, 16).ok()) {
-            Some(byte) => (bytes.push(byte), rest = &after[2..]).1,
-            None => (bytes.push(*first), rest = after).1,
-        }
-    }
-    String::from_utf8(bytes).unwrap_or_else(|_| text.to_owned())
-}
-
 /// Range of [`Settings::ui_scale`].
 pub const UI_SCALES: std::ops::RangeInclusive<f32> = 0.5..=3.0;
 

@@ -142,16 +142,3 @@ fn every_setting_is_read_from_a_file_and_from_the_environment() {
     );
     assert_eq!(Theme::value_variants().iter().filter(|t| Some(**t) == settings.theme).count(), 1);
 }
-
-#[test]
-fn typed_paths_may_use_the_home_folder_addresses_and_quotes() {
-    let path = |text: &str| typed_path(text).to_string_lossy().into_owned();
-    assert_eq!(path(" /a/b.obj "), "/a/b.obj");
-    assert_eq!(path("\"/a/b c.obj\""), "/a/b c.obj");
-    assert_eq!(path("file:///a/b%20c%C3%A9.obj"), "/a/b c\u{e9}.obj");
-    assert_eq!(path("file://localhost/a%2"), "/a%2");
-    if let Some(home) = std::env::var_os("HOME") {
-        assert_eq!(typed_path("~/x.obj"), std::path::Path::new(&home).join("x.obj"));
-    }
-    assert_eq!(path("~other/x.obj"), "~other/x.obj");
-}

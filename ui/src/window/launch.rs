@@ -46,6 +46,8 @@ pub struct LaunchOptions {
     pub state_folder: Option<PathBuf>,
     /// The store of references that is read and added to; `None` for none.
     pub store: Option<StoreSettings>,
+    /// True where files are chosen in the program's own list, even if the system has a dialog.
+    pub has_own_file_list: bool,
     /// Messages to show at the start: settings that are invalid.
     pub warnings: Vec<String>,
 }
@@ -86,6 +88,7 @@ impl Default for LaunchOptions {
             settings_file: None,
             state_folder: None,
             store: None,
+            has_own_file_list: false,
             warnings: Vec::new(),
         }
     }

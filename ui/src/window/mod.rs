@@ -5,6 +5,7 @@
 
 mod app;
 mod export;
+pub mod files;
 pub mod gpu;
 pub mod input;
 mod launch;

@@ -188,3 +188,21 @@ fn the_picture_keeps_its_size_whatever_the_panel_says() {
         assert_eq!(room(&harness), first, "at step {step}: every other size is another picture to render");
     }
 }
+
+#[test]
+fn a_half_finished_distance_is_dropped_when_measuring_ends() {
+    let mut harness = app();
+    for end in [Key::M, Key::Escape] {
+        harness.key_press(Key::M);
+        harness.step();
+        click(&mut harness, -150.0, 150.0);
+        assert_eq!(selection(harness.state()).measure.points.len(), 1);
+        harness.key_press(end);
+        harness.run_steps(2);
+        assert!(selection(harness.state()).measure.points.is_empty(), "after {end:?}");
+    }
+    harness.key_press(Key::M);
+    harness.step();
+    click(&mut harness, 160.0, 150.0);
+    assert_eq!(selection(harness.state()).measure.points.len(), 1, "a first point, not a second one");
+}

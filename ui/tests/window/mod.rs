@@ -2,9 +2,11 @@
 
 mod accessible;
 mod adapter;
+mod choosing;
 mod comparing;
 mod desk;
 mod disk;
+mod document;
 mod driving;
 mod dropping;
 mod editing;
@@ -46,6 +48,8 @@ fn request() -> LaunchOptions {
     let mut request = LaunchOptions {
         scene: Some(SceneSource::Ready(small_room())),
         threads: Some(2),
+        // A dialog of the system cannot be driven from here.
+        has_own_file_list: true,
         ..LaunchOptions::default()
     };
     // Direct light: most tests are about the window, not about what it shows.

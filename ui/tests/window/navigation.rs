@@ -218,3 +218,22 @@ fn without_motion_views_change_at_once() {
     let views = harness.state().state().views();
     assert_eq!(camera(&harness), views[2].camera);
 }
+
+#[test]
+fn a_path_plays_while_its_section_is_open() {
+    let mut harness = app();
+    harness.key_press(Key::K);
+    harness.key_press(Key::Num2);
+    arrive(&mut harness);
+    harness.key_press(Key::K);
+    harness.step();
+    harness.get_by_label_contains("Camera path").scroll_to_me();
+    harness.run_steps(3);
+    harness.get_by_label_contains("Camera path").click();
+    harness.run_steps(20);
+    harness.get_by_label("Play path").click_accesskit();
+    harness.run_steps(8);
+    let playback = harness.state().state().navigation.playback;
+    assert!(playback.is_playing, "the timeline has not stopped it: {playback:?}");
+    harness.get_by_label("Pause path");
+}

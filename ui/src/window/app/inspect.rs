@@ -18,10 +18,7 @@ pub(super) fn handle_inspect(state: &mut AppState, services: &Services, command:
         InspectCommand::CloseInspector => selection.inspection = None,
         InspectCommand::SelectMaterial(id) => selection.material = Some(id),
         InspectCommand::SelectObject(key) => selection.object = Some(key),
-        InspectCommand::ToggleMeasure => {
-            selection.measure.is_on = !selection.measure.is_on;
-            selection.measure.hover = None;
-        }
+        InspectCommand::ToggleMeasure => selection.measure.switch(!selection.measure.is_on),
         InspectCommand::ClearMeasure => selection.measure = Default::default(),
         InspectCommand::SelectReference(id) => selection.reference = id,
         InspectCommand::EnableReference(id, is_enabled) => {

@@ -2,11 +2,12 @@
 //! scene is rebuilt in the background, and the old picture stays until there is one of the new
 //! scene.
 
-use super::{AppEvent, Parts, PendingEdit};
+use super::{AppEvent, Parts, PendingEdit, handle_list};
 use crate::window::input::Obstacles;
 use crate::window::rendering::{RenderCommand, SceneSource, TaskError, spawn_task};
 use crate::window::state::{
-    AppState, Change, Document, EditCommand, OpenDocument, SceneInfo, Selection, SunControls,
+    AppState, Change, Document, EditCommand, ListCommand, OpenDocument, Purpose, SceneInfo, Selection,
+    SunControls,
 };
 use afterimage::import::{Limits, load_sky};
 use afterimage::scene::{Daylight, PictureSky, Scene, Sky, SkyImage};
@@ -17,16 +18,12 @@ use std::sync::Arc;
 /// Applies a command about edits of the scene: a change, undo, redo or saving.
 pub(super) fn handle_edit(app: &mut Parts, command: EditCommand) {
     match command {
-        EditCommand::Change(change) => {
-            if let Some(document) = &mut app.state.document {
-                document.change(change);
-            }
-        }
+        EditCommand::Change(change) => return self::change(app, change),
         EditCommand::KnowLights => {
             app.state.knows_lights = true;
             app.services.render.send(RenderCommand::KnowLights(true));
         }
-        EditCommand::BrowseSky => browse_sky(app),
+        EditCommand::BrowseSky => handle_list(app, ListCommand::Ask(Purpose::Sky)),
         EditCommand::Undo => step(&mut app.state, true),
         EditCommand::Redo => step(&mut app.state, false),
         EditCommand::SaveSidecar => save_sidecar(app),
@@ -34,15 +31,12 @@ pub(super) fn handle_edit(app: &mut Parts, command: EditCommand) {
     rebuild(app);
 }
 
-/// Asks for a picture of the sky and reads it, in the background. Where it cannot be used, a
-/// message says so and the sky stays.
-fn browse_sky(app: &mut Parts) {
-    app.services.spawn("reading a sky", || {
-        let dialog = rfd::FileDialog::new()
-            .set_title("Choose a picture of the sky")
-            .add_filter("Pictures of all directions", &["hdr", "exr"]);
-        dialog.pick_file().map_or(Ok(AppEvent::Kept), |path| read_sky(&path))
-    });
+/// Makes a change, and shows it.
+pub(super) fn change(app: &mut Parts, change: Change) {
+    if let Some(document) = &mut app.state.document {
+        document.change(change);
+    }
+    rebuild(app);
 }
 
 /// Reads a picture of the sky in the background.
@@ -85,7 +79,7 @@ fn step(state: &mut AppState, is_undo: bool) {
 }
 
 /// Starts to rebuild the scene with the current edit, unless it is shown or being rebuilt.
-fn rebuild(app: &mut Parts) {
+pub(super) fn rebuild(app: &mut Parts) {
     let (Some(document), Some(tracer), None) =
         (&app.state.document, app.current.tracer(), &app.services.edit)
     else {

@@ -3,18 +3,20 @@
 use super::OwnWrites;
 use crate::picture::restore::PictureView;
 use crate::window::export::{Destination, Exported};
+use crate::window::files::{Asked, Reached};
 use crate::window::launch::LaunchOptions;
 use crate::window::rendering::baking::{Baking, ShownFloor};
 use crate::window::rendering::{
     FullTrace, Loading, Plan, RenderThread, Task, TaskError, Wake, spawn_activity,
 };
-use crate::window::state::{AppState, Document, Pair, PictureError};
+use crate::window::state::{AppState, Document, Pair, PictureError, Purpose, Quality};
 use afterimage::Tracer;
 use afterimage::render::bake::FloorCover;
 use afterimage::scene::{SceneEdit, SkyImage};
 use afterimage::trace::SceneEpoch;
 use egui_wgpu::RenderState;
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
@@ -22,8 +24,8 @@ use std::time::Instant;
 pub(super) enum AppEvent {
     /// A file was saved at this path, which is shown to the user.
     Saved(PathBuf),
-    /// The session was saved in this file.
-    SavedSession(PathBuf),
+    /// The session was saved, or could not be saved.
+    SavedSession(Box<anyhow::Result<SavedSession>>),
     /// A state or settings file was written; no message is shown.
     Kept,
     /// The view of a picture was read.
@@ -32,6 +34,13 @@ pub(super) enum AppEvent {
     SavedEdit(Box<Document>, anyhow::Result<PathBuf>),
     /// A picture of the sky was read.
     SkyPicture(Arc<SkyImage>),
+}
+
+/// What was saved in a session file.
+pub(super) struct SavedSession {
+    pub(super) path: PathBuf,
+    pub(super) document: Document,
+    pub(super) quality: Quality,
 }
 
 /// The scene is being rebuilt with other materials or daylight.
@@ -60,6 +69,17 @@ pub(super) struct FloorWatch {
     pub(super) looked: Option<((SceneEpoch, u32), Instant)>,
 }
 
+/// Tasks by which files are chosen.
+#[derive(Default)]
+pub(super) struct Choosing {
+    /// The system's dialog, and what it was opened for.
+    pub(super) dialog: Option<Task<(Purpose, Asked)>>,
+    /// A folder that is being read for the list of files.
+    pub(super) folder: Option<Task<Reached>>,
+    /// A folder that is being read for the path field.
+    pub(super) nearby: Option<Task<Reached>>,
+}
+
 /// Threads, tasks and the graphics adapter.
 pub(super) struct Services {
     /// What the window was started with.
@@ -83,7 +103,7 @@ pub(super) struct Services {
     /// The bake that is running.
     pub(super) baking: Option<Baking>,
     pub(super) floor: FloorWatch,
-    pub(super) file_dialog: Option<Task<Option<PathBuf>>>,
+    pub(super) choosing: Choosing,
     /// Files that the program has written itself.
     pub(super) own_writes: OwnWrites,
     /// Ends when the files of the scene have changed.
@@ -91,6 +111,8 @@ pub(super) struct Services {
     /// Measures the light in the scene for the automatic exposure.
     pub(super) light: Option<Task<()>>,
     pub(super) tasks: Vec<Task<AppEvent>>,
+    /// Set where the system ends the program.
+    pub(super) ended: Arc<AtomicBool>,
 }
 
 impl Services {
@@ -102,6 +124,11 @@ impl Services {
         work: impl FnOnce() -> Result<AppEvent, TaskError> + Send + 'static,
     ) {
         self.tasks.push(spawn_activity("task", activity, self.wake.clone(), |_| work()));
+    }
+
+    /// True where the system ends the program.
+    pub(super) fn is_ended_from_outside(&self) -> bool {
+        self.ended.load(Ordering::Relaxed)
     }
 
     /// Returns where new pictures, walks and sessions are saved.

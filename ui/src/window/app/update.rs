@@ -3,12 +3,13 @@
 
 use super::{
     AppEvent, Parts, Services, cancel_loading, forget_recent, handle_answer, handle_edit, handle_inspect,
-    handle_navigation, handle_picture, open_new, open_path, open_session, reload, save_session, toggle_bake,
+    handle_list, handle_navigation, handle_picture, open_new, open_path, open_session, reload, save_session,
+    set_path_text, toggle_bake,
 };
 use crate::picture::pose_text::pose_flags;
 use crate::settings::{self, Theme};
 use crate::window::input::ViewChange;
-use crate::window::rendering::{RenderCommand, TaskError, spawn_task};
+use crate::window::rendering::{RenderCommand, TaskError};
 use crate::window::state::{AppState, Appearance, Command, Compare, FileCommand};
 use egui::ViewportCommand;
 
@@ -19,13 +20,13 @@ pub(super) fn apply(app: &mut Parts, command: Command) {
     match command {
         Command::Open(source) => open_new(app, source),
         Command::OpenPath(path) => open_path(app, path),
-        Command::Browse => browse(services),
         Command::CancelLoading => cancel_loading(app),
         Command::Reload => reload(app),
         Command::Navigate(command) => handle_navigation(state, services, command),
         Command::Edit(command) => handle_edit(app, command),
         Command::Inspect(command) => handle_inspect(state, services, command),
         Command::Picture(command) => handle_picture(app, command),
+        Command::List(command) => handle_list(app, command),
         Command::Files(command) => handle_files(app, command),
         Command::Answer(answer) => handle_answer(app, answer),
         Command::SetAppearance(appearance) => set_appearance(state, services, appearance),
@@ -49,7 +50,7 @@ pub(super) fn apply(app: &mut Parts, command: Command) {
             services.ctx.copy_text(flags);
         }
         Command::CopyText(text) => services.ctx.copy_text(text),
-        Command::SetPathText(text) => state.files.path_text = text,
+        Command::SetPathText(text) => set_path_text(state, services, text),
         Command::SetQuality(quality) => state.quality = quality,
         Command::SetOptions(options) => {
             state.options = options;
@@ -134,24 +135,10 @@ fn escape(state: &mut AppState, services: &Services) {
         || is_set(&mut state.dialogs.shows_settings)
         || is_set(&mut state.picture.is_open)
         || state.selection.reference_view.take().is_some()
-        || is_set(&mut state.selection.measure.is_on)
+        || state.selection.measure.end()
         || state.selection.inspection.take().is_some()
         || state.notices.pop().is_some();
     if !has_closed && is_full_screen(services) {
         set_full_screen(services, false);
-    }
-}
-
-/// Asks for a file in the background: the system's dialog blocks its thread.
-fn browse(services: &mut Services) {
-    if services.file_dialog.is_none() {
-        services.file_dialog = Some(spawn_task("dialog", services.wake.clone(), |_| {
-            let extensions: Vec<&str> =
-                afterimage::import::extensions().chain(["toml", "png", "exr", "hdr"]).collect();
-            let dialog = rfd::FileDialog::new()
-                .set_title("Open a model, a session or a picture")
-                .add_filter("Models, sessions, pictures", &extensions);
-            Ok(dialog.pick_file())
-        }));
     }
 }

@@ -41,9 +41,13 @@ impl Destination {
 /// The current folder, then the user's folder for pictures, then the home folder.
 fn default_folders() -> Vec<PathBuf> {
     let home = std::env::var_os("HOME").map(PathBuf::from);
+    std::env::current_dir().ok().into_iter().chain(pictures_folder()).chain(home).collect()
+}
+
+/// The user's folder for pictures.
+pub(crate) fn pictures_folder() -> Option<PathBuf> {
     let pictures = std::env::var_os("XDG_PICTURES_DIR").map(PathBuf::from);
-    let pictures = pictures.or_else(|| home.as_ref().map(|home| home.join("Pictures")));
-    std::env::current_dir().ok().into_iter().chain(pictures).chain(home).collect()
+    pictures.or_else(|| std::env::var_os("HOME").map(|home| PathBuf::from(home).join("Pictures")))
 }
 
 /// Turns the name of a scene into the stem of a file name that any file system accepts.

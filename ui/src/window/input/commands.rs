@@ -5,8 +5,8 @@ use super::{Input, MoveMode, Obstacles, probe_at};
 use crate::window::input::aim;
 use crate::window::input::keymap::{Action, Attention, Pressed};
 use crate::window::state::{
-    AppState, Command, Compare, EditCommand, FileCommand, InspectCommand, NavigationCommand, Options,
-    PictureCommand,
+    AppState, Command, Compare, EditCommand, FileCommand, InspectCommand, ListCommand, NavigationCommand,
+    Options, PictureCommand, Purpose,
 };
 use crate::window::state::{Coloring, Heatmap};
 use afterimage::raster::exposure::Exposure;
@@ -89,7 +89,7 @@ fn command_of(
         Action::AddReference => Command::AddReference,
         Action::Bake => Command::Bake,
         Action::ClearCache => Command::AskToClear,
-        Action::Open => Command::Browse,
+        Action::Open => Command::List(ListCommand::Ask(Purpose::Open)),
         Action::SaveSession => Command::Files(FileCommand::SaveSession),
         Action::Quit => Command::Quit,
         Action::Reload => Command::Reload,

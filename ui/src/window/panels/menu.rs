@@ -1,8 +1,8 @@
 //! The menu bar.
 
 use super::super::state::{
-    AppState, Coloring, Command, Compare, EditCommand, FileCommand, Heatmap, InspectCommand,
-    NavigationCommand, OpenDocument, Options, PictureCommand, Statistics,
+    AppState, Coloring, Command, Compare, EditCommand, FileCommand, Heatmap, InspectCommand, ListCommand,
+    NavigationCommand, OpenDocument, Options, PictureCommand, Purpose, Statistics,
 };
 use crate::window::input::keymap::{Action, keys_of};
 use crate::window::{input::fly_camera::MoveMode, rendering::scene_loading::SceneSource};
@@ -68,7 +68,7 @@ fn recent_menu(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
 
 fn file_menu(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     if item(ui, "Open...", Some(Action::Open)) {
-        commands.push(Command::Browse);
+        commands.push(Command::List(ListCommand::Ask(Purpose::Open)));
     }
     ui.menu_button("Built-in", |ui| {
         for name in builtin::NAMES {

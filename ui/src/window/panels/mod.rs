@@ -3,6 +3,7 @@
 pub mod color;
 pub mod comparison;
 pub mod daylight;
+pub mod file_list;
 pub mod help;
 pub mod inspector;
 pub mod legend;

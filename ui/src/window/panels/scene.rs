@@ -1,9 +1,9 @@
 //! The scene: its contents, a field to open another one, and warnings about its files.
 
-use super::super::state::{AppState, Command, InspectCommand, SceneInfo};
+use super::super::state::{AppState, Command, InspectCommand, ListCommand, Purpose, SceneInfo};
 use super::widgets::counted;
-use crate::settings;
-use egui::{Color32, RichText, Ui};
+use crate::window::files::{Entry, completed, path_of, typed};
+use egui::{Color32, Key, RichText, Ui, text::CCursorRange};
 
 /// Shows the scene, the path field and the warnings.
 pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
@@ -50,24 +50,69 @@ fn facts(ui: &mut Ui, scene: &SceneInfo) {
     });
 }
 
+/// Shows the path field over the full width, its buttons, and names that complete its text.
 fn path_field(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     let label = ui.label("Model file");
+    let mut text = state.files.path_text.clone();
+    let width = f32::INFINITY;
+    let field =
+        egui::TextEdit::singleline(&mut text).hint_text("path to a model").desired_width(width).show(ui);
+    let response = field.response.response.labelled_by(label.id);
+    let has_text = !text.trim().is_empty();
+    let is_entered = response.lost_focus() && ui.input(|i| i.key_pressed(Key::Enter));
     ui.horizontal(|ui| {
-        let mut text = state.files.path_text.clone();
-        let field = egui::TextEdit::singleline(&mut text).hint_text("path to a model").desired_width(165.0);
-        let field = ui.add(field).labelled_by(label.id);
-        if field.changed() {
-            commands.push(Command::SetPathText(text.clone()));
+        let is_clicked = ui.add_enabled(has_text, egui::Button::new("Load")).clicked();
+        if (is_entered || is_clicked) && has_text {
+            commands.push(Command::OpenPath(path_of(&text)));
         }
-        let is_entered = field.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
-        let is_clicked = ui.add_enabled(!text.trim().is_empty(), egui::Button::new("Load")).clicked();
-        if (is_entered || is_clicked) && !text.trim().is_empty() {
-            commands.push(Command::OpenPath(settings::typed_path(&text)));
-        }
-        if ui.button("...").accessible_name("Browse for a model").on_hover_text("Browse").clicked() {
-            commands.push(Command::Browse);
+        if ui.button("Browse...").accessible_name("Browse for a model").clicked() {
+            commands.push(Command::List(ListCommand::Ask(Purpose::Open)));
         }
     });
+    if response.changed() {
+        commands.push(Command::SetPathText(text));
+    } else {
+        let is_at_end = response.has_focus() && field.cursor_range.is_some_and(|range| is_end(range, &text));
+        let chosen = suggestions(ui, state, is_at_end);
+        if let Some(text) = chosen {
+            move_to_end(ui, field.state, response.id, &text);
+            commands.push(Command::SetPathText(text));
+        }
+    }
+}
+
+/// Number of names that are suggested.
+const SUGGESTIONS: usize = 5;
+
+/// Shows names that complete the typed path; returns the completed text. The arrow to the right and
+/// End take the first one where the cursor is at the end.
+fn suggestions(ui: &mut Ui, state: &AppState, is_at_end: bool) -> Option<String> {
+    let text = &state.files.path_text;
+    let begun = typed::split(text).1.to_lowercase();
+    let is_begun = |e: &&Entry| e.name.to_lowercase().starts_with(&begun) && e.name.to_lowercase() != begun;
+    let fitting = state.files.nearby.entries.iter().filter(is_begun).take(SUGGESTIONS);
+    let takes_first = is_at_end && ui.input(|i| i.key_pressed(Key::ArrowRight) || i.key_pressed(Key::End));
+    let mut chosen = None;
+    for (i, entry) in fitting.filter(|_| !text.is_empty()).enumerate() {
+        let whole = completed(text, &entry.name, entry.is_folder);
+        let button = ui.add(egui::Button::new(&whole).small().frame(false).truncate());
+        if button.accessible_name(format!("Complete to {}", entry.name)).clicked() || (takes_first && i == 0)
+        {
+            chosen = Some(whole);
+        }
+    }
+    chosen
+}
+
+fn is_end(range: CCursorRange, text: &str) -> bool {
+    range.as_sorted_char_range().start == CCursorRange::select_all_str(text).as_sorted_char_range().end
+}
+
+fn move_to_end(ui: &Ui, mut state: egui::text_edit::TextEditState, field: egui::Id, text: &str) {
+    let [_, end] = CCursorRange::select_all_str(text).sorted_cursors();
+    state.cursor.set_char_range(Some(CCursorRange::one(end)));
+    state.store(ui.ctx(), field);
+    ui.memory_mut(|m| m.request_focus(field));
 }
 
 fn warnings(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {

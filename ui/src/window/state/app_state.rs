@@ -1,10 +1,11 @@
 //! Everything that panels read.
 
 use super::{
-    Appearance, Comparison, FrameRate, Leaving, Navigation, Notice, OpenDocument, Options, Overlay,
+    Appearance, Comparison, FileList, FrameRate, Leaving, Navigation, Notice, OpenDocument, Options, Overlay,
     PictureState, Presentation, Quality, Sample, SavedView, SceneInfo, Selection, Severity, Work, history,
     notices,
 };
+use crate::window::files::Listing;
 use crate::window::rendering::{Plan, PlanView, Progress, PublishedFrame, SceneSource, Thumbnails};
 use afterimage::camera::CameraPath;
 use afterimage::raster::exposure::Metered;
@@ -87,6 +88,12 @@ pub struct Dialogs {
 pub struct FileState {
     /// Text of the path field.
     pub path_text: String,
+    /// The folder that the path field names, for suggestions.
+    pub nearby: Arc<Listing>,
+    /// The program's own list of files, while it is open.
+    pub list: Option<FileList>,
+    /// Folder of the file that was chosen last.
+    pub last_folder: Option<PathBuf>,
     /// Models that were opened before, the newest first.
     pub recent: Vec<PathBuf>,
     /// A session left behind by a crash; the user is asked whether to restore it.
@@ -221,9 +228,13 @@ impl AppState {
         self.software_adapter.is_some() && !self.options.is_paused && !self.frame_rate.is_late()
     }
 
-    /// True while a question is open: it receives all keys.
+    /// True while a question or the list of files is open: it receives all keys.
     pub fn is_asking(&self) -> bool {
-        self.dialogs.leaving.is_some() || self.dialogs.asks_to_clear || self.files.recovery.is_some()
+        let is_list_open = self.files.list.is_some();
+        self.dialogs.leaving.is_some()
+            || self.dialogs.asks_to_clear
+            || self.files.recovery.is_some()
+            || is_list_open
     }
 
     /// Returns the number of references that the newest frame used, and the number that are held.

@@ -2,7 +2,7 @@
 
 #![allow(missing_docs, reason = "each name describes its command")]
 
-use super::{Answer, Appearance, Change, Compare, Options, PictureCommand, Quality};
+use super::{Answer, Appearance, Change, Compare, ListCommand, Options, PictureCommand, Quality};
 use crate::window::input::{MoveMode, Playback};
 use crate::window::rendering::{PlanView, SceneSource};
 use afterimage::Camera;
@@ -15,7 +15,6 @@ use std::path::PathBuf;
 pub enum Command {
     Open(SceneSource),
     OpenPath(PathBuf),
-    Browse,
     CancelLoading,
     Reload,
     SetPathText(String),
@@ -41,6 +40,7 @@ pub enum Command {
     Answer(Answer),
     Quit,
     Files(FileCommand),
+    List(ListCommand),
     SetAppearance(Appearance),
     ShowSettings(bool),
     CopyPose,

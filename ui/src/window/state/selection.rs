@@ -80,6 +80,22 @@ impl Measure {
         Some([self.points.first()?.position_m, second.position_m])
     }
 
+    /// Begins or ends measuring. A pair that is half finished is dropped, so that the next click
+    /// sets a first point.
+    pub fn switch(&mut self, is_on: bool) {
+        (self.is_on, self.hover) = (is_on, None);
+        if self.points.len() == 1 {
+            self.points.clear();
+        }
+    }
+
+    /// Ends measuring; returns whether it was on.
+    pub fn end(&mut self) -> bool {
+        let was_on = self.is_on;
+        self.switch(false);
+        was_on
+    }
+
     /// Sets the next point; a third one starts a new measurement.
     pub fn set(&mut self, point: Snap) {
         if self.points.len() >= 2 {
