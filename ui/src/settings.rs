@@ -39,6 +39,26 @@ impl Theme {
     }
 }
 
+/// Tab of the window's side panel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[allow(missing_docs, reason = "the panel names each")]
+pub enum Tab {
+    #[default]
+    Scene,
+    Look,
+    Camera,
+    Method,
+    Numbers,
+}
+
+impl Tab {
+    /// Name of the tab in `settings.toml`.
+    pub fn name(self) -> &'static str {
+        ["scene", "look", "camera", "method", "numbers"][self as usize]
+    }
+}
+
 /// The settings of all layers together; `None` leaves the program's default. A setting with the
 /// name of a flag is the default of that flag.
 ///
@@ -71,6 +91,8 @@ pub struct Settings {
     pub ui_scale: Option<f32>,
     /// True to change views without animation.
     pub reduced_motion: Option<bool>,
+    /// Tab of the side panel that is shown.
+    pub tab: Option<Tab>,
     /// The section `[keys]`: names of actions and their keys.
     pub keys: Option<Table>,
 }
@@ -79,7 +101,7 @@ pub struct Settings {
 type Rule = (&'static str, &'static str, fn(&Settings) -> Option<bool>);
 
 /// All settings in the order of the documentation.
-const RULES: [Rule; 13] = [
+const RULES: [Rule; 14] = [
     ("mode", "'full', 'paper', 'fast' or 'exact'", any),
     ("samples", "a whole number from 1 to 1048576", |s| Some((1..=1 << 20).contains(&s.samples?))),
     ("bounces", BounceLimit::EXPECTED, any),
@@ -92,6 +114,7 @@ const RULES: [Rule; 13] = [
     ("theme", "'system', 'dark' or 'light'", any),
     ("ui_scale", "a number from 0.5 to 3", |s| Some(UI_SCALES.contains(&s.ui_scale?))),
     ("reduced_motion", "true or false", any),
+    ("tab", "'scene', 'look', 'camera', 'method' or 'numbers'", any),
     ("keys", "a section [keys] with actions and their keys", any),
 ];
 

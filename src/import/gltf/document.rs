@@ -33,6 +33,16 @@ pub(super) struct Document<'t> {
     pub(super) faults: Vec<Fault>,
 }
 
+/// First bytes of files that are given for glTF by mistake, and what they are.
+const OTHER_FILES: [(&[u8], &str); 6] = [
+    (b"PK\x03\x04", "a ZIP archive"),
+    (b"\x1f\x8b", "a gzip archive"),
+    (b"7z\xbc\xaf", "a 7z archive"),
+    (b"%PDF", "a PDF document"),
+    (b"Kaydara FBX", "an FBX file"),
+    (b"<", "a text of XML or HTML"),
+];
+
 /// A list of items in the root of the JSON.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum List {
@@ -56,6 +66,13 @@ impl<'t> Document<'t> {
     pub(super) fn parse(bytes: &'t [u8], file: &Path) -> Result<Self, SceneError> {
         let is_binary = bytes.starts_with(b"glTF");
         let (json, bin) = if is_binary { split(bytes, file)? } else { (bytes, None) };
+        if let Some((_, what)) = OTHER_FILES.iter().find(|(magic, _)| bytes.starts_with(magic)) {
+            return Err(unreadable(
+                file,
+                format!("it is {what}, not a glTF file"),
+                "unpack it, or export the model",
+            ));
+        }
         let json = json.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(json);
         let text = std::str::from_utf8(json).map_err(|e| {
             let line = lines_before(&json[..e.valid_up_to()]) + 1;

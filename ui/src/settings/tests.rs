@@ -128,6 +128,7 @@ fn every_setting_is_read_from_a_file_and_from_the_environment() {
         ("theme", "light"),
         ("ui_scale", "1.5"),
         ("reduced_motion", "true"),
+        ("tab", "look"),
     ];
     assert_eq!(values.map(|(name, _)| name)[..], RULES.map(|(name, ..)| name)[..values.len()]);
     let lines = values.map(|(name, text)| format!("{name} = '{text}'\n")).concat();

@@ -49,10 +49,13 @@ fn check(window: &Window, what: &str) {
     assert!(found.is_empty(), "{what}: names that stand for several controls: {found:#?}");
 }
 
-/// Opens the sections that are closed at first, by their names.
-fn open_all(window: &mut Window) {
-    for section in ["Camera path", "Sun and sky", "Features", "Numerical conditioning"] {
-        window.query_all_by_label(section).next().expect("a section").click_accesskit();
+/// Shows a tab and opens its sections that are closed at first.
+fn open_tab(window: &mut Window, tab: &str) {
+    show_tab(window, tab);
+    for section in ["Camera path", "Lights", "Features", "Numerical conditioning"] {
+        if let Some(header) = window.query_all_by_label(section).next() {
+            header.click_accesskit();
+        }
         window.run_steps(30);
     }
 }
@@ -64,18 +67,21 @@ fn every_control_has_a_name_of_its_own() {
     // hardly wider.
     window.set_size(vec2(420.0, 4000.0));
     window.run_steps(3);
-    open_all(&mut window);
     editing::click(&mut window, 0.0, 180.0);
     window.key_press(Key::C);
     window.key_press(Key::M);
     window.key_press(Key::K);
     window.run_steps(3);
-    check(&window, "all panels, the material that was clicked");
+    for tab in ["Camera", "Method", "Numbers", "Look", "Scene"] {
+        open_tab(&mut window, tab);
+        check(&window, tab);
+    }
     for kind in ["Mirror", "Glass"] {
         window.get_by_role_and_label(Role::RadioButton, kind).click_accesskit();
         window.run_steps(3);
         check(&window, kind);
     }
+    show_tab(&mut window, "Look");
     window.get_by_label("By place and time").click_accesskit();
     window.run_steps(3);
     check(&window, "sun by place and time");
@@ -84,7 +90,7 @@ fn every_control_has_a_name_of_its_own() {
 #[test]
 fn every_dialog_and_menu_has_names() {
     let mut window = app();
-    for menu in ["Scene", "Edit", "View"] {
+    for menu in ["File", "Edit", "View", "Camera", "Method"] {
         let button = window.query_all_by_role_and_label(Role::Button, menu).next().expect("a menu");
         button.click_accesskit();
         window.run_steps(3);

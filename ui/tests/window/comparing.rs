@@ -34,6 +34,7 @@ fn the_full_tracers_picture_converges_is_measured_and_is_dropped_by_motion() {
     assert!(full.radiance == expected, "it is the anti-aliased picture of the full tracer");
     let (_, error) = state.comparison.error.expect("a measure");
     assert!((10.0..60.0).contains(&error.psnr_db) && (0.0..0.5).contains(&error.flip_mean), "{error:?}");
+    show_tab(&mut harness, "Method");
     assert!(harness.query_all_by_label_contains("Split at").next().is_some());
     harness.key_down(Key::D);
     harness.run_steps(3);

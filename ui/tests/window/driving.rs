@@ -126,6 +126,7 @@ fn p_pauses_and_resumes() {
     harness.step();
     harness.step();
     assert_eq!(harness.state().state().work, Work::Paused);
+    assert!(harness.query_by_label("Paused").is_some(), "it is seen");
     let rendered = harness.state().threads().frames_rendered();
     harness.key_down(Key::D);
     harness.run_steps(10);
@@ -251,7 +252,7 @@ fn a_dropped_model_replaces_the_scene_and_its_warnings_are_listed() {
     assert!(generation(&harness) > epoch);
     let scene = harness.state().state().scene.as_ref().expect("a scene");
     assert!(!scene.warnings.is_empty(), "the missing library is said");
-    assert!(harness.query_all_by_label_contains("import warnings").next().is_some());
+    assert!(harness.query_all_by_label_contains("import warning").next().is_some());
 }
 
 /// The panel shows the automatic exposure; a key ends it, and a reset brings it back.
@@ -266,6 +267,7 @@ fn a_model_opens_with_the_exposure_that_it_has_without_a_window() {
         (state.quality.exposure, state.exposure_ev())
     };
     assert_eq!(shown(&harness), (Exposure::Auto, expected));
+    show_tab(&mut harness, "Look");
     let text = format!("{expected:+.1} EV");
     assert!(harness.query_by_label(&text).is_some());
     harness.key_press(Key::Equals);

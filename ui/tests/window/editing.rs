@@ -77,8 +77,7 @@ fn the_old_picture_stays_until_there_is_one_of_the_new_scene() {
 #[test]
 fn the_sun_is_switched_on_and_moved() {
     let mut harness = app();
-    harness.get_by_label("Sun and sky").click_accesskit();
-    harness.run_steps(30);
+    show_tab(&mut harness, "Look");
     let lights = scene(harness.state()).lights;
     harness.get_by_label("Sun").click_accesskit();
     step_until(&mut harness, "one light more", |app| scene(app).lights == lights + 1);
@@ -104,6 +103,7 @@ fn a_group_of_lights_is_switched_off_and_on_and_undone() {
     let mut harness = app();
     let name = scene(harness.state()).light_groups[0].name.clone();
     let before = document(harness.state()).now().clone();
+    show_tab(&mut harness, "Look");
     harness.get_by_label("Lights").click_accesskit();
     harness.run_steps(30);
     assert!(harness.state().state().knows_lights);

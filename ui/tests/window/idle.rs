@@ -114,6 +114,9 @@ fn draw(ui: &mut egui::Ui, state: &AppState, commands: &mut Vec<Command>) {
     panels::legend::show(ui, state, commands);
     panels::comparison::show(ui, state, commands);
     panels::quality::show(ui, state, commands);
+    panels::quality::show_look(ui, state, commands);
+    panels::quality::show_movement(ui, state, commands);
+    panels::toolbar::show(ui, state, commands);
     panels::references::show(ui, state, commands);
     panels::plots::show(ui, state);
     panels::settings::show(ui.ctx(), state, commands);
@@ -175,6 +178,7 @@ fn clicking_a_surface_does_not_edit_it() {
 #[test]
 fn a_path_plays_while_its_panel_is_open() {
     let mut window = app();
+    show_tab(&mut window, "Camera");
     window.get_by_label("Camera path").click_accesskit();
     for _ in 0..2 {
         window.key_press(Key::K);

@@ -72,6 +72,7 @@ fn a_reference_is_switched_off_shown_and_chosen() {
     let mut harness = app();
     let first = |app: &App| app.state().frame.as_ref().expect("a frame").references[0];
     let number = first(harness.state()).id.0;
+    show_tab(&mut harness, "Method");
     harness.get_by_label(&format!("Disable reference {number}")).click_accesskit();
     step_until(&mut harness, "a frame without it", |app| !first(app).is_enabled);
     settle(&mut harness);
@@ -98,12 +99,14 @@ fn a_reference_is_switched_off_shown_and_chosen() {
     harness.get_by_label(&format!("Select reference {number}")).click_accesskit();
     harness.run_steps(2);
     assert_eq!(selection(harness.state()).reference.map(|id| id.0), Some(number));
+    show_tab(&mut harness, "Camera");
     harness.get_by_label(&format!("Go to selected reference {number}"));
 }
 
 #[test]
 fn the_plan_is_cut_zoomed_and_clicked() {
     let mut harness = app();
+    show_tab(&mut harness, "Camera");
     step_until(&mut harness, "a plan", |app| app.state().plan.cut.is_some());
     let plan = harness.state().state().plan.cut.clone().expect("a plan");
     assert!(plan.lines.len() >= 8, "four walls at least: {}", plan.lines.len());
@@ -177,6 +180,7 @@ fn the_picture_keeps_its_size_whatever_the_panel_says() {
     harness.step();
     let room = |harness: &Harness<'static, App>| harness.get_by_label("3D viewport").rect();
     let first = room(&harness);
+    show_tab(&mut harness, "Camera");
     step_until(&mut harness, "a plan", |app| app.state().plan.cut.is_some());
     settle(&mut harness);
     for step in 0..60 {

@@ -152,7 +152,7 @@ fn shows(window: &mut Window, action: Action, chord: Chord) {
         }
         Action::ToggleStatistics => {
             let [before, after] = options(window, chord);
-            assert!(before.shows_statistics != after.shows_statistics);
+            assert!(before.statistics != after.statistics);
         }
         Action::Help => {
             let [before, after] = options(window, chord);
@@ -300,4 +300,84 @@ fn every_key_does_what_the_map_says() {
             moves(&mut window, binding.action, *chord, index);
         }
     }
+}
+
+/// The arrow keys chose an entry of an open list, and flew meanwhile.
+#[test]
+fn an_open_list_keeps_its_keys() {
+    let mut window = open(request(), false);
+    let before = camera(&window);
+    window.get_by_label("Toolbar: mode").click();
+    window.run_steps(3);
+    for key in [Key::ArrowDown, Key::ArrowUp, Key::W, Key::T] {
+        window.key_down(key);
+        window.run_steps(4);
+        window.key_up(key);
+        window.step();
+    }
+    assert_eq!(camera(&window), before);
+    assert_eq!(state(&window).options.heatmap, Default::default());
+    window.key_press(Key::Escape);
+    window.run_steps(3);
+    assert!(way(&mut window, Key::W).z > 0.1, "closed, it leaves the keys to the camera");
+    settle(&mut window);
+}
+
+#[test]
+fn the_chosen_tab_is_kept_in_the_settings() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("settings.toml");
+    let mut window = open(LaunchOptions { settings_file: Some(file.clone()), ..request() }, false);
+    show_tab(&mut window, "Numbers");
+    let is_kept = |_: &App| std::fs::read_to_string(&file).is_ok_and(|text| text == "tab = \"numbers\"\n");
+    step_until(&mut window, "the setting", is_kept);
+}
+
+#[test]
+fn f3_shows_all_figures_then_none_then_few() {
+    let mut window = open(request(), false);
+    let shows = |window: &Window| ["reused", "rays"].map(|name| window.query_by_label(name).is_some());
+    assert_eq!(shows(&window), [true, false]);
+    for expected in [[true, true], [false, false], [true, false]] {
+        window.key_press(Key::F3);
+        window.run_steps(2);
+        assert_eq!(shows(&window), expected);
+    }
+    window.key_press(Key::T);
+    window.run_steps(2);
+    assert!(window.query_all_by_label_contains("mirror or glass ").next().is_some(), "the legend");
+    settle(&mut window);
+}
+
+#[test]
+fn the_edit_menu_names_the_step_and_the_title_has_a_mark() {
+    let mut window = open(request(), false);
+    assert!(!state(&window).title().starts_with('*') && state(&window).title().ends_with("Afterimage"));
+    editing::click(&mut window, -20.0, 180.0);
+    window.get_by_label("Mirror").click_accesskit();
+    window.run_steps(2);
+    assert!(state(&window).title().starts_with('*'));
+    window.get_by_label("Edit").click_accesskit();
+    window.run_steps(3);
+    assert!(window.query_all_by_label_contains("Undo mirror on ").next().is_some());
+    window.key_press(Key::Escape);
+    settle(&mut window);
+}
+
+#[test]
+fn old_errors_vanish_when_something_else_is_opened() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let broken = folder.path().join("archive.glb");
+    std::fs::write(&broken, b"PK\x03\x04 rest").expect("a file");
+    let good = folder.path().join("triangle.obj");
+    std::fs::write(&good, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").expect("a file");
+    let mut window = open(request(), false);
+    window.input_mut().dropped_files.push(Arc::new(driving::Dropped(broken)));
+    step_until(&mut window, "an error that names the kind of file", |app| says(app, "ZIP archive"));
+    window.input_mut().dropped_files.push(Arc::new(driving::Dropped(good)));
+    step_until(&mut window, "the other scene", |app| {
+        app.state().scene.as_ref().is_some_and(|scene| scene.triangles == 1)
+    });
+    assert!(!says(window.state(), "ZIP archive"));
+    settle(&mut window);
 }

@@ -138,6 +138,12 @@ fn is_settled(app: &App) -> bool {
             .is_some_and(|f| f.generation == threads.generation() && f.stats.is_complete)
 }
 
+/// Shows a tab of the side panel.
+fn show_tab(harness: &mut Harness<'static, App>, title: &str) {
+    harness.get_by_role_and_label(egui::accesskit::Role::Tab, title).click_accesskit();
+    harness.run_steps(3);
+}
+
 fn generation(harness: &Harness<'static, App>) -> u64 {
     harness.state().state().frame.as_ref().map_or(0, |f| f.generation)
 }

@@ -94,6 +94,7 @@ fn a_view_is_saved_under_a_number_renamed_and_deleted() {
     harness.key_press(Key::Num7);
     arrive(&mut harness);
     assert_eq!(camera(&harness), here);
+    show_tab(&mut harness, "Camera");
     harness.get_by_label("Rename view 7").scroll_to_me();
     harness.run_steps(2);
     harness.get_by_label("Rename view 7").click();
@@ -186,6 +187,7 @@ fn a_recorded_walk_is_a_file_that_the_tour_reads() {
         harness.get_by_label_contains(label).click();
         harness.run_steps(2);
     };
+    show_tab(&mut harness, "Camera");
     press(&mut harness, "Camera path");
     harness.run_steps(20);
     press(&mut harness, "Record path");

@@ -4,8 +4,7 @@ use super::overlay;
 use crate::window::gpu::timewarp::Reprojection;
 use crate::window::gpu::viewport;
 use crate::window::panels::{self, statistics};
-use crate::window::state::AppState;
-use crate::window::state::Presentation;
+use crate::window::state::{AppState, Heatmap, Presentation, Statistics};
 use egui_wgpu::RenderState;
 
 /// Colour of the viewport before the first frame.
@@ -31,8 +30,12 @@ impl Canvas {
         let canvas = Self { painter: ui.painter().clone(), shape: ui.painter().add(egui::Shape::Noop), rect };
         panels::overlay::show(ui, rect, state);
         let inner = rect.shrink(10.0);
-        if state.options.shows_statistics && inner.is_positive() {
+        let has_figures = state.options.statistics != Statistics::Off || state.options.is_paused;
+        if has_figures && inner.is_positive() {
             ui.scope_builder(egui::UiBuilder::new().max_rect(inner), |ui| statistics::show(ui, state));
+        }
+        if state.options.heatmap != Heatmap::Off && inner.is_positive() {
+            panels::legend::over_viewport(ui, inner, state);
         }
         if !state.navigation.has_moved && state.loading.is_none() && inner.is_positive() {
             statistics::hint(ui, rect);

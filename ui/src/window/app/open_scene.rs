@@ -8,6 +8,7 @@ use super::{
 use crate::picture::restore::{beside, is_picture, read_view};
 use crate::settings;
 use crate::window::input::{Obstacles, Playback};
+use crate::window::panels::widgets::counted;
 use crate::window::rendering::{Loading, RenderCommand, SceneSource, TaskError, take_result};
 use crate::window::state::{Answer, AppState, Leaving, PlanState, SceneInfo};
 use afterimage::{Camera, Tracer, raster::exposure::Exposure};
@@ -21,6 +22,7 @@ const MAX_SESSION_BYTES: u64 = 64 << 20;
 
 /// Opens a file of any kind.
 pub(super) fn open_path(app: &mut Parts, path: PathBuf) {
+    app.state.forget_errors();
     app.current.arrival = Arrival::default();
     if is_picture(&path) {
         app.services.spawn(&format!("{}: reading the view", path.display()), move || {
@@ -91,6 +93,7 @@ pub(super) fn open(app: &mut Parts, source: SceneSource) {
 
 /// Opens a scene by itself: an earlier destination no longer applies.
 pub(super) fn open_new(app: &mut Parts, source: SceneSource) {
+    app.state.forget_errors();
     app.current.arrival = Arrival::default();
     open(app, source);
 }
@@ -158,8 +161,8 @@ fn show_scene(app: &mut Parts, source: SceneSource, tracer: Arc<Tracer>) {
         app.state.info("the scene has changed since the picture was taken; this is the same pose in it");
     }
     if !scene.warnings.is_empty() {
-        let count = scene.warnings.len();
-        app.state.info(format!("{}: {count} import warnings, listed in the Scene panel", scene.name));
+        let count = counted(scene.warnings.len(), "import warning");
+        app.state.warning(format!("{}: {count}, listed in the tab Scene", scene.name));
     }
     if !is_reload {
         let (view_index, start) = start_pose(&mut app.state, &scene, &arrival);

@@ -19,6 +19,8 @@ use std::time::Duration;
 pub struct App {
     parts: Parts,
     input: Input,
+    /// Title of the window, as it was set last.
+    title: String,
 }
 
 /// Shows what there is to say about the start of the program.
@@ -103,7 +105,7 @@ impl App {
         if parts.services.loading.is_none() {
             open(&mut parts, SceneSource::default_builtin());
         }
-        Ok(Self { parts, input: Input::default() })
+        Ok(Self { parts, input: Input::default(), title: String::new() })
     }
 
     /// Returns what the window shows.
@@ -135,6 +137,8 @@ impl App {
             let menu = egui::Panel::top("menu").frame(bare);
             menu.show(ui, |ui| panels::menu::show(ui, state, commands));
             let side = egui::Panel::right("side").frame(bare).default_size(300.0).size_range(260.0..=460.0);
+            let toolbar = egui::Panel::top("toolbar").frame(bare);
+            toolbar.show(ui, |ui| panels::toolbar::show(ui, state, commands));
             side.show(ui, |ui| panels::side::show(ui, state, commands));
         }
         egui::CentralPanel::no_frame().show(ui, |ui| Canvas::allocate(ui, state)).inner
@@ -163,6 +167,15 @@ impl App {
         panels::questions::show(ctx, state, commands);
     }
 
+    /// Shows the scene and whether it has unsaved changes in the title of the window.
+    fn show_title(&mut self) {
+        let title = self.parts.state.title();
+        if title != self.title {
+            self.parts.services.ctx.send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));
+            self.title = title;
+        }
+    }
+
     /// Asks for later updates: a word or a message may change without any event.
     fn request_updates(&mut self) {
         let ctx = &self.parts.services.ctx.clone();
@@ -172,7 +185,7 @@ impl App {
         if self.parts.state.work == Work::Moving {
             ctx.request_repaint_after(MOTION_TIME);
         }
-        if self.parts.state.notices.iter().any(|n| n.severity == Severity::Info) {
+        if self.parts.state.notices.iter().any(|n| n.severity != Severity::Error) {
             ctx.request_repaint_after(Duration::from_secs(1));
         }
     }
@@ -200,6 +213,7 @@ impl eframe::App for App {
             self.parts.current.first_generation,
         );
         send_request(&mut self.parts);
+        self.show_title();
         self.request_updates();
     }
 

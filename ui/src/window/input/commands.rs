@@ -23,7 +23,8 @@ pub(crate) fn key_commands(
     obstacles: Option<&Obstacles>,
     ctx: &Context,
 ) -> Vec<Command> {
-    let is_typing = ctx.text_edit_focused() || state.is_asking();
+    // An open menu, list or colour keeps its keys.
+    let is_typing = ctx.text_edit_focused() || state.is_asking() || egui::Popup::is_any_open(ctx);
     let (events, dropped) = ctx.input(|i| (i.raw.events.clone(), i.raw.dropped_files.clone()));
     let has_control = ctx.memory(|m| m.focused().is_some_and(|id| Some(id) != input.viewport));
     let attention = match (is_typing, has_control) {
@@ -146,7 +147,7 @@ fn switched(o: Options, action: Action) -> Option<Options> {
         Action::Pause => Options { is_paused: !o.is_paused, ..o },
         Action::Help => Options { shows_help: !o.shows_help, ..o },
         Action::TogglePanels => Options { shows_panels: !o.shows_panels, ..o },
-        Action::ToggleStatistics => Options { shows_statistics: !o.shows_statistics, ..o },
+        Action::ToggleStatistics => Options { statistics: o.statistics.next(), ..o },
         _ => return None,
     })
 }

@@ -2,6 +2,7 @@
 
 use super::super::state::{AppState, Command};
 use super::widgets::{TYPE_NAMES, key_hint, swatch};
+use super::{references, statistics};
 use crate::window::input::keymap::Action;
 use crate::window::state::{Coloring, Heatmap};
 use afterimage::{Mode, raster::pixel_types::TypePercentages};
@@ -47,6 +48,51 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
         ui.label("Filled until the next frame")
             .on_hover_text("While the camera moves: the last frame does not contain this surface");
         ui.end_row();
+    });
+}
+
+/// Shows the meaning of the colours over the viewport, at the lower left of `room`.
+pub fn over_viewport(ui: &mut Ui, room: egui::Rect, state: &AppState) {
+    let layout = egui::Layout::bottom_up(egui::Align::LEFT);
+    ui.scope_builder(egui::UiBuilder::new().max_rect(room).layout(layout), |ui| {
+        statistics::ground().show(ui, |ui| {
+            ui.style_mut().interaction.selectable_labels = false;
+            ui.with_layout(egui::Layout::top_down(egui::Align::LEFT), |ui| match state.options.coloring {
+                Coloring::ByType => types_over(ui, state),
+                Coloring::ByReference => references_over(ui, state),
+            });
+        });
+    });
+}
+
+fn types_over(ui: &mut Ui, state: &AppState) {
+    let Some(frame) = &state.frame else { return };
+    let p = frame.stats.types.percentages();
+    let shares = [p.type1_percent, p.type2_percent, p.type3_percent];
+    for (number, name) in ["reused", "mirror or glass", "traced"].into_iter().enumerate() {
+        ui.horizontal(|ui| {
+            swatch(ui, number);
+            ui.label(RichText::new(format!("{name} {:.0} %", shares[number])).color(statistics::TEXT));
+        });
+    }
+}
+
+/// Number of references in the legend over the viewport.
+const MAX_OVER: usize = 8;
+
+fn references_over(ui: &mut Ui, state: &AppState) {
+    let Some(frame) = &state.frame else { return };
+    for reference in frame.references.iter().rev().filter(|r| r.is_used).take(MAX_OVER) {
+        ui.horizontal(|ui| {
+            references::swatch(ui, reference.id);
+            let percent = reference.contribution.clamp(0.0, 1.0) * 100.0;
+            let text = format!("reference {}: {percent:.0} %", reference.id.0);
+            ui.label(RichText::new(text).color(statistics::TEXT));
+        });
+    }
+    ui.horizontal(|ui| {
+        swatch(ui, 2);
+        ui.label(RichText::new("traced or mirrored").color(statistics::TEXT));
     });
 }
 

@@ -1,20 +1,22 @@
 //! The menu bar.
 
 use super::super::state::{
-    AppState, Command, EditCommand, FileCommand, InspectCommand, ListCommand, NavigationCommand,
-    OpenDocument, Options, PictureCommand, Purpose,
+    AppState, Coloring, Command, Compare, EditCommand, FileCommand, Heatmap, InspectCommand, ListCommand,
+    NavigationCommand, OpenDocument, Options, PictureCommand, Purpose, Statistics,
 };
 use crate::window::input::keymap::{Action, keys_of};
 use crate::window::{input::fly_camera::MoveMode, rendering::scene_loading::SceneSource};
-use afterimage::scene::builtin;
+use afterimage::{Mode, scene::builtin};
 use egui::{Button, Ui};
 
 /// Shows the menu bar with its menus.
 pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     egui::MenuBar::new().ui(ui, |ui| {
-        ui.menu_button("Scene", |ui| scene_menu(ui, state, commands));
+        ui.menu_button("File", |ui| file_menu(ui, state, commands));
         ui.menu_button("Edit", |ui| edit_menu(ui, state, commands));
         ui.menu_button("View", |ui| view_menu(ui, state, commands));
+        ui.menu_button("Camera", |ui| camera_menu(ui, state, commands));
+        ui.menu_button("Method", |ui| method_menu(ui, state, commands));
         if item(ui, "Settings", None) {
             commands.push(Command::ShowSettings(!state.dialogs.shows_settings));
         }
@@ -64,7 +66,7 @@ fn recent_menu(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     });
 }
 
-fn scene_menu(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
+fn file_menu(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     if item(ui, "Open...", Some(Action::Open)) {
         commands.push(Command::List(ListCommand::Ask(Purpose::Open)));
     }
@@ -83,18 +85,11 @@ fn scene_menu(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
         commands.push(Command::Reload);
     }
     ui.separator();
-    let bake = if state.plan.baking.is_some() { "Cancel baking" } else { "Bake" };
-    if state.scene.is_some() && item(ui, bake, Some(Action::Bake)) {
-        commands.push(Command::Bake);
-    }
     if item(ui, "Save picture", Some(Action::Screenshot)) {
         commands.push(Command::Picture(PictureCommand::Save));
     }
     if item(ui, "Picture settings...", None) {
         commands.push(Command::Picture(PictureCommand::ShowDialog(true)));
-    }
-    if item(ui, "Copy pose", Some(Action::CopyPose)) {
-        commands.push(Command::CopyPose);
     }
     ui.separator();
     if item(ui, "Quit", Some(Action::Quit)) {
@@ -110,8 +105,14 @@ fn edit_menu(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
             commands.push(command);
         }
     };
-    entry("Undo change", Some(Action::Undo), can(OpenDocument::can_undo), Command::Edit(EditCommand::Undo));
-    entry("Redo change", Some(Action::Redo), can(OpenDocument::can_redo), Command::Edit(EditCommand::Redo));
+    let named = |what: &str, name: Option<String>| match name {
+        Some(name) => format!("{what} {name}"),
+        None => what.to_owned(),
+    };
+    let undo = named("Undo", state.document.as_ref().and_then(OpenDocument::undo_name));
+    entry(&undo, Some(Action::Undo), can(OpenDocument::can_undo), Command::Edit(EditCommand::Undo));
+    let redo = named("Redo", state.document.as_ref().and_then(OpenDocument::redo_name));
+    entry(&redo, Some(Action::Redo), can(OpenDocument::can_redo), Command::Edit(EditCommand::Redo));
     let save = Command::Edit(EditCommand::SaveSidecar);
     entry("Save changes of the scene", None, can(OpenDocument::differs_from_files), save);
     let text = if state.selection.measure.is_on { "Stop measuring distances" } else { "Measure distances" };
@@ -119,6 +120,43 @@ fn edit_menu(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
 }
 
 fn view_menu(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
+    if item(ui, "Full screen", Some(Action::FullScreen)) {
+        commands.push(Command::FullScreen);
+    }
+    let o = state.options;
+    let mut switch = |ui: &mut Ui, text: &str, action: Action, options: Options| {
+        if item(ui, text, Some(action)) {
+            commands.push(Command::SetOptions(options));
+        }
+    };
+    let figures = match o.statistics {
+        Statistics::Off => "Show few figures",
+        Statistics::Short => "Show all figures",
+        Statistics::Full => "Hide the figures",
+    };
+    let statistics = o.statistics.next();
+    switch(ui, figures, Action::ToggleStatistics, Options { statistics, ..o });
+    let hidden = Options { shows_panels: false, ..o };
+    switch(ui, "Hide panels", Action::TogglePanels, hidden);
+    ui.separator();
+    let heatmap = match o.heatmap {
+        Heatmap::Off => ("Show the heatmap", Heatmap::Blend),
+        Heatmap::Blend => ("Show only the heatmap", Heatmap::Only),
+        Heatmap::Only => ("Hide the heatmap", Heatmap::Off),
+    };
+    switch(ui, heatmap.0, Action::CycleHeatmap, Options { heatmap: heatmap.1, ..o });
+    let coloring = match o.coloring {
+        Coloring::ByType => ("Colour by reference", Coloring::ByReference),
+        Coloring::ByReference => ("Colour by type", Coloring::ByType),
+    };
+    let colored = Options { coloring: coloring.1, ..o }.with_visible_colors(&o);
+    switch(ui, coloring.0, Action::ToggleByReference, colored);
+    let outlined = Options { has_outline: !o.has_outline, ..o };
+    let text = if o.has_outline { "Hide the outline of Type 3" } else { "Outline what is traced" };
+    switch(ui, text, Action::ToggleOutline, outlined);
+}
+
+fn camera_menu(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     for (i, view) in state.views().iter().enumerate() {
         let key = view.key.map_or(String::new(), |key| format!("{key}  "));
         let button = ui.add(Button::new(format!("{key}{}", view.name)));
@@ -132,21 +170,53 @@ fn view_menu(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
         MoveMode::Fly => ("Walk", MoveMode::Walk),
         MoveMode::Walk => ("Fly", MoveMode::Fly),
     };
-    if item(ui, move_mode, Some(Action::ToggleWalk)) {
-        commands.push(Command::Navigate(NavigationCommand::SetMoveMode(other)));
+    let play = if state.navigation.playback.is_playing { "Stop the path" } else { "Play the path" };
+    let entries = [
+        (move_mode, Action::ToggleWalk, Command::Navigate(NavigationCommand::SetMoveMode(other))),
+        ("Level the horizon", Action::Level, Command::Level),
+        ("Narrow the field of view", Action::NarrowFov, Command::ChangeFov(-1.0)),
+        ("Widen the field of view", Action::WidenFov, Command::ChangeFov(1.0)),
+        ("Next view", Action::NextView, Command::Navigate(NavigationCommand::StepView(1))),
+        ("Previous view", Action::PreviousView, Command::Navigate(NavigationCommand::StepView(-1))),
+        ("Add a key to the path", Action::AddPathKey, Command::Navigate(NavigationCommand::AddPathKey)),
+        (play, Action::PlayPath, Command::Navigate(NavigationCommand::PlayPath)),
+        ("Copy pose", Action::CopyPose, Command::CopyPose),
+    ];
+    list(ui, entries, commands);
+}
+
+fn method_menu(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
+    let mut quality = state.quality;
+    for mode in [Mode::Exact, Mode::Fast, Mode::Paper, Mode::Full] {
+        ui.radio_value(&mut quality.walk.render.mode, mode, mode.name());
     }
-    if item(ui, "Level", Some(Action::Level)) {
-        commands.push(Command::Level);
+    if quality != state.quality {
+        commands.push(Command::SetQuality(quality));
     }
-    if item(ui, "Full screen", Some(Action::FullScreen)) {
-        commands.push(Command::FullScreen);
-    }
+    ui.separator();
+    let comparison = &state.comparison;
+    let compare = |wanted: Compare| {
+        let shows = if comparison.shows == wanted { Compare::Off } else { wanted };
+        Command::Compare(shows, comparison.split)
+    };
     let o = state.options;
-    let statistics = if o.shows_statistics { "Hide statistics" } else { "Show statistics" };
-    if item(ui, statistics, Some(Action::ToggleStatistics)) {
-        commands.push(Command::SetOptions(Options { shows_statistics: !o.shows_statistics, ..o }));
-    }
-    if item(ui, "Hide panels", Some(Action::TogglePanels)) {
-        commands.push(Command::SetOptions(Options { shows_panels: false, ..o }));
+    let pause = if o.is_paused { "Go on rendering" } else { "Pause rendering" };
+    let bake = if state.plan.baking.is_some() { "Cancel baking" } else { "Bake" };
+    let entries = [
+        ("Compare side by side", Action::CompareSplit, compare(Compare::Split)),
+        ("Compare by error map", Action::CompareErrors, compare(Compare::Errors)),
+        ("Add a reference here", Action::AddReference, Command::AddReference),
+        ("Clear all references...", Action::ClearCache, Command::AskToClear),
+        (bake, Action::Bake, Command::Bake),
+        (pause, Action::Pause, Command::SetOptions(Options { is_paused: !o.is_paused, ..o })),
+    ];
+    list(ui, entries, commands);
+}
+
+fn list<const N: usize>(ui: &mut Ui, entries: [(&str, Action, Command); N], commands: &mut Vec<Command>) {
+    for (text, action, command) in entries {
+        if item(ui, text, Some(action)) {
+            commands.push(command);
+        }
     }
 }

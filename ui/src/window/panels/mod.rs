@@ -27,5 +27,6 @@ pub mod side;
 pub mod statistics;
 mod sun_time;
 pub mod typed;
+pub mod toolbar;
 pub mod views;
 pub mod widgets;

@@ -28,6 +28,7 @@ fn area(name: &str, at: egui::Pos2, pivot: Align2) -> egui::Area {
 fn banner(ui: &mut Ui, viewport_width: f32, notice: &Notice, commands: &mut Vec<Command>) {
     let (fill, name) = match notice.severity {
         Severity::Error => (Color32::from_rgb(130, 28, 28), "Error: "),
+        Severity::Warning => (Color32::from_rgb(112, 72, 0), "Warning: "),
         Severity::Info => (Color32::from_rgb(28, 78, 52), ""),
     };
     egui::Frame::new().fill(fill).corner_radius(6.0).inner_margin(egui::Margin::symmetric(12, 8)).show(

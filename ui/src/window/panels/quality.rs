@@ -15,7 +15,7 @@ const MB: usize = 1 << 20;
 const BOUNCE_LIMITS: [BounceLimit; 6] =
     [BounceLimit::ALL, BounceLimit::NONE, BounceLimit(1), BounceLimit(2), BounceLimit(4), BounceLimit(8)];
 
-/// Shows the settings of quality, speed and display.
+/// Shows the settings of quality and speed.
 pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     let (mut q, d) = (state.quality, &state.default_quality);
     ui.spacing_mut().slider_width = 88.0;
@@ -24,13 +24,30 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
         sampling_rows(ui, &mut q, d);
         pace_rows(ui, &mut q, d);
         placement_rows(ui, &mut q, d);
-        exposure_rows(ui, state, &mut q);
-        picture_rows(ui, &mut q, d);
-        camera_rows(ui, state, commands);
     });
     if q != state.quality {
         commands.push(Command::SetQuality(q));
     }
+}
+
+/// Shows the settings of how a picture is displayed.
+pub fn show_look(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
+    let (mut q, d) = (state.quality, &state.default_quality);
+    ui.spacing_mut().slider_width = 88.0;
+    egui::Grid::new("look").num_columns(3).spacing([6.0, 5.0]).show(ui, |ui| {
+        exposure_rows(ui, state, &mut q);
+        picture_rows(ui, &mut q, d);
+    });
+    if q != state.quality {
+        commands.push(Command::SetQuality(q));
+    }
+}
+
+/// Shows the settings of how the camera moves.
+pub fn show_movement(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
+    ui.spacing_mut().slider_width = 88.0;
+    let grid = egui::Grid::new("movement").num_columns(3).spacing([6.0, 5.0]);
+    grid.show(ui, |ui| camera_rows(ui, state, commands));
 }
 
 /// Shows a row: a name, a control, and a reset button.

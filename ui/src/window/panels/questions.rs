@@ -15,7 +15,7 @@ pub fn show(ctx: &Context, state: &AppState, commands: &mut Vec<Command>) {
     }
 }
 
-/// Shows a question and its answers; the first has the focus. `otherwise` is the answer for Escape
+/// Shows a question and its answers; the first has the focus, and must not lose anything. `otherwise` is the answer for Escape
 /// and for a click outside.
 fn ask(
     ctx: &Context,
@@ -80,7 +80,7 @@ fn ask_to_leave(ctx: &Context, state: &AppState, leaving: &Leaving, commands: &m
 fn ask_to_clear(ctx: &Context, state: &AppState, commands: &mut Vec<Command>) {
     let [_, held] = state.references_used_and_held();
     let text = format!("There are {held}. New ones are traced when they are needed.");
-    let answers = [("Clear all", Command::Clear), ("Keep", Command::KeepReferences)];
+    let answers = [("Keep", Command::KeepReferences), ("Clear all", Command::Clear)];
     ask(ctx, "clear", "Clear all references?", &text, &answers, Some(Command::KeepReferences), commands);
 }
 

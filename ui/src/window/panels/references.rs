@@ -1,7 +1,7 @@
 //! The list of references: contribution, position, and actions.
 
 use super::super::state::{AppState, Command, InspectCommand, Options, Work};
-use super::widgets::thumbnail;
+use super::widgets::{counted, thumbnail};
 use crate::window::input::keymap::{Action, keys_of};
 use crate::window::rendering::exchange::{ReferenceInfo, supplier_byte};
 use afterimage::reference::ReferenceId;
@@ -18,7 +18,7 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     let share = bytes as f32 / limit.max(1) as f32;
     let megabytes = |bytes: usize| bytes as f64 / f64::from(1 << 20);
     let (count, used) = (frame.references.len(), megabytes(bytes));
-    let text = format!("{count} references, {used:.0} of {:.0} MB", megabytes(limit));
+    let text = format!("{}, {used:.0} of {:.0} MB", counted(count, "reference"), megabytes(limit));
     ui.add(ProgressBar::new(share.min(1.0)).text(RichText::new(text).small()).desired_height(16.0));
     if frame.references.is_empty() {
         ui.weak(if state.work == Work::AddingReference {
@@ -27,18 +27,22 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
             "None yet."
         });
     }
-    let area = egui::ScrollArea::vertical().id_salt("references").max_height(LIST_HEIGHT);
-    area.min_scrolled_height(LIST_HEIGHT).auto_shrink([false, true]).show(ui, |ui| {
-        for reference in frame.references.iter().rev() {
+    let mut list = |ui: &mut Ui, references: &mut dyn Iterator<Item = &ReferenceInfo>| {
+        for reference in references {
             ui.separator();
             entry(ui, state, reference, "reference", commands);
         }
-    });
+    };
+    list(ui, &mut frame.references.iter().rev().take(MAX_LISTED));
+    if let Some(older) = frame.references.len().checked_sub(MAX_LISTED).filter(|older| *older > 0) {
+        let title = format!("{older} older");
+        let header = egui::CollapsingHeader::new(title).id_salt("older references");
+        header.show_unindented(ui, |ui| list(ui, &mut frame.references.iter().rev().skip(MAX_LISTED)));
+    }
 }
 
-/// Height of the list in points: two references and a part of the next, which shows that there are
-/// more.
-const LIST_HEIGHT: f32 = 250.0;
+/// Number of references that are listed at first.
+const MAX_LISTED: usize = 12;
 
 fn buttons(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
@@ -101,7 +105,7 @@ pub fn entry(
 }
 
 /// A square in the colour of the reference in the heatmap.
-fn swatch(ui: &mut Ui, id: ReferenceId) {
+pub fn swatch(ui: &mut Ui, id: ReferenceId) {
     let (rect, response) = ui.allocate_exact_size(egui::vec2(12.0, 12.0), egui::Sense::hover());
     ui.painter().rect_filled(rect, 2.0, heatmap_color(supplier_byte(id)));
     response.on_hover_text("Its colour in the heatmap by reference");

@@ -1,6 +1,7 @@
 //! The scene: its contents, a field to open another one, and warnings about its files.
 
 use super::super::state::{AppState, Command, InspectCommand, ListCommand, Purpose, SceneInfo};
+use super::widgets::counted;
 use crate::window::files::{Entry, completed, path_of, typed};
 use egui::{Color32, Key, RichText, Ui, text::CCursorRange};
 
@@ -8,23 +9,20 @@ use egui::{Color32, Key, RichText, Ui, text::CCursorRange};
 pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     if let Some(scene) = &state.scene {
         ui.label(RichText::new(&scene.name).strong());
-        ui.weak(format!("{} triangles, {} lights", grouped(scene.triangles), scene.lights));
+        ui.weak(format!("{} triangles, {}", grouped(scene.triangles), counted(scene.lights, "light")));
         facts(ui, scene);
     } else {
         ui.weak("No scene yet.");
     }
     path_field(ui, state, commands);
-    conditioning(ui, state);
     warnings(ui, state, commands);
 }
 
-fn conditioning(ui: &mut Ui, state: &AppState) {
-    let Some(scene) = &state.scene else { return };
-    egui::CollapsingHeader::new("Numerical conditioning").id_salt("stiffness").show(ui, |ui| {
-        for sentence in &scene.conditioning {
-            ui.add(egui::Label::new(RichText::new(sentence).small()).wrap());
-        }
-    });
+/// Shows the numerical conditioning of the scene in sentences.
+pub fn conditioning(ui: &mut Ui, state: &AppState) {
+    for sentence in state.scene.iter().flat_map(|scene| &scene.conditioning) {
+        ui.add(egui::Label::new(RichText::new(sentence).small()).wrap());
+    }
 }
 
 /// Shows the features that the scene uses, those that are not rendered, and its size.
@@ -121,7 +119,7 @@ fn warnings(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     let Some(scene) = state.scene.as_ref().filter(|s| !s.warnings.is_empty()) else { return };
     let amber =
         if ui.visuals().dark_mode { Color32::from_rgb(240, 180, 60) } else { Color32::from_rgb(150, 90, 0) };
-    let title = RichText::new(format!("{} import warnings", scene.warnings.len())).color(amber);
+    let title = RichText::new(counted(scene.warnings.len(), "import warning")).color(amber);
     egui::CollapsingHeader::new(title).id_salt("warnings").show(ui, |ui| {
         let mut filter = state.selection.report_filter.clone();
         let field = egui::TextEdit::singleline(&mut filter).hint_text("filter").desired_width(f32::INFINITY);
@@ -141,23 +139,19 @@ fn warnings(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     });
 }
 
-/// Height of the list in points: about ten warnings.
-const LIST_HEIGHT: f32 = 160.0;
+/// Number of warnings that are listed; the filter finds the others.
+const MAX_LISTED: usize = 50;
 
 fn list(ui: &mut Ui, lines: &[String], commands: &mut Vec<Command>) {
-    let area = egui::ScrollArea::vertical()
-        .max_height(LIST_HEIGHT)
-        .min_scrolled_height(LIST_HEIGHT)
-        .id_salt("warning list");
-    let row_height = ui.text_style_height(&egui::TextStyle::Small);
-    area.show_rows(ui, row_height, lines.len(), |ui, rows| {
-        for line in &lines[rows] {
-            let label = egui::Label::new(RichText::new(line).small()).truncate().sense(egui::Sense::click());
-            if ui.add(label).on_hover_text(line).clicked() {
-                commands.push(Command::CopyText(line.clone()));
-            }
+    for line in lines.iter().take(MAX_LISTED) {
+        let label = egui::Label::new(RichText::new(line).small()).wrap().sense(egui::Sense::click());
+        if ui.add(label).on_hover_text("Click to copy").clicked() {
+            commands.push(Command::CopyText(line.clone()));
         }
-    });
+    }
+    if let Some(more) = lines.len().checked_sub(MAX_LISTED).filter(|more| *more > 0) {
+        ui.weak(format!("{more} more: filter them, or copy all"));
+    }
 }
 
 fn line(warning: &afterimage::scene::Warning) -> String {

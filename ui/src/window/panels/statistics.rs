@@ -1,14 +1,15 @@
 //! Statistics over the viewport.
 
-use super::super::state::{AppState, Work};
+use super::super::state::{AppState, Statistics, Work};
 use super::comparison;
 use super::widgets::{FIRST_STAGE, swatch};
 use crate::window::input::fly_camera::MoveMode;
+use crate::window::input::keymap::{Action, keys_of};
 use afterimage::render::AuditEstimate;
 use egui::{Color32, RichText, Ui};
 
 /// Text colour, legible on the dark background over any picture.
-const TEXT: Color32 = Color32::from_gray(235);
+pub const TEXT: Color32 = Color32::from_gray(235);
 const DIM: Color32 = Color32::from_gray(170);
 const GROUND: Color32 = Color32::from_rgba_premultiplied(0, 0, 0, 185);
 
@@ -22,22 +23,49 @@ pub fn show(ui: &mut Ui, state: &AppState) {
     ground().show(ui, |ui| {
         ui.style_mut().interaction.selectable_labels = false;
         ui.spacing_mut().item_spacing = egui::vec2(10.0, 3.0);
+        if state.options.is_paused {
+            paused(ui);
+        }
+        if state.options.statistics == Statistics::Off {
+            return;
+        }
         state_line(ui, state);
+        let is_full = state.options.statistics == Statistics::Full;
         egui::Grid::new("statistics").num_columns(2).min_col_width(76.0).show(ui, |ui| {
-            frame_rows(ui, state);
+            short_rows(ui, state);
+            if is_full {
+                frame_rows(ui, state);
+            }
             for (name, value) in comparison::figures(state) {
                 line(ui, name, value);
             }
-            line(ui, "window", format!("{:.0} ms", state.window_ms));
-            if let Some(per_sec) = state.frame_rate.per_sec() {
-                line(ui, "moving", format!("{per_sec:.1} frames/s"));
+            if is_full {
+                line(ui, "window", format!("{:.0} ms", state.window_ms));
             }
             let move_mode =
                 if state.navigation.fly.move_mode() == MoveMode::Walk { "walking" } else { "flying" };
             line(ui, move_mode, format!("{} m/s", three_digits(state.navigation.fly.speed_m_per_s())));
         });
-        type_rows(ui, state);
+        if is_full {
+            type_rows(ui, state);
+        }
     });
+}
+
+/// Shows that the renderer is paused, large.
+fn paused(ui: &mut Ui) {
+    ui.label(RichText::new("Paused").color(TEXT).size(26.0).strong());
+    ui.label(RichText::new(format!("{} goes on", keys_of(Action::Pause))).color(TEXT));
+}
+
+/// What everyone wants to know.
+fn short_rows(ui: &mut Ui, state: &AppState) {
+    let Some(frame) = &state.frame else { return };
+    if let Some(per_sec) = state.frame_rate.per_sec() {
+        line(ui, "moving", format!("{per_sec:.1} pictures/s"));
+    }
+    let reused = frame.stats.types.percentages().type1_percent;
+    line(ui, "reused", format!("{reused:.0} % of pixels"));
 }
 
 /// Paints the first-run hint at the bottom of the viewport.
@@ -124,10 +152,39 @@ fn type_rows(ui: &mut Ui, state: &AppState) {
 }
 
 fn line(ui: &mut Ui, name: &str, value: String) {
-    ui.label(RichText::new(name).color(DIM));
-    ui.label(RichText::new(value).color(TEXT).monospace());
+    let label = ui.label(RichText::new(name).color(DIM));
+    let value = ui.label(RichText::new(value).color(TEXT).monospace());
+    if let Some((_, help)) = HELP.iter().find(|(known, _)| *known == name) {
+        label.on_hover_text(*help);
+        value.on_hover_text(*help);
+    }
     ui.end_row();
 }
+
+/// What the figures mean.
+const HELP: &[(&str, &str)] = &[
+    ("moving", "Pictures rendered each second while the camera moves"),
+    ("reused", "Pixels whose light comes from references that were traced before"),
+    ("frame", "Time of the whole last frame"),
+    (FIRST_STAGE, "Finding the surface of each pixel, and the light that references know of it"),
+    ("secondary", "Following mirrors and glass"),
+    ("trace", "Tracing the light of pixels that no reference knows"),
+    ("audit", "Estimated error of the picture: above 40 dB differences are hard to see"),
+    ("rays", "Rays traced each second"),
+    ("references", "References used by this picture, and all that are held"),
+    ("from the store", "Share of the light that was read from disk"),
+    ("cache", "Memory of the references, and its limit"),
+    ("stale light", "Light that a change of the scene has made wrong; it is traced again"),
+    ("light cells", "Memory of stored smooth light"),
+    ("light", "Samples of smooth light at this place"),
+    ("picture", "Size in pixels"),
+    ("full tracer", "Progress of the picture that nothing is reused for"),
+    ("PSNR", "Error against the full tracer in decibels: 30 is visible, 40 hardly, 50 not at all"),
+    ("FLIP", "Error as eyes see it: 0 is equal, 1 is black for white"),
+    ("window", "Time between two updates of the window"),
+    ("walking", "Speed; the right button with the wheel changes it"),
+    ("flying", "Speed; the right button with the wheel changes it"),
+];
 
 /// A value with about three significant digits.
 fn three_digits(value: f64) -> String {

@@ -31,6 +31,11 @@ pub fn install_style(ctx: &egui::Context) {
     });
 }
 
+/// A number with what it counts, such as `1 light` or `2 lights`.
+pub fn counted(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+}
+
 /// Hover text that names the key of an action.
 pub fn key_hint(action: Action) -> String {
     format!("Key {}", keys_of(action))

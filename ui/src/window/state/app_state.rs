@@ -165,6 +165,15 @@ impl AppState {
         width / height.max(1.0)
     }
 
+    /// Returns the title of the window: the scene, with a mark while changes are not saved.
+    pub fn title(&self) -> String {
+        let mark = if self.is_unsaved() { "*" } else { "" };
+        match &self.scene {
+            Some(scene) => format!("{mark}{} \u{2022} Afterimage", scene.source.label()),
+            None => "Afterimage".to_owned(),
+        }
+    }
+
     /// Returns what the renderer is doing, with its progress.
     pub fn work_text(&self) -> String {
         self.work.text(self.frame.as_ref())
@@ -173,6 +182,16 @@ impl AppState {
     /// Shows a message that something was done.
     pub fn info(&mut self, text: impl Into<String>) {
         self.notify(Severity::Info, text.into());
+    }
+
+    /// Shows a message that something is not as expected.
+    pub fn warning(&mut self, text: impl Into<String>) {
+        self.notify(Severity::Warning, text.into());
+    }
+
+    /// Removes messages of failures: the user goes on with something else.
+    pub fn forget_errors(&mut self) {
+        self.notices.retain(|notice| notice.severity != Severity::Error);
     }
 
     /// Shows a message that something failed.

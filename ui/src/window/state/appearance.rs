@@ -1,6 +1,6 @@
 //! Theme, scale and motion of the window.
 
-use crate::settings::{Settings, Theme};
+use crate::settings::{Settings, Tab, Theme};
 
 /// Theme, scale and motion of the window.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,11 +11,13 @@ pub struct Appearance {
     pub ui_scale: f32,
     /// Views change at once instead of being eased.
     pub has_reduced_motion: bool,
+    /// Tab of the side panel that is shown.
+    pub tab: Tab,
 }
 
 impl Default for Appearance {
     fn default() -> Self {
-        Self { theme: Theme::default(), ui_scale: 1.0, has_reduced_motion: false }
+        Self { theme: Theme::default(), ui_scale: 1.0, has_reduced_motion: false, tab: Tab::default() }
     }
 }
 
@@ -27,6 +29,7 @@ impl Appearance {
             theme: settings.theme.unwrap_or(default.theme),
             ui_scale: settings.ui_scale.unwrap_or(default.ui_scale),
             has_reduced_motion: settings.reduced_motion.unwrap_or(default.has_reduced_motion),
+            tab: settings.tab.unwrap_or(default.tab),
         }
     }
 
@@ -44,6 +47,9 @@ impl Appearance {
         }
         if self.has_reduced_motion != before.has_reduced_motion {
             changes.push(("reduced_motion", self.has_reduced_motion.then(|| true.into())));
+        }
+        if self.tab != before.tab {
+            changes.push(("tab", (self.tab != default.tab).then(|| self.tab.name().into())));
         }
         changes
     }

@@ -31,7 +31,7 @@ pub use frame_rate::FrameRate;
 pub use history::{HISTORY, Sample};
 pub use navigation::Navigation;
 pub use notices::{Notice, Severity};
-pub use options::Options;
+pub use options::{Options, Statistics};
 pub use picture::{PictureCommand, PictureFormat, PictureSettings, PictureSize, PictureState};
 pub use presentation::{Coloring, FILLED_COLOR, Heatmap, Overlay, Presentation};
 pub use quality::{Quality, WINDOW_SAMPLES};

@@ -7,6 +7,8 @@ use std::time::{Duration, Instant};
 pub enum Severity {
     /// Something was done. The message disappears by itself.
     Info,
+    /// Something is not as expected. The message disappears by itself.
+    Warning,
     /// Something failed. The message stays until it is dismissed.
     Error,
 }
@@ -24,7 +26,7 @@ pub struct Notice {
     pub since: Instant,
 }
 
-/// An info disappears after this time: long enough to read two lines.
+/// An info or a warning disappears after this time: long enough to read two lines.
 const INFO_TIME: Duration = Duration::from_secs(8);
 
 /// Number of messages that are kept; the oldest are dropped.
@@ -39,8 +41,8 @@ pub(super) fn push(notices: &mut Vec<Notice>, id: u64, severity: Severity, text:
 }
 
 impl Notice {
-    /// True for an info that was shown for long enough.
+    /// True for an info or a warning that was shown for long enough.
     pub fn is_expired(&self) -> bool {
-        self.severity == Severity::Info && self.since.elapsed() >= INFO_TIME
+        self.severity != Severity::Error && self.since.elapsed() >= INFO_TIME
     }
 }

@@ -3,6 +3,30 @@
 use super::{Coloring, Heatmap};
 use crate::window::input::ViewChange;
 
+/// Figures over the viewport.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Statistics {
+    /// What everyone wants to know: state, pictures a second, share that is reused.
+    #[default]
+    Short,
+    /// All figures.
+    Full,
+    /// None.
+    Off,
+}
+
+impl Statistics {
+    /// The next choice: short, full, off, and short again.
+    #[must_use]
+    pub fn next(self) -> Self {
+        match self {
+            Self::Short => Self::Full,
+            Self::Full => Self::Off,
+            Self::Off => Self::Short,
+        }
+    }
+}
+
 /// Heatmap, panels, pause and other switches of the window.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
@@ -14,8 +38,8 @@ pub struct Options {
     pub has_outline: bool,
     /// The menu and the side panel are shown.
     pub shows_panels: bool,
-    /// Figures are shown over the viewport.
-    pub shows_statistics: bool,
+    /// Figures that are shown over the viewport.
+    pub statistics: Statistics,
     /// The list of keys is shown.
     pub shows_help: bool,
     /// The renderer is paused: no frame and no reference is traced.
@@ -31,7 +55,7 @@ impl Default for Options {
             coloring: Coloring::ByType,
             has_outline: false,
             shows_panels: true,
-            shows_statistics: true,
+            statistics: Statistics::Short,
             shows_help: false,
             is_paused: false,
             view_change: ViewChange::default(),

@@ -32,7 +32,7 @@ impl Work {
             Self::AddingReference => "adding a reference",
             Self::Complete => "complete",
             Self::Refining => "refining",
-            Self::Converged => "converged",
+            Self::Converged => "done",
         }
     }
 
@@ -42,6 +42,11 @@ impl Work {
             (Self::Refining, Some(frame)) => {
                 let refined = frame.stats.refined;
                 format!("{} {}/{}", self.word(), refined.pass, refined.of)
+            }
+            // The light may still improve with more passes.
+            (Self::Converged, Some(frame)) => {
+                let passes = frame.stats.refined.of;
+                format!("{passes} {} done", if passes == 1 { "pass" } else { "passes" })
             }
             _ => self.word().to_owned(),
         }

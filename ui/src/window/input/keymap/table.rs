@@ -162,7 +162,7 @@ pub const BINDINGS: &[Binding] = &[
     press(Action::Redo, &[ctrl_shift(Key::Z), ctrl(Key::Y)], "redo the last undone change"),
     press(Action::Help, &[plain(Key::F1), shift(Key::Slash)], "show or hide this help"),
     press(Action::TogglePanels, &[plain(Key::F2)], "show or hide the panels"),
-    press(Action::ToggleStatistics, &[plain(Key::F3)], "show or hide the statistics"),
+    press(Action::ToggleStatistics, &[plain(Key::F3)], "show few figures, all, or none"),
     press(Action::FullScreen, &[plain(Key::F11)], "enter or leave full screen"),
     press(Action::Escape, &[plain(Key::Escape)], "close the open dialog or view (never quits)"),
 ];

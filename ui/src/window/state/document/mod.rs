@@ -4,6 +4,7 @@
 mod change;
 mod merge;
 mod open_document;
+mod step_names;
 
 pub use change::Change;
 pub use open_document::{Carried, OpenDocument};

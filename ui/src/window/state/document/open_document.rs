@@ -126,6 +126,14 @@ impl OpenDocument {
         !self.done.is_empty()
     }
 
+    pub(super) fn last_done(&self) -> Option<&Change> {
+        self.done.last()
+    }
+
+    pub(super) fn last_undone(&self) -> Option<&Change> {
+        self.undone.last()
+    }
+
     /// True where there is a step to redo.
     pub fn can_redo(&self) -> bool {
         !self.undone.is_empty()
