@@ -42,7 +42,7 @@ use pictures::{handle_picture, poll_export, save_from_references};
 use poll::poll;
 use render_request::{current_work, note_frame, send_request};
 use scene_edits::{begin_document, handle_edit, is_sky, open_sky, poll_edit, save_sidecar, show_sky_picture};
-use services::{AppEvent, Choosing, FloorWatch, Measurement, PendingEdit, Services};
+use services::{AppEvent, Choosing, FloorWatch, Measurement, PendingEdit, Services, model_folder};
 use session_file::{EXTENSION, SessionFile, is_session};
 use update::{apply, show_appearance};
 use watch::{OwnWrites, modified, watch};
