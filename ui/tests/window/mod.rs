@@ -6,6 +6,7 @@ mod choosing;
 mod comparing;
 mod desk;
 mod disk;
+mod document;
 mod driving;
 mod dropping;
 mod editing;

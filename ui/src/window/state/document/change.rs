@@ -3,7 +3,7 @@
 use super::Document;
 use crate::window::state::{SavedView, SunControls};
 use afterimage::camera::CameraPath;
-use afterimage::scene::{Daylight, LightSetting, Material, MaterialId, ObjectEdit, ObjectKey};
+use afterimage::scene::{Daylight, LightSetting, Material, MaterialId, ObjectEdit, ObjectKey, SceneEdit};
 use glam::DVec3;
 use std::mem::replace;
 
@@ -16,6 +16,8 @@ pub enum Change {
     Object(ObjectKey, ObjectEdit),
     /// Sun and sky have other values, and their controls show these.
     Daylight(Daylight, Box<SunControls>),
+    /// The whole scene has other values, and the controls of the sun show these.
+    Scene(Box<(SceneEdit, SunControls)>),
     /// A group of lights, given by its name, is set differently.
     Light(String, LightSetting),
     /// The saved views.
@@ -56,6 +58,11 @@ impl Change {
             Self::Daylight(daylight, sun) => {
                 let before = replace(&mut scene.daylight, daylight);
                 Self::Daylight(before, Box::new(replace(&mut document.sun, *sun)))
+            }
+            Self::Scene(other) => {
+                let (edit, sun) = *other;
+                let before = replace(scene, edit);
+                Self::Scene(Box::new((before, replace(&mut document.sun, sun))))
             }
             Self::Light(name, setting) => {
                 let before = scene.lights.get(&name);
