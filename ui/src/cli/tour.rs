@@ -3,7 +3,7 @@
 use super::flags::{Flags, StoreChoice, number_in};
 use super::scene::{Loaded, load};
 use super::{failure::Failure, interrupt, output, paths, progress::Progress, walk::read_path};
-use crate::picture::{PictureOrigin, memory, metadata, sequence::film_command};
+use crate::picture::{PictureOrigin, memory, metadata, sequence::FRAMES_PER_SEC, sequence::film_command};
 use afterimage::experiment::tour::{MeasuredSummary, StoreRecord};
 use afterimage::experiment::{FrameRecord, MeasureSettings, TourEvent, TourRecord, TourSettings, run_tour};
 use afterimage::raster::exposure::decimal;
@@ -89,7 +89,10 @@ pub(crate) fn run(args: &TourArgs, flags: &Flags) -> Result<(), Failure> {
     let walk = recorded.unwrap_or_else(|| loaded.scene().walk.clone());
     let (_, outcome) = record(args, flags, &loaded, &walk)?;
     if args.pictures && !matches!(outcome, Err(Failure::Failed(_))) {
-        output::say(&format!("to encode them as a film: {}", film_command(&args.out.join("images"))));
+        output::say(&format!(
+            "to encode them as a film: {}",
+            film_command(&args.out.join("images"), FRAMES_PER_SEC)
+        ));
     }
     outcome
 }

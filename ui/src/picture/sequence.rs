@@ -23,6 +23,8 @@ pub struct Sequence {
     pub job: PictureJob,
     /// Camera path of the sequence.
     pub walk: CameraPath,
+    /// Pictures per second of the film.
+    pub rate: u32,
 }
 
 /// Result of rendering a sequence.
@@ -34,6 +36,8 @@ pub struct MadeSequence {
     pub made: u32,
     /// Number of pictures of the sequence.
     pub count: u32,
+    /// Pictures per second of the film.
+    pub rate: u32,
 }
 
 impl MadeSequence {
@@ -46,16 +50,17 @@ impl MadeSequence {
 
     /// Shell command that encodes the sequence as a film.
     pub fn film_command(&self) -> String {
-        film_command(&self.folder)
+        film_command(&self.folder, self.rate)
     }
 }
 
-/// Shell command that encodes a folder's pictures `frame_0000.png`, ... as a film.
-pub fn film_command(folder: &Path) -> String {
+/// Shell command that encodes a folder's pictures `frame_0000.png`, ... as a film with `rate`
+/// pictures per second.
+pub fn film_command(folder: &Path, rate: u32) -> String {
     let quoted = |name: &str| format!("'{}'", folder.join(name).display().to_string().replace('\'', r"'\''"));
     // Most players need an even width and height, and this pixel format.
     format!(
-        "ffmpeg -framerate {FRAMES_PER_SEC} -i {} -vf 'pad=ceil(iw/2)*2:ceil(ih/2)*2' -c:v libx264 -crf 18 \
+        "ffmpeg -framerate {rate} -i {} -vf 'pad=ceil(iw/2)*2:ceil(ih/2)*2' -c:v libx264 -crf 18 \
          -pix_fmt yuv420p {}",
         quoted("frame_%04d.png"),
         quoted("film.mp4")
@@ -94,7 +99,7 @@ impl Sequence {
             })?;
             made += u32::from(picture.is_some());
         }
-        Ok(MadeSequence { folder, made, count })
+        Ok(MadeSequence { folder, made, count, rate: self.rate })
     }
 
     /// Text that identifies the sequence: it is resumed only in a folder with the same description.

@@ -33,7 +33,7 @@ pub struct LaunchOptions {
     pub tone_map: ToneMap,
     /// Number of threads that render; `None` for all.
     pub threads: Option<usize>,
-    /// Folder for pictures; `None` for the current folder or the user's folder for pictures.
+    /// Folder for pictures; `None` for the folder of the model or the user's folder for pictures.
     pub pictures: Option<PathBuf>,
     /// Settings of saved pictures at the start.
     pub picture: PictureSettings,
@@ -48,6 +48,8 @@ pub struct LaunchOptions {
     pub store: Option<StoreSettings>,
     /// True where files are chosen in the program's own list, even if the system has a dialog.
     pub has_own_file_list: bool,
+    /// Program that opens a file or folder with the user's program for it.
+    pub opener: PathBuf,
     /// Messages to show at the start: settings that are invalid.
     pub warnings: Vec<String>,
 }
@@ -89,7 +91,19 @@ impl Default for LaunchOptions {
             state_folder: None,
             store: None,
             has_own_file_list: false,
+            opener: system_opener().into(),
             warnings: Vec::new(),
         }
+    }
+}
+
+/// The system's program that opens a file with the user's program for it.
+fn system_opener() -> &'static str {
+    if cfg!(windows) {
+        "explorer"
+    } else if cfg!(target_os = "macos") {
+        "open"
+    } else {
+        "xdg-open"
     }
 }

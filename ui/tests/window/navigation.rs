@@ -237,3 +237,38 @@ fn a_path_plays_while_its_section_is_open() {
     assert!(playback.is_playing, "the timeline has not stopped it: {playback:?}");
     harness.get_by_label("Pause path");
 }
+
+#[test]
+fn each_key_of_a_path_has_a_row_and_the_time_between_keys_is_set() {
+    let mut harness = app();
+    let start = camera(&harness);
+    harness.key_press(Key::K);
+    harness.key_press(Key::Num2);
+    arrive(&mut harness);
+    harness.key_press(Key::K);
+    harness.run_steps(2);
+    harness.set_size(vec2(900.0, 4000.0));
+    harness.run_steps(3);
+    harness.get_by_label("Camera path").click_accesskit();
+    harness.run_steps(20);
+    harness.get_by_label("Go to path key 1").click_accesskit();
+    harness.run_steps(2);
+    arrive(&mut harness);
+    assert!(camera(&harness).eye.distance(start.eye) < 1e-6);
+    harness.key_press(Key::Num3);
+    arrive(&mut harness);
+    let secs = |harness: &Harness<'static, App>| {
+        afterimage_ui::window::input::playback::path_secs(harness.state().state().path())
+    };
+    let before = secs(&harness);
+    harness.get_by_label("Update path key 1").click_accesskit();
+    harness.run_steps(3);
+    let moved = harness.state().state().path().keyframes[0].eye;
+    assert!(moved.distance(camera(&harness).eye) < 1e-9, "{moved}");
+    assert_eq!(secs(&harness), before, "the path takes as long as before");
+    harness.get_by_label("Seconds a key").focus();
+    harness.step();
+    harness.get_by_label("Delete path key 2").click_accesskit();
+    harness.run_steps(3);
+    assert_eq!(harness.state().state().path().keyframes.len(), 1);
+}

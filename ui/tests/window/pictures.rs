@@ -190,3 +190,118 @@ fn the_path_becomes_numbered_pictures_and_goes_on_where_it_was_cut() {
         std::fs::metadata(sequence.join("frame_0000.png")).and_then(|m| m.modified()).expect("a time");
     assert_eq!(first, again, "what was there is not made again");
 }
+
+/// Writes a program that notes what it is asked to open.
+#[cfg(unix)]
+fn opener(folder: &std::path::Path) -> PathBuf {
+    use std::os::unix::fs::PermissionsExt;
+    let program = folder.join("opener");
+    let text = format!("#!/bin/sh\necho \"$1\" > '{}/opened'\n", folder.display());
+    std::fs::write(&program, text).expect("a program");
+    std::fs::set_permissions(&program, std::fs::Permissions::from_mode(0o755)).expect("it may run");
+    program
+}
+
+#[test]
+#[cfg(unix)]
+fn a_saved_picture_is_opened_and_shown_in_its_folder_from_the_message() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let pictures = folder.path().join("pictures");
+    std::fs::create_dir(&pictures).expect("a folder");
+    let launch = LaunchOptions {
+        pictures: Some(pictures.clone()),
+        picture: small(),
+        opener: opener(folder.path()),
+        ..request()
+    };
+    let mut harness = open(launch, false);
+    harness.key_press(Key::F12);
+    assert_eq!(notice(&mut harness).0, Severity::Info);
+    let opened = folder.path().join("opened");
+    let wanted =
+        [("Open the saved file", pictures.join("afterimage-room-0001.png")), ("Show in folder", pictures)];
+    for (button, path) in wanted {
+        harness.step();
+        harness.get_by_label(button).click_accesskit();
+        let is_opened = |path: &std::path::Path| {
+            std::fs::read_to_string(&opened).is_ok_and(|text| text.trim() == path.display().to_string())
+        };
+        step_until(&mut harness, button, |_| is_opened(&path));
+    }
+}
+
+#[test]
+fn where_the_system_opens_nothing_a_message_says_so() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let launch = LaunchOptions {
+        pictures: Some(folder.path().to_owned()),
+        picture: small(),
+        opener: "/no/such/opener".into(),
+        ..request()
+    };
+    let mut harness = open(launch, false);
+    harness.key_press(Key::F12);
+    assert_eq!(notice(&mut harness).0, Severity::Info);
+    harness.step();
+    harness.get_by_label("Show in folder").click_accesskit();
+    step_until(&mut harness, "a message", |app| says(app, "open it in your file manager"));
+    assert!(says(harness.state(), "/no/such/opener"));
+}
+
+#[test]
+fn pictures_of_a_model_are_saved_beside_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let model = folder.path().join("yard.obj");
+    std::fs::write(&model, desk::COURTYARD).expect("a model");
+    let launch = LaunchOptions { scene: Some(SceneSource::file(&model)), picture: small(), ..request() };
+    let mut harness = open(launch, false);
+    harness.key_press(Key::F12);
+    step_until(&mut harness, "the picture", |app| says(app, "yard-0001.png"));
+    assert!(folder.path().join("afterimage-yard-0001.png").exists());
+}
+
+#[test]
+fn the_dialog_offers_qualities_with_their_times_and_what_a_film_takes() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut harness = saving(folder.path(), small());
+    harness.key_press(Key::F12);
+    assert_eq!(notice(&mut harness).0, Severity::Info);
+    assert!(harness.state().state().picture.secs_per_sample.is_some(), "measured with the first frame");
+    harness.get_by_role_and_label(egui::Role::Button, "Scene").click_accesskit();
+    harness.run_steps(3);
+    harness.get_by_label_contains("Picture settings").click_accesskit();
+    harness.run_steps(5);
+    harness.get_by_label("Draft").click_accesskit();
+    harness.run_steps(3);
+    assert_eq!(harness.state().state().picture.settings.antialias, 4);
+    harness.get_by_label("Best").click_accesskit();
+    harness.run_steps(3);
+    let settings = &harness.state().state().picture.settings;
+    assert!(settings.antialias > PictureSettings::default().antialias);
+    let frames = harness.state().state().path().frames;
+    harness.get_by_label_contains(&format!("{frames} pictures; time: "));
+}
+
+#[test]
+fn a_film_has_its_own_sky_and_rate() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let settings = PictureSettings {
+        size: PictureSize::Pixels([16, 12]),
+        antialias: 1,
+        film_background: afterimage::render::bands::Background::LeftOut,
+        film_rate: 2,
+        ..PictureSettings::default()
+    };
+    let mut harness = saving(folder.path(), settings);
+    harness.key_press_modifiers(Modifiers::SHIFT, Key::F12);
+    let (severity, text) = notice(&mut harness);
+    assert_eq!(severity, Severity::Info, "{text}");
+    let command = harness.state().state().picture.film_command.clone().expect("a command");
+    assert!(command.starts_with("ffmpeg -framerate 2 "), "{command}");
+    let sequence = folder.path().join("afterimage-room-sequence-0001");
+    let first = image::open(sequence.join("frame_0000.png")).expect("a picture");
+    assert!(first.color().has_alpha(), "the film leaves the sky out, pictures do not");
+    let secs = afterimage_ui::window::input::playback::path_secs(harness.state().state().path());
+    let pictures = std::fs::read_dir(&sequence).expect("the folder").count() - 1;
+    assert_eq!(pictures, (secs * 2.0).round() as usize + 1);
+}

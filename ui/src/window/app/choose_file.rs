@@ -1,10 +1,10 @@
 //! Choosing a file or a folder: with the system's dialog, or in the program's own list where there
 //! is none. Folders are read off the window's thread.
 
-use super::{Parts, Services, open_path, open_sky};
+use super::{Parts, Services, model_folder, open_path, open_sky};
 use crate::window::export::destination::pictures_folder;
 use crate::window::files::{Asked, Listing, Reached, ask_system, home, listing, path_of, system, typed};
-use crate::window::rendering::{SceneSource, TaskError, spawn_activity, spawn_task, take_result};
+use crate::window::rendering::{TaskError, spawn_activity, spawn_task, take_result};
 use crate::window::state::{AppState, FileList, ListCommand, PictureCommand, Purpose};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -41,13 +41,6 @@ fn ask(state: &AppState, services: &mut Services, purpose: Purpose) {
     services.choosing.dialog = Some(spawn_task("dialog", services.wake.clone(), move |_| {
         Ok((purpose, if is_own { Asked::Missing } else { ask_system(&question) }))
     }));
-}
-
-fn model_folder(state: &AppState) -> Option<PathBuf> {
-    match &state.scene.as_ref()?.source {
-        SceneSource::File { path, .. } => std::path::absolute(path).ok()?.parent().map(Path::to_owned),
-        _ => None,
-    }
 }
 
 /// Takes over what was chosen, and folders that were read.

@@ -47,7 +47,9 @@ use render_request::{current_work, note_frame, send_request};
 use scene_edits::{
     begin_document, change, handle_edit, is_sky, open_sky, poll_edit, rebuild, show_sky_picture,
 };
-use services::{AppEvent, Choosing, FloorWatch, Measurement, PendingEdit, SavedSession, Services};
+use services::{
+    AppEvent, Choosing, FloorWatch, Measurement, PendingEdit, SavedSession, Services, model_folder,
+};
 use session::{EXTENSION, SessionFile, beside_model, is_session, write_session};
 use update::{apply, show_appearance};
 use watch::{OwnWrites, modified, watch};

@@ -3,7 +3,7 @@
 use super::{AppEvent, Services};
 use crate::picture::pose_text::pose_of_flags;
 use crate::window::export::Destination;
-use crate::window::input::playback::{with_key, without_key};
+use crate::window::input::playback::{key_pose, lasting, with_key, with_key_moved, without_key};
 use crate::window::input::{MoveMode, Recording};
 use crate::window::rendering::TaskError;
 use crate::window::state::{AppState, Change, NavigationCommand, SavedView};
@@ -42,6 +42,22 @@ pub(super) fn handle_navigation(state: &mut AppState, services: &mut Services, c
         NavigationCommand::RemovePathKey(index) => {
             let at_secs = navigation.playback.at_secs;
             let path = without_key(state.path(), index);
+            change_path(state, path, at_secs);
+        }
+        NavigationCommand::GoToPathKey(index) => {
+            if let Some(camera) = key_pose(state.path(), index) {
+                state.navigation.playback.is_playing = false;
+                state.navigation.fly.ease_to(camera);
+            }
+        }
+        NavigationCommand::UpdatePathKey(index) => {
+            let at_secs = navigation.playback.at_secs;
+            let path = with_key_moved(state.path(), index, state.navigation.fly.camera());
+            change_path(state, path, at_secs);
+        }
+        NavigationCommand::SetPathSecs(secs) => {
+            let at_secs = navigation.playback.at_secs;
+            let path = lasting(state.path(), secs);
             change_path(state, path, at_secs);
         }
         NavigationCommand::SetPlayback(playback) => {

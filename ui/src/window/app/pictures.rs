@@ -4,8 +4,10 @@ use super::{Parts, Services, SessionFile};
 use crate::picture::sequence::Sequence;
 use crate::picture::{LONGEST_SIDE, PictureJob, Shows};
 use crate::window::export::{Exported, save_picture, save_sequence, spawn_export};
+use crate::window::input::playback::film_frames;
 use crate::window::rendering::{Picture, RenderCommand, TaskError, TaskHandle, take_result};
 use crate::window::state::{AppState, PictureCommand, PictureFormat, PictureSize};
+use afterimage::camera::CameraPath;
 use afterimage::reference::ReferenceFrame;
 use afterimage::render::aov::Aov;
 use afterimage::render::bands::Background;
@@ -13,6 +15,7 @@ use afterimage::{Camera, Mode, RenderSettings, Tracer};
 use anyhow::{Context, ensure};
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::Instant;
 
 /// Applies a command about saved pictures.
 pub(super) fn handle_picture(app: &mut Parts, command: PictureCommand) {
@@ -38,6 +41,7 @@ pub(super) fn handle_picture(app: &mut Parts, command: PictureCommand) {
 fn cancel(state: &mut AppState, services: &mut Services) {
     if let Some(export) = services.export.take() {
         export.cancel_and_wait();
+        state.picture.end_export(false);
         state.info("saving was cancelled");
     }
 }
@@ -98,7 +102,10 @@ fn export_picture(
         PictureFormat::Exr => Shows::Linear(Aov::ALL.to_vec()),
     };
     let destination = app.services.destination(&app.state);
-    start(app, move |tracer, task| save_picture(&job, tracer, &references, &destination, &shows, task))
+    let samples = samples_of(&job);
+    start(app, samples, move |tracer, task| {
+        save_picture(&job, tracer, &references, &destination, &shows, task)
+    })
 }
 
 /// Saves the camera path. Every picture of the sequence is traced in full.
@@ -107,17 +114,27 @@ fn sequence(app: &mut Parts) -> anyhow::Result<()> {
     let is_path = walk.keyframes.len() > 1;
     ensure!(is_path, "a sequence needs a camera path of two keys or more; K adds one at your pose");
     let settings = &app.state.picture.settings;
-    let job = job(&app.state, *app.state.navigation.fly.camera(), settings.background)?;
+    let job = job(&app.state, *app.state.navigation.fly.camera(), settings.film_background)?;
     let full = RenderSettings { mode: Mode::Full, ..job.settings };
     let antialias = Some(settings.antialias).filter(|n| *n > 1);
-    let sequence = Sequence { job: PictureJob { settings: full, antialias, ..job }, walk };
+    let rate = settings.film_rate;
+    let walk = CameraPath { frames: film_frames(&walk, rate), ..walk };
+    let sequence = Sequence { job: PictureJob { settings: full, antialias, ..job }, walk, rate };
     let destination = app.services.destination(&app.state);
-    start(app, move |tracer, task| save_sequence(&sequence, tracer, &destination, task))
+    let samples = samples_of(&sequence.job) * f64::from(sequence.walk.frames);
+    start(app, samples, move |tracer, task| save_sequence(&sequence, tracer, &destination, task))
 }
 
-/// Starts an export, unless one is running.
+/// Number of samples of a picture.
+fn samples_of(job: &PictureJob) -> f64 {
+    let pixels: f64 = job.size.map(f64::from).iter().product();
+    pixels * f64::from(job.antialias.unwrap_or(1)) * f64::from(job.settings.trace.samples)
+}
+
+/// Starts an export of a number of samples, unless one is running.
 fn start(
     app: &mut Parts,
+    samples: f64,
     work: impl FnOnce(&Tracer, &TaskHandle) -> Result<Exported, TaskError> + Send + 'static,
 ) -> anyhow::Result<()> {
     ensure!(app.services.export.is_none(), "a picture is being saved; wait for it, or cancel it");
@@ -125,6 +142,7 @@ fn start(
         let export =
             spawn_export(app.services.threads, app.services.wake.clone(), move |task| work(&tracer, task));
         app.services.export = Some(export);
+        app.state.picture.running = Some((Instant::now(), samples));
     }
     Ok(())
 }
@@ -133,10 +151,13 @@ fn start(
 pub(super) fn poll_export(state: &mut AppState, services: &mut Services) {
     let result = take_result(&mut services.export);
     state.picture.exporting = services.export.as_ref().map(|export| export.progress());
+    if let Some(result) = &result {
+        state.picture.end_export(result.is_ok());
+    }
     match result {
         Some(Ok(exported)) => {
             state.picture.film_command = exported.film_command;
-            state.info(exported.text);
+            state.saved(exported.text, exported.path);
         }
         Some(Err(TaskError::Failed(text))) => state.error(text),
         Some(Err(TaskError::Cancelled)) | None => {}

@@ -82,7 +82,7 @@ fn apply(app: &mut Parts, event: AppEvent) {
 }
 
 fn saved(state: &mut AppState, path: &Path) {
-    state.info(format!("saved {}", path.display()));
+    state.saved(format!("saved {}", path.display()), Some(path.to_owned()));
 }
 
 /// Shows the newest frame.
@@ -99,6 +99,7 @@ fn poll_frame(app: &mut Parts) {
         viewport::upload(graphics, frame);
     }
     if !frame.is_refinement {
+        app.state.picture.note_frame(&frame.stats, app.state.quality.walk.render.trace.samples);
         app.state.record();
     }
 }

@@ -7,7 +7,7 @@ use crate::window::files::{Asked, Reached};
 use crate::window::launch::LaunchOptions;
 use crate::window::rendering::baking::{Baking, ShownFloor};
 use crate::window::rendering::{
-    FullTrace, Loading, Plan, RenderThread, Task, TaskError, Wake, spawn_activity,
+    FullTrace, Loading, Plan, RenderThread, SceneSource, Task, TaskError, Wake, spawn_activity,
 };
 use crate::window::state::{AppState, Document, Pair, PictureError, Purpose, Quality};
 use afterimage::Tracer;
@@ -15,7 +15,7 @@ use afterimage::render::bake::FloorCover;
 use afterimage::scene::{SceneEdit, SkyImage};
 use afterimage::trace::SceneEpoch;
 use egui_wgpu::RenderState;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
@@ -115,6 +115,14 @@ pub(super) struct Services {
     pub(super) ended: Arc<AtomicBool>,
 }
 
+/// Returns the folder of the model that is shown; `None` for built-in scenes.
+pub(super) fn model_folder(state: &AppState) -> Option<PathBuf> {
+    match &state.scene.as_ref()?.source {
+        SceneSource::File { path, .. } => std::path::absolute(path).ok()?.parent().map(Path::to_owned),
+        _ => None,
+    }
+}
+
 impl Services {
     /// Runs a small task; its event is applied with the next update of the window. `activity`
     /// begins the message about a panic.
@@ -134,6 +142,7 @@ impl Services {
     /// Returns where new pictures, walks and sessions are saved.
     pub(super) fn destination(&self, state: &AppState) -> Destination {
         let chosen = state.picture.settings.folder.clone().or_else(|| self.launch.pictures.clone());
-        Destination::new(chosen, state.scene.as_ref().map_or("scene", |s| &s.name))
+        let name = state.scene.as_ref().map_or("scene", |s| &s.name);
+        Destination::new(chosen, model_folder(state), name)
     }
 }

@@ -12,6 +12,8 @@ use crate::window::input::ViewChange;
 use crate::window::rendering::{RenderCommand, TaskError};
 use crate::window::state::{AppState, Appearance, Command, Compare, FileCommand};
 use egui::ViewportCommand;
+use std::path::PathBuf;
+use std::process::Stdio;
 
 /// Applies a command of a panel or a key.
 pub(super) fn apply(app: &mut Parts, command: Command) {
@@ -49,6 +51,7 @@ pub(super) fn apply(app: &mut Parts, command: Command) {
             state.info(format!("copied {flags}"));
             services.ctx.copy_text(flags);
         }
+        Command::OpenOutside(path) => open_outside(services, path),
         Command::CopyText(text) => services.ctx.copy_text(text),
         Command::SetPathText(text) => set_path_text(state, services, text),
         Command::SetQuality(quality) => state.quality = quality,
@@ -141,4 +144,23 @@ fn escape(state: &mut AppState, services: &Services) {
     if !has_closed && is_full_screen(services) {
         set_full_screen(services, false);
     }
+}
+
+/// Opens a file or folder with the system's program for it, off the window's thread.
+fn open_outside(services: &mut Services, path: PathBuf) {
+    let opener = services.launch.opener.clone();
+    services.spawn("opening a file", move || {
+        let status = std::process::Command::new(&opener).arg(&path).stdin(Stdio::null()).status();
+        let cause = match status {
+            // Windows' Explorer reports a failure where there was none.
+            Ok(status) if status.success() || cfg!(windows) => return Ok(AppEvent::Kept),
+            Ok(status) => status.to_string(),
+            Err(error) => error.to_string(),
+        };
+        Err(TaskError::Failed(format!(
+            "{} cannot be opened: {}: {cause}; open it in your file manager",
+            path.display(),
+            opener.display()
+        )))
+    });
 }

@@ -155,10 +155,11 @@ impl App {
             panels::settings::show(ctx, state, commands);
         }
         if state.picture.is_open {
+            panels::picture::dim_outside(ui, viewport, state);
             panels::picture::show(ctx, state, commands);
         }
         if let Some(exporting) = &state.picture.exporting {
-            panels::picture::progress(ctx, viewport, exporting, commands);
+            panels::picture::progress(ctx, viewport, state, exporting, commands);
         }
         if state.options.shows_help {
             panels::help::show(ctx, state, commands);

@@ -11,10 +11,11 @@ pub(crate) struct Destination {
 }
 
 impl Destination {
-    /// Saves in `chosen`, or in the default folders where nothing is chosen. Files are named after
-    /// the scene.
-    pub(crate) fn new(chosen: Option<PathBuf>, scene_name: &str) -> Self {
-        let folders = chosen.map_or_else(default_folders, |folder| vec![folder]);
+    /// Saves in `chosen`; where nothing is chosen, in the folder of the model, or in the default
+    /// folders. Files are named after the scene.
+    pub(crate) fn new(chosen: Option<PathBuf>, model_folder: Option<PathBuf>, scene_name: &str) -> Self {
+        let beside = || model_folder.into_iter().chain(default_folders()).collect();
+        let folders = chosen.map_or_else(beside, |folder| vec![folder]);
         Self { folders, stem: stem(scene_name) }
     }
 
@@ -38,10 +39,10 @@ impl Destination {
     }
 }
 
-/// The current folder, then the user's folder for pictures, then the home folder.
+/// The user's folder for pictures, then the current folder, then the home folder.
 fn default_folders() -> Vec<PathBuf> {
     let home = std::env::var_os("HOME").map(PathBuf::from);
-    std::env::current_dir().ok().into_iter().chain(pictures_folder()).chain(home).collect()
+    pictures_folder().into_iter().chain(std::env::current_dir().ok()).chain(home).collect()
 }
 
 /// The user's folder for pictures.

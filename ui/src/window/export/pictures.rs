@@ -7,6 +7,7 @@ use crate::window::rendering::{Task, TaskError, TaskHandle, Wake, background_poo
 use afterimage::Tracer;
 use afterimage::raster::save::Target;
 use afterimage::reference::ReferenceFrame;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Result of an export.
@@ -14,6 +15,8 @@ use std::sync::Arc;
 pub(crate) struct Exported {
     /// Message for the user.
     pub(crate) text: String,
+    /// The saved file, or the folder of a sequence.
+    pub(crate) path: Option<PathBuf>,
     /// Shell command that makes a film of a sequence.
     pub(crate) film_command: Option<String>,
 }
@@ -70,7 +73,8 @@ fn save(
         .map_err(|error| TaskError::Failed(format!("{error}; free some space or choose another folder")))?;
     let paths = made.ok_or(TaskError::Cancelled)?.paths;
     let names: Vec<String> = paths.iter().map(|p| p.display().to_string()).collect();
-    Ok(Exported { text: format!("saved {}", names.join(", ")), film_command: None })
+    let text = format!("saved {}", names.join(", "));
+    Ok(Exported { text, path: paths.into_iter().next(), film_command: None })
 }
 
 /// Saves a camera path as numbered pictures.
@@ -91,7 +95,8 @@ pub(crate) fn save_sequence(
     if task.is_cancelled() {
         return Err(TaskError::Cancelled);
     }
-    Ok(Exported { text: made.text(), film_command: Some(made.film_command()) })
+    let (text, film_command) = (made.text(), Some(made.film_command()));
+    Ok(Exported { text, path: Some(made.folder), film_command })
 }
 
 #[cfg(test)]

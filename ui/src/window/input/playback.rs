@@ -75,6 +75,32 @@ pub fn with_key(own: Option<&CameraPath>, camera: &Camera) -> CameraPath {
     path_of(keyframes, camera)
 }
 
+/// Returns a path whose key of this index is at a pose. It takes as long as before.
+pub fn with_key_moved(path: &CameraPath, index: usize, camera: &Camera) -> CameraPath {
+    let mut moved = path.clone();
+    if let Some(key) = moved.keyframes.get_mut(index) {
+        *key = key_of(camera);
+    }
+    moved
+}
+
+/// Returns a path that takes this number of seconds.
+pub fn lasting(path: &CameraPath, secs: f64) -> CameraPath {
+    let frames = (secs * FRAMES_PER_SEC).round().clamp(1.0, 1e6) as u32 + 1;
+    CameraPath { frames, ..path.clone() }
+}
+
+/// Number of pictures of a film of a path, with `rate` pictures per second.
+pub fn film_frames(path: &CameraPath, rate: u32) -> u32 {
+    (path_secs(path) * f64::from(rate)).round() as u32 + 1
+}
+
+/// Returns the pose at a key of a path.
+pub fn key_pose(path: &CameraPath, index: usize) -> Option<Camera> {
+    let key = path.keyframes.get(index)?;
+    Some(Camera::look_at(key.eye, key.at, path.fov_y_deg))
+}
+
 /// Returns a path without the key of this index.
 pub fn without_key(path: &CameraPath, index: usize) -> CameraPath {
     let mut keyframes = path.keyframes.clone();

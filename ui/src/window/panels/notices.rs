@@ -3,6 +3,7 @@
 use super::super::state::{AppState, Command, Notice, Severity};
 use crate::window::rendering::{scene_loading::SceneSource, task::Progress};
 use egui::{Align2, Color32, ProgressBar, Rect, RichText, Ui};
+use std::path::Path;
 
 /// Shows messages and progress at the bottom of the viewport; statistics are at the top.
 pub fn show(ctx: &egui::Context, viewport: Rect, state: &AppState, commands: &mut Vec<Command>) {
@@ -37,11 +38,15 @@ fn banner(ui: &mut Ui, viewport_width: f32, notice: &Notice, commands: &mut Vec<
             ui.set_max_width((viewport_width * 0.7).max(120.0));
             ui.horizontal_top(|ui| {
                 let text = RichText::new(format!("{name}{}", notice.text)).color(Color32::WHITE);
-                let width = (ui.available_width() - 70.0).max(80.0);
+                let buttons = if notice.file.is_some() { 220.0 } else { 70.0 };
+                let width = (ui.available_width() - buttons).max(80.0);
                 ui.scope(|ui| {
                     ui.set_max_width(width);
                     ui.add(egui::Label::new(text).wrap());
                 });
+                if let Some(file) = &notice.file {
+                    open_buttons(ui, file, commands);
+                }
                 if ui.button("Dismiss").clicked() {
                     commands.push(Command::Dismiss(notice.id));
                 }
@@ -49,6 +54,17 @@ fn banner(ui: &mut Ui, viewport_width: f32, notice: &Notice, commands: &mut Vec<
         },
     );
     ui.add_space(4.0);
+}
+
+/// Shows buttons that open a saved file, or the folder that holds it, with the system's programs.
+fn open_buttons(ui: &mut Ui, file: &Path, commands: &mut Vec<Command>) {
+    if ui.button("Open").accessible_name("Open the saved file").clicked() {
+        commands.push(Command::OpenOutside(file.to_owned()));
+    }
+    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
+    if let Some(folder) = folder.filter(|_| ui.button("Show in folder").clicked()) {
+        commands.push(Command::OpenOutside(folder.to_owned()));
+    }
 }
 
 fn loading(ui: &mut Ui, source: &SceneSource, progress: &Progress, commands: &mut Vec<Command>) {

@@ -58,14 +58,35 @@ fn timeline(ui: &mut Ui, playback: &Playback, path: &CameraPath, commands: &mut 
     }
 }
 
+/// Shows a row for each key, and the time from key to key.
 fn keys(ui: &mut Ui, path: &CameraPath, commands: &mut Vec<Command>) {
-    ui.horizontal_wrapped(|ui| {
-        for i in 0..path.keyframes.len() {
-            let button = ui.small_button(format!("{} x", i + 1));
-            let button = button.accessible_name(format!("Delete path key {}", i + 1));
-            if button.on_hover_text("Delete this key").clicked() {
-                commands.push(Command::Navigate(NavigationCommand::RemovePathKey(i)));
+    let mut navigate = |command| commands.push(Command::Navigate(command));
+    for i in 0..path.keyframes.len() {
+        let number = i + 1;
+        ui.horizontal(|ui| {
+            ui.label(format!("Key {number}"));
+            if ui.small_button("Go").accessible_name(format!("Go to path key {number}")).clicked() {
+                navigate(NavigationCommand::GoToPathKey(i));
             }
-        }
-    });
+            let update = ui.small_button("Update").accessible_name(format!("Update path key {number}"));
+            if update.on_hover_text("Set this key to the present view").clicked() {
+                navigate(NavigationCommand::UpdatePathKey(i));
+            }
+            if ui.small_button("Delete").accessible_name(format!("Delete path key {number}")).clicked() {
+                navigate(NavigationCommand::RemovePathKey(i));
+            }
+        });
+    }
+    let between = path.keyframes.len().saturating_sub(1);
+    if between > 0 {
+        ui.horizontal(|ui| {
+            let label = ui.label("Seconds a key");
+            let before = path_secs(path) / between as f64;
+            let mut secs = before;
+            Number::new(0.1..=600.0, 1, " s").field(ui, "", &mut secs).labelled_by(label.id);
+            if secs != before {
+                navigate(NavigationCommand::SetPathSecs(secs * between as f64));
+            }
+        });
+    }
 }

@@ -1,9 +1,13 @@
 //! Settings of saved pictures, and the progress of saving one.
 
-use super::super::state::{AppState, Command, PictureCommand, PictureFormat, PictureSettings, PictureSize};
+use super::super::state::{
+    AppState, Command, ListCommand, PictureCommand, PictureFormat, PictureQuality, PictureSettings,
+    PictureSize, Purpose,
+};
 use super::widgets::{choice, key_hint};
 use crate::picture::LONGEST_SIDE;
 use crate::window::input::keymap::Action;
+use crate::window::input::playback::{film_frames, path_secs};
 use crate::window::rendering::task::Progress;
 use afterimage::{Mode, render::bands::Background};
 use egui::{Align2, Color32, DragValue, ProgressBar, Rect, RichText, Ui};
@@ -29,6 +33,7 @@ pub fn show(ctx: &egui::Context, state: &AppState, commands: &mut Vec<Command>) 
                 rendering_rows(ui, state, &mut settings);
                 file_rows(ui, state, &mut settings, commands);
             });
+            film_rows(ui, state, &mut settings);
             if settings != state.picture.settings {
                 commands.push(Command::Picture(PictureCommand::Set(settings)));
             }
@@ -80,10 +85,106 @@ fn rendering_rows(ui: &mut Ui, state: &AppState, settings: &mut PictureSettings)
         settings.samples = Some(samples);
     }
     ui.end_row();
+    ui.label("Quality");
+    quality_row(ui, state, settings);
+    ui.end_row();
     let label = ui.label("Anti-aliasing");
     let value = DragValue::new(&mut settings.antialias).range(1..=4096).suffix(" rays per pixel");
     ui.add_enabled(settings.mode == Mode::Full, value).labelled_by(label.id);
     ui.end_row();
+}
+
+/// Shows Draft, Good and Best, and the time that a picture will take.
+fn quality_row(ui: &mut Ui, state: &AppState, settings: &mut PictureSettings) {
+    let is_full = settings.mode == Mode::Full;
+    ui.add_enabled_ui(is_full, |ui| {
+        ui.horizontal(|ui| {
+            for (quality, name) in PictureQuality::ALL {
+                let is_chosen = settings.antialias == quality.antialias();
+                let of_quality = PictureSettings { antialias: quality.antialias(), ..settings.clone() };
+                let help = format!(
+                    "{} rays per pixel, {}",
+                    quality.antialias(),
+                    time_text(state, picture_samples(state, &of_quality))
+                );
+                if ui.selectable_label(is_chosen, name).on_hover_text(help).clicked() {
+                    settings.antialias = quality.antialias();
+                }
+            }
+        });
+    });
+    if is_full {
+        ui.end_row();
+        ui.label("Time");
+        ui.label(time_text(state, picture_samples(state, settings)));
+    }
+}
+
+/// Size of the picture in pixels.
+fn picture_size(state: &AppState, settings: &PictureSettings) -> [u32; 2] {
+    match settings.size {
+        PictureSize::Viewport => state.viewport_size,
+        PictureSize::Pixels(size) => size,
+    }
+}
+
+/// Number of samples of a picture.
+fn picture_samples(state: &AppState, settings: &PictureSettings) -> f64 {
+    let pixels: f64 = picture_size(state, settings).map(f64::from).iter().product();
+    let samples = settings.samples.unwrap_or(state.quality.walk.render.trace.samples);
+    pixels * f64::from(settings.antialias) * f64::from(samples)
+}
+
+fn time_text(state: &AppState, samples: f64) -> String {
+    let secs = state.picture.expected_secs(samples);
+    secs.map_or("measured with the first picture".to_owned(), about)
+}
+
+/// A time in words, such as `about 12 s` or `about 3 min`.
+fn about(secs: f64) -> String {
+    match secs {
+        s if s < 1.0 => "less than 1 s".to_owned(),
+        s if s < 90.0 => format!("about {s:.0} s"),
+        s if s < 5400.0 => format!("about {:.0} min", s / 60.0),
+        s => format!("about {:.1} h", s / 3600.0),
+    }
+}
+
+/// Shows the settings of films, and how long one will take.
+fn film_rows(ui: &mut Ui, state: &AppState, settings: &mut PictureSettings) {
+    ui.separator();
+    ui.horizontal(|ui| {
+        let label = ui.label("Film of the camera path");
+        let rates = [24, 25, 30, 50, 60].map(|rate| (rate, format!("{rate} pictures a second")));
+        let name = format!("{} pictures a second", settings.film_rate);
+        choice(ui, "film rate", &name, &mut settings.film_rate, rates).labelled_by(label.id);
+    });
+    let mut is_left_out = settings.film_background == Background::LeftOut;
+    ui.checkbox(&mut is_left_out, "film without sky");
+    settings.film_background = if is_left_out { Background::LeftOut } else { Background::Shown };
+    let path = state.path();
+    if path.keyframes.len() > 1 {
+        let count = film_frames(path, settings.film_rate);
+        let samples = picture_samples(state, settings) * f64::from(count);
+        let (secs, time) = (path_secs(path), time_text(state, samples));
+        ui.weak(format!("{secs:.1} s of film, {count} pictures; time: {time}"));
+    } else {
+        ui.weak(format!("A film needs a path of two keys or more ({}).", key_hint(Action::AddPathKey)));
+    }
+}
+
+/// Dims what the picture will not show, while the dialog is open.
+pub fn dim_outside(ui: &Ui, viewport: Rect, state: &AppState) {
+    let [width, height] = picture_size(state, &state.picture.settings).map(|side| side.max(1) as f32);
+    // The height of the view is the same, whatever the width.
+    let side = (viewport.width() - viewport.height() * width / height) / 2.0;
+    if side > 0.5 {
+        let painter = ui.painter().with_clip_rect(viewport);
+        let (left, right) = (viewport.left() + side, viewport.right() - side);
+        for strip in [viewport.with_max_x(left), viewport.with_min_x(right)] {
+            painter.rect_filled(strip, 0.0, Color32::from_black_alpha(150));
+        }
+    }
 }
 
 fn file_rows(ui: &mut Ui, state: &AppState, settings: &mut PictureSettings, commands: &mut Vec<Command>) {
@@ -102,10 +203,15 @@ fn file_rows(ui: &mut Ui, state: &AppState, settings: &mut PictureSettings, comm
     ui.end_row();
     let label = ui.label("Folder");
     let mut text = state.picture.folder_text.clone();
-    let field = egui::TextEdit::singleline(&mut text).hint_text("folder where the program was started");
-    if ui.add(field).labelled_by(label.id).changed() {
-        commands.push(Command::Picture(PictureCommand::SetFolderText(text)));
-    }
+    ui.horizontal(|ui| {
+        let field = egui::TextEdit::singleline(&mut text).hint_text("beside the model, or Pictures");
+        if ui.add(field).labelled_by(label.id).changed() {
+            commands.push(Command::Picture(PictureCommand::SetFolderText(text)));
+        }
+        if ui.button("Browse").accessible_name("Browse for the folder of pictures").clicked() {
+            commands.push(Command::List(ListCommand::Ask(Purpose::PictureFolder)));
+        }
+    });
     ui.end_row();
 }
 
@@ -135,7 +241,13 @@ fn buttons(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
 }
 
 /// Shows the progress of saving at the top of the viewport; messages are at the bottom.
-pub fn progress(ctx: &egui::Context, viewport: Rect, exporting: &Progress, commands: &mut Vec<Command>) {
+pub fn progress(
+    ctx: &egui::Context,
+    viewport: Rect,
+    state: &AppState,
+    exporting: &Progress,
+    commands: &mut Vec<Command>,
+) {
     let at = viewport.center_top() + egui::vec2(0.0, 12.0);
     let area = egui::Area::new(egui::Id::unique("exporting")).fixed_pos(at).pivot(Align2::CENTER_TOP);
     area.order(egui::Order::Foreground).show(ctx, |ui| {
@@ -144,7 +256,8 @@ pub fn progress(ctx: &egui::Context, viewport: Rect, exporting: &Progress, comma
             ui.label(RichText::new(format!("Saving: {}", exporting.phase)).color(Color32::WHITE));
             ui.horizontal(|ui| {
                 let part = exporting.fraction.unwrap_or(0.0);
-                let text = format!("{:.0} %", part * 100.0);
+                let left = state.picture.secs_left().map(|secs| format!(", {} left", about(secs)));
+                let text = format!("{:.0} %{}", part * 100.0, left.unwrap_or_default());
                 ui.add(ProgressBar::new(part).text(text).desired_width(250.0));
                 if ui.button("Cancel saving").clicked() {
                     commands.push(Command::Picture(PictureCommand::Cancel));

@@ -194,6 +194,14 @@ impl AppState {
         self.notices.retain(|notice| notice.severity != Severity::Error);
     }
 
+    /// Shows a message that a file or folder was saved, from which it can be opened.
+    pub fn saved(&mut self, text: impl Into<String>, file: Option<PathBuf>) {
+        self.info(text);
+        if let Some(notice) = self.notices.last_mut() {
+            notice.file = file;
+        }
+    }
+
     /// Shows a message that something failed.
     pub fn error(&mut self, text: impl Into<String>) {
         self.notify(Severity::Error, text.into());

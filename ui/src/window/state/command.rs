@@ -46,6 +46,8 @@ pub enum Command {
     CopyPose,
     Compare(Compare, f32),
     CopyText(String),
+    /// Open a file or folder with the system's program for it.
+    OpenOutside(PathBuf),
     Dismiss(u64),
     FullScreen,
     Escape,
@@ -66,6 +68,9 @@ pub enum NavigationCommand {
     SetMoveMode(MoveMode),
     AddPathKey,
     RemovePathKey(usize),
+    GoToPathKey(usize),
+    UpdatePathKey(usize),
+    SetPathSecs(f64),
     SetPlayback(Playback),
     PlayPath,
     ToggleRecording,

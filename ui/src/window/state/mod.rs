@@ -32,7 +32,9 @@ pub use history::{HISTORY, Sample};
 pub use navigation::Navigation;
 pub use notices::{Notice, Severity};
 pub use options::{Options, Statistics};
-pub use picture::{PictureCommand, PictureFormat, PictureSettings, PictureSize, PictureState};
+pub use picture::{
+    PictureCommand, PictureFormat, PictureQuality, PictureSettings, PictureSize, PictureState,
+};
 pub use presentation::{Coloring, FILLED_COLOR, Heatmap, Overlay, Presentation};
 pub use quality::{Quality, WINDOW_SAMPLES};
 pub use scene::{SavedView, SceneInfo};

@@ -1,5 +1,6 @@
 //! Messages over the viewport.
 
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 /// Whether a message reports a result or a failure.
@@ -22,6 +23,8 @@ pub struct Notice {
     pub severity: Severity,
     /// Text of the message in plain words.
     pub text: String,
+    /// The file or folder that the message is about, which can be opened from it.
+    pub file: Option<PathBuf>,
     /// Time at which the message appeared.
     pub since: Instant,
 }
@@ -35,7 +38,7 @@ const MAX_NOTICES: usize = 4;
 /// Adds a message. A message with the same text is replaced.
 pub(super) fn push(notices: &mut Vec<Notice>, id: u64, severity: Severity, text: String) {
     notices.retain(|n| n.text != text);
-    notices.push(Notice { id, severity, text, since: Instant::now() });
+    notices.push(Notice { id, severity, text, file: None, since: Instant::now() });
     let surplus = notices.len().saturating_sub(MAX_NOTICES);
     notices.drain(..surplus);
 }

@@ -2,8 +2,10 @@
 
 use crate::window::rendering::Progress;
 use afterimage::Mode;
+use afterimage::render::FrameStats;
 use afterimage::render::bands::Background;
 use std::path::PathBuf;
+use std::time::Instant;
 
 /// Size of a saved picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,8 +41,38 @@ pub struct PictureSettings {
     pub format: PictureFormat,
     /// Whether the background is visible.
     pub background: Background,
-    /// Folder; `None` for the current folder or the user's folder for pictures.
+    /// Folder; `None` for the folder of the model or the user's folder for pictures.
     pub folder: Option<PathBuf>,
+    /// Whether the background is visible in films.
+    pub film_background: Background,
+    /// Pictures per second of a film.
+    pub film_rate: u32,
+}
+
+/// How well a picture is traced: a number of rays per pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PictureQuality {
+    /// For a look at the frame: edges are smooth, light is noisy.
+    Draft,
+    /// As a picture at rest that has converged.
+    Good,
+    /// A quarter of the variance of [`Self::Good`].
+    Best,
+}
+
+impl PictureQuality {
+    /// All of them, with their names.
+    pub const ALL: [(Self, &'static str); 3] =
+        [(Self::Draft, "Draft"), (Self::Good, "Good"), (Self::Best, "Best")];
+
+    /// Rays through different points of each pixel.
+    pub fn antialias(self) -> u32 {
+        match self {
+            Self::Draft => 4,
+            Self::Good => afterimage::render::CONVERGED_PASSES,
+            Self::Best => 4 * afterimage::render::CONVERGED_PASSES,
+        }
+    }
 }
 
 impl Default for PictureSettings {
@@ -54,6 +86,8 @@ impl Default for PictureSettings {
             format: PictureFormat::Png,
             background: Background::Shown,
             folder: None,
+            film_background: Background::Shown,
+            film_rate: crate::picture::sequence::FRAMES_PER_SEC,
         }
     }
 }
@@ -71,6 +105,45 @@ pub struct PictureState {
     pub exporting: Option<Progress>,
     /// Shell command that makes a film of the last sequence.
     pub film_command: Option<String>,
+    /// Seconds that a sample of a traced pixel takes, as last measured; `None` before that.
+    pub secs_per_sample: Option<f64>,
+    /// The export that is running: its begin, and its number of samples.
+    pub running: Option<(Instant, f64)>,
+}
+
+/// Pixels that a frame must have traced for its time to count.
+const MIN_TIMED_PIXELS: usize = 2000;
+
+impl PictureState {
+    /// Notes the time that the traced pixels of a frame took, with `samples` each.
+    pub fn note_frame(&mut self, stats: &FrameStats, samples: u32) {
+        let (traced, secs) = (stats.types.unseen, stats.secs.trace);
+        if traced >= MIN_TIMED_PIXELS && secs > 0.0 {
+            self.secs_per_sample = Some(secs / (traced as f64 * f64::from(samples.max(1))));
+        }
+    }
+
+    /// Notes that the running export has ended; `is_whole` where it made everything.
+    pub fn end_export(&mut self, is_whole: bool) {
+        let Some((begun, samples)) = self.running.take() else { return };
+        if is_whole && samples >= MIN_TIMED_PIXELS as f64 {
+            self.secs_per_sample = Some(begun.elapsed().as_secs_f64() / samples);
+        }
+    }
+
+    /// Returns the seconds that a number of samples will take; `None` before anything was measured.
+    pub fn expected_secs(&self, samples: f64) -> Option<f64> {
+        Some(self.secs_per_sample? * samples)
+    }
+
+    /// Returns the seconds until the running export is done; `None` where it has just begun.
+    pub fn secs_left(&self) -> Option<f64> {
+        // Earlier the guess would jump.
+        const MIN_PART: f64 = 0.02;
+        let part = f64::from(self.exporting.as_ref()?.fraction?);
+        let secs = self.running?.0.elapsed().as_secs_f64();
+        (part >= MIN_PART).then(|| secs * (1.0 - part) / part)
+    }
 }
 
 /// A command about saved pictures.
