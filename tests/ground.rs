@@ -76,7 +76,7 @@ fn a_house_throws_its_shadow_on_the_ground_and_a_floor_at_its_height_is_seen() {
     let tracer = Tracer::new(Arc::new(finished(b).with_ground_choice(GroundChoice::Auto)));
     let scene = tracer.scene().clone();
     let seen = |x: f64, z: f64, from_m: f64| {
-        let eye = scene.frame.scene_from_world(DVec3::new(x, from_m, z));
+        let eye = scene.frame.scene_from_world_f64(DVec3::new(x, from_m, z)).as_vec3();
         tracer.closest(&Ray::new(eye, Vec3::NEG_Y)).map(|hit| scene.material_of(hit.triangle).name.clone())
     };
     for from_m in [2.0, 50.0, 5_000.0] {
