@@ -104,6 +104,11 @@ impl CameraPath {
         path.checked()
     }
 
+    /// True where a path read from a file may have these values.
+    pub fn is_valid(&self) -> bool {
+        self.clone().checked().is_ok()
+    }
+
     fn checked(self) -> Result<Self, CameraPathError> {
         /// A light year is 9.5e15 m. Larger coordinates are a mistake, and their distances would
         /// soon overflow.

@@ -23,32 +23,60 @@ use toml_edit::{Array, ArrayOfTables, DocumentMut, Item, Table, value};
 pub fn save_edit(model: &Path, before: &SceneEdit, now: &SceneEdit) -> Result<PathBuf, SceneError> {
     let path = model.with_extension("afterimage.toml");
     let mut document = read(&path)?;
-    for (was, is) in before.materials.iter().zip(&now.materials).filter(|(was, is)| was != is) {
-        write_material(&mut document, was, is)
-            .ok_or_else(|| damaged(&path, "'material' is not written as [[material]]"))?;
-    }
-    for key in before.objects.keys().chain(now.objects.keys()) {
-        let [was, is] = [before, now].map(|edit| edit.objects.get(key).copied().unwrap_or_default());
-        if was != is {
-            write_object(&mut document, key, &is)
-                .ok_or_else(|| damaged(&path, "'object' is not written as [[object]]"))?;
-        }
-    }
-    if before.daylight != now.daylight {
-        write_daylight(&mut document, model, &now.daylight).map_err(|cause| {
+    let sky = |file: &Path| name_beside(file, model);
+    write_edit(&mut document, &sky, before, now).map_err(|error| match error {
+        EditError::Damaged(cause) => damaged(&path, cause),
+        EditError::Sky(cause) => {
             unreadable(&path, cause, "nothing was written; copy it there and choose it again")
-        })?;
-    }
-    if before.ground != now.ground {
-        super::ground::write(&mut document, now.ground);
-    }
-    super::lights::write(&mut document, &before.lights, &now.lights)
-        .ok_or_else(|| damaged(&path, "'lights' is not written as [[lights]]"))?;
+        }
+    })?;
     write_atomically(&path, document.to_string().as_bytes()).map_err(|error| {
         let remedy = "nothing was changed; free some space or choose a folder that can be written to";
         unreadable(&path, error.to_string(), remedy)
     })?;
     Ok(path)
+}
+
+/// Why an edit cannot be written.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum EditError {
+    /// The document holds something else where a list belongs.
+    #[error("{0}")]
+    Damaged(&'static str),
+    /// The picture of the sky would not be found again.
+    #[error("{0}")]
+    Sky(String),
+}
+
+/// Returns the text by which the picture of a sky is found again, or why there is none.
+pub(super) type SkyName<'a> = &'a dyn Fn(&Path) -> Result<String, String>;
+
+/// Writes the differences between `before` and `now` into a document.
+pub(super) fn write_edit(
+    document: &mut DocumentMut,
+    sky: SkyName<'_>,
+    before: &SceneEdit,
+    now: &SceneEdit,
+) -> Result<(), EditError> {
+    for (was, is) in before.materials.iter().zip(&now.materials).filter(|(was, is)| was != is) {
+        write_material(document, was, is)
+            .ok_or(EditError::Damaged("'material' is not written as [[material]]"))?;
+    }
+    for key in before.objects.keys().chain(now.objects.keys()) {
+        let [was, is] = [before, now].map(|edit| edit.objects.get(key).copied().unwrap_or_default());
+        if was != is {
+            write_object(document, key, &is)
+                .ok_or(EditError::Damaged("'object' is not written as [[object]]"))?;
+        }
+    }
+    if before.daylight != now.daylight {
+        write_daylight(document, sky, &now.daylight).map_err(EditError::Sky)?;
+    }
+    if before.ground != now.ground {
+        super::ground::write(document, now.ground);
+    }
+    super::lights::write(document, &before.lights, &now.lights)
+        .ok_or(EditError::Damaged("'lights' is not written as [[lights]]"))
 }
 
 /// Reads the existing file; an empty document where there is none.
@@ -153,7 +181,7 @@ fn write_object(document: &mut DocumentMut, key: &ObjectKey, edit: &ObjectEdit) 
 }
 
 /// Writes sun and sky. The error says why the sky would not be found again.
-fn write_daylight(document: &mut DocumentMut, model: &Path, daylight: &Daylight) -> Result<(), String> {
+fn write_daylight(document: &mut DocumentMut, name: SkyName<'_>, daylight: &Daylight) -> Result<(), String> {
     match daylight.sun {
         None => drop(document.remove("sun")),
         Some(Sun { direction, angular_radius, irradiance }) => write_section(
@@ -169,7 +197,7 @@ fn write_daylight(document: &mut DocumentMut, model: &Path, daylight: &Daylight)
     }
     match &daylight.sky {
         None => drop(document.remove("sky")),
-        Some(sky) => write_section(document, "sky", &SKY_KEYS, sky_values(sky, model)?),
+        Some(sky) => write_section(document, "sky", &SKY_KEYS, sky_values(sky, name)?),
     }
     Ok(())
 }
@@ -185,7 +213,7 @@ fn write_section(document: &mut DocumentMut, name: &str, keys: &[&str], values: 
     }
 }
 
-fn sky_values(sky: &Sky, model: &Path) -> Result<Vec<(&'static str, Item)>, String> {
+fn sky_values(sky: &Sky, name: SkyName<'_>) -> Result<Vec<(&'static str, Item)>, String> {
     let kind = ("kind", value(sky.kind().name()));
     Ok(match sky {
         Sky::Gradient(Gradient { zenith, horizon, ground }) => {
@@ -207,16 +235,16 @@ fn sky_values(sky: &Sky, model: &Path) -> Result<Vec<(&'static str, Item)>, Stri
         ],
         Sky::Picture(sky) => vec![
             kind,
-            ("picture", value(name_beside(sky.image.file(), model)?)),
+            ("picture", value(name(sky.image.file())?)),
             ("rotation_deg", value(number(sky.rotation_deg))),
             ("brightness", value(number(sky.brightness))),
         ],
-        Sky::Dimmed(dimmed) => sky_values(&dimmed.sky, model)?,
+        Sky::Dimmed(dimmed) => sky_values(&dimmed.sky, name)?,
     })
 }
 
 /// Returns the path of a file relative to the folder of the model, with `/` on all systems.
-fn name_beside(file: &Path, model: &Path) -> Result<String, String> {
+pub(super) fn name_beside(file: &Path, model: &Path) -> Result<String, String> {
     let relative = || {
         let (file, model) = (file.canonicalize().ok()?, model.canonicalize().ok()?);
         let parts = file.strip_prefix(model.parent()?).ok()?.iter();

@@ -29,15 +29,21 @@ pub(super) fn read(top: &Section, notes: &mut Notes) -> Option<GroundLine> {
     })
 }
 
+impl GroundLine {
+    /// Returns the ground of a scene; `None` for none.
+    pub(super) fn ground(&self, scene: &Scene) -> Option<Ground> {
+        let lowest = scene.lowest_ground();
+        (!self.is_off).then(|| Ground {
+            height_m: self.height_m.unwrap_or(lowest.height_m),
+            albedo: self.albedo.unwrap_or(lowest.albedo),
+        })
+    }
+}
+
 /// Adds the ground to the scene.
 pub(super) fn apply(line: Option<GroundLine>, scene: Scene) -> Scene {
     let Some(line) = line else { return scene };
-    let lowest = scene.lowest_ground();
-    let ground = Ground {
-        height_m: line.height_m.unwrap_or(lowest.height_m),
-        albedo: line.albedo.unwrap_or(lowest.albedo),
-    };
-    let ground = (!line.is_off).then_some(ground);
+    let ground = line.ground(&scene);
     let mut scene = scene.with_edit(&SceneEdit { ground, ..scene.to_edit() });
     scene.is_ground_given = true;
     scene

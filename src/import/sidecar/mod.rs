@@ -2,6 +2,7 @@
 //! edits in it.
 
 mod edit;
+mod edit_text;
 mod ground;
 mod lamps;
 mod light;
@@ -11,4 +12,5 @@ mod read;
 mod table;
 
 pub use edit::save_edit;
+pub use edit_text::{EditFolder, apply_edit_text, edit_text};
 pub(super) use read::Sidecar;

@@ -18,6 +18,13 @@ pub(super) struct ObjectLine {
     line: u64,
 }
 
+impl ObjectLine {
+    /// Returns the object and what is changed about it.
+    pub(super) fn into_edit(self) -> (ObjectKey, ObjectEdit) {
+        (self.key, self.edit)
+    }
+}
+
 pub(super) fn read(top: &Section, notes: &mut Notes) -> Vec<ObjectLine> {
     let sections = top.sections("object", "[[object]]", &KEYS, notes);
     let object = |s: Section| {

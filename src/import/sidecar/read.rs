@@ -13,7 +13,7 @@ use crate::camera::{Camera, CameraKey, CameraPath};
 use crate::import::surfaces::{COAT, DEFAULT_ROUGHNESS};
 use crate::import::units::{Unit, UnknownWord, Up};
 use crate::import::{files, options::Limits, search::Finder, text};
-use crate::scene::{Material, MaterialKind, NamedView, Scene, SceneBuilder};
+use crate::scene::{Material, MaterialKind, NamedView, ObjectEdit, ObjectKey, Scene, SceneBuilder};
 use glam::Vec3;
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
@@ -75,7 +75,7 @@ pub(in crate::import) struct Sidecar {
     lamps: Vec<Lamp>,
     light: Light,
     lights: Lights,
-    ground: Option<GroundLine>,
+    pub(super) ground: Option<GroundLine>,
     start: Option<Camera>,
     views: Vec<NamedView>,
     walk: Option<CameraPath>,
@@ -117,7 +117,7 @@ impl Sidecar {
         sidecar
     }
 
-    fn of(table: &DeTable, notes: &mut Notes) -> Self {
+    pub(super) fn of(table: &DeTable, notes: &mut Notes) -> Self {
         let known = [
             "unit",
             "up",
@@ -202,11 +202,21 @@ impl Sidecar {
         ground::apply(self.ground, scene)
     }
 
+    /// Returns the changes of objects, in the order of the file.
+    pub(super) fn take_objects(&mut self) -> impl Iterator<Item = (ObjectKey, ObjectEdit)> {
+        std::mem::take(&mut self.objects).into_iter().map(ObjectLine::into_edit)
+    }
+
+    /// Sets groups of lights, sun and sky.
+    pub(super) fn apply_light(&mut self, finder: &mut Finder, builder: &mut SceneBuilder) {
+        std::mem::take(&mut self.lights).apply(builder);
+        std::mem::take(&mut self.light).apply(&self.file_name, finder, builder);
+    }
+
     /// Adds lights, sky, views and walk.
     pub(in crate::import) fn apply(&mut self, finder: &mut Finder, builder: &mut SceneBuilder) {
         lamps::apply(std::mem::take(&mut self.lamps), &self.file_name, finder, builder);
-        std::mem::take(&mut self.lights).apply(builder);
-        std::mem::take(&mut self.light).apply(&self.file_name, finder, builder);
+        self.apply_light(finder, builder);
         // The first frame of a walk is a better start than a view of the whole model from outside.
         let start = self.start.or_else(|| self.walk.as_ref()?.camera(0, 2));
         let of_model = std::mem::take(&mut builder.views);

@@ -168,6 +168,7 @@ fn words(state: &TimedState) -> String {
 
 fn job(args: &RenderArgs, flags: &Flags, loaded: &Loaded, camera: Camera) -> PictureJob {
     PictureJob {
+        document: None,
         scene_name: loaded.name.clone(),
         camera,
         size: flags.size(),

@@ -201,6 +201,7 @@ fn write_pictures(
 /// Metadata of the picture of a frame.
 fn file_metadata(flags: &Flags, loaded: &Loaded, frame: &Frame) -> Vec<(&'static str, String)> {
     let mut metadata = metadata(&PictureOrigin {
+        document: None,
         scene_name: &loaded.name,
         scene: loaded.scene(),
         camera: &frame.camera,

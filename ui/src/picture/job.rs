@@ -34,6 +34,9 @@ pub struct PictureJob {
     pub exposure_ev: f32,
     /// Tone map from radiance to display.
     pub tone_map: ToneMap,
+    /// Session that a reader needs to show the scene with its changes; `None` where there are
+    /// none.
+    pub document: Option<Arc<str>>,
 }
 
 /// Contents of a picture file.
@@ -214,6 +217,7 @@ impl PictureJob {
             background: self.background,
             exposure_ev: self.exposure_ev,
             tone_map: self.tone_map,
+            document: self.document.as_deref(),
         })
     }
 

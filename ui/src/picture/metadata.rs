@@ -6,6 +6,9 @@ use afterimage::scene::{Sky, solar::SunPosition};
 use afterimage::{Camera, Mode, RefineState, RenderSettings, Scene};
 use glam::DVec3;
 
+/// Name of the note that holds a session.
+pub(crate) const DOCUMENT: &str = "Document";
+
 /// Scene, camera and settings from which a picture was rendered.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PictureOrigin<'a> {
@@ -27,6 +30,8 @@ pub(crate) struct PictureOrigin<'a> {
     pub(crate) exposure_ev: f32,
     /// Tone map from radiance to display.
     pub(crate) tone_map: ToneMap,
+    /// Session with the changes of the scene, if there are any.
+    pub(crate) document: Option<&'a str>,
 }
 
 /// Names and values of the metadata. Whether the picture is complete is added when its file is
@@ -35,7 +40,7 @@ pub(crate) fn metadata(origin: &PictureOrigin<'_>) -> Vec<(&'static str, String)
     let c = origin.camera;
     let (eye, at) = (c.eye, c.eye + c.forward());
     let list = |v: DVec3| format!("{},{},{}", v.x, v.y, v.z);
-    vec![
+    let mut notes = vec![
         ("Software", format!("afterimage {}", env!("CARGO_PKG_VERSION"))),
         ("Scene", format!("{} {}", origin.scene_name, origin.scene.hash)),
         ("Pose", format!("--eye {} --look-at {} --fov-y {}", list(eye), list(at), c.fov_y.to_degrees())),
@@ -43,7 +48,9 @@ pub(crate) fn metadata(origin: &PictureOrigin<'_>) -> Vec<(&'static str, String)
         ("Daylight", daylight(origin.scene)),
         ("Refined", format!("{} of {} passes", origin.refined.pass, origin.refined.of)),
         ("Tone map", format!("{} at {} EV", origin.tone_map.name(), origin.exposure_ev)),
-    ]
+    ];
+    notes.extend(origin.document.map(|text| (DOCUMENT, text.to_owned())));
+    notes
 }
 
 /// The settings as flags of `afterimage render`. A converged picture is the one that the full

@@ -1,9 +1,13 @@
 //! Restores the view of a saved picture from the metadata in its file.
 
+use crate::picture::metadata::DOCUMENT;
 use crate::picture::pose_text::pose_of_flags;
 use afterimage::{Camera, raster::load::read_notes};
 use anyhow::{Context, bail};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+/// Maximum size of the session in a picture, in bytes.
+const MAX_DOCUMENT_BYTES: usize = 1 << 20;
 
 /// The view that a picture shows.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,6 +20,10 @@ pub struct PictureView {
     pub camera: Camera,
     /// Exposure in stops; `None` if the file does not state it.
     pub exposure_ev: Option<f32>,
+    /// Session with the changes of the scene, if the picture shows any.
+    pub document: Option<String>,
+    /// The picture itself.
+    pub file: PathBuf,
 }
 
 /// True for file names of pictures, which may contain a view.
@@ -45,7 +53,12 @@ pub fn read_view(path: &Path) -> anyhow::Result<PictureView> {
         Err(cause) => bail!("{}: {cause}", damaged("Pose")),
     };
     let exposure_ev = note("Tone map").and_then(|text| text.split_whitespace().nth(2)?.parse().ok());
-    Ok(PictureView { scene: scene.to_owned(), scene_hash: scene_hash.to_owned(), camera, exposure_ev })
+    let document = note(DOCUMENT).map(str::to_owned);
+    if document.as_ref().is_some_and(|text| text.len() > MAX_DOCUMENT_BYTES) {
+        bail!("{}: more than {MAX_DOCUMENT_BYTES} bytes are not read", damaged(DOCUMENT));
+    }
+    let (scene, scene_hash) = (scene.to_owned(), scene_hash.to_owned());
+    Ok(PictureView { scene, scene_hash, camera, exposure_ev, document, file: path.to_owned() })
 }
 
 /// Looks for the model of a view also in the folder of its picture: a relative path in the file

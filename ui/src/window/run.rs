@@ -45,7 +45,9 @@ pub fn run(request: LaunchOptions) -> anyhow::Result<()> {
     let is_open = Arc::new(AtomicBool::new(false));
     let opened = is_open.clone();
     let create = move |cc: &eframe::CreationContext<'_>| {
-        let app: Box<dyn eframe::App> = Box::new(App::new(cc, request)?);
+        let app = App::new(cc, request)?;
+        end_on_signals(app.ended(), cc.egui_ctx.clone());
+        let app: Box<dyn eframe::App> = Box::new(app);
         opened.store(true, Ordering::Release);
         Ok(app)
     };
@@ -57,6 +59,18 @@ pub fn run(request: LaunchOptions) -> anyhow::Result<()> {
         Err(panic) => panic_text(&*panic),
     };
     Err(failure(is_open.load(Ordering::Acquire), &reason))
+}
+
+/// Closes the window where the system ends the program. A second signal ends it at once.
+fn end_on_signals(ended: Arc<AtomicBool>, ctx: egui::Context) {
+    let handler = move || {
+        if ended.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+        ctx.request_repaint();
+    };
+    // Where there is no handler, the session that was kept last is offered at the next start.
+    let _ = ctrlc::set_handler(handler);
 }
 
 /// Returns the icon of the window; an empty one where it cannot be decoded.

@@ -7,6 +7,7 @@ mod comparing;
 mod daylight;
 mod desk;
 mod disk;
+mod document;
 mod driving;
 mod dropping;
 mod editing;

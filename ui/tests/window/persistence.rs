@@ -80,7 +80,7 @@ fn a_session_is_opened_by_name() {
     let mut harness = home.open();
     harness.key_press_modifiers(Modifiers::COMMAND, Key::S);
     said(&mut harness, "afterimage-session.toml");
-    let path = home.path("afterimage-triangle-0001.afterimage-session.toml");
+    let path = home.path("triangle.afterimage-session.toml");
     let named = || LaunchOptions { scene: Some(SceneSource::file(&path)), ..request() };
     let harness = open(named(), false);
     assert_eq!(harness.state().state().scene.as_ref().map(|s| s.triangles), Some(1));
@@ -97,14 +97,14 @@ fn the_session_of_one_scene_is_not_overwritten_by_another() {
     std::fs::write(home.path("other.obj"), format!("{TRIANGLE}v 1 1 0\nf 2 3 4\n")).expect("a file");
     let mut harness = home.open();
     harness.key_press_modifiers(Modifiers::COMMAND, Key::S);
-    said(&mut harness, "triangle-0001.afterimage-session.toml");
+    said(&mut harness, "triangle.afterimage-session.toml");
     harness.input_mut().dropped_files.push(Arc::new(driving::Dropped(home.path("other.obj"))));
     step_until(&mut harness, "the other scene", |app| {
         app.state().scene.as_ref().is_some_and(|s| s.triangles == 2)
     });
     harness.key_press_modifiers(Modifiers::COMMAND, Key::S);
-    said(&mut harness, "other-0001.afterimage-session.toml");
-    let first = home.path("afterimage-triangle-0001.afterimage-session.toml");
+    said(&mut harness, "other.afterimage-session.toml");
+    let first = home.path("triangle.afterimage-session.toml");
     assert!(std::fs::read_to_string(first).expect("the session").contains("triangle.obj"));
     settle(&mut harness);
 }
@@ -130,7 +130,7 @@ fn after_a_crash_the_session_is_restored() {
     let mut first = home.open();
     first.key_press_modifiers(Modifiers::COMMAND, Key::S);
     said(&mut first, "afterimage-session.toml");
-    let saved = home.path("afterimage-triangle-0001.afterimage-session.toml");
+    let saved = home.path("triangle.afterimage-session.toml");
     std::fs::rename(saved, &left).expect("a session");
     drop(first);
     let mut harness = begin(home.request(), false);

@@ -22,7 +22,7 @@ impl Changed {
     }
 
     fn saved(&self) -> Option<String> {
-        std::fs::read_to_string(self.folder.path().join("wall.afterimage.toml")).ok()
+        std::fs::read_to_string(self.folder.path().join("wall.afterimage-session.toml")).ok()
     }
 }
 
@@ -94,7 +94,13 @@ fn escape_stays_and_tab_reaches_the_other_answers() {
 #[test]
 fn what_cannot_be_saved_is_not_left() {
     let mut changed = Changed::new();
-    std::fs::create_dir(changed.folder.path().join("wall.afterimage.toml")).expect("a folder in the way");
+    changed.window.key_press_modifiers(egui::Modifiers::COMMAND, Key::S);
+    step_until(&mut changed.window, "a session", |app| !is_unsaved(app));
+    let session = changed.folder.path().join("wall.afterimage-session.toml");
+    std::fs::remove_file(&session).expect("the session");
+    std::fs::create_dir(&session).expect("a folder in the way");
+    changed.window.get_by_label("Matte").click_accesskit();
+    step_until(&mut changed.window, "a change", is_unsaved);
     assert!(close(&mut changed.window));
     changed.window.get_by_label("Save").click();
     step_until(&mut changed.window, "a message", |app| {
@@ -154,13 +160,32 @@ fn what_is_changed_while_another_scene_loads_is_asked_about() {
 }
 
 #[test]
-fn a_scene_of_the_program_offers_no_saving() {
-    let mut window = app();
+fn a_scene_of_the_program_is_saved_in_a_session_before_leaving() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut window = app_saving_to(folder.path().to_owned());
     make_mirror(&mut window, 180.0);
     assert!(close(&mut window));
-    assert!(window.query_by_label("Save").is_none());
-    window.get_by_label("Discard changes").click();
+    window.get_by_label("Save").click();
     wait_for_close(&mut window);
+    assert!(folder.path().join("afterimage-room-0001.afterimage-session.toml").exists());
+}
+
+#[test]
+fn views_and_path_keys_are_asked_about_which_were_lost_before() {
+    for key in [(egui::Modifiers::COMMAND, Key::Num7), (egui::Modifiers::NONE, Key::K)] {
+        let mut window = app();
+        window.key_press_modifiers(key.0, key.1);
+        step_until(&mut window, "a change", is_unsaved);
+        assert!(close(&mut window));
+        window.get_by_label("Don't save").click();
+        wait_for_close(&mut window);
+    }
+    let mut window = app();
+    window.key_down(Key::W);
+    window.run_steps(5);
+    window.key_up(Key::W);
+    settle(&mut window);
+    assert!(!close(&mut window), "to have moved is no change");
 }
 
 #[test]

@@ -1,49 +1,86 @@
 //! The session that is kept in case of a crash.
 
 use super::{EXTENSION, SessionFile, modified};
-use crate::window::state::AppState;
+use crate::window::rendering::{Task, TaskError, Wake, spawn_task, take_result};
+use crate::window::state::{AppState, Quality};
 use afterimage::Camera;
+use afterimage::raster::save::write_atomically;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
-use toml::Table;
 
-/// Interval at which the session is kept.
-const INTERVAL: Duration = Duration::from_secs(20);
+/// Interval at which the session is kept where only the camera has moved.
+const CAMERA_INTERVAL: Duration = Duration::from_secs(20);
+
+/// Shortest time between two writes after changes of the document or of the settings.
+const CHANGE_INTERVAL: Duration = Duration::from_secs(1);
 
 /// Beginning of the names of kept sessions; the number of the process follows.
 const RECOVERY: &str = "recovery-";
 
 /// The session as it was kept last.
-#[derive(Debug)]
+#[derive(Default)]
 pub(super) struct Autosave {
-    text: String,
     camera: Option<Camera>,
-    at: Instant,
-}
-
-impl Default for Autosave {
-    fn default() -> Self {
-        Self { text: String::new(), camera: None, at: Instant::now() }
-    }
+    /// Revision of the document, and the settings.
+    content: Option<(u64, Quality)>,
+    at: Option<Instant>,
+    task: Option<Task<()>>,
 }
 
 impl Autosave {
-    /// Returns the text of a session that is to be kept now, and the time until the next one where
-    /// the camera has moved meanwhile.
-    pub(super) fn due(&mut self, state: &AppState, unknown: &Table) -> (Option<String>, Option<Duration>) {
-        let camera = *state.navigation.fly.camera();
-        let rest = INTERVAL.saturating_sub(self.at.elapsed());
-        if !rest.is_zero() {
-            return (None, (self.camera != Some(camera)).then_some(rest));
+    /// True where the session is to be kept now; and the time until the next one where something
+    /// has changed meanwhile.
+    pub(super) fn due(&mut self, state: &AppState) -> (bool, Option<Duration>) {
+        let Some(document) = &state.document else { return (false, None) };
+        let (camera, content) = (*state.navigation.fly.camera(), (document.revision(), state.quality));
+        let since = self.at.get_or_insert_with(Instant::now).elapsed();
+        // What was loaded is not a change.
+        let interval = if *self.content.get_or_insert(content) != content {
+            CHANGE_INTERVAL
+        } else if self.camera != Some(camera) {
+            CAMERA_INTERVAL
+        } else {
+            return (false, None);
+        };
+        let rest = interval.saturating_sub(since);
+        if !rest.is_zero() || self.task.is_some() {
+            return (false, Some(rest.max(SHORTEST_WAIT)));
         }
-        (self.camera, self.at) = (Some(camera), Instant::now());
-        let text = SessionFile::of(state, unknown).and_then(|session| session.text().ok());
-        let text = text.filter(|text| *text != self.text);
-        if let Some(text) = &text {
-            self.text.clone_from(text);
-        }
-        (text, None)
+        (self.camera, self.content, self.at) = (Some(camera), Some(content), Some(Instant::now()));
+        (true, None)
     }
+
+    /// Keeps a session in the background.
+    pub(super) fn keep(&mut self, session: SessionFile, folder: PathBuf, wake: Wake) {
+        self.task = Some(spawn_task("recovery", wake, move |_| keep_session(&session, &folder)));
+    }
+
+    /// Returns the result of keeping the session, once.
+    pub(super) fn finished(&mut self) -> Option<Result<(), TaskError>> {
+        take_result(&mut self.task)
+    }
+
+    /// Waits until nothing is being written.
+    pub(super) fn wait(&mut self) {
+        if let Some(task) = self.task.take() {
+            task.cancel_and_wait();
+        }
+    }
+}
+
+/// Time after which it is looked again whether the last session is written.
+const SHORTEST_WAIT: Duration = Duration::from_millis(100);
+
+/// Writes a session for the case of a crash.
+///
+/// # Errors
+/// A message for the user.
+pub(super) fn keep_session(session: &SessionFile, folder: &Path) -> Result<(), TaskError> {
+    let text = session.text(None).map_err(TaskError::failed)?;
+    std::fs::create_dir_all(folder).map_err(|error| {
+        TaskError::Failed(format!("cannot make the folder {}: {error}", folder.display()))
+    })?;
+    write_atomically(&recovery_file(folder), text.as_bytes()).map_err(TaskError::failed)
 }
 
 /// File in which this process keeps its session.

@@ -1,7 +1,7 @@
 //! `CurrentScene`: state of the open scene that panels do not read. A session that is saved in a
 //! file is a [`SessionFile`].
 
-use super::{Autosave, SessionFile};
+use super::{Autosave, PictureNote, SessionFile};
 use crate::window::input::Obstacles;
 use crate::window::rendering::RenderRequest;
 use afterimage::render::Pace;
@@ -30,6 +30,12 @@ pub(super) struct CurrentScene {
     pub(super) file: Option<PathBuf>,
     /// Keys of `file` that this version does not know.
     pub(super) unknown_keys: Table,
+    /// A session is being saved.
+    pub(super) is_saving: bool,
+    /// The session is to be saved once more.
+    pub(super) saves_again: bool,
+    /// Hash of the scene as the model's files have it.
+    pub(super) files_hash: String,
     pub(super) autosave: Autosave,
     /// The request that was sent last.
     pub(super) sent: Option<RenderRequest>,
@@ -53,8 +59,17 @@ pub(super) struct Arrival {
     /// Hash of the scene that an opened picture stores. If the loaded scene has another hash, a
     /// message says that the scene has changed.
     pub(super) scene_hash: Option<String>,
+    /// Session text of a picture whose light and materials are to be shown.
+    pub(super) note: Option<PictureNote>,
     /// A saved session to be restored, and its file.
     pub(super) session: Option<(SessionFile, PathBuf)>,
+}
+
+impl Arrival {
+    /// True where the program was started at a pose of its own.
+    pub(super) fn is_placed(&self) -> bool {
+        self.camera.is_some() || self.view.is_some() || self.fov_y_deg.is_some()
+    }
 }
 
 impl CurrentScene {
@@ -69,6 +84,9 @@ impl CurrentScene {
             may_close: false,
             file: None,
             unknown_keys: Table::new(),
+            is_saving: false,
+            saves_again: false,
+            files_hash: String::new(),
             autosave: Autosave::default(),
             sent: None,
             moved: Instant::now(),

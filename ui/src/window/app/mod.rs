@@ -11,18 +11,19 @@ mod navigation;
 mod open_scene;
 mod parts;
 mod persistence;
+mod picture_note;
 mod pictures;
 mod poll;
 mod render_request;
 mod scene_edits;
 mod services;
-mod session_file;
+mod session;
 mod update;
 mod watch;
 mod window_app;
 
 use afterimage::render::schedule::MOTION_TIME;
-use autosave::{Autosave, is_recovery, left_behind, recovery_file};
+use autosave::{Autosave, is_recovery, keep_session, left_behind, recovery_file};
 use baking::{poll_bake, toggle_bake, update_floor};
 use canvas::Canvas;
 use choose_file::{handle_list, poll_files, set_path_text};
@@ -31,19 +32,23 @@ use current_scene::{Arrival, CurrentScene};
 use inspect::{handle_inspect, show_reference, update_plan, update_thumbnails};
 use navigation::handle_navigation;
 use open_scene::{
-    cancel_loading, go_to_picture, handle_answer, hold_close, leave, open, open_new, open_path, open_session,
-    poll_loading, poll_watch, reload,
+    cancel_loading, handle_answer, hold_close, is_shown, leave, open, open_model, open_new, open_path,
+    open_session, poll_loading, poll_watch, reload,
 };
 use parts::Parts;
 use persistence::{
     autosave, end_autosave, forget_recent, read_state_folder, remember_model, restore_session, save_session,
+    session_saved,
 };
+use picture_note::{PictureNote, go_to_picture, show_note};
 use pictures::{handle_picture, poll_export, save_from_references};
 use poll::poll;
 use render_request::{current_work, note_frame, send_request};
-use scene_edits::{begin_document, handle_edit, is_sky, open_sky, poll_edit, save_sidecar, show_sky_picture};
-use services::{AppEvent, Choosing, FloorWatch, Measurement, PendingEdit, Services};
-use session_file::{EXTENSION, SessionFile, is_session};
+use scene_edits::{
+    begin_document, change, handle_edit, is_sky, open_sky, poll_edit, rebuild, show_sky_picture,
+};
+use services::{AppEvent, Choosing, FloorWatch, Measurement, PendingEdit, SavedSession, Services};
+use session::{EXTENSION, SessionFile, beside_model, is_session, write_session};
 use update::{apply, show_appearance};
 use watch::{OwnWrites, modified, watch};
 pub use window_app::App;

@@ -2,17 +2,17 @@
 //! lost.
 
 use super::{
-    AppEvent, Arrival, Parts, Services, SessionFile, begin_document, is_recovery, is_session, is_sky,
-    open_sky, remember_model, restore_session, save_sidecar, watch,
+    AppEvent, Arrival, Parts, Services, SessionFile, begin_document, beside_model, is_recovery, is_session,
+    is_sky, open_sky, rebuild, remember_model, restore_session, save_session, show_note, watch,
 };
-use crate::picture::restore::{PictureView, beside, is_picture, read_view};
+use crate::picture::restore::{beside, is_picture, read_view};
 use crate::settings;
 use crate::window::input::{Obstacles, Playback};
 use crate::window::rendering::{Loading, RenderCommand, SceneSource, TaskError, take_result};
 use crate::window::state::{Answer, AppState, Leaving, PlanState, SceneInfo};
 use afterimage::{Camera, Tracer, raster::exposure::Exposure};
 use egui::ViewportCommand;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// A session file is refused beyond this size; a walk recorded for hours at ten poses a second is
@@ -32,14 +32,35 @@ pub(super) fn open_path(app: &mut Parts, path: PathBuf) {
     } else if is_session(&path) {
         open_session(app, path);
     } else {
-        open(app, SceneSource::file(path));
+        open_model(app, SceneSource::file(path));
     }
+}
+
+/// Opens a model, together with the session next to it where there is one.
+pub(super) fn open_model(app: &mut Parts, source: SceneSource) {
+    if let SceneSource::File { path, .. } = &source {
+        let beside = beside_model(path);
+        // A name may be shared by several models.
+        let is_of_model = |file: &SessionFile| file.source(&beside).is_same(&SceneSource::file(path));
+        match beside.exists().then(|| read_session(&beside)) {
+            Some(Ok(file)) if is_of_model(&file) => {
+                app.state.info(format!("with the session {}", beside.display()));
+                app.current.arrival.session = Some((file, beside));
+            }
+            Some(Err(error)) => app.state.error(format!("{error:#}; the model is opened without it")),
+            Some(Ok(_)) | None => {}
+        }
+    }
+    open(app, source);
+}
+
+fn read_session(path: &Path) -> anyhow::Result<SessionFile> {
+    SessionFile::parse(&settings::read_text(path, MAX_SESSION_BYTES)?, path)
 }
 
 /// Opens a session. A kept session that is broken is renamed, so that it is not offered again.
 pub(super) fn open_session(app: &mut Parts, path: PathBuf) {
-    let text = settings::read_text(&path, MAX_SESSION_BYTES).map_err(anyhow::Error::from);
-    match text.and_then(|text| SessionFile::parse(&text, &path)) {
+    match read_session(&path) {
         Ok(file) => {
             let source = file.source(&path);
             app.current.arrival.session = Some((file, path));
@@ -54,42 +75,14 @@ pub(super) fn open_session(app: &mut Parts, path: PathBuf) {
     }
 }
 
-/// Goes to the view of a picture. Its scene is loaded unless it is shown.
-pub(super) fn go_to_picture(app: &mut Parts, view: PictureView) {
-    if app.current.tracer().is_some_and(|tracer| tracer.scene().hash == view.scene_hash) {
-        app.state.navigation.fly.ease_to(view.camera);
-        app.state.quality.exposure = view.exposure_ev.map_or(app.state.quality.exposure, Exposure::Stops);
-        return app.state.info("the picture was taken here");
-    }
-    let source = SceneSource::named(&view.scene, Default::default());
-    if let SceneSource::File { path, .. } = &source
-        && !path.exists()
-    {
-        return app.state.error(format!(
-            "the picture shows {}, which does not exist; open the model, then drop the picture again",
-            view.scene
-        ));
-    }
-    if is_shown(&app.state, &source) {
-        // A reload keeps the pose.
-        app.state.navigation.fly.jump_to(view.camera);
-    }
-    app.current.arrival = Arrival {
-        camera: Some(view.camera),
-        exposure_ev: view.exposure_ev,
-        scene_hash: Some(view.scene_hash),
-        ..Arrival::default()
-    };
-    open(app, source);
-}
-
-fn is_shown(state: &AppState, source: &SceneSource) -> bool {
+pub(super) fn is_shown(state: &AppState, source: &SceneSource) -> bool {
     state.scene.as_ref().is_some_and(|s| s.source.is_same(source))
 }
 
 /// Loads a scene, or asks first what is to be done with unsaved changes. A reload keeps them.
 pub(super) fn open(app: &mut Parts, source: SceneSource) {
-    if is_shown(&app.state, &source) || !app.state.is_unsaved() {
+    let is_reload = is_shown(&app.state, &source) && app.current.arrival.session.is_none();
+    if is_reload || !app.state.is_unsaved() {
         load(&mut app.services, source);
     } else {
         app.state.dialogs.leaving = Some(Leaving::Open(source));
@@ -130,7 +123,8 @@ pub(super) fn poll_loading(app: &mut Parts) {
     match result {
         Ok(tracer) => {
             let discards = std::mem::take(&mut app.current.discards_edits);
-            if is_shown(&app.state, &source) || discards || !app.state.is_unsaved() {
+            let is_reload = is_shown(&app.state, &source) && app.current.arrival.session.is_none();
+            if is_reload || discards || !app.state.is_unsaved() {
                 show_scene(app, source, tracer);
             } else {
                 app.state.dialogs.leaving = Some(Leaving::Show(source, tracer));
@@ -188,9 +182,19 @@ fn show_scene(app: &mut Parts, source: SceneSource, tracer: Arc<Tracer>) {
         reset_exposure(app, &arrival, exposure);
     }
     begin_document(app, tracer.scene(), is_reload);
-    app.current.first_generation = app.services.render.send(RenderCommand::SetTracer(tracer));
+    app.current.files_hash.clone_from(&tracer.scene().hash);
+    app.current.first_generation = app.services.render.send(RenderCommand::SetTracer(tracer.clone()));
     app.current.sent = None;
-    restore_session(app, arrival.session, is_reload);
+    let (fly, is_placed) = (app.state.navigation.fly.clone(), arrival.is_placed());
+    restore_session(app, tracer.scene(), arrival.session, is_reload);
+    if is_placed {
+        // Flags of the program take precedence over the session.
+        app.state.navigation.fly = fly;
+    }
+    if let Some(note) = arrival.note {
+        show_note(app, &note);
+    }
+    rebuild(app);
     app.services.watch = None;
     if let SceneSource::File { path, .. } = source {
         remember_model(app, &path);
@@ -224,6 +228,9 @@ fn start_pose(state: &mut AppState, scene: &SceneInfo, arrival: &Arrival) -> (us
 
 /// Keeps the window open where closing it would lose changes, and asks.
 pub(super) fn hold_close(app: &mut Parts) {
+    if app.services.is_ended_from_outside() && !std::mem::replace(&mut app.current.may_close, true) {
+        app.services.ctx.send_viewport_cmd(ViewportCommand::Close);
+    }
     let is_closing = app.services.ctx.input(|i| i.viewport().close_requested());
     if is_closing && !app.current.may_close && app.state.is_unsaved() {
         app.services.ctx.send_viewport_cmd(ViewportCommand::CancelClose);
@@ -236,7 +243,7 @@ pub(super) fn hold_close(app: &mut Parts) {
 pub(super) fn handle_answer(app: &mut Parts, answer: Answer) {
     match answer {
         // The action follows once they are saved.
-        Answer::Save => save_sidecar(app),
+        Answer::Save => save_session(app),
         Answer::Discard => {
             let is_opening = matches!(app.state.dialogs.leaving, Some(Leaving::Open(_)));
             leave(app);

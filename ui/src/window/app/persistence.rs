@@ -1,11 +1,16 @@
 //! Sessions and recent files: saved, kept and restored.
 
-use super::{AppEvent, EXTENSION, Parts, Services, SessionFile, is_recovery, left_behind, recovery_file};
+use super::{
+    AppEvent, Parts, SavedSession, Services, SessionFile, handle_answer, is_recovery, keep_session, leave,
+    left_behind, recovery_file, write_session,
+};
 use crate::settings;
-use crate::window::export::Destination;
+use crate::window::input::Playback;
 use crate::window::rendering::TaskError;
-use crate::window::state::AppState;
-use afterimage::raster::save::{SaveError, write_atomically};
+use crate::window::state::{Answer, AppState};
+use afterimage::Scene;
+use afterimage::raster::save::write_atomically;
+use anyhow::anyhow;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use toml::Table;
@@ -23,48 +28,91 @@ pub(super) fn read_state_folder(state: &mut AppState, folder: &Path) {
     state.files.recovery = left_behind(folder);
 }
 
-/// Saves the session in its file, or in a new one where it has none.
+/// Saves the whole document in its session file, or in a new one where it has none.
 pub(super) fn save_session(app: &mut Parts) {
-    let Some(content) = SessionFile::of(&app.state, &app.current.unknown_keys) else {
-        return app.state.error("there is no scene to save a session of");
+    if app.current.is_saving {
+        app.current.saves_again = true;
+        return;
+    }
+    let content = SessionFile::of(&app.state, &app.current.unknown_keys);
+    let (content, document) = match (content, &app.state.document) {
+        (Ok(content), Some(document)) => (content, document.now().clone()),
+        (Err(error), _) => return session_saved(app, Err(error)),
+        (Ok(_), None) => return,
     };
     let (file, destination) = (app.current.file.clone(), app.services.destination(&app.state));
+    let quality = app.state.quality;
+    app.current.is_saving = true;
     app.services.spawn("saving the session", move || {
-        let text = content.text().map_err(|error| TaskError::Failed(format!("{error:#}")))?;
-        write_session(&text, file, &destination).map(AppEvent::SavedSession)
+        let result = write_session(&content, file, &destination).map_err(|error| match error {
+            TaskError::Failed(text) => anyhow!(text),
+            TaskError::Cancelled => anyhow!("saving was cancelled"),
+        });
+        let saved = result.map(|path| SavedSession { path, document, quality });
+        Ok(AppEvent::SavedSession(Box::new(saved)))
     });
 }
 
-fn write_session(text: &str, file: Option<PathBuf>, destination: &Destination) -> Result<PathBuf, TaskError> {
-    let failed = |error: SaveError| {
-        TaskError::Failed(format!(
-            "{error}; free some space, or choose another folder in Scene, Picture settings"
-        ))
-    };
-    match file {
-        Some(path) => write_atomically(&path, text.as_bytes()).map(|()| path).map_err(failed),
-        None => destination.write_new(EXTENSION, text.as_bytes()).map_err(|error| {
-            error.map_or(TaskError::failed("there is no folder to save sessions in"), failed)
-        }),
+/// Notes that a session was saved, or could not be, and does what has waited for that.
+pub(super) fn session_saved(app: &mut Parts, result: anyhow::Result<SavedSession>) {
+    app.current.is_saving = false;
+    match result {
+        Ok(SavedSession { path, document, quality }) => {
+            app.state.info(format!("saved {}", path.display()));
+            app.current.file = Some(path);
+            if let Some(open) = &mut app.state.document {
+                open.set_saved(document, quality);
+            }
+            if std::mem::take(&mut app.current.saves_again) {
+                return save_session(app);
+            }
+            leave(app);
+        }
+        Err(error) => {
+            app.current.saves_again = false;
+            if app.state.dialogs.leaving.is_some() {
+                handle_answer(app, Answer::Stay);
+            }
+            app.state.error(format!("{error:#}"));
+        }
     }
 }
 
-/// Restores the session that has waited for its scene. Another scene than before has no session
-/// file: that of the old scene is not overwritten.
-pub(super) fn restore_session(app: &mut Parts, awaited: Option<(SessionFile, PathBuf)>, is_reload: bool) {
-    if let Some((content, file)) = awaited {
-        app.current.unknown_keys = content.restore(&mut app.state);
-        if is_recovery(&file) {
-            // The session is kept under another name from now on. If this fails it is offered
-            // again.
-            let _ = std::fs::remove_file(&file);
-            app.current.file = None;
-        } else {
-            app.current.file = Some(file);
+/// Restores the session that has waited for its scene, but not the pose. Another scene than before
+/// has no session file: that of the old scene is not overwritten.
+pub(super) fn restore_session(
+    app: &mut Parts,
+    scene: &Scene,
+    awaited: Option<(SessionFile, PathBuf)>,
+    is_reload: bool,
+) {
+    let Some((content, file)) = awaited else {
+        if !is_reload {
+            (app.current.file, app.current.unknown_keys) = (None, Table::new());
         }
-    } else if !is_reload {
-        (app.current.file, app.current.unknown_keys) = (None, Table::new());
+        return;
+    };
+    let (unknown, messages) = content.restore(&mut app.state, scene);
+    app.current.unknown_keys = unknown;
+    (app.state.navigation.view_index, app.state.navigation.playback) = (0, Playback::default());
+    for message in messages {
+        app.state.error(format!("{}: {message}", file.display()));
     }
+    if is_recovery(&file) {
+        app.current.file = content.own_file();
+        // From now on it is the session of this process: at no time is there none on the disk.
+        if let Some(folder) = &app.services.launch.state_folder {
+            // If this fails it is offered again.
+            let _ = std::fs::rename(&file, recovery_file(folder));
+        }
+    } else {
+        let quality = app.state.quality;
+        if let Some(open) = &mut app.state.document {
+            open.set_saved(open.now().clone(), quality);
+        }
+        app.current.file = Some(file);
+    }
+    app.state.navigation.fly.jump_to(content.camera());
 }
 
 /// Puts a model first in the list of recent files.
@@ -90,11 +138,14 @@ fn write_recent(app: &mut Parts) {
 
 /// Keeps the session in case of a crash. Returns the time until it may be kept again.
 pub(super) fn autosave(app: &mut Parts) -> Option<Duration> {
-    let folder = app.services.launch.state_folder.as_ref()?;
-    let (text, rest) = app.current.autosave.due(&app.state, &app.current.unknown_keys);
-    if let Some(text) = text {
-        let file = recovery_file(folder).file_name()?.to_string_lossy().into_owned();
-        keep(&mut app.services, &file, text, "the session is not kept in case of a crash");
+    let folder = app.services.launch.state_folder.clone()?;
+    if let Some(Err(TaskError::Failed(cause))) = app.current.autosave.finished() {
+        app.state.error(format!("the session is not kept in case of a crash: {cause}"));
+    }
+    let (is_due, rest) = app.current.autosave.due(&app.state);
+    if is_due && let Ok(session) = SessionFile::of(&app.state, &app.current.unknown_keys) {
+        let session = session.kept_for(app.current.file.as_deref());
+        app.current.autosave.keep(session, folder, app.services.wake.clone());
     }
     rest
 }
@@ -112,26 +163,17 @@ fn keep(services: &mut Services, name: &str, text: String, failure: &'static str
     });
 }
 
-/// Removes the kept session: the program ends normally.
-pub(super) fn end_autosave(services: &Services) {
-    if let Some(folder) = &services.launch.state_folder {
+/// Ends keeping the session: it is removed where the program ends normally, and written once more
+/// where the system ends it and something is not saved.
+pub(super) fn end_autosave(app: &mut Parts) {
+    let Some(folder) = app.services.launch.state_folder.clone() else { return };
+    app.current.autosave.wait();
+    let is_kept = app.services.is_ended_from_outside() && app.state.is_unsaved();
+    if is_kept && let Ok(session) = SessionFile::of(&app.state, &app.current.unknown_keys) {
+        // The one that was kept before stays where this fails.
+        let _ = keep_session(&session.kept_for(app.current.file.as_deref()), &folder);
+    } else {
         // There may be none.
-        let _ = std::fs::remove_file(recovery_file(folder));
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    #[cfg(target_os = "linux")]
-    fn a_full_disk_is_reported_with_a_remedy() {
-        let full = PathBuf::from("/dev/full");
-        assert!(full.exists(), "every Linux has one");
-        let destination = Destination { folders: Vec::new(), stem: String::new() };
-        let result = write_session("version = 1\n", Some(full), &destination);
-        let Err(TaskError::Failed(text)) = result else { panic!("a full disk accepts no session") };
-        assert!(text.contains("No space") && text.contains("free some space"), "{text}");
+        let _ = std::fs::remove_file(recovery_file(&folder));
     }
 }

@@ -1,6 +1,6 @@
 //! Commands about saved pictures and picture sequences.
 
-use super::{Parts, Services};
+use super::{Parts, Services, SessionFile};
 use crate::picture::sequence::Sequence;
 use crate::picture::{LONGEST_SIDE, PictureJob, Shows};
 use crate::window::export::{Exported, save_picture, save_sequence, spawn_export};
@@ -63,6 +63,7 @@ fn job(state: &AppState, camera: Camera, background: Background) -> anyhow::Resu
         background,
         exposure_ev: state.exposure_ev(),
         tone_map: state.quality.tone_map,
+        document: SessionFile::note_of(state).map(Into::into),
     })
 }
 

@@ -1,14 +1,14 @@
 //! Takes over everything that has happened in the background since the last update of the window.
 
 use super::{
-    AppEvent, Parts, go_to_picture, handle_answer, leave, note_frame, poll_bake, poll_edit, poll_export,
-    poll_files, poll_loading, poll_watch, save_from_references, show_reference, show_sky_picture,
+    AppEvent, Parts, go_to_picture, note_frame, poll_bake, poll_edit, poll_export, poll_files, poll_loading,
+    poll_watch, save_from_references, save_session, session_saved, show_reference, show_sky_picture,
     update_floor, update_plan, update_thumbnails,
 };
 use crate::window::gpu::viewport;
 use crate::window::input::ViewChange;
 use crate::window::rendering::{Message, TaskError, background_pool, locked, spawn_task, take_result};
-use crate::window::state::{Answer, AppState};
+use crate::window::state::AppState;
 use afterimage::raster::exposure::{Exposure, Metered};
 use std::path::Path;
 
@@ -65,10 +65,7 @@ fn poll_tasks(app: &mut Parts) {
 fn apply(app: &mut Parts, event: AppEvent) {
     match event {
         AppEvent::Saved(path) => saved(&mut app.state, &path),
-        AppEvent::SavedSession(path) => {
-            saved(&mut app.state, &path);
-            app.current.file = Some(path);
-        }
+        AppEvent::SavedSession(result) => session_saved(app, *result),
         AppEvent::Kept => {}
         AppEvent::SkyPicture(image) => show_sky_picture(app, image),
         AppEvent::PictureView(view) => go_to_picture(app, view),
@@ -77,14 +74,12 @@ fn apply(app: &mut Parts, event: AppEvent) {
             if let Some(document) = &mut app.state.document {
                 document.set_saved_in_files(*edit);
             }
-            leave(app);
-        }
-        AppEvent::SavedEdit(_, Err(error)) => {
-            if app.state.dialogs.leaving.is_some() {
-                handle_answer(app, Answer::Stay);
+            // A session that the model is opened with would bring back the old values.
+            if app.current.file.is_some() {
+                save_session(app);
             }
-            app.state.error(error.to_string());
         }
+        AppEvent::SavedEdit(_, Err(error)) => app.state.error(error.to_string()),
     }
 }
 

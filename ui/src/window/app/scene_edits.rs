@@ -18,11 +18,7 @@ use std::sync::Arc;
 /// Applies a command about edits of the scene: a change, undo, redo or saving.
 pub(super) fn handle_edit(app: &mut Parts, command: EditCommand) {
     match command {
-        EditCommand::Change(change) => {
-            if let Some(document) = &mut app.state.document {
-                document.change(change);
-            }
-        }
+        EditCommand::Change(change) => return self::change(app, change),
         EditCommand::KnowLights => {
             app.state.knows_lights = true;
             app.services.render.send(RenderCommand::KnowLights(true));
@@ -31,6 +27,14 @@ pub(super) fn handle_edit(app: &mut Parts, command: EditCommand) {
         EditCommand::Undo => step(&mut app.state, true),
         EditCommand::Redo => step(&mut app.state, false),
         EditCommand::SaveSidecar => save_sidecar(app),
+    }
+    rebuild(app);
+}
+
+/// Makes a change, and shows it.
+pub(super) fn change(app: &mut Parts, change: Change) {
+    if let Some(document) = &mut app.state.document {
+        document.change(change);
     }
     rebuild(app);
 }
@@ -75,7 +79,7 @@ fn step(state: &mut AppState, is_undo: bool) {
 }
 
 /// Starts to rebuild the scene with the current edit, unless it is shown or being rebuilt.
-fn rebuild(app: &mut Parts) {
+pub(super) fn rebuild(app: &mut Parts) {
     let (Some(document), Some(tracer), None) =
         (&app.state.document, app.current.tracer(), &app.services.edit)
     else {

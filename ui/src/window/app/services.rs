@@ -9,13 +9,14 @@ use crate::window::rendering::baking::{Baking, ShownFloor};
 use crate::window::rendering::{
     FullTrace, Loading, Plan, RenderThread, Task, TaskError, Wake, spawn_activity,
 };
-use crate::window::state::{AppState, Document, Pair, PictureError, Purpose};
+use crate::window::state::{AppState, Document, Pair, PictureError, Purpose, Quality};
 use afterimage::Tracer;
 use afterimage::render::bake::FloorCover;
 use afterimage::scene::{SceneEdit, SkyImage};
 use afterimage::trace::SceneEpoch;
 use egui_wgpu::RenderState;
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
@@ -23,8 +24,8 @@ use std::time::Instant;
 pub(super) enum AppEvent {
     /// A file was saved at this path, which is shown to the user.
     Saved(PathBuf),
-    /// The session was saved in this file.
-    SavedSession(PathBuf),
+    /// The session was saved, or could not be saved.
+    SavedSession(Box<anyhow::Result<SavedSession>>),
     /// A state or settings file was written; no message is shown.
     Kept,
     /// The view of a picture was read.
@@ -33,6 +34,13 @@ pub(super) enum AppEvent {
     SavedEdit(Box<Document>, anyhow::Result<PathBuf>),
     /// A picture of the sky was read.
     SkyPicture(Arc<SkyImage>),
+}
+
+/// What was saved in a session file.
+pub(super) struct SavedSession {
+    pub(super) path: PathBuf,
+    pub(super) document: Document,
+    pub(super) quality: Quality,
 }
 
 /// The scene is being rebuilt with other materials or daylight.
@@ -103,6 +111,8 @@ pub(super) struct Services {
     /// Measures the light in the scene for the automatic exposure.
     pub(super) light: Option<Task<()>>,
     pub(super) tasks: Vec<Task<AppEvent>>,
+    /// Set where the system ends the program.
+    pub(super) ended: Arc<AtomicBool>,
 }
 
 impl Services {
@@ -114,6 +124,11 @@ impl Services {
         work: impl FnOnce() -> Result<AppEvent, TaskError> + Send + 'static,
     ) {
         self.tasks.push(spawn_activity("task", activity, self.wake.clone(), |_| work()));
+    }
+
+    /// True where the system ends the program.
+    pub(super) fn is_ended_from_outside(&self) -> bool {
+        self.ended.load(Ordering::Relaxed)
     }
 
     /// Returns where new pictures, walks and sessions are saved.

@@ -2,7 +2,7 @@
 
 use super::{
     Arrival, Canvas, Choosing, CurrentScene, FloorWatch, MOTION_TIME, OwnWrites, Parts, Services, apply,
-    autosave, current_work, end_autosave, hold_close, is_session, open, open_session, poll,
+    autosave, current_work, end_autosave, hold_close, is_session, open, open_model, open_session, poll,
     read_state_folder, send_request, show_appearance, update_comparison,
 };
 use crate::window::gpu::adapter;
@@ -11,6 +11,7 @@ use crate::window::launch::LaunchOptions;
 use crate::window::panels;
 use crate::window::rendering::{RenderThread, SceneSource, Wake};
 use crate::window::state::{AppState, Command, Quality, Severity, Work};
+use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
@@ -27,6 +28,16 @@ fn say_at_start(state: &mut AppState, launch: &mut LaunchOptions) {
     }
     if let Some(note) = launch.store_note() {
         state.info(note);
+    }
+}
+
+/// Where the program was asked to start.
+fn first_arrival(launch: &LaunchOptions) -> Arrival {
+    Arrival {
+        camera: launch.camera,
+        view: launch.view.clone(),
+        fov_y_deg: launch.fov_y_deg,
+        ..Arrival::default()
     }
 }
 
@@ -58,12 +69,7 @@ impl App {
         state.software_adapter = graphics.as_ref().and_then(|g| adapter::prepare(g, &graphics_errors, &wake));
         let all = || std::thread::available_parallelism().map_or(1, usize::from);
         let threads = launch.threads.unwrap_or_else(all);
-        let arrival = Arrival {
-            camera: launch.camera,
-            view: launch.view.clone(),
-            fov_y_deg: launch.fov_y_deg,
-            ..Arrival::default()
-        };
+        let arrival = first_arrival(&launch);
         let services = Services {
             render: RenderThread::start(threads, wake.clone(), launch.store.clone())?,
             threads,
@@ -86,12 +92,13 @@ impl App {
             own_writes: OwnWrites::default(),
             light: None,
             tasks: Vec::new(),
+            ended: Arc::default(),
         };
         show_appearance(&mut state, &services, services.launch.appearance);
         let mut parts = Parts { state, current: CurrentScene::new(arrival), services };
         match parts.services.launch.scene.clone().unwrap_or_else(SceneSource::default_builtin) {
             SceneSource::File { path, .. } if is_session(&path) => open_session(&mut parts, path),
-            scene => open(&mut parts, scene),
+            scene => open_model(&mut parts, scene),
         }
         if parts.services.loading.is_none() {
             open(&mut parts, SceneSource::default_builtin());
@@ -102,6 +109,12 @@ impl App {
     /// Returns what the window shows.
     pub fn state(&self) -> &AppState {
         &self.parts.state
+    }
+
+    /// Returns a flag that ends the program without a question, as the system does. What is not
+    /// saved is kept, and offered at the next start.
+    pub fn ended(&self) -> Arc<AtomicBool> {
+        self.parts.services.ended.clone()
     }
 
     /// Returns the render thread.
@@ -209,7 +222,7 @@ impl eframe::App for App {
         if let Some(export) = self.parts.services.export.take() {
             export.cancel_and_wait();
         }
-        end_autosave(&self.parts.services);
+        end_autosave(&mut self.parts);
         self.parts.services.render.stop();
     }
 }

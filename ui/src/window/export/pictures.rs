@@ -109,6 +109,7 @@ mod tests {
         let job = PictureJob {
             scene_name: "builtin:furnace".to_owned(),
             camera: tracer.scene().views[0].camera,
+            document: None,
             size: [64, 64],
             settings: RenderSettings { mode: Mode::Full, ..RenderSettings::default() },
             antialias: None,

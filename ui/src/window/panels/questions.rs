@@ -2,7 +2,6 @@
 //! one, Escape selects the one that changes nothing.
 
 use super::super::state::{Answer, AppState, Command, FileCommand, Leaving};
-use crate::window::rendering::scene_loading::SceneSource;
 use egui::{Context, Ui};
 
 /// Shows the open question, if any.
@@ -64,20 +63,16 @@ fn ask_to_leave(ctx: &Context, state: &AppState, leaving: &Leaving, commands: &m
         Leaving::Close => "Save changes before closing?",
         Leaving::Open(_) | Leaving::Show(..) => "Save changes before opening another scene?",
     };
-    let name = scene.source.label();
+    let text = format!(
+        "{} has changes that are not saved. Save keeps all of them in a session: materials, light, views, path and settings.",
+        scene.source.label()
+    );
     let answer = Command::Answer;
-    let (text, answers) = if matches!(scene.source, SceneSource::File { .. }) {
-        let text =
-            format!("Materials or light of {name} were changed. Save writes them to a file next to it.");
-        let save = [("Save", answer(Answer::Save)), ("Don't save", answer(Answer::Discard))];
-        (text, save.to_vec())
-    } else {
-        let text = format!(
-            "Materials or light of {name} were changed. The scene is built in, so the changes cannot be saved."
-        );
-        (text, vec![("Discard changes", answer(Answer::Discard))])
-    };
-    let answers = [answers, vec![("Cancel", answer(Answer::Stay))]].concat();
+    let answers = [
+        ("Save", answer(Answer::Save)),
+        ("Don't save", answer(Answer::Discard)),
+        ("Cancel", answer(Answer::Stay)),
+    ];
     ask(ctx, "leave", heading, &text, &answers, Some(answer(Answer::Stay)), commands);
 }
 
@@ -91,7 +86,7 @@ fn ask_to_clear(ctx: &Context, state: &AppState, commands: &mut Vec<Command>) {
 
 /// Asks whether to restore the session of a program that crashed.
 fn ask_to_recover(ctx: &Context, commands: &mut Vec<Command>) {
-    let text = "The program did not exit normally last time. Scene, pose, views and path were saved.";
+    let text = "The program did not exit normally last time. The scene with all changes, views, path and pose was kept.";
     let answers = [
         ("Restore", Command::Files(FileCommand::Recover)),
         ("Start new", Command::Files(FileCommand::DiscardRecovery)),

@@ -3,7 +3,9 @@
 use super::Document;
 use crate::window::state::{SavedView, SunControls};
 use afterimage::camera::CameraPath;
-use afterimage::scene::{Daylight, Ground, LightSetting, Material, MaterialId, ObjectEdit, ObjectKey};
+use afterimage::scene::{
+    Daylight, Ground, LightSetting, Material, MaterialId, ObjectEdit, ObjectKey, SceneEdit,
+};
 use glam::DVec3;
 use std::mem::replace;
 
@@ -18,6 +20,8 @@ pub enum Change {
     Daylight(Daylight, Box<SunControls>),
     /// There is another ground, or none.
     Ground(Option<Ground>),
+    /// The whole scene has other values, and the controls of the sun show these.
+    Scene(Box<(SceneEdit, SunControls)>),
     /// A group of lights, given by its name, is set differently.
     Light(String, LightSetting),
     /// The saved views.
@@ -61,6 +65,11 @@ impl Change {
                 Self::Daylight(before, Box::new(replace(&mut document.sun, *sun)))
             }
             Self::Ground(ground) => Self::Ground(replace(&mut scene.ground, ground)),
+            Self::Scene(other) => {
+                let (edit, sun) = *other;
+                let before = replace(scene, edit);
+                Self::Scene(Box::new((before, replace(&mut document.sun, sun))))
+            }
             Self::Light(name, setting) => {
                 let before = scene.lights.get(&name);
                 scene.lights.set(&name, setting);

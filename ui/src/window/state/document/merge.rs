@@ -49,6 +49,11 @@ impl<'a> Merge<'a> {
                 Change::Daylight(merged.clone(), Box::new(sun))
             }
             Change::Object(key, _) if !(self.has_object)(&key) => return None,
+            Change::Scene(other) => {
+                let scene = self.scene(&other.0);
+                let sun = self.sun(&other.1, &other.0.daylight, &scene.daylight);
+                Change::Scene(Box::new((scene, sun)))
+            }
             Change::Views(views) => Change::Views(self.views(&views)),
             other => other,
         })

@@ -1,0 +1,10 @@
+//! Session files: their format, and where they are.
+
+mod file;
+mod place;
+#[cfg(test)]
+mod soak;
+mod sun;
+
+pub(super) use file::{EXTENSION, SessionFile, is_session};
+pub(super) use place::{beside_model, write_session};
