@@ -117,6 +117,9 @@ pub fn apply_edit_text(
     for (key, object) in sidecar.take_objects() {
         messages.extend(set_object(&mut edit, scene, key, object));
     }
+    if let Some(ground) = sidecar.ground {
+        edit.ground = ground.ground(scene);
+    }
     let nowhere = || Jail { folder: Path::new("").to_owned(), allow_outside: false };
     sidecar.apply_light(&mut Finder::new(jail.unwrap_or_else(nowhere)), &mut builder);
     messages.extend(builder.warnings.into_iter().map(|warning| warning.message));

@@ -75,7 +75,7 @@ pub(in crate::import) struct Sidecar {
     lamps: Vec<Lamp>,
     light: Light,
     lights: Lights,
-    ground: Option<GroundLine>,
+    pub(super) ground: Option<GroundLine>,
     start: Option<Camera>,
     views: Vec<NamedView>,
     walk: Option<CameraPath>,

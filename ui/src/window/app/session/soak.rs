@@ -89,6 +89,7 @@ impl Desk {
                 )
             }
             2 => daylight(dice, &now.sun),
+            7 => Change::Ground((dice.below(2) == 0).then(|| ground(dice))),
             3 => {
                 let setting = LightSetting { intensity: dice.unit() as f32, ..LightSetting::FULL };
                 Change::Light(["sun", "sky"][dice.below(2) as usize].to_owned(), setting)
@@ -212,6 +213,10 @@ fn material(dice: &mut Dice, now: &Material) -> Material {
         _ => (MaterialKind::Diffuse, color),
     };
     Material { kind, diffuse, emission: if dice.below(4) == 0 { other } else { now.emission }, ..now.clone() }
+}
+
+fn ground(dice: &mut Dice) -> Ground {
+    Ground { height_m: dice.unit() * 3.0 - 1.5, albedo: dice.unit() as f32 * 0.9 }
 }
 
 fn daylight(dice: &mut Dice, now: &SunControls) -> Change {
