@@ -2,9 +2,12 @@
 //! thumbnails.
 
 use super::{Parts, Services};
-use crate::window::rendering::{Plan, ReferenceRadiance, RenderCommand, TaskError, spawn_task, take_result};
-use crate::window::state::{AppState, InspectCommand, ReferenceView, Work};
+use crate::window::rendering::{
+    Plan, ReferenceRadiance, RenderCommand, TaskError, TaskHandle, spawn_task, surface_outline, take_result,
+};
+use crate::window::state::{AppState, Change, InspectCommand, ReferenceView, Work};
 use afterimage::raster::color;
+use glam::DVec3;
 use std::sync::Arc;
 
 /// The plan is cut again where the eye is higher or lower than the cut by more than this, in
@@ -19,7 +22,12 @@ pub(super) fn handle_inspect(state: &mut AppState, services: &Services, command:
         InspectCommand::SelectMaterial(id) => selection.material = Some(id),
         InspectCommand::SelectObject(key) => selection.object = Some(key),
         InspectCommand::ToggleMeasure => selection.measure.switch(!selection.measure.is_on),
-        InspectCommand::ClearMeasure => selection.measure = Default::default(),
+        InspectCommand::ClearMeasures => change_measures(state, Vec::clear),
+        InspectCommand::RemoveMeasure(index) => change_measures(state, |measures| {
+            if index < measures.len() {
+                measures.remove(index);
+            }
+        }),
         InspectCommand::SelectReference(id) => selection.reference = id,
         InspectCommand::EnableReference(id, is_enabled) => {
             services.render.send(RenderCommand::Enable(id, is_enabled));
@@ -31,6 +39,33 @@ pub(super) fn handle_inspect(state: &mut AppState, services: &Services, command:
         InspectCommand::SetPlanView(view) => state.plan.view = view,
         InspectCommand::FilterReport(text) => selection.report_filter = text,
     }
+}
+
+/// Changes the distances in one step, which can be undone.
+fn change_measures(state: &mut AppState, change: impl FnOnce(&mut Vec<[DVec3; 2]>)) {
+    let Some(document) = &mut state.document else { return };
+    let mut measures = document.now().measures.clone();
+    change(&mut measures);
+    document.change(Change::Measures(measures));
+}
+
+/// Finds the outline of the surface that was clicked, off the window's thread.
+pub(super) fn update_outline(app: &mut Parts) {
+    let selection = &mut app.state.selection;
+    let wanted = selection.inspection.as_ref().map(|found| found.triangle);
+    if let Some(Ok((triangle, lines))) = take_result(&mut app.services.outline) {
+        selection.outline = Some((triangle, Arc::new(lines)));
+    }
+    if selection.outline.as_ref().map(|(triangle, _)| *triangle) == wanted {
+        return;
+    }
+    let (Some(triangle), Some(tracer), None) = (wanted, app.current.tracer(), &app.services.outline) else {
+        selection.outline = selection.outline.take().filter(|_| wanted.is_some());
+        return;
+    };
+    let scene = tracer.scene().clone();
+    let find = move |_: &TaskHandle| Ok((triangle, surface_outline(&scene, triangle)));
+    app.services.outline = Some(spawn_task("outline", app.services.wake.clone(), find));
 }
 
 /// Shows a plan that was cut, and cuts one where the camera is on another floor.

@@ -30,6 +30,16 @@ fn say_at_start(state: &mut AppState, launch: &mut LaunchOptions) {
     }
 }
 
+/// Where the camera starts.
+fn first_arrival(launch: &LaunchOptions) -> Arrival {
+    Arrival {
+        camera: launch.camera,
+        view: launch.view.clone(),
+        fov_y_deg: launch.fov_y_deg,
+        ..Arrival::default()
+    }
+}
+
 impl App {
     /// Starts the threads, and starts to load the scene.
     ///
@@ -58,12 +68,7 @@ impl App {
         state.software_adapter = graphics.as_ref().and_then(|g| adapter::prepare(g, &graphics_errors, &wake));
         let all = || std::thread::available_parallelism().map_or(1, usize::from);
         let threads = launch.threads.unwrap_or_else(all);
-        let arrival = Arrival {
-            camera: launch.camera,
-            view: launch.view.clone(),
-            fov_y_deg: launch.fov_y_deg,
-            ..Arrival::default()
-        };
+        let arrival = first_arrival(&launch);
         let services = Services {
             render: RenderThread::start(threads, wake.clone(), launch.store.clone())?,
             threads,
@@ -79,6 +84,7 @@ impl App {
             measurement: None,
             measured_pair: None,
             plan: None,
+            outline: None,
             baking: None,
             floor: FloorWatch::default(),
             choosing: Choosing::default(),
@@ -133,6 +139,7 @@ impl App {
         if ctx.input(|i| !i.raw.hovered_files.is_empty()) {
             panels::notices::drop_hint(ui, viewport);
         }
+        panels::overlay::banner(ctx, viewport, &state.selection.measure);
         panels::notices::show(ctx, viewport, state, commands);
         if state.dialogs.shows_settings {
             panels::settings::show(ctx, state, commands);

@@ -62,6 +62,10 @@ pub enum NavigationCommand {
     RemoveView(usize),
     Rename(Option<(usize, String)>),
     FinishRenaming,
+    /// Moves a saved view to the current pose.
+    UpdateView(usize),
+    /// Goes back to where the camera was before it was sent somewhere.
+    GoBack,
     PastePose(String),
     SetMoveMode(MoveMode),
     AddPathKey,
@@ -91,7 +95,8 @@ pub enum InspectCommand {
     SelectMaterial(MaterialId),
     SelectObject(ObjectKey),
     ToggleMeasure,
-    ClearMeasure,
+    ClearMeasures,
+    RemoveMeasure(usize),
     SelectReference(Option<ReferenceId>),
     EnableReference(ReferenceId, bool),
     ShowReference(ReferenceId),
