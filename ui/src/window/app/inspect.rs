@@ -3,7 +3,7 @@
 
 use super::{Parts, Services};
 use crate::window::rendering::{
-    Plan, ReferenceRadiance, RenderCommand, TaskError, TaskHandle, spawn_task, surface_outline, take_result,
+    CUT_M, Plan, ReferenceRadiance, RenderCommand, TaskError, TaskHandle, spawn_task, surface_outline, take_result,
 };
 use crate::window::state::{AppState, Change, InspectCommand, ReferenceView, Work};
 use afterimage::raster::color;
@@ -37,6 +37,7 @@ pub(super) fn handle_inspect(state: &mut AppState, services: &Services, command:
         }
         InspectCommand::CloseReference => selection.reference_view = None,
         InspectCommand::SetPlanView(view) => state.plan.view = view,
+        InspectCommand::ShowStorey(floor_m) => (state.plan.storey_m, state.plan.asked_m) = (floor_m, None),
         InspectCommand::FilterReport(text) => selection.report_filter = text,
     }
 }
@@ -76,16 +77,17 @@ pub(super) fn update_plan(app: &mut Parts) {
         Some(Err(TaskError::Cancelled)) | None => {}
     }
     let (Some(tracer), None) = (app.current.tracer(), &app.services.plan) else { return };
-    let eye_m = app.state.navigation.fly.camera().eye.y;
+    let (eye_m, storey_m) = (app.state.navigation.fly.camera().eye.y, app.state.plan.storey_m);
+    let wanted_m = storey_m.map_or(eye_m, |floor| floor + CUT_M);
     // A cut that failed is not tried again on the same floor.
-    let is_on_floor = |asked_m: f64| (asked_m - eye_m).abs() <= SAME_FLOOR_M;
+    let is_on_floor = |asked_m: f64| (asked_m - wanted_m).abs() <= SAME_FLOOR_M;
     if app.state.plan.asked_m.is_some_and(is_on_floor) || app.state.work == Work::Moving {
         return;
     }
-    app.state.plan.asked_m = Some(eye_m);
+    app.state.plan.asked_m = Some(wanted_m);
     let scene = tracer.scene().clone();
     app.services.plan =
-        Some(spawn_task("plan", app.services.wake.clone(), move |_| Ok(Plan::cut(&scene, eye_m))));
+        Some(spawn_task("plan", app.services.wake.clone(), move |_| Ok(Plan::of_storey(&scene, storey_m, eye_m))));
 }
 
 /// Traces small pictures of all views and references while the renderer is idle.

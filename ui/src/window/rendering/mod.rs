@@ -19,7 +19,7 @@ pub mod thumbnails;
 mod worker;
 
 pub use exchange::{Exchange, PublishedFrame, ReferenceInfo, SUPPLIED_BY_NONE, supplier_byte};
-pub use floor_plan::{Plan, PlanView};
+pub use floor_plan::{CUT_M, Plan, PlanView};
 pub(crate) use full_trace::{FullTrace, Subject};
 pub(crate) use lock::locked;
 pub use messages::{Message, Picture, ReferenceRadiance, RenderCommand, RenderRequest};

@@ -102,6 +102,8 @@ pub enum InspectCommand {
     ShowReference(ReferenceId),
     CloseReference,
     SetPlanView(PlanView),
+    /// Shows the storey above a floor, or the one that the camera is in.
+    ShowStorey(Option<f64>),
     FilterReport(String),
 }
 
