@@ -2,7 +2,7 @@
 
 use super::editing::click;
 use super::*;
-use afterimage_ui::window::state::{Measure, Selection, SnapKind};
+use afterimage_ui::window::state::{Selection, SnapKind};
 use egui::Key;
 
 fn selection(app: &App) -> &Selection {
@@ -38,19 +38,23 @@ fn a_click_tells_what_is_there() {
     assert!(selection(harness.state()).inspection.is_none());
 }
 
+fn measures(app: &App) -> &[[glam::DVec3; 2]] {
+    &app.state().document.as_ref().expect("a scene").now().measures
+}
+
 #[test]
 fn m_measures_between_two_clicks_and_corners_attract() {
     let mut harness = app();
     harness.key_press(Key::M);
-    harness.step();
+    harness.run_steps(2);
     assert!(selection(harness.state()).measure.is_on);
+    harness.get_by_label_contains("click the first point; Esc ends");
     click(&mut harness, -150.0, 150.0);
+    harness.get_by_label_contains("click the second point");
     click(&mut harness, 160.0, 150.0);
-    let Measure { points, .. } = selection(harness.state()).measure.clone();
-    assert_eq!(points.len(), 2);
-    assert!(points.iter().all(|p| p.position_m.y.abs() < 1e-3), "both on the floor: {points:?}");
-    let length = points[0].position_m.distance(points[1].position_m);
-    harness.get_by_label_contains(&format!("{length:.3} m, "));
+    let [a, b] = measures(harness.state())[0];
+    assert!([a, b].iter().all(|p| p.y.abs() < 1e-3), "both on the floor: {a} {b}");
+    harness.get_by_label_contains(&format!("{:.3} m; horizontal", a.distance(b)));
     // The near edge of the red box's top.
     let tracer_corner = glam::DVec3::new(0.35, 0.5, -0.35);
     let rect = harness.get_by_label("3D viewport").rect();
@@ -58,13 +62,62 @@ fn m_measures_between_two_clicks_and_corners_attract() {
     let seen = afterimage_ui::window::gpu::projection::Projection::new(&camera, rect).point(tracer_corner);
     let offset = seen.expect("before the eye") - rect.center();
     click(&mut harness, offset.x + 2.0, offset.y + 2.0);
-    let first = selection(harness.state()).measure.points[0];
+    let first = selection(harness.state()).measure.first.expect("a point");
     assert_eq!(first.kind, SnapKind::Vertex);
     assert!(first.position_m.distance(tracer_corner) < 1e-3, "{first:?}");
     harness.key_press(Key::Escape);
     harness.run_steps(2);
     assert!(!selection(harness.state()).measure.is_on);
     assert!(selection(harness.state()).inspection.is_none(), "clicks measured and inspected nothing");
+    assert_eq!(measures(harness.state()).len(), 1, "the complete distance is kept, the half one dropped");
+}
+
+#[test]
+fn distances_are_kept_deleted_and_undone() {
+    let mut harness = app();
+    harness.key_press(Key::M);
+    harness.step();
+    for right in [-150.0, 150.0, -100.0, 100.0] {
+        click(&mut harness, right, 150.0);
+    }
+    harness.key_press(Key::M);
+    harness.run_steps(3);
+    assert_eq!(measures(harness.state()).len(), 2);
+    assert!(harness.state().state().is_unsaved());
+    let second = measures(harness.state())[1];
+    harness.get_by_label("Delete distance 1").click_accesskit();
+    harness.run_steps(2);
+    assert_eq!(measures(harness.state()), [second]);
+    harness.key_press_modifiers(egui::Modifiers::COMMAND, Key::Z);
+    harness.run_steps(2);
+    assert_eq!(measures(harness.state()).len(), 2);
+    harness.get_by_label("Delete all distances").click_accesskit();
+    harness.run_steps(2);
+    assert!(measures(harness.state()).is_empty());
+}
+
+#[test]
+fn the_selection_is_the_surface_and_its_distance_is_that_of_now() {
+    let mut harness = app();
+    click(&mut harness, -150.0, 150.0);
+    step_until(&mut harness, "an outline", |app| selection(app).outline.is_some());
+    let outline = |app: &App| selection(app).outline.clone().expect("an outline").1;
+    let floor = outline(harness.state());
+    assert!(floor.iter().flatten().all(|p| p.y.abs() < 1e-3), "the floor: {floor:?}");
+    let found = selection(harness.state()).inspection.clone().expect("the floor");
+    let longest = floor.iter().map(|[a, b]| a.distance(*b)).fold(0.0, f64::max);
+    assert!(longest > 1.0, "more than a triangle: {floor:?}");
+    harness.key_down(Key::S);
+    harness.run_steps(10);
+    harness.key_up(Key::S);
+    harness.run_steps(3);
+    let now = found.position_m.distance(camera(&harness).eye);
+    assert!(now > found.distance_m + 0.01);
+    harness.get_by_label_contains(&format!("{now:.3} m, depth"));
+    harness.get_by_label_contains("grey lines are of the moment of the click");
+    harness.key_press(Key::Escape);
+    harness.run_steps(2);
+    assert!(selection(harness.state()).outline.is_none());
 }
 
 #[test]
@@ -196,13 +249,14 @@ fn a_half_finished_distance_is_dropped_when_measuring_ends() {
         harness.key_press(Key::M);
         harness.step();
         click(&mut harness, -150.0, 150.0);
-        assert_eq!(selection(harness.state()).measure.points.len(), 1);
+        assert!(selection(harness.state()).measure.first.is_some());
         harness.key_press(end);
         harness.run_steps(2);
-        assert!(selection(harness.state()).measure.points.is_empty(), "after {end:?}");
+        assert!(selection(harness.state()).measure.first.is_none(), "after {end:?}");
     }
     harness.key_press(Key::M);
     harness.step();
     click(&mut harness, 160.0, 150.0);
-    assert_eq!(selection(harness.state()).measure.points.len(), 1, "a first point, not a second one");
+    assert!(selection(harness.state()).measure.first.is_some(), "a first point, not a second one");
+    assert!(measures(harness.state()).is_empty());
 }

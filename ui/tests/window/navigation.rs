@@ -272,3 +272,73 @@ fn each_key_of_a_path_has_a_row_and_the_time_between_keys_is_set() {
     harness.run_steps(3);
     assert_eq!(harness.state().state().path().keyframes.len(), 1);
 }
+
+#[test]
+fn views_get_the_next_free_number_and_move_here() {
+    let mut harness = app();
+    let views = |harness: &Harness<'static, App>| harness.state().state().views().to_vec();
+    let saved = views(&harness).len();
+    harness.get_by_label("Save this view").click_accesskit();
+    harness.run_steps(2);
+    let (all, here) = (views(&harness), camera(&harness));
+    let added = all.last().expect("a view").clone();
+    let taken: Vec<u8> = all[..saved].iter().filter_map(|v| v.key).collect();
+    let free = (1..=9).find(|key| !taken.contains(key));
+    assert_eq!((added.key, added.camera), (free, here));
+    harness.key_press(Key::Num1);
+    arrive(&mut harness);
+    harness.key_down(Key::D);
+    harness.run_steps(10);
+    harness.key_up(Key::D);
+    harness.step();
+    harness.get_by_label(&format!("Update {}", added.name)).click_accesskit();
+    harness.run_steps(2);
+    assert_eq!(views(&harness).last().expect("a view").camera, camera(&harness));
+}
+
+#[test]
+fn backspace_goes_back_to_where_the_camera_was() {
+    let mut harness = app();
+    let first = camera(&harness);
+    harness.key_press(Key::Num2);
+    arrive(&mut harness);
+    let second = camera(&harness);
+    assert!(second != first);
+    harness.key_press(Key::Home);
+    arrive(&mut harness);
+    for pose in [second, first] {
+        harness.key_press(Key::Backspace);
+        arrive(&mut harness);
+        assert_eq!(camera(&harness), pose);
+    }
+    harness.key_press(Key::Backspace);
+    harness.run_steps(2);
+    assert!(says(harness.state(), "no earlier position"));
+}
+
+#[test]
+fn a_double_click_renames_a_view_with_its_name_selected() {
+    let mut harness = app();
+    let name = harness.state().state().views()[0].name.clone();
+    let button = |harness: &Harness<'static, App>| {
+        let wanted = format!("1  {name}");
+        harness.query_all_by_label(&wanted).next().map(|node| node.rect().center())
+    };
+    harness.get_by_label(&format!("Rename {name}")).scroll_to_me();
+    harness.run_steps(30);
+    let at = button(&harness).expect("the name is a button");
+    harness.hover_at(at);
+    harness.step();
+    for _ in 0..2 {
+        harness.drag_at(at);
+        harness.step();
+        harness.drop_at(at);
+        harness.step();
+    }
+    harness.run_steps(3);
+    harness.get_by_label("Name of the view").type_text("hall");
+    harness.step();
+    harness.key_press(Key::Enter);
+    harness.run_steps(3);
+    assert_eq!(harness.state().state().views()[0].name, "hall", "the old name was replaced");
+}

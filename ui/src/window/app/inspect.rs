@@ -2,9 +2,12 @@
 //! thumbnails.
 
 use super::{Parts, Services};
-use crate::window::rendering::{Plan, ReferenceRadiance, RenderCommand, TaskError, spawn_task, take_result};
-use crate::window::state::{AppState, InspectCommand, ReferenceView, Work};
+use crate::window::rendering::{
+    CUT_M, Plan, ReferenceRadiance, RenderCommand, TaskError, TaskHandle, spawn_task, surface_outline, take_result,
+};
+use crate::window::state::{AppState, Change, InspectCommand, ReferenceView, Work};
 use afterimage::raster::color;
+use glam::DVec3;
 use std::sync::Arc;
 
 /// The plan is cut again where the eye is higher or lower than the cut by more than this, in
@@ -19,7 +22,12 @@ pub(super) fn handle_inspect(state: &mut AppState, services: &Services, command:
         InspectCommand::SelectMaterial(id) => selection.material = Some(id),
         InspectCommand::SelectObject(key) => selection.object = Some(key),
         InspectCommand::ToggleMeasure => selection.measure.switch(!selection.measure.is_on),
-        InspectCommand::ClearMeasure => selection.measure = Default::default(),
+        InspectCommand::ClearMeasures => change_measures(state, Vec::clear),
+        InspectCommand::RemoveMeasure(index) => change_measures(state, |measures| {
+            if index < measures.len() {
+                measures.remove(index);
+            }
+        }),
         InspectCommand::SelectReference(id) => selection.reference = id,
         InspectCommand::EnableReference(id, is_enabled) => {
             services.render.send(RenderCommand::Enable(id, is_enabled));
@@ -29,8 +37,36 @@ pub(super) fn handle_inspect(state: &mut AppState, services: &Services, command:
         }
         InspectCommand::CloseReference => selection.reference_view = None,
         InspectCommand::SetPlanView(view) => state.plan.view = view,
+        InspectCommand::ShowStorey(floor_m) => (state.plan.storey_m, state.plan.asked_m) = (floor_m, None),
         InspectCommand::FilterReport(text) => selection.report_filter = text,
     }
+}
+
+/// Changes the distances in one step, which can be undone.
+fn change_measures(state: &mut AppState, change: impl FnOnce(&mut Vec<[DVec3; 2]>)) {
+    let Some(document) = &mut state.document else { return };
+    let mut measures = document.now().measures.clone();
+    change(&mut measures);
+    document.change(Change::Measures(measures));
+}
+
+/// Finds the outline of the surface that was clicked, off the window's thread.
+pub(super) fn update_outline(app: &mut Parts) {
+    let selection = &mut app.state.selection;
+    let wanted = selection.inspection.as_ref().map(|found| found.triangle);
+    if let Some(Ok((triangle, lines))) = take_result(&mut app.services.outline) {
+        selection.outline = Some((triangle, Arc::new(lines)));
+    }
+    if selection.outline.as_ref().map(|(triangle, _)| *triangle) == wanted {
+        return;
+    }
+    let (Some(triangle), Some(tracer), None) = (wanted, app.current.tracer(), &app.services.outline) else {
+        selection.outline = selection.outline.take().filter(|_| wanted.is_some());
+        return;
+    };
+    let scene = tracer.scene().clone();
+    let find = move |_: &TaskHandle| Ok((triangle, surface_outline(&scene, triangle)));
+    app.services.outline = Some(spawn_task("outline", app.services.wake.clone(), find));
 }
 
 /// Shows a plan that was cut, and cuts one where the camera is on another floor.
@@ -41,16 +77,17 @@ pub(super) fn update_plan(app: &mut Parts) {
         Some(Err(TaskError::Cancelled)) | None => {}
     }
     let (Some(tracer), None) = (app.current.tracer(), &app.services.plan) else { return };
-    let eye_m = app.state.navigation.fly.camera().eye.y;
+    let (eye_m, storey_m) = (app.state.navigation.fly.camera().eye.y, app.state.plan.storey_m);
+    let wanted_m = storey_m.map_or(eye_m, |floor| floor + CUT_M);
     // A cut that failed is not tried again on the same floor.
-    let is_on_floor = |asked_m: f64| (asked_m - eye_m).abs() <= SAME_FLOOR_M;
+    let is_on_floor = |asked_m: f64| (asked_m - wanted_m).abs() <= SAME_FLOOR_M;
     if app.state.plan.asked_m.is_some_and(is_on_floor) || app.state.work == Work::Moving {
         return;
     }
-    app.state.plan.asked_m = Some(eye_m);
+    app.state.plan.asked_m = Some(wanted_m);
     let scene = tracer.scene().clone();
     app.services.plan =
-        Some(spawn_task("plan", app.services.wake.clone(), move |_| Ok(Plan::cut(&scene, eye_m))));
+        Some(spawn_task("plan", app.services.wake.clone(), move |_| Ok(Plan::of_storey(&scene, storey_m, eye_m))));
 }
 
 /// Traces small pictures of all views and references while the renderer is idle.

@@ -29,8 +29,8 @@ use canvas::Canvas;
 use choose_file::{handle_list, poll_files, set_path_text};
 use comparison::{overlay, update_comparison};
 use current_scene::{Arrival, CurrentScene};
-use inspect::{handle_inspect, show_reference, update_plan, update_thumbnails};
-use navigation::handle_navigation;
+use inspect::{handle_inspect, show_reference, update_outline, update_plan, update_thumbnails};
+use navigation::{go_to, handle_navigation};
 use open_scene::{
     cancel_loading, handle_answer, hold_close, is_shown, leave, open, open_model, open_new, open_path,
     open_session, poll_loading, poll_watch, reload,

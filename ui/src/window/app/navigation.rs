@@ -6,7 +6,8 @@ use crate::window::export::Destination;
 use crate::window::input::Recording;
 use crate::window::input::playback::{key_pose, lasting, with_key, with_key_moved, without_key};
 use crate::window::rendering::TaskError;
-use crate::window::state::{AppState, Change, NavigationCommand, SavedView};
+use crate::window::state::{AppState, Change, Navigation, NavigationCommand, SavedView};
+use afterimage::Camera;
 use afterimage::camera::CameraPath;
 
 /// Applies a command. Changes of the saved views and of the path can be undone.
@@ -24,8 +25,13 @@ pub(super) fn handle_navigation(state: &mut AppState, services: &mut Services, c
         }
         NavigationCommand::Rename(renaming) => navigation.renaming = renaming,
         NavigationCommand::FinishRenaming => finish_renaming(state),
+        NavigationCommand::UpdateView(index) => update_view(state, index),
+        NavigationCommand::GoBack => match navigation.pose_before() {
+            Some(camera) => navigation.fly.ease_to(camera),
+            None => state.info("there is no earlier position to go back to"),
+        },
         NavigationCommand::PastePose(text) => match pose_of_flags(&text, navigation.fly.camera()) {
-            Ok(camera) => navigation.fly.ease_to(camera),
+            Ok(camera) => go_to(navigation, camera),
             Err(cause) => state.error(format!("the clipboard holds no pose: {cause}")),
         },
         NavigationCommand::SetMoveMode(move_mode) => navigation.fly.set_move_mode(move_mode),
@@ -92,8 +98,35 @@ fn change_path(state: &mut AppState, path: CameraPath, at_secs: f64) {
 fn go_to_view(state: &mut AppState, index: usize) {
     if let Some(camera) = state.views().get(index).map(|v| v.camera) {
         state.navigation.view_index = index;
-        state.navigation.fly.ease_to(camera);
+        go_to(&mut state.navigation, camera);
     }
+}
+
+/// Sends the camera to a pose, from which the user can go back.
+pub(super) fn go_to(navigation: &mut Navigation, camera: Camera) {
+    navigation.leave_pose();
+    navigation.fly.ease_to(camera);
+}
+
+/// Moves a saved view to the current pose.
+fn update_view(state: &mut AppState, index: usize) {
+    let camera = *state.navigation.fly.camera();
+    let Some(name) = state.views().get(index).map(|view| view.name.clone()) else { return };
+    change_views(state, |views| views[index].camera = camera);
+    state.navigation.view_index = index;
+    state.info(format!("{name} was moved here"));
+}
+
+/// Returns the first number of the keys 1 to 9 under which no view is saved.
+fn free_key(views: &[SavedView]) -> Option<u8> {
+    (1..=9).find(|key| views.iter().all(|view| view.key != Some(*key)))
+}
+
+/// Returns a name that no view has.
+fn free_name(views: &[SavedView], key: Option<u8>) -> String {
+    let numbers = key.map(usize::from).into_iter().chain(1..=views.len() + 1);
+    let names = numbers.map(|number| format!("view {number}"));
+    names.into_iter().find(|name| views.iter().all(|view| view.name != *name)).unwrap_or_default()
 }
 
 fn go_to_key(state: &mut AppState, key: u8) {
@@ -111,15 +144,16 @@ fn step_view(state: &mut AppState, step: isize) {
     }
 }
 
-/// Saves the pose under a key, or as one more view without a key.
+/// Saves the pose under a key, or as one more view under the next free one.
 fn save_view(state: &mut AppState, key: Option<u8>) {
     let camera = *state.navigation.fly.camera();
     if state.document.is_none() {
         return;
     }
-    let count = state.views().len();
     let taken = state.views().iter().position(|v| key.is_some() && v.key == key);
-    let name = format!("view {}", key.map_or(count + 1, usize::from));
+    let key = key.or_else(|| free_key(state.views()));
+    let name = free_name(state.views(), key);
+    let count = state.views().len();
     change_views(state, |views| match taken {
         Some(index) => views[index].camera = camera,
         None => views.push(SavedView { name, camera, key }),

@@ -171,6 +171,7 @@ fn show_scene(app: &mut Parts, source: SceneSource, tracer: Arc<Tracer>) {
         app.state.navigation.fly.set_speed(scene.speed_m_per_s);
         app.state.navigation.playback = Playback::default();
         (app.state.navigation.recording, app.state.navigation.renaming) = (None, None);
+        app.state.navigation.before.clear();
     }
     app.state.scene = Some(scene);
     app.state.history.clear();

@@ -3,7 +3,7 @@
 use super::{
     AppEvent, Parts, go_to_picture, note_frame, poll_bake, poll_edit, poll_export, poll_files, poll_loading,
     poll_watch, save_from_references, save_session, session_saved, show_reference, show_sky_picture,
-    update_floor, update_plan, update_thumbnails,
+    update_floor, update_outline, update_plan, update_thumbnails,
 };
 use crate::window::gpu::viewport;
 use crate::window::input::ViewChange;
@@ -27,6 +27,7 @@ pub(super) fn poll(app: &mut Parts) {
     app.state.notices.retain(|n| !n.is_expired());
     poll_bake(app);
     update_plan(app);
+    update_outline(app);
     update_floor(app);
     update_thumbnails(&mut app.state, &app.services);
 }

@@ -15,6 +15,7 @@ use afterimage::render::bake::FloorCover;
 use afterimage::scene::{SceneEdit, SkyImage};
 use afterimage::trace::SceneEpoch;
 use egui_wgpu::RenderState;
+use glam::DVec3;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
@@ -100,6 +101,8 @@ pub(super) struct Services {
     /// The pair that is being measured, or that could not be measured.
     pub(super) measured_pair: Option<Pair>,
     pub(super) plan: Option<Task<Plan>>,
+    /// Finds the outline of the surface of a triangle.
+    pub(super) outline: Option<Task<(u32, Vec<[DVec3; 2]>)>>,
     /// The bake that is running.
     pub(super) baking: Option<Baking>,
     pub(super) floor: FloorWatch,

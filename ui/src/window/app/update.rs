@@ -2,9 +2,9 @@
 //! others.
 
 use super::{
-    AppEvent, Parts, Services, cancel_loading, forget_recent, handle_answer, handle_edit, handle_inspect,
-    handle_list, handle_navigation, handle_picture, open_new, open_path, open_session, reload, save_session,
-    set_path_text, toggle_bake,
+    AppEvent, Parts, Services, cancel_loading, forget_recent, go_to, handle_answer, handle_edit,
+    handle_inspect, handle_list, handle_navigation, handle_picture, open_new, open_path, open_session,
+    reload, save_session, set_path_text, toggle_bake,
 };
 use crate::picture::pose_text::pose_flags;
 use crate::settings::{self, Theme};
@@ -64,7 +64,7 @@ pub(super) fn apply(app: &mut Parts, command: Command) {
         Command::SetSpeed(speed) => fly.set_speed(speed),
         Command::SetFovDegrees(degrees) => fly.set_fov_degrees(degrees),
         Command::ChangeFov(steps) => fly.change_fov(steps),
-        Command::EaseTo(camera) => fly.ease_to(camera),
+        Command::EaseTo(camera) => go_to(&mut state.navigation, camera),
         Command::Level => fly.level(),
         Command::Say(text) => state.info(text),
         Command::ExposeForView => expose_for_view(state),

@@ -87,6 +87,7 @@ impl App {
             measurement: None,
             measured_pair: None,
             plan: None,
+            outline: None,
             baking: None,
             floor: FloorWatch::default(),
             choosing: Choosing::default(),
@@ -150,6 +151,7 @@ impl App {
         if ctx.input(|i| !i.raw.hovered_files.is_empty()) {
             panels::notices::drop_hint(ui, viewport);
         }
+        panels::overlay::banner(ctx, viewport, &state.selection.measure);
         panels::notices::show(ctx, viewport, state, commands);
         if state.dialogs.shows_settings {
             panels::settings::show(ctx, state, commands);

@@ -72,6 +72,7 @@ fn command_of(
         Action::NextView => Command::Navigate(NavigationCommand::StepView(1)),
         Action::PreviousView => Command::Navigate(NavigationCommand::StepView(-1)),
         Action::GoToView => Command::Navigate(NavigationCommand::GoToKey(chord as u8 + 1)),
+        Action::GoBack => Command::Navigate(NavigationCommand::GoBack),
         Action::Level => Command::Level,
         Action::NarrowFov => Command::ChangeFov(-1.0),
         Action::WidenFov => Command::ChangeFov(1.0),

@@ -41,6 +41,7 @@ pub(super) fn inspect(state: &AppState, obstacles: &Obstacles, at: [f64; 2]) -> 
         corners_m: corners_m(obstacles, &probe),
         material: probe.material,
         object: obstacles.tracer().scene().object_of(probe.triangle).cloned(),
+        camera: *camera,
         pixel: frame.and_then(|frame| pixel_facts(frame, at, state.aspect())),
     })
 }

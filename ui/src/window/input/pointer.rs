@@ -3,9 +3,10 @@
 use super::{Motion, Obstacles, SPEED_FACTOR, inspect, probe_at, snap_at};
 use crate::window::input::aim;
 use crate::window::input::keymap::{Action, Keyboard};
-use crate::window::state::AppState;
+use crate::window::state::{AppState, Change, Snap};
 use egui::{
-    Context, CursorGrab, Event, MouseWheelUnit, PointerButton, Pos2, Response, Vec2, ViewportCommand,
+    Context, CursorGrab, CursorIcon, Event, MouseWheelUnit, PointerButton, Pos2, Response, Vec2,
+    ViewportCommand,
 };
 use std::time::Duration;
 
@@ -133,6 +134,9 @@ fn click(state: &mut AppState, input: &Input, obstacles: Option<&Obstacles>, vie
     if is_measuring {
         let hover = input.cursor.and_then(|at| snap_at(state, obstacles, at, viewport.rect));
         state.selection.measure.hover = hover;
+        if viewport.hovered() {
+            viewport.ctx.set_cursor_icon(CursorIcon::Crosshair);
+        }
     }
     let Some(at) = viewport.interact_pointer_pos().map(|at| unit(viewport, at)) else { return };
     if viewport.clicked_by(PointerButton::Primary) {
@@ -144,14 +148,24 @@ fn click(state: &mut AppState, input: &Input, obstacles: Option<&Obstacles>, vie
                 state.selection.object.clone_from(&found.object);
             }
         } else if let Some(snap) = snap_at(state, obstacles, at, viewport.rect) {
-            state.selection.measure.set(snap);
+            measure_to(state, snap);
         }
     }
     if viewport.double_clicked()
         && let Some(probe) = probe_at(state, obstacles, at)
     {
+        state.navigation.leave_pose();
         let fly = &mut state.navigation.fly;
         fly.ease_to(aim::gone_to(&probe, fly.camera()));
+    }
+}
+
+/// Sets a point; the second one of a pair adds a distance to the document.
+fn measure_to(state: &mut AppState, snap: Snap) {
+    let Some(pair) = state.selection.measure.set(snap) else { return };
+    if let Some(document) = &mut state.document {
+        let measures = [document.now().measures.as_slice(), &[pair]].concat();
+        document.change(Change::Measures(measures));
     }
 }
 

@@ -1,6 +1,6 @@
 //! The inspected surface point, and the measured distance.
 
-use super::super::state::{AppState, Command, InspectCommand, Inspection, Measure, PixelFacts};
+use super::super::state::{AppState, Command, InspectCommand, Inspection, PixelFacts};
 use crate::window::input::keymap::{Action, keys_of};
 use afterimage::raster::pixel_types::PixelType;
 use afterimage::scene::{Material, ObjectKey};
@@ -16,18 +16,25 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
         Some(found) => pixel(ui, state, found, commands),
     }
     ui.separator();
-    measure(ui, &state.selection.measure, commands);
+    measure(ui, state, commands);
 }
 
 fn pixel(ui: &mut Ui, state: &AppState, found: &Inspection, commands: &mut Vec<Command>) {
     let lines = lines(state, found);
+    // Since the camera has moved, what is known about the pixel no longer describes the picture.
+    let is_stale = found.camera != *state.navigation.fly.camera();
     egui::Grid::new("inspector").num_columns(2).min_col_width(72.0).show(ui, |ui| {
-        for (name, value) in &lines {
+        for (i, (name, value)) in lines.iter().enumerate() {
             ui.weak(*name);
+            let value = RichText::new(value);
+            let value = if is_stale && i >= LINES_OF_POINT { value.weak() } else { value };
             ui.add(egui::Label::new(value).wrap());
             ui.end_row();
         }
     });
+    if is_stale {
+        ui.weak("The view has moved: grey lines are of the moment of the click.");
+    }
     ui.horizontal(|ui| {
         if ui.button("Copy").accessible_name("Copy the inspected values").clicked() {
             let text: Vec<String> = lines.iter().map(|(name, value)| format!("{name}: {value}")).collect();
@@ -39,16 +46,28 @@ fn pixel(ui: &mut Ui, state: &AppState, found: &Inspection, commands: &mut Vec<C
     });
 }
 
+/// Number of lines that describe the point, whatever the view; those of the pixel follow.
+const LINES_OF_POINT: usize = 7;
+
+/// Distance of the point from the eye and along the viewing axis, in metres, from where the camera
+/// is now.
+fn distances_m(state: &AppState, found: &Inspection) -> [f64; 2] {
+    let camera = state.navigation.fly.camera();
+    let to_point = found.position_m - camera.eye;
+    [to_point.length(), to_point.dot(camera.forward())]
+}
+
 fn lines(state: &AppState, found: &Inspection) -> Vec<(&'static str, String)> {
     let of_scene = state.document.as_ref().and_then(|d| d.scene().materials.get(found.material.0 as usize));
     let material = of_scene.map_or_else(String::new, |m| format!("{} ({})", m.name, m.kind_name()));
     let (types, why) = of_scene.map_or(("", ""), Material::types);
+    let [distance_m, depth_m] = distances_m(state, found);
     let mut lines = vec![
         ("material", material),
         ("traced as", format!("{types}: {why}")),
         ("object", found.object.as_ref().map_or_else(|| "none".to_owned(), ObjectKey::to_string)),
         ("position", format!("{} m", point(found.position_m, 3))),
-        ("distance", format!("{:.3} m, depth {:.3} m", found.distance_m, found.depth_m)),
+        ("distance", format!("{distance_m:.3} m, depth {depth_m:.3} m")),
         ("normal", point(found.normal.as_dvec3(), 3)),
         ("triangle", found.triangle.to_string()),
     ];
@@ -85,33 +104,46 @@ fn point(p: DVec3, digits: usize) -> String {
     format!("{:.digits$}, {:.digits$}, {:.digits$}", p.x, p.y, p.z)
 }
 
-fn measure(ui: &mut Ui, measure: &Measure, commands: &mut Vec<Command>) {
+fn measure(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
+    let measure = &state.selection.measure;
+    let kept = state.document.as_ref().map_or(&[][..], |document| &document.now().measures);
+    let mut ask = |command| commands.push(Command::Inspect(command));
     ui.horizontal(|ui| {
         let text = if measure.is_on { "Stop measuring" } else { "Measure" };
         let help =
             format!("Click two points; they snap to corners and edges (key {})", keys_of(Action::Measure));
         if ui.selectable_label(measure.is_on, text).on_hover_text(help).clicked() {
-            commands.push(Command::Inspect(InspectCommand::ToggleMeasure));
+            ask(InspectCommand::ToggleMeasure);
         }
-        if !measure.points.is_empty() && ui.button("Clear").accessible_name("Clear the measurement").clicked()
-        {
-            commands.push(Command::Inspect(InspectCommand::ClearMeasure));
+        if kept.len() > 1 && ui.button("Delete all").accessible_name("Delete all distances").clicked() {
+            ask(InspectCommand::ClearMeasures);
         }
     });
-    let Some([a, b]) = measure.ends() else {
-        if measure.is_on {
-            ui.weak(if measure.points.is_empty() {
-                "Click the first point."
-            } else {
-                "Click the second point."
-            });
-        }
-        return;
-    };
-    let d = b - a;
-    let text = format!("{:.3} m; horizontal {:.3} m, vertical {:.3} m", d.length(), d.x.hypot(d.z), d.y);
-    ui.label(RichText::new(&text).strong());
-    if measure.points.len() == 2 && ui.button("Copy").accessible_name("Copy the distance").clicked() {
-        commands.push(Command::CopyText(format!("{text}\nfrom {} m\nto {} m", point(a, 4), point(b, 4))));
+    if let Some(ends) = measure.ends() {
+        ui.weak(distance_text(ends));
     }
+    for (i, ends) in kept.iter().enumerate() {
+        distance(ui, i, *ends, commands);
+    }
+}
+
+fn distance_text([a, b]: [DVec3; 2]) -> String {
+    let d = b - a;
+    format!("{:.3} m; horizontal {:.3} m, vertical {:.3} m", d.length(), d.x.hypot(d.z), d.y)
+}
+
+/// Shows a distance with its buttons.
+fn distance(ui: &mut Ui, i: usize, ends: [DVec3; 2], commands: &mut Vec<Command>) {
+    let text = distance_text(ends);
+    ui.label(RichText::new(&text).strong());
+    ui.horizontal(|ui| {
+        let name = format!("distance {}", i + 1);
+        if ui.small_button("Copy").accessible_name(format!("Copy {name}")).clicked() {
+            let [a, b] = ends.map(|p| point(p, 4));
+            commands.push(Command::CopyText(format!("{text}\nfrom {a} m\nto {b} m")));
+        }
+        if ui.small_button("Delete").accessible_name(format!("Delete {name}")).clicked() {
+            commands.push(Command::Inspect(InspectCommand::RemoveMeasure(i)));
+        }
+    });
 }

@@ -17,6 +17,7 @@ pub mod overlay;
 pub mod path;
 pub mod picture;
 pub mod plan;
+mod plan_marks;
 pub mod plots;
 pub mod quality;
 pub mod questions;

@@ -16,13 +16,30 @@ pub fn show(ui: &Ui, viewport: Rect, state: &AppState) {
     }
     let painter = ui.painter().with_clip_rect(viewport);
     let projection = Projection::new(state.navigation.fly.camera(), viewport);
-    if let Some(found) = &state.selection.inspection {
-        let [a, b, c] = found.corners_m;
-        for edge in [[a, b], [b, c], [c, a]] {
-            line(&painter, &projection, edge, 1.5);
+    selected(&painter, &projection, state);
+    measured(&painter, &projection, state);
+}
+
+/// Draws the outline of the selected surface, and a dot at the point that was clicked. Until the
+/// outline is found, the triangle is drawn.
+fn selected(painter: &egui::Painter, projection: &Projection, state: &AppState) {
+    let Some(found) = &state.selection.inspection else { return };
+    match state.selection.outline.as_ref().filter(|(triangle, _)| *triangle == found.triangle) {
+        Some((_, lines)) => {
+            for edge in lines.iter() {
+                line(painter, projection, *edge, 1.5);
+            }
+        }
+        None => {
+            let [a, b, c] = found.corners_m;
+            for edge in [[a, b], [b, c], [c, a]] {
+                line(painter, projection, edge, 1.5);
+            }
         }
     }
-    measured(&painter, &projection, &state.selection.measure);
+    if let Some(at) = projection.point(found.position_m) {
+        painter.circle(at, 4.0, LINE, Stroke::new(1.5, UNDER));
+    }
 }
 
 fn line(painter: &egui::Painter, projection: &Projection, ends_m: [DVec3; 2], width: f32) {
@@ -32,8 +49,11 @@ fn line(painter: &egui::Painter, projection: &Projection, ends_m: [DVec3; 2], wi
     }
 }
 
-fn measured(painter: &egui::Painter, projection: &Projection, measure: &Measure) {
-    if let Some(ends) = measure.ends() {
+/// Draws the distances of the document and the one that is being measured.
+fn measured(painter: &egui::Painter, projection: &Projection, state: &AppState) {
+    let measure = &state.selection.measure;
+    let kept = state.document.as_ref().map_or(&[][..], |document| &document.now().measures);
+    for ends in kept.iter().copied().chain(measure.ends()) {
         line(painter, projection, ends, 2.0);
         if let Some([a, b]) = projection.segment(ends) {
             let text = format!("{:.3} m", ends[0].distance(ends[1]));
@@ -41,12 +61,33 @@ fn measured(painter: &egui::Painter, projection: &Projection, measure: &Measure)
         }
     }
     let hover = measure.hover.as_ref().filter(|_| measure.is_on);
-    for snap in measure.points.iter().chain(hover) {
+    for snap in measure.first.iter().chain(hover) {
         if let Some(at) = projection.point(snap.position_m) {
             mark(painter, at, snap.kind);
         }
     }
 }
+
+/// Says over the viewport what a click does while distances are measured.
+pub fn banner(ctx: &egui::Context, viewport: Rect, measure: &Measure) {
+    if !measure.is_on {
+        return;
+    }
+    let which = if measure.first.is_none() { "first" } else { "second" };
+    let text = format!("Measuring: click the {which} point; Esc ends");
+    let at = viewport.center_top() + egui::vec2(0.0, BANNER_DOWN);
+    let area = egui::Area::new(egui::Id::unique("measuring")).fixed_pos(at).pivot(Align2::CENTER_TOP);
+    area.interactable(false).show(ctx, |ui| {
+        super::statistics::ground().show(ui, |ui| {
+            ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Extend);
+            ui.label(egui::RichText::new(text).color(LINE).strong());
+        });
+    });
+}
+
+/// Distance in points of the banner from the top of the viewport: the progress of a picture that is
+/// being saved fits above it.
+const BANNER_DOWN: f32 = 84.0;
 
 /// Marks a point: a square on a vertex, a diamond on an edge, a ring on a surface.
 fn mark(painter: &egui::Painter, at: Pos2, kind: SnapKind) {

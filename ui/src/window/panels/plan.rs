@@ -2,6 +2,7 @@
 //! references coloured by their contribution.
 
 use super::super::state::{AppState, Command, InspectCommand};
+use super::widgets::choice;
 use crate::window::input::keymap::{Action, keys_of};
 use crate::window::rendering::exchange::ReferenceInfo;
 use crate::window::rendering::floor_plan::{Plan, PlanView};
@@ -42,7 +43,9 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Plan map"));
     let sheet = Sheet::new(plan, &state.plan.view, state.navigation.fly.camera(), rect);
     draw(ui, state, &sheet);
+    super::plan_marks::show(ui, state, rect, sheet.points_per_metre);
     steer(ui, state, &sheet, &response, commands);
+    storey_choice(ui, state, plan, commands);
     buttons(ui, state, &sheet, commands);
     bake(ui, state, commands);
     selected(ui, state, plan, commands);
@@ -169,8 +172,9 @@ fn steer(ui: &Ui, state: &AppState, sheet: &Sheet, response: &Response, commands
         view.follows = false;
     }
     if let Some(at) = response.hover_pos() {
-        // Ctrl + wheel or a pinch zooms; the wheel alone scrolls the side panel.
-        let factor = ui.input(egui::InputState::zoom_delta);
+        // The wheel zooms, and does not scroll the side panel too.
+        let turned = ui.input_mut(|i| std::mem::take(&mut i.smooth_scroll_delta).y);
+        let factor = ui.input(egui::InputState::zoom_delta) * (turned / POINTS_PER_E).exp();
         if factor != 1.0 {
             view = view.zoomed(f64::from(factor), sheet.place(at));
         }
@@ -181,8 +185,43 @@ fn steer(ui: &Ui, state: &AppState, sheet: &Sheet, response: &Response, commands
     if let Some(at) = response.interact_pointer_pos().filter(|_| response.clicked()) {
         let distance = |r: &&ReferenceInfo| sheet.eye(&r.camera).distance(at);
         let nearest = references(state).iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        let hit = nearest.filter(|r| distance(r) <= CLICK_POINTS).map(|r| r.id);
-        commands.push(Command::Inspect(InspectCommand::SelectReference(hit)));
+        match nearest.filter(|r| distance(r) <= CLICK_POINTS) {
+            Some(hit) => commands.push(Command::Inspect(InspectCommand::SelectReference(Some(hit.id)))),
+            None => commands.push(Command::EaseTo(gone_to(state, sheet, at))),
+        }
+    }
+}
+
+/// Points that the wheel turns for a magnification by e.
+const POINTS_PER_E: f32 = 200.0;
+
+/// Height of the eye above the floor after a click, in metres.
+const EYE_M: f64 = 1.6;
+
+/// Returns the camera at a place of the plan, at eye height over the floor of its storey.
+fn gone_to(state: &AppState, sheet: &Sheet, at: Pos2) -> Camera {
+    let camera = *state.navigation.fly.camera();
+    let place = sheet.place(at) + sheet.plan.origin_m;
+    let height = sheet.plan.floor_m.map_or(camera.eye.y, |floor| floor + EYE_M);
+    Camera { eye: DVec3::new(place.x, height, place.y), ..camera }
+}
+
+/// Shows the choice of storeys, where there are several.
+fn storey_choice(ui: &mut Ui, state: &AppState, plan: &Plan, commands: &mut Vec<Command>) {
+    if plan.storeys_m.len() < 2 {
+        return;
+    }
+    let name = |floor: f64| format!("floor at {floor:.1} m");
+    let mut chosen = state.plan.storey_m;
+    let selected = chosen.map_or("where you are".to_owned(), name);
+    let floors = plan.storeys_m.iter().rev().map(|floor| (Some(*floor), name(*floor)));
+    let choices = [(None, "where you are".to_owned())].into_iter().chain(floors);
+    ui.horizontal(|ui| {
+        let label = ui.label("Storey");
+        choice(ui, "storey", &selected, &mut chosen, choices).labelled_by(label.id);
+    });
+    if chosen != state.plan.storey_m {
+        commands.push(Command::Inspect(InspectCommand::ShowStorey(chosen)));
     }
 }
 
@@ -226,8 +265,8 @@ fn selected(ui: &mut Ui, state: &AppState, plan: &Plan, commands: &mut Vec<Comma
         None => {
             let height = plan.height_m;
             ui.weak(format!(
-                "Section at {height:.1} m. Blue: camera; pink: camera path. Click a reference to select it; drag to pan, \
-                 Ctrl + wheel to zoom."
+                "Section at {height:.1} m. Blue: camera; pink: camera path. Click to go there, or a reference to \
+                 select it; drag to pan, wheel to zoom."
             ));
         }
         Some(reference) => super::references::entry(ui, state, reference, "selected reference", commands),

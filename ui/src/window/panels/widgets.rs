@@ -87,12 +87,13 @@ pub fn text_field(
 }
 
 /// A small picture of the view of a camera; grey until it is rendered.
-pub fn thumbnail(ui: &mut Ui, state: &AppState, camera: &afterimage::Camera) {
-    let (rect, _) = ui.allocate_exact_size(egui::vec2(72.0, 45.0), egui::Sense::hover());
+pub fn thumbnail(ui: &mut Ui, state: &AppState, camera: &afterimage::Camera) -> egui::Response {
+    let (rect, response) = ui.allocate_exact_size(egui::vec2(72.0, 45.0), egui::Sense::hover());
     ui.painter().rect_filled(rect, 3.0, Color32::from_gray(70));
     if let Some(texture) = state.thumbnails.of(camera) {
         egui::Image::new(texture).corner_radius(3.0).paint_at(ui, rect);
     }
+    response
 }
 
 /// A small square in the colour of a type, with the numbers of [`type_color`]. It is hatched from

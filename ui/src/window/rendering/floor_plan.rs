@@ -8,11 +8,73 @@ use rayon::prelude::*;
 /// time to draw.
 const MAX_LINES: usize = 20_000;
 
+/// Height of the cut of a storey above its floor, in metres: through windows and doors, as
+/// architects cut.
+pub const CUT_M: f64 = 1.2;
+
+/// Largest height of an eye above the floor of its storey, in metres.
+const STOREY_M: f64 = 4.0;
+
+/// Floors are nearer to each other in the same storey: steps, platforms, in metres.
+const LEAST_STOREY_M: f64 = 2.0;
+
+/// Floors within this height are counted together, in metres.
+const STEP_M: f64 = 0.1;
+
+/// A floor has this share of the area of the largest one, at least.
+const LEAST_SHARE: f64 = 0.2;
+
+/// Number of steps of height that are counted: a tower of a thousand metres.
+const MOST_STEPS: f64 = 10_000.0;
+
+/// Returns the heights of a building's floors in world metres, the lowest first: where most
+/// horizontal area that faces upwards lies.
+pub fn storeys(scene: &Scene) -> Vec<f64> {
+    let [low, high] = scene.building_m;
+    let count = (((high.y - low.y) / STEP_M).ceil() + 1.0).clamp(1.0, MOST_STEPS) as usize;
+    // Area and area times height of each step of height.
+    let mut steps = vec![[0.0, 0.0]; count];
+    for t in 0..scene.triangles.len() as u32 {
+        let [a, b, c] = scene.corners(t).map(|p| scene.frame.world_from_scene(p));
+        let area = (b - a).cross(c - a) / 2.0;
+        let middle = (a + b + c) / 3.0;
+        let is_inside = (low - STEP_M).cmple(middle).all() && middle.cmple(high + STEP_M).all();
+        if is_inside && area.y > 0.99 * area.length() {
+            let at = ((middle.y - low.y) / STEP_M).clamp(0.0, count as f64 - 1.0) as usize;
+            steps[at][0] += area.y;
+            steps[at][1] += area.y * middle.y;
+        }
+    }
+    floors_of(steps)
+}
+
+/// Returns the heights of the largest areas that are a storey apart.
+fn floors_of(mut steps: Vec<[f64; 2]>) -> Vec<f64> {
+    steps.sort_by(|a, b| b[0].total_cmp(&a[0]));
+    let largest = steps.first().map_or(0.0, |step| step[0]);
+    let mut floors: Vec<f64> = Vec::new();
+    for [area, moment] in steps {
+        if area <= 0.0 || area < LEAST_SHARE * largest {
+            break;
+        }
+        let height = moment / area;
+        if floors.iter().all(|floor| (floor - height).abs() >= LEAST_STOREY_M) {
+            floors.push(height);
+        }
+    }
+    floors.sort_by(f64::total_cmp);
+    floors
+}
+
 /// Horizontal cut through a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     /// Height of the cut in world metres.
     pub height_m: f64,
+    /// Heights of the building's floors in world metres, the lowest first; empty where it has none.
+    pub storeys_m: Vec<f64>,
+    /// The floor below the cut.
+    pub floor_m: Option<f64>,
     /// Lines as (x, z) of both ends, in metres from `origin_m`.
     pub lines: Vec<[[f32; 2]; 2]>,
     /// Origin of the lines as (x, z), in world metres.
@@ -40,7 +102,18 @@ impl Plan {
             lines.truncate(MAX_LINES);
         }
         let half = (high - low) / 2.0;
-        Self { height_m, lines, origin_m, half_extent_m: DVec2::new(half.x, half.z) }
+        let half_extent_m = DVec2::new(half.x, half.z);
+        Self { height_m, storeys_m: Vec::new(), floor_m: None, lines, origin_m, half_extent_m }
+    }
+
+    /// Cuts the storey above a floor, or the one that the eye is in; where there is none, at the
+    /// height of the eye.
+    pub fn of_storey(scene: &Scene, floor_m: Option<f64>, eye_m: f64) -> Self {
+        let storeys_m = storeys(scene);
+        let below = storeys_m.iter().rev().find(|floor| (0.0..STOREY_M).contains(&(eye_m - *floor)));
+        let floor_m = floor_m.or(below.copied());
+        let height_m = floor_m.map_or(eye_m, |floor| floor + CUT_M);
+        Self { storeys_m, floor_m, ..Self::cut(scene, height_m) }
     }
 
     /// Returns (x, z) of a world position, in metres from the plan's origin.
@@ -123,6 +196,26 @@ mod tests {
         }));
         assert_eq!(plan.place(DVec3::new(101.0, 0.0, 2.0)), DVec2::new(1.0, 2.0));
         assert_eq!(Plan::cut(&scene, 20.0).lines.len(), 0);
+    }
+
+    #[test]
+    fn the_storeys_of_a_house_are_its_floors() {
+        let mut b = SceneBuilder::new("house");
+        let m = b.add_material(Material::diffuse("m", Vec3::ONE));
+        let side = DVec3::new(8.0, 0.0, 0.0);
+        for (height, depth) in [(0.0, 6.0), (2.9, 6.0), (0.75, 1.0), (5.8, 5.0)] {
+            afterimage::scene::shapes::quad(&mut b, DVec3::new(0.0, height, 0.0), DVec3::Z * depth, side, m);
+            // Its ceiling from below.
+            afterimage::scene::shapes::quad(&mut b, DVec3::new(0.0, height - 0.2, 0.0), side, DVec3::Z * depth, m);
+        }
+        let scene = b.finish().unwrap();
+        let floors = storeys(&scene);
+        assert_eq!(floors.len(), 3, "{floors:?}");
+        assert!(floors.iter().zip([0.0, 2.9, 5.8]).all(|(a, b)| (a - b).abs() < 1e-3), "{floors:?}");
+        let plan = Plan::of_storey(&scene, None, 4.5);
+        assert!((plan.height_m - 4.1).abs() < 1e-3, "{plan:?}");
+        let plan = Plan::of_storey(&scene, Some(floors[0]), 4.5);
+        assert!((plan.height_m - 1.2).abs() < 1e-3 && plan.floor_m == Some(floors[0]));
     }
 
     #[test]

@@ -111,6 +111,8 @@ pub struct PlanState {
     pub cut: Option<Arc<Plan>>,
     /// Eye height in metres of the last cut that was begun, also if it failed.
     pub asked_m: Option<f64>,
+    /// Floor of the storey that was chosen, in world metres; `None` for that of the camera.
+    pub storey_m: Option<f64>,
     /// The part of the cut that is shown.
     pub view: PlanView,
     /// Walkable places, world metres, each with the share of what is seen from it that stored

@@ -66,6 +66,10 @@ pub enum NavigationCommand {
     RemoveView(usize),
     Rename(Option<(usize, String)>),
     FinishRenaming,
+    /// Moves a saved view to the current pose.
+    UpdateView(usize),
+    /// Goes back to where the camera was before it was sent somewhere.
+    GoBack,
     PastePose(String),
     SetMoveMode(MoveMode),
     AddPathKey,
@@ -98,12 +102,15 @@ pub enum InspectCommand {
     SelectMaterial(MaterialId),
     SelectObject(ObjectKey),
     ToggleMeasure,
-    ClearMeasure,
+    ClearMeasures,
+    RemoveMeasure(usize),
     SelectReference(Option<ReferenceId>),
     EnableReference(ReferenceId, bool),
     ShowReference(ReferenceId),
     CloseReference,
     SetPlanView(PlanView),
+    /// Shows the storey above a floor, or the one that the camera is in.
+    ShowStorey(Option<f64>),
     FilterReport(String),
 }
 

@@ -5,6 +5,7 @@ use afterimage::raster::pixel_types::PixelType;
 use afterimage::reference::ReferenceId;
 use afterimage::scene::{MaterialId, ObjectKey};
 use glam::{DVec3, Vec3};
+use std::sync::Arc;
 
 /// The surface that was clicked on.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,6 +26,8 @@ pub struct Inspection {
     pub material: MaterialId,
     /// Object that the triangle belongs to, if it has a name.
     pub object: Option<ObjectKey>,
+    /// The camera through which it was clicked.
+    pub camera: Camera,
     /// What the shown frame knows about the pixel; `None` where the frame has another pose.
     pub pixel: Option<PixelFacts>,
 }
@@ -62,31 +65,28 @@ pub struct Snap {
     pub kind: SnapKind,
 }
 
-/// A measurement between two clicks.
+/// A distance that is being measured with two clicks. Complete ones are in the document.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Measure {
     /// True while clicks set points.
     pub is_on: bool,
-    /// The points that were set, at most two.
-    pub points: Vec<Snap>,
+    /// The first point, once it is set.
+    pub first: Option<Snap>,
     /// The point that a click would set.
     pub hover: Option<Snap>,
 }
 
 impl Measure {
-    /// Returns both ends in world metres. The second one is under the cursor until it is set.
+    /// Returns both ends in world metres. The second one is under the cursor.
     pub fn ends(&self) -> Option<[DVec3; 2]> {
-        let second = self.points.get(1).or(self.hover.as_ref().filter(|_| self.is_on))?;
-        Some([self.points.first()?.position_m, second.position_m])
+        let second = self.hover.as_ref().filter(|_| self.is_on)?;
+        Some([self.first.as_ref()?.position_m, second.position_m])
     }
 
     /// Begins or ends measuring. A pair that is half finished is dropped, so that the next click
     /// sets a first point.
     pub fn switch(&mut self, is_on: bool) {
-        (self.is_on, self.hover) = (is_on, None);
-        if self.points.len() == 1 {
-            self.points.clear();
-        }
+        *self = Self { is_on, ..Self::default() };
     }
 
     /// Ends measuring; returns whether it was on.
@@ -96,12 +96,15 @@ impl Measure {
         was_on
     }
 
-    /// Sets the next point; a third one starts a new measurement.
-    pub fn set(&mut self, point: Snap) {
-        if self.points.len() >= 2 {
-            self.points.clear();
+    /// Sets the next point; the second one completes a pair, which is returned in world metres.
+    pub fn set(&mut self, point: Snap) -> Option<[DVec3; 2]> {
+        match self.first.take() {
+            Some(first) => Some([first.position_m, point.position_m]),
+            None => {
+                self.first = Some(point);
+                None
+            }
         }
-        self.points.push(point);
     }
 }
 
@@ -110,11 +113,14 @@ impl Measure {
 pub struct Selection {
     /// The surface that was clicked on last.
     pub inspection: Option<Inspection>,
+    /// Triangle of the surface that was clicked, and the outline of the plane around it: lines in
+    /// world metres.
+    pub outline: Option<(u32, Arc<Vec<[DVec3; 2]>>)>,
     /// The material whose properties are shown.
     pub material: Option<MaterialId>,
     /// The object that can be moved, hidden and deleted.
     pub object: Option<ObjectKey>,
-    /// The distances that are being measured.
+    /// The distance that is being measured.
     pub measure: Measure,
     /// The reference that was selected in the plan or the list.
     pub reference: Option<ReferenceId>,
