@@ -260,3 +260,38 @@ fn a_half_finished_distance_is_dropped_when_measuring_ends() {
     assert!(selection(harness.state()).measure.first.is_some(), "a first point, not a second one");
     assert!(measures(harness.state()).is_empty());
 }
+
+#[test]
+fn a_click_on_the_plan_goes_there_at_eye_height() {
+    let mut harness = app();
+    step_until(&mut harness, "a plan", |app| app.state().plan.cut.is_some());
+    let plan = harness.state().state().plan.cut.clone().expect("a plan");
+    assert!(plan.floor_m.expect("a floor").abs() < 1e-3, "{:?}", plan.storeys_m);
+    harness.get_by_label("Plan map").scroll_to_me();
+    harness.run_steps(30);
+    let mut rect = egui::Rect::NOTHING;
+    while harness.get_by_label("Plan map").rect() != rect {
+        rect = harness.get_by_label("Plan map").rect();
+        harness.run_steps(10);
+    }
+    // A corner of the room, where no reference is.
+    let at = rect.center() + egui::vec2(-40.0, -60.0);
+    harness.hover_at(at);
+    harness.step();
+    for pressed in [true, false] {
+        let (button, modifiers) = (egui::PointerButton::Primary, egui::Modifiers::NONE);
+        harness.event(egui::Event::PointerButton { pos: at, button, pressed, modifiers });
+        harness.step();
+    }
+    harness.run_steps(90);
+    let eye = camera(&harness).eye;
+    assert!((eye.y - 1.6).abs() < 1e-3 && eye.x < -0.5 && eye.z < -0.5, "{eye}");
+    let zoom = harness.state().state().plan.view.zoom();
+    harness.hover_at(at);
+    let (unit, delta) = (egui::MouseWheelUnit::Line, egui::vec2(0.0, 3.0));
+    let (phase, modifiers) = (egui::TouchPhase::Move, egui::Modifiers::NONE);
+    let source = egui::MouseWheelSource::Unknown;
+    harness.event(egui::Event::MouseWheel { unit, delta, phase, source, modifiers });
+    harness.run_steps(10);
+    assert!(harness.state().state().plan.view.zoom() > zoom, "the wheel zooms");
+}

@@ -3,7 +3,8 @@
 
 use super::{Parts, Services};
 use crate::window::rendering::{
-    CUT_M, Plan, ReferenceRadiance, RenderCommand, TaskError, TaskHandle, spawn_task, surface_outline, take_result,
+    CUT_M, Plan, ReferenceRadiance, RenderCommand, TaskError, TaskHandle, spawn_task, surface_outline,
+    take_result,
 };
 use crate::window::state::{AppState, Change, InspectCommand, ReferenceView, Work};
 use afterimage::raster::color;
@@ -54,8 +55,11 @@ fn change_measures(state: &mut AppState, change: impl FnOnce(&mut Vec<[DVec3; 2]
 pub(super) fn update_outline(app: &mut Parts) {
     let selection = &mut app.state.selection;
     let wanted = selection.inspection.as_ref().map(|found| found.triangle);
-    if let Some(Ok((triangle, lines))) = take_result(&mut app.services.outline) {
-        selection.outline = Some((triangle, Arc::new(lines)));
+    match take_result(&mut app.services.outline) {
+        Some(Ok((triangle, lines))) => selection.outline = Some((triangle, Arc::new(lines))),
+        // Without an outline, the triangle is drawn.
+        Some(Err(_)) => selection.outline = wanted.map(|triangle| (triangle, Arc::default())),
+        None => {}
     }
     if selection.outline.as_ref().map(|(triangle, _)| *triangle) == wanted {
         return;
@@ -86,8 +90,9 @@ pub(super) fn update_plan(app: &mut Parts) {
     }
     app.state.plan.asked_m = Some(wanted_m);
     let scene = tracer.scene().clone();
-    app.services.plan =
-        Some(spawn_task("plan", app.services.wake.clone(), move |_| Ok(Plan::of_storey(&scene, storey_m, eye_m))));
+    app.services.plan = Some(spawn_task("plan", app.services.wake.clone(), move |_| {
+        Ok(Plan::of_storey(&scene, storey_m, eye_m))
+    }));
 }
 
 /// Traces small pictures of all views and references while the renderer is idle.

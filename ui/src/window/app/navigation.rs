@@ -42,26 +42,16 @@ pub(super) fn handle_navigation(state: &mut AppState, services: &mut Services, c
             change_path(state, path, f64::INFINITY);
             state.info(format!("key {count} of the camera path was set here"));
         }
-        NavigationCommand::RemovePathKey(index) => {
-            let at_secs = navigation.playback.at_secs;
-            let path = without_key(state.path(), index);
-            change_path(state, path, at_secs);
+        NavigationCommand::RemovePathKey(index) => edit_path(state, |path, _| without_key(path, index)),
+        NavigationCommand::UpdatePathKey(index) => {
+            edit_path(state, |path, camera| with_key_moved(path, index, camera));
         }
+        NavigationCommand::SetPathSecs(secs) => edit_path(state, |path, _| lasting(path, secs)),
         NavigationCommand::GoToPathKey(index) => {
             if let Some(camera) = key_pose(state.path(), index) {
                 state.navigation.playback.is_playing = false;
-                state.navigation.fly.ease_to(camera);
+                go_to(&mut state.navigation, camera);
             }
-        }
-        NavigationCommand::UpdatePathKey(index) => {
-            let at_secs = navigation.playback.at_secs;
-            let path = with_key_moved(state.path(), index, state.navigation.fly.camera());
-            change_path(state, path, at_secs);
-        }
-        NavigationCommand::SetPathSecs(secs) => {
-            let at_secs = navigation.playback.at_secs;
-            let path = lasting(state.path(), secs);
-            change_path(state, path, at_secs);
         }
         NavigationCommand::SetPlayback(playback) => {
             navigation.playback = playback;
@@ -93,6 +83,13 @@ fn change_path(state: &mut AppState, path: CameraPath, at_secs: f64) {
     let Some(document) = &mut state.document else { return };
     state.navigation.playback.pause_at(&path, at_secs);
     document.change(Change::Path(Some(path)));
+}
+
+/// Changes the path that is shown, which the user's follows from; the time stays. `change` is given
+/// the pose of the camera as well.
+fn edit_path(state: &mut AppState, change: impl FnOnce(&CameraPath, &Camera) -> CameraPath) {
+    let path = change(state.path(), state.navigation.fly.camera());
+    change_path(state, path, state.navigation.playback.at_secs);
 }
 
 fn go_to_view(state: &mut AppState, index: usize) {

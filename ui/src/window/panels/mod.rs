@@ -27,7 +27,7 @@ pub mod settings;
 pub mod side;
 pub mod statistics;
 mod sun_time;
-pub mod typed;
 pub mod toolbar;
+pub mod typed;
 pub mod views;
 pub mod widgets;

@@ -24,7 +24,12 @@ pub fn show(ui: &Ui, viewport: Rect, state: &AppState) {
 /// outline is found, the triangle is drawn.
 fn selected(painter: &egui::Painter, projection: &Projection, state: &AppState) {
     let Some(found) = &state.selection.inspection else { return };
-    match state.selection.outline.as_ref().filter(|(triangle, _)| *triangle == found.triangle) {
+    match state
+        .selection
+        .outline
+        .as_ref()
+        .filter(|(triangle, lines)| *triangle == found.triangle && !lines.is_empty())
+    {
         Some((_, lines)) => {
             for edge in lines.iter() {
                 line(painter, projection, *edge, 1.5);

@@ -206,7 +206,13 @@ mod tests {
         for (height, depth) in [(0.0, 6.0), (2.9, 6.0), (0.75, 1.0), (5.8, 5.0)] {
             afterimage::scene::shapes::quad(&mut b, DVec3::new(0.0, height, 0.0), DVec3::Z * depth, side, m);
             // Its ceiling from below.
-            afterimage::scene::shapes::quad(&mut b, DVec3::new(0.0, height - 0.2, 0.0), side, DVec3::Z * depth, m);
+            afterimage::scene::shapes::quad(
+                &mut b,
+                DVec3::new(0.0, height - 0.2, 0.0),
+                side,
+                DVec3::Z * depth,
+                m,
+            );
         }
         let scene = b.finish().unwrap();
         let floors = storeys(&scene);

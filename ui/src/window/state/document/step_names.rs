@@ -63,6 +63,7 @@ fn plain_name(change: &Change) -> String {
     match change {
         Change::Light(name, _) => format!("light {name}"),
         Change::Daylight(..) => "sun and sky".to_owned(),
+        Change::Ground(_) => "ground".to_owned(),
         Change::Views(_) => "views".to_owned(),
         Change::Path(_) => "camera path".to_owned(),
         Change::Measures(_) => "distances".to_owned(),
