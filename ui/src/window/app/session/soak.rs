@@ -81,12 +81,12 @@ impl Desk {
                 Change::Material(MaterialId(id), Box::new(material))
             }
             1 => {
-                let key = ObjectKey::first(["box", "lid"][dice.below(2) as usize]);
+                let name = ["box", "lid"][dice.below(2) as usize];
                 let moved_m = if dice.below(3) == 0 { DVec3::ZERO } else { dice.point() };
-                Change::Object(
-                    key,
-                    ObjectEdit { moved_m, is_hidden: dice.below(3) == 0, ..Default::default() },
-                )
+                // Something of the model must be left.
+                let is_hidden = name == "lid" && dice.below(3) == 0;
+                let edit = ObjectEdit { moved_m, is_hidden, ..ObjectEdit::default() };
+                Change::Object(ObjectKey::first(name), edit)
             }
             2 => daylight(dice, &now.sun),
             7 => Change::Ground((dice.below(2) == 0).then(|| ground(dice))),
@@ -205,9 +205,9 @@ fn material(dice: &mut Dice, now: &Material) -> Material {
     let (color, other) = (part(), part());
     let (kind, diffuse) = match dice.below(4) {
         0 => (MaterialKind::Mirror { reflectance: color, fresnel: dice.below(2) == 0 }, Vec3::ZERO),
-        1 => (MaterialKind::Glass { eta: 1.0 + dice.unit() as f32, transmittance: color }, Vec3::ZERO),
+        1 => (MaterialKind::Glass { eta: 1.1 + dice.unit() as f32, transmittance: color }, Vec3::ZERO),
         2 => {
-            let (eta, roughness) = (1.0 + dice.unit() as f32, dice.unit() as f32);
+            let (eta, roughness) = (1.1 + dice.unit() as f32, 0.1 + 0.8 * dice.unit() as f32);
             (MaterialKind::Frosted { eta, transmittance: color, roughness }, Vec3::ZERO)
         }
         _ => (MaterialKind::Diffuse, color),
@@ -222,9 +222,11 @@ fn ground(dice: &mut Dice) -> Ground {
 fn daylight(dice: &mut Dice, now: &SunControls) -> Change {
     let mut sun = SunControls { is_by_place: dice.below(2) == 0, ..now.clone() };
     sun.direction = SunPosition { azimuth_deg: 360.0 * dice.unit(), height_deg: 80.0 * dice.unit() + 1.0 };
-    sun.place.hours = 24.0 * dice.unit();
+    // By day, and not without any light: a model without light gets that of a day when it is read.
+    sun.place.hours = 10.0 + 4.0 * dice.unit();
     sun.north_deg = (90.0 * dice.unit()).round();
-    (sun.has_sun, sun.has_sky) = (dice.below(3) > 0, dice.below(3) > 0);
+    sun.has_sky = dice.below(3) > 0;
+    sun.has_sun = !sun.has_sky || dice.below(3) > 0;
     let daylight = sun.daylight();
     Change::Daylight(daylight, Box::new(sun))
 }
