@@ -288,7 +288,7 @@ fn unit_mesh() -> (Vec<DVec2>, Vec<[u32; 3]>) {
 /// Returns the vertices around the inner square, counter-clockwise on a plan with z pointing down.
 fn border(side: u32) -> Vec<u32> {
     let last = side - 1;
-    let top = (0..last).map(|x| x);
+    let top = 0..last;
     let right = (0..last).map(|z| z * side + last);
     let bottom = (0..last).map(|x| last * side + last - x);
     let left = (0..last).map(|z| (last - z) * side);
