@@ -90,9 +90,11 @@ fn lattice_point(column: i32, row: i32, y: f64) -> DVec3 {
     DVec3::new(f64::from(column) * STEP_M, y, f64::from(row) * STEP_M)
 }
 
-/// Returns the height of the floor within a storey below an eye, world metres.
+/// Returns the height of the floor within a storey below an eye, world metres. A ground that was
+/// added is none: it has no end.
 fn floor_below(tracer: &Tracer, eye: DVec3) -> Option<f64> {
-    tracer.probe(eye, DVec3::NEG_Y, EYE_HEIGHT_M + STOREY_M).map(|p| p.position_m.y)
+    let floor = tracer.probe(eye, DVec3::NEG_Y, EYE_HEIGHT_M + STOREY_M);
+    floor.filter(|p| !tracer.scene().is_added_ground(p.triangle)).map(|p| p.position_m.y)
 }
 
 /// Returns the neighbouring position, if a person can walk there.
