@@ -194,9 +194,14 @@ fn place_rows(ui: &mut Ui, place: &mut PlaceAndTime) {
     date_row(ui, place);
     let help = "Local time of the place, with summer time where its zone has it";
     let label = ui.label("Time of day").on_hover_text(help);
-    let clock = Slider::new(&mut place.hours, 0.0..=24.0).custom_formatter(|hours, _| clock_text(hours));
+    let mut hours = place.hours;
+    let clock = Slider::new(&mut hours, 0.0..=24.0).custom_formatter(|hours, _| clock_text(hours));
     let clock = clock.clamping(SliderClamping::Edits).update_while_editing(false);
     ui.add(clock.custom_parser(clock_hours).step_by(1.0 / 12.0)).labelled_by(label.id).on_hover_text(help);
+    // A field that is left without a change sets its own text, in whole minutes.
+    if clock_text(hours) != clock_text(place.hours) {
+        place.hours = hours;
+    }
     ui.end_row();
     let help = "Time zone by its name in the IANA database, such as Europe/Berlin";
     let label = ui.label("Time zone").on_hover_text(help);
