@@ -200,17 +200,18 @@ fn the_system_ends_the_program_without_a_question_and_loses_nothing() {
 #[test]
 fn undo_of_light_keeps_place_and_time_which_flipped_to_a_direction_before() {
     let mut window = app();
-    window.get_by_label("Sun and sky").click_accesskit();
-    window.run_steps(30);
+    show_tab(&mut window, "Look");
     window.get_by_label("Sun").click_accesskit();
     window.run_steps(3);
     window.get_by_label("By place and time").click_accesskit();
     window.run_steps(3);
     settle(&mut window);
     let is_by_place = |app: &App| document(app).now().sun.is_by_place;
+    show_tab(&mut window, "Scene");
     editing::click(&mut window, 0.0, 180.0);
     window.get_by_label("Mirror").click_accesskit();
     window.run_steps(2);
+    show_tab(&mut window, "Look");
     window.get_by_label("Sky").click_accesskit();
     step_until(&mut window, "a sky", |app| document(app).scene().daylight.sky.is_some());
     window.key_press_modifiers(Modifiers::COMMAND, Key::Z);

@@ -227,6 +227,7 @@ fn a_path_plays_while_its_section_is_open() {
     arrive(&mut harness);
     harness.key_press(Key::K);
     harness.step();
+    show_tab(&mut harness, "Camera");
     harness.get_by_label_contains("Camera path").scroll_to_me();
     harness.run_steps(3);
     harness.get_by_label_contains("Camera path").click();

@@ -35,7 +35,7 @@ impl Canvas {
             ui.scope_builder(egui::UiBuilder::new().max_rect(inner), |ui| statistics::show(ui, state));
         }
         if state.options.heatmap != Heatmap::Off && inner.is_positive() {
-            panels::legend::over_viewport(ui, inner, state);
+            panels::legend::over_viewport(ui.ctx(), inner, state);
         }
         if !state.navigation.has_moved && state.loading.is_none() && inner.is_positive() {
             statistics::hint(ui, rect);

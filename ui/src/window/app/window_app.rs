@@ -203,6 +203,7 @@ impl eframe::App for App {
         let mut commands =
             key_commands(&self.parts.state, &mut self.input, self.parts.current.obstacles.as_ref(), ui.ctx());
         let (response, canvas) = self.show_panels(ui, &mut commands);
+        panels::comparison::explain(ui, response.rect, &self.parts.state);
         panels::comparison::split_line(ui, response.rect, &self.parts.state, &mut commands);
         steer(&mut self.parts.state, &mut self.input, self.parts.current.obstacles.as_ref(), &response);
         self.show_dialogs(ui, response.rect, &mut commands);

@@ -1,9 +1,10 @@
 //! Comparison of the picture with the full tracer's.
 
 use super::super::state::{AppState, Command, Compare};
-use super::{numbers::Number, widgets::key_hint};
+use super::{numbers::Number, statistics, widgets::key_hint};
 use crate::window::input::keymap::{Action, keys_of};
-use egui::{Sense, Ui};
+use afterimage::raster::metrics::error_picture;
+use egui::{Align2, Sense, Ui};
 
 /// Shows the controls and the results.
 pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
@@ -43,6 +44,53 @@ pub fn figures(state: &AppState) -> Vec<(&'static str, String)> {
         figures.push(("FLIP", format!("{:.4}", error.flip_mean)));
     }
     figures
+}
+
+/// Explains the comparison over the viewport: which half is which, or what the colours mean.
+pub fn explain(ui: &Ui, viewport: egui::Rect, state: &AppState) {
+    let comparison = &state.comparison;
+    let Some(progress) = comparison.progress_text().filter(|_| comparison.full.is_some()) else { return };
+    let truth = format!("full tracer, {progress}");
+    match comparison.shows {
+        _ if comparison.is_held => sign(ui, viewport.center_top() + GAP, Align2::CENTER_TOP, &truth),
+        Compare::Split => {
+            let x = viewport.left() + viewport.width() * comparison.split;
+            let at = |aside: f32| egui::pos2(x + aside, viewport.top()) + GAP;
+            sign(ui, at(-10.0), Align2::RIGHT_TOP, "this picture");
+            sign(ui, at(10.0), Align2::LEFT_TOP, &truth);
+        }
+        Compare::Errors => error_bar(ui, viewport),
+        Compare::Off => {}
+    }
+}
+
+/// Distance of signs from the top of the viewport.
+const GAP: egui::Vec2 = egui::vec2(0.0, 10.0);
+
+fn sign(ui: &Ui, at: egui::Pos2, align: Align2, text: &str) {
+    let font = egui::TextStyle::Body.resolve(ui.style());
+    let galley = ui.painter().layout_no_wrap(text.to_owned(), font, statistics::TEXT);
+    let rect = align.anchor_size(at, galley.size() + egui::vec2(16.0, 8.0));
+    ui.painter().rect_filled(rect, 5.0, statistics::GROUND);
+    ui.painter().galley(rect.min + egui::vec2(8.0, 4.0), galley, statistics::TEXT);
+}
+
+/// Steps of the bar that shows the colours of errors.
+const BAR_STEPS: usize = 32;
+
+/// Shows the colours of the error map from equal to the largest difference.
+fn error_bar(ui: &Ui, viewport: egui::Rect) {
+    let bar = Align2::CENTER_BOTTOM.anchor_size(viewport.center_bottom() - GAP, egui::vec2(192.0, 14.0));
+    ui.painter().rect_filled(bar.expand(4.0), 4.0, statistics::GROUND);
+    let errors: Vec<f32> = (0..BAR_STEPS).map(|i| i as f32 / (BAR_STEPS - 1) as f32).collect();
+    let width = bar.width() / BAR_STEPS as f32;
+    for (i, [r, g, b]) in error_picture(&errors).into_iter().enumerate() {
+        let corner = bar.min + egui::vec2(width * i as f32, 0.0);
+        let step = egui::Rect::from_min_size(corner, egui::vec2(width + 0.5, bar.height()));
+        ui.painter().rect_filled(step, 0.0, egui::Color32::from_rgb(r, g, b));
+    }
+    sign(ui, bar.left_center() - egui::vec2(8.0, 0.0), Align2::RIGHT_CENTER, "equal");
+    sign(ui, bar.right_center() + egui::vec2(8.0, 0.0), Align2::LEFT_CENTER, "black for white");
 }
 
 /// The draggable line between the two pictures.

@@ -6,7 +6,7 @@ use egui::{RichText, Ui};
 
 /// Shows the overlay that lists all keys.
 pub fn show(ctx: &egui::Context, state: &AppState, commands: &mut Vec<Command>) {
-    let room = ctx.content_rect().size() - egui::vec2(60.0, 118.0);
+    let room = ctx.content_rect().size() - egui::vec2(60.0, 170.0);
     let modal = egui::Modal::new(egui::Id::unique("help")).show(ctx, |ui| {
         ui.set_width(room.x.clamp(200.0, WIDTH));
         ui.horizontal(|ui| {
@@ -17,6 +17,7 @@ pub fn show(ctx: &egui::Context, state: &AppState, commands: &mut Vec<Command>) 
                 }
             });
         });
+        ui.label(SEEING);
         ui.label("Keys are named by their position on a US keyboard.");
         ui.separator();
         let height = room.y.max(80.0);
@@ -26,6 +27,11 @@ pub fn show(ctx: &egui::Context, state: &AppState, commands: &mut Vec<Command>) 
         commands.push(Command::SetOptions(Options { shows_help: false, ..state.options }));
     }
 }
+
+/// What the window shows, in a few sentences.
+const SEEING: &str = "The picture is ray traced. Light that was traced for earlier views is reused where it still holds; \
+    the heatmap (T) shows where: reused, mirror or glass, or traced for this picture. The tabs at the right follow a \
+    visit: the scene, its look, the camera, the method, and its numbers.";
 
 /// Width in points that fits both columns.
 const WIDTH: f32 = 920.0;

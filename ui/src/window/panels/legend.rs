@@ -51,16 +51,17 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     });
 }
 
-/// Shows the meaning of the colours over the viewport, at the lower left of `room`.
-pub fn over_viewport(ui: &mut Ui, room: egui::Rect, state: &AppState) {
-    let layout = egui::Layout::bottom_up(egui::Align::LEFT);
-    ui.scope_builder(egui::UiBuilder::new().max_rect(room).layout(layout), |ui| {
+/// Shows the meaning of the colours over the viewport, at the lower left of `room`. Drags go through
+/// it.
+pub fn over_viewport(ctx: &egui::Context, room: egui::Rect, state: &AppState) {
+    let area = egui::Area::new(egui::Id::unique("legend")).pivot(egui::Align2::LEFT_BOTTOM);
+    area.fixed_pos(room.left_bottom()).interactable(false).show(ctx, |ui| {
         statistics::ground().show(ui, |ui| {
             ui.style_mut().interaction.selectable_labels = false;
-            ui.with_layout(egui::Layout::top_down(egui::Align::LEFT), |ui| match state.options.coloring {
+            match state.options.coloring {
                 Coloring::ByType => types_over(ui, state),
                 Coloring::ByReference => references_over(ui, state),
-            });
+            }
         });
     });
 }

@@ -11,7 +11,8 @@ use egui::{Color32, RichText, Ui};
 /// Text colour, legible on the dark background over any picture.
 pub const TEXT: Color32 = Color32::from_gray(235);
 const DIM: Color32 = Color32::from_gray(170);
-const GROUND: Color32 = Color32::from_rgba_premultiplied(0, 0, 0, 185);
+/// Dark, translucent background of texts over the picture.
+pub const GROUND: Color32 = Color32::from_rgba_premultiplied(0, 0, 0, 185);
 
 /// A dark, translucent background on which text is legible over any picture.
 pub fn ground() -> egui::Frame {

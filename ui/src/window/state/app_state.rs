@@ -174,10 +174,11 @@ impl AppState {
     /// Returns the title of the window: the scene, with a mark while changes are not saved.
     pub fn title(&self) -> String {
         let mark = if self.is_unsaved() { "*" } else { "" };
-        match &self.scene {
-            Some(scene) => format!("{mark}{} \u{2022} Afterimage", scene.source.label()),
-            None => "Afterimage".to_owned(),
-        }
+        let Some(scene) = &self.scene else { return "Afterimage".to_owned() };
+        let label = scene.source.label();
+        // Of a path, the name of the file.
+        let name = label.rsplit(['/', '\\']).next().unwrap_or(&label);
+        format!("{mark}{name} \u{2022} Afterimage")
     }
 
     /// Returns what the renderer is doing, with its progress.

@@ -63,7 +63,7 @@ impl Comparison {
     pub fn progress_text(&self) -> Option<String> {
         self.is_wanted().then(|| match self.full.as_ref().map(|full| full.stats.refined) {
             None => "tracing".to_owned(),
-            Some(refined) if refined.is_complete => format!("{} passes done", refined.of.max(1)),
+            Some(refined) if refined.is_complete => super::work::passes_done(refined.of.max(1)),
             Some(refined) => format!("pass {}/{}", refined.pass.max(1), refined.of.max(1)),
         })
     }

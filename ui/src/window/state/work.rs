@@ -44,11 +44,13 @@ impl Work {
                 format!("{} {}/{}", self.word(), refined.pass, refined.of)
             }
             // The light may still improve with more passes.
-            (Self::Converged, Some(frame)) => {
-                let passes = frame.stats.refined.of;
-                format!("{passes} {} done", if passes == 1 { "pass" } else { "passes" })
-            }
+            (Self::Converged, Some(frame)) => passes_done(frame.stats.refined.of),
             _ => self.word().to_owned(),
         }
     }
+}
+
+/// Says how many passes are done.
+pub(super) fn passes_done(passes: u32) -> String {
+    format!("{passes} {} done", if passes == 1 { "pass" } else { "passes" })
 }
