@@ -99,8 +99,23 @@ impl Metered {
     /// colours of surfaces. Bright surfaces are those of the 90th percentile: they must not burn
     /// out. Doubled light lowers the exposure by one stop.
     pub fn of(light: Vec<f64>, luminance: Vec<f64>) -> Self {
-        let logs = [percentile_log2(light, 0.5), percentile_log2(luminance, 0.9)];
+        let (mut light, mut luminance) = (light, luminance);
+        let logs = [percentile_log2(&mut light, 0.5), percentile_log2(&mut luminance, 0.9)];
         let [Some(typical), Some(bright)] = logs else { return Self::Dark };
+        Self::of_logs(typical, bright)
+    }
+
+    /// Chooses the exposure from the luminance at points of one picture, which are sorted; `None`
+    /// where all of them are black. The light that arrives is not known there: surfaces are taken to
+    /// scatter half of it.
+    pub fn of_view(luminance: &mut [f64]) -> Option<Self> {
+        const SCATTERED: f64 = 0.5;
+        let typical = percentile_of(luminance, 0.5)? - SCATTERED.log2();
+        Some(Self::of_logs(typical, percentile_of(luminance, 0.9)?))
+    }
+
+    /// Chooses the exposure from the logarithms of typical light and of bright surfaces.
+    fn of_logs(typical: f64, bright: f64) -> Self {
         let ev = Self::KEY.log2() - (typical + bright) / 2.0;
         let [low, high] = [Exposure::STOPS.start(), Exposure::STOPS.end()];
         Self::Stops(((ev * 10.0).round() / 10.0).clamp(f64::from(*low), f64::from(*high)) as f32)
@@ -117,9 +132,16 @@ impl Metered {
 
 /// Returns the logarithm of a percentile (nearest rank, `share` in 0..1) of those values that are
 /// positive and finite.
-fn percentile_log2(mut values: Vec<f64>, share: f64) -> Option<f64> {
+fn percentile_log2(values: &mut Vec<f64>, share: f64) -> Option<f64> {
     values.retain(|value| *value > 0.0 && value.is_finite());
+    percentile_of(values, share)
+}
+
+/// The same for values that may be zero, which are left out. They are sorted.
+fn percentile_of(values: &mut [f64], share: f64) -> Option<f64> {
     values.sort_unstable_by(f64::total_cmp);
+    let first = values.partition_point(|value| *value <= 0.0);
+    let values = &values[first..];
     let rank = ((values.len() as f64 * share).ceil() as usize).max(1) - 1;
     values.get(rank).map(|value| value.log2())
 }

@@ -30,14 +30,13 @@ pub(super) fn read(top: &Section, notes: &mut Notes) -> Option<GroundLine> {
 }
 
 impl GroundLine {
-    /// Returns the ground below a scene; `None` where it is switched off.
-    pub(super) fn ground(self, scene: &Scene) -> Option<Ground> {
+    /// Returns the ground of a scene; `None` for none.
+    pub(super) fn ground(&self, scene: &Scene) -> Option<Ground> {
         let lowest = scene.lowest_ground();
-        let ground = Ground {
+        (!self.is_off).then(|| Ground {
             height_m: self.height_m.unwrap_or(lowest.height_m),
             albedo: self.albedo.unwrap_or(lowest.albedo),
-        };
-        (!self.is_off).then_some(ground)
+        })
     }
 }
 

@@ -75,7 +75,7 @@ pub(in crate::import) struct Sidecar {
     lamps: Vec<Lamp>,
     light: Light,
     lights: Lights,
-    ground: Option<GroundLine>,
+    pub(super) ground: Option<GroundLine>,
     start: Option<Camera>,
     views: Vec<NamedView>,
     walk: Option<CameraPath>,
@@ -205,11 +205,6 @@ impl Sidecar {
     /// Returns the changes of objects, in the order of the file.
     pub(super) fn take_objects(&mut self) -> impl Iterator<Item = (ObjectKey, ObjectEdit)> {
         std::mem::take(&mut self.objects).into_iter().map(ObjectLine::into_edit)
-    }
-
-    /// Returns the ground that the file gives, if it says anything of one.
-    pub(super) fn ground(&self) -> Option<GroundLine> {
-        self.ground
     }
 
     /// Sets groups of lights, sun and sky.

@@ -1,9 +1,11 @@
 //! Sun and sky as their controls show them: what is typed, night and day, and undo.
 
-use super::{app, step_until};
+use super::{app, camera, open, request, says, settle, step_until};
+use afterimage::Camera;
 use afterimage::scene::Daylight;
-use afterimage_ui::window::App;
+use afterimage_ui::window::input::fly_camera::MoveMode;
 use afterimage_ui::window::state::SunControls;
+use afterimage_ui::window::{App, LaunchOptions, SceneSource};
 use egui::{Event, Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
@@ -113,4 +115,111 @@ fn undo_of_another_time_stays_by_place_and_time() {
     harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
     harness.run_steps(3);
     assert!(sun(harness.state()).is_by_place);
+}
+
+/// A closed box without a ground, 4 m wide and 3 m high, as a model file in a folder.
+fn box_model(folder: &std::path::Path) -> std::path::PathBuf {
+    let path = folder.join("box.obj");
+    let model = "v 0 0 0\nv 4 0 0\nv 4 0 4\nv 0 0 4\nv 0 3 0\nv 4 3 0\nv 4 3 4\nv 0 3 4\n\
+                 f 1 2 3 4\nf 8 7 6 5\nf 1 5 6 2\nf 2 6 7 3\nf 3 7 8 4\nf 4 8 5 1\n";
+    std::fs::write(&path, model).expect("the folder can be written to");
+    path
+}
+
+fn open_model(path: std::path::PathBuf) -> Harness<'static, App> {
+    let options = LaunchOptions { scene: Some(SceneSource::file(path)), ..request() };
+    open(options, false)
+}
+
+#[test]
+fn a_model_without_a_ground_gets_one_that_goes_and_comes_back_and_is_kept() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = box_model(folder.path());
+    let mut harness = open_model(path.clone());
+    let ground = |app: &App| app.state().document.as_ref().expect("a scene").scene().ground;
+    let triangles = |app: &App| app.state().scene.as_ref().expect("a scene").triangles;
+    assert_eq!(ground(harness.state()).map(|g| g.height_m), Some(0.0));
+    assert!(triangles(harness.state()) > 12);
+    harness.get_by_label("Sun and sky").click_accesskit();
+    harness.run_steps(30);
+    harness.get_by_label_contains("no ground of its own");
+    harness.get_by_label("Ground").click_accesskit();
+    harness.run_steps(3);
+    assert_eq!(ground(harness.state()), None);
+    step_until(&mut harness, "the box alone", |app| triangles(app) == 12);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    step_until(&mut harness, "the ground again", |app| triangles(app) > 12);
+    type_into(&mut harness, "Ground height", "-0.25", |app| {
+        assert_eq!(ground(app).map(|g| g.height_m), Some(0.0), "nothing before Enter");
+    });
+    enter(&mut harness);
+    assert_eq!(ground(harness.state()).map(|g| g.height_m), Some(-0.25));
+    harness.get_by_label("Ground").click_accesskit();
+    harness.run_steps(3);
+    harness.get_by_label("Edit").click_accesskit();
+    harness.run_steps(3);
+    harness.get_by_label_contains("Save changes of the scene").click_accesskit();
+    step_until(&mut harness, "the file", |_| path.with_extension("afterimage.toml").exists());
+    drop(harness);
+    let again = open_model(path);
+    assert_eq!(ground(again.state()), None, "the file beside the model says that there is none");
+}
+
+#[test]
+fn one_walks_on_the_ground_and_flies_where_there_is_none() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut harness = open_model(box_model(folder.path()));
+    harness.key_press(Key::G);
+    step_until(&mut harness, "a walker on the ground", |app| {
+        !app.state().navigation.fly.is_easing() && says(app, "walking: on the floor below")
+    });
+    let height = |harness: &Harness<'static, App>| camera(harness).eye.y;
+    assert!((height(&harness) - Camera::EYE_HEIGHT_M).abs() < 0.02, "{}", height(&harness));
+    harness.key_press(Key::Home);
+    harness.run_steps(2);
+    step_until(&mut harness, "arrival", |app| !app.state().navigation.fly.is_easing());
+    assert!((height(&harness) - Camera::EYE_HEIGHT_M).abs() < 0.02, "{}", height(&harness));
+    harness.key_press(Key::G);
+    harness.run_steps(3);
+    for label in ["Sun and sky", "Ground"] {
+        harness.get_by_label(label).click_accesskit();
+        harness.run_steps(30);
+    }
+    let triangles = |app: &App| app.state().scene.as_ref().expect("a scene").triangles;
+    step_until(&mut harness, "the box alone", |app| triangles(app) == 12);
+    harness.key_press(Key::G);
+    step_until(&mut harness, "no floor", |app| says(app, "no floor below: flying"));
+    assert_eq!(harness.state().state().navigation.fly.move_mode(), MoveMode::Fly);
+}
+
+#[test]
+fn the_exposure_follows_into_the_dark_and_one_that_is_set_stays() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = box_model(folder.path());
+    // A gap below the roof lets a little light in.
+    let text = std::fs::read_to_string(&path).expect("it was written").replace("f 4 8 5 1\n", "");
+    std::fs::write(&path, text + "v 0 2.7 0\nv 0 2.7 4\nf 4 10 9 1\n").expect("written");
+    let mut harness = open_model(path);
+    let exposure = |harness: &Harness<'static, App>| harness.state().state().exposure_ev();
+    let outside = exposure(&harness);
+    let inside = Camera::look_at(glam::DVec3::new(1.0, 1.6, 2.0), glam::DVec3::new(3.9, 0.8, 2.0), 60.0);
+    harness.event(Event::Paste(pose_text(&inside)));
+    harness.run_steps(90);
+    settle(&mut harness);
+    harness.run_steps(90);
+    assert!(exposure(&harness) > outside + 1.0, "{outside} outside, {} inside", exposure(&harness));
+    harness.key_press(Key::V);
+    harness.run_steps(2);
+    assert!(says(harness.state(), "for this view"));
+    let fixed = exposure(&harness);
+    let sun = Camera::look_at(glam::DVec3::new(12.0, 6.0, 12.0), glam::DVec3::new(2.0, 1.0, 2.0), 60.0);
+    harness.event(Event::Paste(pose_text(&sun)));
+    harness.run_steps(90);
+    settle(&mut harness);
+    assert!((exposure(&harness) - fixed).abs() < 1e-6, "what the user has set stays");
+}
+
+fn pose_text(camera: &Camera) -> String {
+    let (eye, at) = (camera.eye, camera.eye + camera.forward());
+    format!("--eye {},{},{} --look-at {},{},{} --fov-y 60", eye.x, eye.y, eye.z, at.x, at.y, at.z)
 }

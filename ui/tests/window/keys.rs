@@ -133,6 +133,11 @@ fn shows(window: &mut Window, action: Action, chord: Chord) {
             press(window, chord);
             assert_eq!(state(window).quality.exposure, state(window).default_quality.exposure);
         }
+        Action::ExposeForView => {
+            press(window, chord);
+            assert_eq!(state(window).quality.exposure.stops(), state(window).view_exposure.metered_ev());
+            assert!(says(window.state(), "for this view"));
+        }
         Action::CycleHeatmap => {
             let [before, after] = options(window, chord);
             assert!(before.heatmap != after.heatmap);

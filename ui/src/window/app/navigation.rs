@@ -3,8 +3,8 @@
 use super::{AppEvent, Services};
 use crate::picture::pose_text::pose_of_flags;
 use crate::window::export::Destination;
+use crate::window::input::Recording;
 use crate::window::input::playback::{with_key, without_key};
-use crate::window::input::{MoveMode, Recording};
 use crate::window::rendering::TaskError;
 use crate::window::state::{AppState, Change, NavigationCommand, SavedView};
 use afterimage::camera::CameraPath;
@@ -28,10 +28,7 @@ pub(super) fn handle_navigation(state: &mut AppState, services: &mut Services, c
             Ok(camera) => navigation.fly.ease_to(camera),
             Err(cause) => state.error(format!("the clipboard holds no pose: {cause}")),
         },
-        NavigationCommand::SetMoveMode(move_mode) => {
-            navigation.fly.set_move_mode(move_mode);
-            state.info(if move_mode == MoveMode::Walk { "walking" } else { "flying" });
-        }
+        NavigationCommand::SetMoveMode(move_mode) => navigation.fly.set_move_mode(move_mode),
         NavigationCommand::AddPathKey => {
             let own = state.document.as_ref().and_then(|document| document.now().path.as_ref());
             let path = with_key(own, navigation.fly.camera());

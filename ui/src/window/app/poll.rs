@@ -6,6 +6,7 @@ use super::{
     update_floor, update_plan, update_thumbnails,
 };
 use crate::window::gpu::viewport;
+use crate::window::input::ViewChange;
 use crate::window::rendering::{Message, TaskError, background_pool, locked, spawn_task, take_result};
 use crate::window::state::AppState;
 use afterimage::raster::exposure::{Exposure, Metered};
@@ -22,6 +23,7 @@ pub(super) fn poll(app: &mut Parts) {
     poll_tasks(app);
     poll_frame(app);
     poll_light(app);
+    follow_view(app);
     app.state.notices.retain(|n| !n.is_expired());
     poll_bake(app);
     update_plan(app);
@@ -95,11 +97,24 @@ fn poll_frame(app: &mut Parts) {
         note_frame(app);
     }
     let Some(frame) = &app.state.frame else { return };
+    app.state.view_exposure.meter(frame);
     if let Some(graphics) = &app.services.graphics {
         viewport::upload(graphics, frame);
     }
     if !frame.is_refinement {
         app.state.record();
+    }
+}
+
+/// Lets the automatic exposure follow the view, once that of the scene is known.
+fn follow_view(app: &mut Parts) {
+    let state = &mut app.state;
+    let Some(of_scene) = state.metered.map(Metered::ev) else { return };
+    let is_at_once = state.options.view_change == ViewChange::AtOnce;
+    let secs = app.services.ctx.input(|i| i.stable_dt);
+    let moves = state.view_exposure.advance(of_scene, secs, is_at_once);
+    if moves && state.quality.exposure == Exposure::Auto && state.quality.follows_view {
+        app.services.ctx.request_repaint();
     }
 }
 

@@ -9,8 +9,10 @@ use super::{
 use crate::picture::pose_text::pose_flags;
 use crate::settings::{self, Theme};
 use crate::window::input::ViewChange;
+use crate::window::input::keymap::{Action, keys_of};
 use crate::window::rendering::{RenderCommand, TaskError};
 use crate::window::state::{AppState, Appearance, Command, Compare, FileCommand};
+use afterimage::raster::exposure::Exposure;
 use egui::ViewportCommand;
 
 /// Applies a command of a panel or a key.
@@ -62,6 +64,7 @@ pub(super) fn apply(app: &mut Parts, command: Command) {
         Command::EaseTo(camera) => fly.ease_to(camera),
         Command::Level => fly.level(),
         Command::Say(text) => state.info(text),
+        Command::ExposeForView => expose_for_view(state),
         Command::AskToClear => state.dialogs.asks_to_clear = true,
         Command::KeepReferences => state.dialogs.asks_to_clear = false,
         Command::ShowSettings(is_shown) => state.dialogs.shows_settings = is_shown,
@@ -70,6 +73,18 @@ pub(super) fn apply(app: &mut Parts, command: Command) {
     }
     // The window shows the change, even if no event follows.
     app.services.ctx.request_repaint();
+}
+
+/// Sets the exposure that suits the view, where it stays.
+fn expose_for_view(state: &mut AppState) {
+    match state.view_exposure.metered_ev() {
+        Some(ev) => {
+            state.quality.exposure = Exposure::Stops(ev);
+            let keys = keys_of(Action::ResetExposure);
+            state.info(format!("exposure {ev:+.1} EV for this view; {keys} goes back"));
+        }
+        None => state.info("the view is black, so that there is no light to expose for"),
+    }
 }
 
 fn handle_files(app: &mut Parts, command: FileCommand) {

@@ -83,6 +83,7 @@ fn command_of(
             };
             Command::SetQuality(q)
         }
+        Action::ExposeForView => Command::ExposeForView,
         Action::CompareSplit => toggled(state, Compare::Split),
         Action::CompareErrors => toggled(state, Compare::Errors),
         Action::AddReference => Command::AddReference,

@@ -1,7 +1,7 @@
 //! The camera of the window: flying and walking by keys, drags and the wheel. World metres, no
 //! roll.
 
-use super::{Obstacles, Walker};
+use super::{EYE_HEIGHT_M, Obstacles, Walker};
 use afterimage::Camera;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -104,6 +104,10 @@ pub struct FlyCamera {
     move_mode: MoveMode,
     walker: Walker,
     is_settling: bool,
+    /// A walker looks for the floor below where he is, or where he is going.
+    looks_for_floor: bool,
+    /// What there is to say about how the camera moves now.
+    note: Option<&'static str>,
 }
 
 impl Default for FlyCamera {
@@ -117,6 +121,8 @@ impl Default for FlyCamera {
             move_mode: MoveMode::default(),
             walker: Walker::default(),
             is_settling: false,
+            looks_for_floor: false,
+            note: None,
         }
     }
 }
@@ -127,19 +133,35 @@ impl FlyCamera {
         self.move_mode
     }
 
-    /// Changes how it moves.
+    /// Changes how it moves. A walker stands on the floor below; where there is none, the camera
+    /// goes on flying.
     pub fn set_move_mode(&mut self, move_mode: MoveMode) {
         (self.move_mode, self.walker) = (move_mode, Walker::default());
+        self.looks_for_floor = move_mode == MoveMode::Walk;
+        self.note = match move_mode {
+            MoveMode::Walk => Some("walking: on the floor below, at eye height"),
+            MoveMode::Fly => Some("flying"),
+        };
     }
 
-    /// Returns a pose as one who moves in this way takes it: a walker stands on the floor below,
-    /// where there is one.
-    pub fn standing(&self, camera: Camera, obstacles: Option<&Obstacles>) -> Camera {
-        let stands = |obstacles: &Obstacles| obstacles.standing_m(camera.eye);
-        match obstacles.filter(|_| self.move_mode == MoveMode::Walk).and_then(stands) {
-            Some(height_m) => Camera { eye: DVec3::new(camera.eye.x, height_m, camera.eye.z), ..camera },
-            None => camera,
-        }
+    /// Returns what there is to say about how the camera moves now, once it is known.
+    pub fn take_note(&mut self) -> Option<&'static str> {
+        if self.looks_for_floor { None } else { self.note.take() }
+    }
+
+    /// Stands on the floor below where the camera is going, at eye height; flies where there is none.
+    fn stand(&mut self, obstacles: &Obstacles) {
+        self.looks_for_floor = false;
+        let to = self.ease.map_or(self.camera, |ease| ease.to);
+        let Some(height_m) = obstacles.standing_m(to.eye) else {
+            self.move_mode = MoveMode::Fly;
+            self.note = Some("no floor below: flying");
+            return;
+        };
+        // Someone who comes down from high above looks ahead, not at his feet.
+        let pitch = if to.eye.y - height_m > EYE_HEIGHT_M { 0.0 } else { to.pitch };
+        self.ease_to(Camera { eye: DVec3::new(to.eye.x, height_m, to.eye.z), pitch, ..to });
+        self.looks_for_floor = false;
     }
 
     /// Sets how views change from now on.
@@ -173,8 +195,10 @@ impl FlyCamera {
         self.ease = None;
     }
 
-    /// Moves to a pose in a short flight, unless views change at once.
+    /// Moves to a pose in a short flight, unless views change at once. A walker goes to the floor
+    /// below it.
     pub fn ease_to(&mut self, camera: Camera) {
+        self.looks_for_floor = self.move_mode == MoveMode::Walk;
         if self.view_change == ViewChange::AtOnce {
             return self.jump_to(camera);
         }
@@ -184,12 +208,15 @@ impl FlyCamera {
 
     /// True while the camera moves by itself: in a change of view, or falling or climbing.
     pub fn is_easing(&self) -> bool {
-        self.ease.is_some() || self.is_settling
+        self.ease.is_some() || self.is_settling || self.looks_for_floor
     }
 
     /// Advances by `secs`. The user's own motion ends a change of view. Without obstacles, walking
     /// is level.
     pub fn advance(&mut self, motion: &Motion, secs: f64, obstacles: Option<&Obstacles>) {
+        if let Some(obstacles) = obstacles.filter(|_| self.looks_for_floor) {
+            self.stand(obstacles);
+        }
         let offset = self.direction(motion);
         if offset != DVec3::ZERO {
             self.ease = None;

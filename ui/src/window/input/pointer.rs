@@ -69,6 +69,9 @@ pub(crate) fn steer(
     }
     click(state, input, obstacles, viewport);
     fly(state, input, obstacles, ctx, [secs, factor]);
+    if let Some(note) = state.navigation.fly.take_note() {
+        state.info(note);
+    }
     if let Some(recording) = &mut state.navigation.recording {
         recording.note(state.navigation.fly.camera(), secs);
     }

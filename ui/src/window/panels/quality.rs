@@ -164,6 +164,13 @@ fn exposure_rows(ui: &mut Ui, state: &AppState, q: &mut Quality) {
     if is_auto != (q.exposure == Exposure::Auto) {
         q.exposure = if is_auto { Exposure::Auto } else { Exposure::Stops(state.exposure_ev()) };
     }
+    let help = "The automatic exposure follows the view: a house that is entered from the sun does not stay \
+                black. Otherwise it is that of the whole scene.";
+    let default = state.default_quality.follows_view;
+    row(ui, "This view", help, &mut q.follows_view, default, |ui, v| {
+        ui.add_enabled(is_auto, egui::Checkbox::new(v, "automatic"))
+    });
+    let default = state.default_quality.exposure;
     let help = "Exposure in stops: one stop more is twice as bright. Setting it ends the automatic exposure.";
     row(ui, "Exposure", help, &mut q.exposure, default, |ui, v| {
         let mut ev = v.stops().unwrap_or(state.exposure_ev());

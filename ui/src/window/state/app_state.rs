@@ -2,8 +2,8 @@
 
 use super::{
     Appearance, Comparison, FileList, FrameRate, Leaving, Navigation, Notice, OpenDocument, Options, Overlay,
-    PictureState, Presentation, Quality, Sample, SavedView, SceneInfo, Selection, Severity, Work, history,
-    notices,
+    PictureState, Presentation, Quality, Sample, SavedView, SceneInfo, Selection, Severity, ViewExposure,
+    Work, history, notices,
 };
 use crate::window::files::Listing;
 use crate::window::rendering::{Plan, PlanView, Progress, PublishedFrame, SceneSource, Thumbnails};
@@ -23,6 +23,8 @@ pub struct AppState {
     pub default_quality: Quality,
     /// The automatic exposure; `None` before the light in the first scene is measured.
     pub metered: Option<Metered>,
+    /// The automatic exposure that follows the view.
+    pub view_exposure: ViewExposure,
     /// Heatmap, panels, pause and other switches of the window.
     pub options: Options,
     /// The camera and its path.
@@ -133,7 +135,9 @@ impl AppState {
 
     /// Returns the exposure in stops.
     pub fn exposure_ev(&self) -> f32 {
-        self.quality.exposure.stops().or(self.metered.map(Metered::ev)).unwrap_or_default()
+        let of_view = || self.view_exposure.shown_ev().filter(|_| self.quality.follows_view);
+        let of_scene = || self.metered.map(Metered::ev);
+        self.quality.exposure.stops().or_else(of_view).or_else(of_scene).unwrap_or_default()
     }
 
     /// True where something that the user has changed is not saved.

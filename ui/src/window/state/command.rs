@@ -43,6 +43,8 @@ pub enum Command {
     List(ListCommand),
     SetAppearance(Appearance),
     ShowSettings(bool),
+    /// Set the exposure that suits the view that is shown.
+    ExposeForView,
     CopyPose,
     Compare(Compare, f32),
     CopyText(String),

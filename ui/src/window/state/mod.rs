@@ -19,6 +19,7 @@ mod scene;
 mod selection;
 mod sun;
 mod unsaved_changes;
+mod view_exposure;
 mod work;
 
 pub use app_state::{AppState, Dialogs, FileState, PlanState};
@@ -39,4 +40,5 @@ pub use scene::{SavedView, SceneInfo};
 pub use selection::{Inspection, Measure, PixelFacts, ReferenceView, Selection, Snap, SnapKind};
 pub use sun::SunControls;
 pub use unsaved_changes::{Answer, Leaving};
+pub use view_exposure::ViewExposure;
 pub use work::Work;

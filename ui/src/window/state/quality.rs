@@ -17,6 +17,8 @@ pub struct Quality {
     pub budget_ms: f32,
     /// Exposure of the picture.
     pub exposure: Exposure,
+    /// The automatic exposure follows the view.
+    pub follows_view: bool,
     /// Tone mapping from radiance to display.
     pub tone_map: ToneMap,
 }
@@ -25,6 +27,6 @@ impl Default for Quality {
     fn default() -> Self {
         let (walk, tone_map) = (WalkthroughSettings::default(), ToneMap::default());
         let budget_ms = FRAME_BUDGET.as_secs_f32() * 1e3;
-        Self { walk, render_scale: 1.0, budget_ms, exposure: Exposure::Auto, tone_map }
+        Self { walk, render_scale: 1.0, budget_ms, exposure: Exposure::Auto, follows_view: true, tone_map }
     }
 }

@@ -89,13 +89,10 @@ impl Desk {
                 Change::Object(ObjectKey::first(name), edit)
             }
             2 => daylight(dice, &now.sun),
+            7 => Change::Ground((dice.below(2) == 0).then(|| ground(dice))),
             3 => {
                 let setting = LightSetting { intensity: dice.unit() as f32, ..LightSetting::FULL };
                 Change::Light(["sun", "sky"][dice.below(2) as usize].to_owned(), setting)
-            }
-            6 => {
-                let ground = Ground { height_m: -dice.unit(), ..self.scene.lowest_ground() };
-                Change::Ground(Some(ground).filter(|_| dice.below(3) > 0))
             }
             4 => {
                 let view = |dice: &mut Dice, i| SavedView {
@@ -214,6 +211,10 @@ fn material(dice: &mut Dice, now: &Material) -> Material {
     Material { kind, diffuse, emission: if dice.below(4) == 0 { other } else { now.emission }, ..now.clone() }
 }
 
+fn ground(dice: &mut Dice) -> Ground {
+    Ground { height_m: dice.unit() * 3.0 - 1.5, albedo: dice.unit() as f32 * 0.9 }
+}
+
 fn daylight(dice: &mut Dice, now: &SunControls) -> Change {
     let mut sun = SunControls { is_by_place: dice.below(2) == 0, ..now.clone() };
     sun.direction = SunPosition { azimuth_deg: 360.0 * dice.unit(), height_deg: 80.0 * dice.unit() + 1.0 };
@@ -230,7 +231,8 @@ fn daylight(dice: &mut Dice, now: &SunControls) -> Change {
 fn assert_same(a: &Document, b: &Document) {
     assert_eq!(a.scene.materials, b.scene.materials);
     assert_eq!(a.scene.objects, b.scene.objects);
-    assert_eq!((&a.scene.lights, a.scene.ground), (&b.scene.lights, b.scene.ground));
+    assert_eq!(a.scene.lights, b.scene.lights);
+    assert_eq!(a.scene.ground, b.scene.ground);
     assert_eq!((&a.views, &a.path, &a.measures, &a.sun), (&b.views, &b.path, &b.measures, &b.sun));
     let (a, b) = (&a.scene.daylight, &b.scene.daylight);
     assert_eq!(a.sky.is_some(), b.sky.is_some());

@@ -18,10 +18,10 @@ pub enum Change {
     Object(ObjectKey, ObjectEdit),
     /// Sun and sky have other values, and their controls show these.
     Daylight(Daylight, Box<SunControls>),
-    /// The whole scene has other values, and the controls of the sun show these.
-    Scene(Box<(SceneEdit, SunControls)>),
     /// There is another ground, or none.
     Ground(Option<Ground>),
+    /// The whole scene has other values, and the controls of the sun show these.
+    Scene(Box<(SceneEdit, SunControls)>),
     /// A group of lights, given by its name, is set differently.
     Light(String, LightSetting),
     /// The saved views.
@@ -64,12 +64,12 @@ impl Change {
                 let before = replace(&mut scene.daylight, daylight);
                 Self::Daylight(before, Box::new(replace(&mut document.sun, *sun)))
             }
+            Self::Ground(ground) => Self::Ground(replace(&mut scene.ground, ground)),
             Self::Scene(other) => {
                 let (edit, sun) = *other;
                 let before = replace(scene, edit);
                 Self::Scene(Box::new((before, replace(&mut document.sun, sun))))
             }
-            Self::Ground(ground) => Self::Ground(replace(&mut scene.ground, ground)),
             Self::Light(name, setting) => {
                 let before = scene.lights.get(&name);
                 scene.lights.set(&name, setting);
