@@ -112,8 +112,7 @@ pub fn apply_edit_text(
     let mut sidecar = Sidecar::of(parsed.get_ref(), &mut notes);
     messages.extend(notes.messages.into_iter().map(|(_, message)| message));
     sidecar.override_materials(&[], &mut builder);
-    let ground = sidecar.ground().map_or(before.ground, |line| line.ground(scene));
-    let mut edit = SceneEdit { ground, objects: before.objects.clone(), ..before.clone() };
+    let mut edit = before.clone();
     for (key, object) in sidecar.take_objects() {
         messages.extend(set_object(&mut edit, scene, key, object));
     }

@@ -207,11 +207,6 @@ impl Sidecar {
         std::mem::take(&mut self.objects).into_iter().map(ObjectLine::into_edit)
     }
 
-    /// Returns the ground that the file gives, if it says anything of one.
-    pub(super) fn ground(&self) -> Option<GroundLine> {
-        self.ground
-    }
-
     /// Sets groups of lights, sun and sky.
     pub(super) fn apply_light(&mut self, finder: &mut Finder, builder: &mut SceneBuilder) {
         std::mem::take(&mut self.lights).apply(builder);

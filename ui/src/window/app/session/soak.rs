@@ -94,10 +94,6 @@ impl Desk {
                 let setting = LightSetting { intensity: dice.unit() as f32, ..LightSetting::FULL };
                 Change::Light(["sun", "sky"][dice.below(2) as usize].to_owned(), setting)
             }
-            6 => {
-                let ground = Ground { height_m: -dice.unit(), ..self.scene.lowest_ground() };
-                Change::Ground(Some(ground).filter(|_| dice.below(3) > 0))
-            }
             4 => {
                 let view = |dice: &mut Dice, i| SavedView {
                     name: format!("view {i}"),
