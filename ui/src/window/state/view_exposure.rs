@@ -61,14 +61,15 @@ impl ViewExposure {
     pub fn advance(&mut self, of_scene: f32, secs: f32, is_at_once: bool) -> bool {
         let wanted = self.metered.map_or(of_scene, |metered| adapted(of_scene, metered));
         let shown = self.shown.unwrap_or(wanted);
-        self.follows = (wanted - shown).abs() > if self.follows { ENDS_EV } else { BEGINS_EV };
-        let share = if is_at_once { 1.0 } else { 1.0 - (-secs / FADE_SECS).exp() };
-        let is_there = !self.follows || is_at_once;
-        self.shown = Some(match self.follows {
-            true => shown + (wanted - shown) * share,
-            false => shown,
+        let difference = wanted - shown;
+        let followed = self.follows;
+        self.follows = difference.abs() > if followed { ENDS_EV } else { BEGINS_EV };
+        self.shown = Some(match (self.follows, followed) {
+            (true, _) if !is_at_once => shown + difference * (1.0 - (-secs / FADE_SECS).exp()),
+            (false, false) => shown,
+            _ => wanted,
         });
-        !is_there
+        self.follows && !is_at_once
     }
 }
 
