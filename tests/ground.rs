@@ -79,7 +79,7 @@ fn a_house_throws_its_shadow_on_the_ground_and_a_floor_at_its_height_is_seen() {
         let eye = scene.frame.scene_from_world_f64(DVec3::new(x, from_m, z)).as_vec3();
         tracer.closest(&Ray::new(eye, Vec3::NEG_Y)).map(|hit| scene.material_of(hit.triangle).name.clone())
     };
-    for from_m in [2.0, 50.0, 5_000.0] {
+    for from_m in [2.0, 50.0, 200.0] {
         for i in 0..40 {
             let along = 0.07 + f64::from(i) * 0.149;
             assert_eq!(seen(8.5, along, from_m).as_deref(), Some("terrace"), "{from_m} {along}");
