@@ -24,17 +24,34 @@ pub fn save_edit(model: &Path, before: &SceneEdit, now: &SceneEdit) -> Result<Pa
     let path = model.with_extension("afterimage.toml");
     let mut document = read(&path)?;
     let sky = |file: &Path| name_beside(file, model);
-    write_edit(&mut document, &sky, before, now).map_err(|error| match error {
-        EditError::Damaged(cause) => damaged(&path, cause),
-        EditError::Sky(cause) => {
-            unreadable(&path, cause, "nothing was written; copy it there and choose it again")
-        }
-    })?;
+    write_edit(&mut document, &sky, before, now)
+        .and_then(|()| keep_daylight(&mut document, &sky, before, now))
+        .map_err(|error| match error {
+            EditError::Damaged(cause) => damaged(&path, cause),
+            EditError::Sky(cause) => {
+                unreadable(&path, cause, "nothing was written; copy it there and choose it again")
+            }
+        })?;
     write_atomically(&path, document.to_string().as_bytes()).map_err(|error| {
         let remedy = "nothing was changed; free some space or choose a folder that can be written to";
         unreadable(&path, error.to_string(), remedy)
     })?;
     Ok(path)
+}
+
+/// Writes the daylight where an edit makes the first lamp or removes the last one. The import gives
+/// a sun and a sky to a model without any light, so that they would go or come with the lamp.
+fn keep_daylight(
+    document: &mut DocumentMut,
+    sky: SkyName<'_>,
+    before: &SceneEdit,
+    now: &SceneEdit,
+) -> Result<(), EditError> {
+    let has_lamps = |edit: &SceneEdit| edit.materials.iter().any(Material::is_emissive);
+    match has_lamps(before) == has_lamps(now) {
+        true => Ok(()),
+        false => write_daylight(document, sky, &now.daylight).map_err(EditError::Sky),
+    }
 }
 
 /// Why an edit cannot be written.

@@ -1,8 +1,9 @@
 //! Sun and sky as their controls show them: what is typed, night and day, and undo.
 
-use super::{app, camera, open, request, says, settle, step_until};
-use afterimage::Camera;
+use super::{app, camera, open, request, says, settle, show_tab, step_until};
 use afterimage::scene::Daylight;
+use afterimage::trace::TraceSettings;
+use afterimage::{Camera, Mode};
 use afterimage_ui::window::input::fly_camera::MoveMode;
 use afterimage_ui::window::state::SunControls;
 use afterimage_ui::window::{App, LaunchOptions, SceneSource};
@@ -21,7 +22,8 @@ fn daylight(app: &App) -> &Daylight {
 /// The app with sun and sky by place and time, at noon of midsummer.
 fn sunny() -> Harness<'static, App> {
     let mut harness = app();
-    for label in ["Sun and sky", "Sun", "Sky", "By place and time"] {
+    show_tab(&mut harness, "Look");
+    for label in ["Sun", "Sky", "By place and time"] {
         harness.get_by_label(label).click_accesskit();
         harness.run_steps(30);
     }
@@ -130,8 +132,8 @@ fn box_model(folder: &std::path::Path) -> std::path::PathBuf {
 }
 
 fn open_model(path: std::path::PathBuf) -> Harness<'static, App> {
-    let options = LaunchOptions { scene: Some(SceneSource::file(path)), ..request() };
-    open(options, false)
+    let daylight = Default::default();
+    open(LaunchOptions { scene: Some(SceneSource::file(path)), daylight, ..request() }, false)
 }
 
 #[test]
@@ -143,7 +145,7 @@ fn a_model_without_a_ground_gets_one_that_goes_and_comes_back_and_is_kept() {
     let triangles = |app: &App| app.state().scene.as_ref().expect("a scene").triangles;
     assert_eq!(ground(harness.state()).map(|g| g.height_m), Some(0.0));
     assert!(triangles(harness.state()) > 12);
-    harness.get_by_label("Sun and sky").click_accesskit();
+    show_tab(&mut harness, "Look");
     harness.run_steps(30);
     harness.get_by_label_contains("no ground of its own");
     harness.get_by_label("Ground").click_accesskit();
@@ -184,10 +186,9 @@ fn one_walks_on_the_ground_and_flies_where_there_is_none() {
     assert!((height(&harness) - Camera::EYE_HEIGHT_M).abs() < 0.02, "{}", height(&harness));
     harness.key_press(Key::G);
     harness.run_steps(3);
-    for label in ["Sun and sky", "Ground"] {
-        harness.get_by_label(label).click_accesskit();
-        harness.run_steps(30);
-    }
+    show_tab(&mut harness, "Look");
+    harness.get_by_label("Ground").click_accesskit();
+    harness.run_steps(30);
     let triangles = |app: &App| app.state().scene.as_ref().expect("a scene").triangles;
     step_until(&mut harness, "the box alone", |app| triangles(app) == 12);
     harness.key_press(Key::G);
@@ -201,8 +202,11 @@ fn the_exposure_follows_into_the_dark_and_one_that_is_set_stays() {
     let path = box_model(folder.path());
     // A gap below the roof lets a little light in.
     let text = std::fs::read_to_string(&path).expect("it was written").replace("f 4 8 5 1\n", "");
-    std::fs::write(&path, text + "v 0 2.98 0\nv 0 2.98 4\nf 4 10 9 1\n").expect("written");
-    let mut harness = open_model(path);
+    std::fs::write(&path, text + "v 0 2.9 0\nv 0 2.9 4\nf 4 10 9 1\n").expect("written");
+    let mut options = LaunchOptions { scene: Some(SceneSource::file(path)), ..request() };
+    options.settings.render.mode = Mode::Exact;
+    options.settings.render.trace = TraceSettings { samples: 4, bounces: 4, seed: 0 };
+    let mut harness = open(options, false);
     let exposure = |harness: &Harness<'static, App>| harness.state().state().exposure_ev();
     let outside = exposure(&harness);
     let inside = Camera::look_at(glam::DVec3::new(1.0, 1.6, 2.0), glam::DVec3::new(3.9, 0.8, 2.0), 60.0);

@@ -136,7 +136,7 @@ impl Desk {
             .expect("the program starts");
         let mut desk = Self { app, display, window: String::new(), folder, _turn: turn };
         desk.window = desk.wait_for("a window", || {
-            let found = desk.run("xdotool", &["search", "--onlyvisible", "--name", "^Afterimage"]);
+            let found = desk.run("xdotool", &["search", "--onlyvisible", "--name", "Afterimage$"]);
             found.lines().last().map(str::to_owned)
         });
         // Without a window manager, nothing else gives it the keyboard.

@@ -206,6 +206,7 @@ fn a_scene_of_the_program_cannot_be_saved_beside_and_says_so() {
 #[test]
 fn a_deleted_view_comes_back() {
     let mut harness = app();
+    show_tab(&mut harness, "Camera");
     let views = harness.state().state().views().to_vec();
     harness.get_by_label("Delete mirror").click_accesskit();
     harness.run_steps(2);

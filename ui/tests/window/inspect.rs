@@ -264,6 +264,7 @@ fn a_half_finished_distance_is_dropped_when_measuring_ends() {
 #[test]
 fn a_click_on_the_plan_goes_there_at_eye_height() {
     let mut harness = app();
+    show_tab(&mut harness, "Camera");
     step_until(&mut harness, "a plan", |app| app.state().plan.cut.is_some());
     let plan = harness.state().state().plan.cut.clone().expect("a plan");
     assert!(plan.floor_m.expect("a floor").abs() < 1e-3, "{:?}", plan.storeys_m);

@@ -254,6 +254,14 @@ fn asks(window: &mut Window, action: Action, chord: Chord) {
             arrive(window);
             assert!(camera(window).eye.distance(DVec3::ONE) < 1e-6);
         }
+        Action::GoBack => {
+            let before = camera(window);
+            window.event(egui::Event::Paste("--eye 0.5,1.2,0.5 --look-at 0,1,1".to_owned()));
+            arrive(window);
+            press(window, chord);
+            arrive(window);
+            assert_eq!(camera(window), before);
+        }
         Action::AddPathKey => {
             press(window, chord);
             assert!(state(window).has_own_path());

@@ -28,6 +28,7 @@ mod timewarp;
 mod unsaved_changes;
 
 use afterimage::render::Mode;
+use afterimage::scene::GroundChoice;
 use afterimage::trace::TraceSettings;
 use afterimage::{Camera, Scene};
 use afterimage_ui::window::{App, LaunchOptions, SceneSource};
@@ -53,6 +54,8 @@ fn request() -> LaunchOptions {
         has_own_file_list: true,
         ..LaunchOptions::default()
     };
+    // The tests of daylight have a ground; others count the triangles of their models.
+    request.daylight.ground = Some(GroundChoice::Off);
     // Direct light: most tests are about the window, not about what it shows.
     request.settings.render.trace = TraceSettings { samples: 1, bounces: 0, seed: 0 };
     // In this mode most pixels of a frame at rest are of Type 1.

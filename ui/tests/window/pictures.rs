@@ -267,7 +267,7 @@ fn the_dialog_offers_qualities_with_their_times_and_what_a_film_takes() {
     harness.key_press(Key::F12);
     assert_eq!(notice(&mut harness).0, Severity::Info);
     assert!(harness.state().state().picture.secs_per_sample.is_some(), "measured with the first frame");
-    harness.get_by_role_and_label(egui::Role::Button, "Scene").click_accesskit();
+    harness.get_by_role_and_label(egui::Role::Button, "File").click_accesskit();
     harness.run_steps(3);
     harness.get_by_label_contains("Picture settings").click_accesskit();
     harness.run_steps(5);

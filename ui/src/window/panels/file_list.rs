@@ -59,7 +59,8 @@ fn top(ui: &mut Ui, list: &FileList, asked: &mut Vec<ListCommand>) {
     if is_entered || ui.memory(|m| m.focused()).is_none() {
         field.request_focus();
     }
-    if field.changed() {
+    // Backspace in an empty field is also reported as a change.
+    if text != list.filter {
         asked.push(ListCommand::Filter(text));
     } else if is_entered {
         asked.extend(entered(list));
