@@ -229,6 +229,15 @@ fn works(window: &mut Window, action: Action, chord: Chord) {
     }
 }
 
+fn goes_back(window: &mut Window, chord: Chord) {
+    let before = camera(window);
+    window.event(egui::Event::Paste("--eye 0.5,1.2,0.5 --look-at 0,1,1".to_owned()));
+    arrive(window);
+    press(window, chord);
+    arrive(window);
+    assert_eq!(camera(window), before);
+}
+
 fn asks(window: &mut Window, action: Action, chord: Chord) {
     match action {
         Action::Reload => {
@@ -254,14 +263,7 @@ fn asks(window: &mut Window, action: Action, chord: Chord) {
             arrive(window);
             assert!(camera(window).eye.distance(DVec3::ONE) < 1e-6);
         }
-        Action::GoBack => {
-            let before = camera(window);
-            window.event(egui::Event::Paste("--eye 0.5,1.2,0.5 --look-at 0,1,1".to_owned()));
-            arrive(window);
-            press(window, chord);
-            arrive(window);
-            assert_eq!(camera(window), before);
-        }
+        Action::GoBack => goes_back(window, chord),
         Action::AddPathKey => {
             press(window, chord);
             assert!(state(window).has_own_path());
