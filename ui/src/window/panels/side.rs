@@ -33,7 +33,9 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
 /// Shows the row of tabs. The chosen one is kept in the settings.
 fn tabs(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     ui.horizontal_wrapped(|ui| {
-        ui.spacing_mut().item_spacing.x = 3.0;
+        // All five in one row of the panel's usual width.
+        ui.spacing_mut().item_spacing.x = 2.0;
+        ui.spacing_mut().button_padding.x = 5.0;
         for (tab, title, help) in TABS {
             let is_shown = state.appearance.tab == tab;
             let button = ui.selectable_label(is_shown, RichText::new(title).strong()).on_hover_text(help);

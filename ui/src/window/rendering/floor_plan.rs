@@ -112,8 +112,16 @@ impl Plan {
         let storeys_m = storeys(scene);
         let below = storeys_m.iter().rev().find(|floor| (0.0..STOREY_M).contains(&(eye_m - *floor)));
         let floor_m = floor_m.or(below.copied());
-        let height_m = floor_m.map_or(eye_m, |floor| floor + CUT_M);
-        Self { storeys_m, floor_m, ..Self::cut(scene, height_m) }
+        let plan = Self::cut(scene, floor_m.map_or(eye_m, |floor| floor + CUT_M));
+        if floor_m.is_none() && plan.lines.is_empty() {
+            // From above a house, or below it, its nearest storey is of interest.
+            let off = |floor: &f64| (eye_m - floor).abs();
+            let nearest = storeys_m.iter().copied().min_by(|a, b| off(a).total_cmp(&off(b)));
+            if let Some(floor) = nearest {
+                return Self { storeys_m, floor_m: nearest, ..Self::cut(scene, floor + CUT_M) };
+            }
+        }
+        Self { storeys_m, floor_m, ..plan }
     }
 
     /// Returns (x, z) of a world position, in metres from the plan's origin.
@@ -222,6 +230,8 @@ mod tests {
         assert!((plan.height_m - 4.1).abs() < 1e-3, "{plan:?}");
         let plan = Plan::of_storey(&scene, Some(floors[0]), 4.5);
         assert!((plan.height_m - 1.2).abs() < 1e-3 && plan.floor_m == Some(floors[0]));
+        let from_above = Plan::of_storey(&scene, None, 30.0);
+        assert!((from_above.height_m - 7.0).abs() < 1e-3, "the nearest storey: {from_above:?}");
     }
 
     #[test]
