@@ -1,13 +1,15 @@
 //! Saving edited materials, objects, daylight and lights in the sidecar of a model. Everything else
 //! in the file stays: other keys, their order and comments.
 
+use super::ground::GROUND_KEYS;
 use super::light::{SKY_KEYS, SUN_KEYS};
 use super::read::MAX_BYTES;
 use crate::import::files::{self, unreadable};
 use crate::import::text;
 use crate::raster::atomic_file::write_atomically;
 use crate::scene::{
-    Daylight, Gradient, Material, MaterialKind, ObjectEdit, ObjectKey, SceneEdit, SceneError, Sky, Sun,
+    Daylight, Gradient, Ground, Material, MaterialKind, ObjectEdit, ObjectKey, SceneEdit, SceneError, Sky,
+    Sun,
 };
 use glam::{DVec3, Vec3};
 use std::path::{Path, PathBuf};
@@ -90,7 +92,7 @@ pub(super) fn write_edit(
         write_daylight(document, sky, &now.daylight).map_err(EditError::Sky)?;
     }
     if before.ground != now.ground {
-        super::ground::write(document, now.ground);
+        write_ground(document, now.ground);
     }
     super::lights::write(document, &before.lights, &now.lights)
         .ok_or(EditError::Damaged("'lights' is not written as [[lights]]"))
@@ -217,6 +219,17 @@ fn write_daylight(document: &mut DocumentMut, name: SkyName<'_>, daylight: &Dayl
         Some(sky) => write_section(document, "sky", &SKY_KEYS, sky_values(sky, name)?),
     }
     Ok(())
+}
+
+/// Writes the ground, or that there is none.
+fn write_ground(document: &mut DocumentMut, ground: Option<Ground>) {
+    let values = match ground {
+        None => vec![("off", value(true))],
+        Some(Ground { height_m, albedo }) => {
+            vec![("height_m", value(height_m)), ("albedo", value(number(albedo)))]
+        }
+    };
+    write_section(document, "ground", &GROUND_KEYS, values);
 }
 
 /// Sets the values of a section, and removes those of `keys` that have none.

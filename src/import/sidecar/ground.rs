@@ -2,10 +2,9 @@
 
 use super::table::{Notes, Section};
 use crate::scene::{Ground, Scene, SceneEdit};
-use toml_edit::{DocumentMut, value};
 
 /// Keys of `[ground]`.
-const KEYS: [&str; 3] = ["height_m", "albedo", "off"];
+pub(super) const GROUND_KEYS: [&str; 3] = ["height_m", "albedo", "off"];
 
 /// Largest height in metres, up or down.
 const MAX_HEIGHT_M: f64 = 1e6;
@@ -20,7 +19,7 @@ pub(super) struct GroundLine {
 }
 
 pub(super) fn read(top: &Section, notes: &mut Notes) -> Option<GroundLine> {
-    let section = top.section("ground", "[ground]", &KEYS, notes)?;
+    let section = top.section("ground", "[ground]", &GROUND_KEYS, notes)?;
     let [least, most] = [*Ground::ALBEDOS.start(), *Ground::ALBEDOS.end()].map(f64::from);
     Some(GroundLine {
         height_m: section.number("height_m", -MAX_HEIGHT_M..=MAX_HEIGHT_M, notes),
@@ -47,19 +46,4 @@ pub(super) fn apply(line: Option<GroundLine>, scene: Scene) -> Scene {
     let mut scene = scene.with_edit(&SceneEdit { ground, ..scene.to_edit() });
     scene.is_ground_given = true;
     scene
-}
-
-/// Writes the ground, or that there is none.
-pub(super) fn write(document: &mut DocumentMut, ground: Option<Ground>) {
-    let table = super::edit::section(document, "ground");
-    for key in KEYS {
-        table.remove(key);
-    }
-    match ground {
-        None => drop(table.insert("off", value(true))),
-        Some(Ground { height_m, albedo }) => {
-            table.insert("height_m", value(height_m));
-            table.insert("albedo", value(super::edit::number(albedo)));
-        }
-    }
 }

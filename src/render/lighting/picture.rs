@@ -3,7 +3,7 @@
 use crate::camera::Camera;
 use crate::raster::color::luminance;
 use crate::reference::ReferenceFrame;
-use crate::trace::{TraceSettings, Tracer, parallel::Stop};
+use crate::trace::{NO_TRIANGLE, TraceSettings, Tracer, parallel::Stop};
 use glam::Vec3;
 use std::f32::consts::PI;
 
@@ -28,10 +28,11 @@ impl SurfaceLight {
         stop: Stop<'_>,
     ) -> Option<Self> {
         let reference = ReferenceFrame::trace_filtered(tracer, camera, size, trace, stop)?;
-        let disparity = reference.disparity();
-        let of_pixel = |pixel: u32| match reference.has_light(pixel) && disparity[pixel as usize] > 0.0 {
-            true => reference.light(pixel),
-            false => Vec3::NAN,
+        let has_base =
+            |triangle: u32| triangle != NO_TRIANGLE && tracer.scene().material_of(triangle).has_base();
+        let of_pixel = |pixel: u32| {
+            let is_known = reference.has_light(pixel) && has_base(reference.triangle()[pixel as usize]);
+            if is_known { reference.light(pixel) } else { Vec3::NAN }
         };
         let light = (0..size[0] * size[1]).map(of_pixel).collect();
         Some(Self { light, reference })
