@@ -24,6 +24,7 @@ mod emissive;
 mod error;
 mod features;
 mod ground;
+mod ground_mesh;
 mod group_lights;
 mod hash;
 mod light;

@@ -1,7 +1,7 @@
 //! `CurrentScene`: state of the open scene that panels do not read. A session that is saved in a
 //! file is a [`SessionFile`].
 
-use super::{Autosave, PictureNote, SessionFile};
+use super::{Autosave, SessionFile};
 use crate::window::input::Obstacles;
 use crate::window::rendering::RenderRequest;
 use afterimage::render::Pace;
@@ -11,6 +11,15 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 use toml::Table;
+
+/// The session in the metadata of a picture.
+#[derive(Clone, Debug)]
+pub(super) struct PictureNote {
+    /// The picture.
+    pub(super) file: PathBuf,
+    /// Text of the session; `None` where the picture shows the model as its files have it.
+    pub(super) text: Option<String>,
+}
 
 /// The open scene, its edits, and what has been sent to the renderer.
 pub(super) struct CurrentScene {

@@ -12,6 +12,7 @@ mod open_scene;
 mod parts;
 mod persistence;
 mod picture_note;
+mod picture_view;
 mod pictures;
 mod poll;
 mod render_request;
@@ -28,19 +29,19 @@ use baking::{poll_bake, toggle_bake, update_floor};
 use canvas::Canvas;
 use choose_file::{handle_list, poll_files, set_path_text};
 use comparison::{overlay, update_comparison};
-use current_scene::{Arrival, CurrentScene};
+use current_scene::{Arrival, CurrentScene, PictureNote};
 use inspect::{handle_inspect, show_reference, update_outline, update_plan, update_thumbnails};
 use navigation::{go_to, handle_navigation};
 use open_scene::{
     cancel_loading, handle_answer, hold_close, is_shown, leave, open, open_model, open_new, open_path,
-    open_session, poll_loading, poll_watch, reload,
+    open_session, poll_loading, poll_watch, reload, session_saved,
 };
 use parts::Parts;
 use persistence::{
     autosave, end_autosave, forget_recent, read_state_folder, remember_model, restore_session, save_session,
-    session_saved,
 };
-use picture_note::{PictureNote, go_to_picture, show_note};
+use picture_note::show_note;
+use picture_view::go_to_picture;
 use pictures::{handle_picture, poll_export, save_from_references};
 use poll::poll;
 use render_request::{current_work, note_frame, send_request};

@@ -2,8 +2,8 @@
 //! lost.
 
 use super::{
-    AppEvent, Arrival, Parts, Services, SessionFile, begin_document, beside_model, is_recovery, is_session,
-    is_sky, open_sky, rebuild, remember_model, restore_session, save_session, show_note, watch,
+    AppEvent, Arrival, Parts, SavedSession, Services, SessionFile, begin_document, beside_model, is_recovery,
+    is_session, is_sky, open_sky, rebuild, remember_model, restore_session, save_session, show_note, watch,
 };
 use crate::picture::restore::{beside, is_picture, read_view};
 use crate::settings;
@@ -256,6 +256,31 @@ pub(super) fn handle_answer(app: &mut Parts, answer: Answer) {
         Answer::Stay => {
             app.state.dialogs.leaving = None;
             app.current.arrival = Arrival::default();
+        }
+    }
+}
+
+/// Notes that a session was saved, or could not be, and does what has waited for that.
+pub(super) fn session_saved(app: &mut Parts, result: anyhow::Result<SavedSession>) {
+    app.current.is_saving = false;
+    match result {
+        Ok(SavedSession { path, document, quality }) => {
+            app.state.info(format!("saved {}", path.display()));
+            app.current.file = Some(path);
+            if let Some(open) = &mut app.state.document {
+                open.set_saved(document, quality);
+            }
+            if std::mem::take(&mut app.current.saves_again) {
+                return save_session(app);
+            }
+            leave(app);
+        }
+        Err(error) => {
+            app.current.saves_again = false;
+            if app.state.dialogs.leaving.is_some() {
+                handle_answer(app, Answer::Stay);
+            }
+            app.state.error(format!("{error:#}"));
         }
     }
 }

@@ -1,13 +1,13 @@
 //! Sessions and recent files: saved, kept and restored.
 
 use super::{
-    AppEvent, Parts, SavedSession, Services, SessionFile, handle_answer, is_recovery, keep_session, leave,
-    left_behind, recovery_file, write_session,
+    AppEvent, Parts, SavedSession, Services, SessionFile, is_recovery, keep_session, left_behind,
+    recovery_file, write_session,
 };
 use crate::settings;
 use crate::window::input::Playback;
 use crate::window::rendering::TaskError;
-use crate::window::state::{Answer, AppState};
+use crate::window::state::AppState;
 use afterimage::Scene;
 use afterimage::raster::save::write_atomically;
 use anyhow::anyhow;
@@ -37,7 +37,12 @@ pub(super) fn save_session(app: &mut Parts) {
     let content = SessionFile::of(&app.state, &app.current.unknown_keys);
     let (content, document) = match (content, &app.state.document) {
         (Ok(content), Some(document)) => (content, document.now().clone()),
-        (Err(error), _) => return session_saved(app, Err(error)),
+        (Err(error), _) => {
+            app.current.is_saving = true;
+            return app
+                .services
+                .spawn("saving the session", || Ok(AppEvent::SavedSession(Box::new(Err(error)))));
+        }
         (Ok(_), None) => return,
     };
     let (file, destination) = (app.current.file.clone(), app.services.destination(&app.state));
@@ -51,31 +56,6 @@ pub(super) fn save_session(app: &mut Parts) {
         let saved = result.map(|path| SavedSession { path, document, quality });
         Ok(AppEvent::SavedSession(Box::new(saved)))
     });
-}
-
-/// Notes that a session was saved, or could not be, and does what has waited for that.
-pub(super) fn session_saved(app: &mut Parts, result: anyhow::Result<SavedSession>) {
-    app.current.is_saving = false;
-    match result {
-        Ok(SavedSession { path, document, quality }) => {
-            app.state.info(format!("saved {}", path.display()));
-            app.current.file = Some(path);
-            if let Some(open) = &mut app.state.document {
-                open.set_saved(document, quality);
-            }
-            if std::mem::take(&mut app.current.saves_again) {
-                return save_session(app);
-            }
-            leave(app);
-        }
-        Err(error) => {
-            app.current.saves_again = false;
-            if app.state.dialogs.leaving.is_some() {
-                handle_answer(app, Answer::Stay);
-            }
-            app.state.error(format!("{error:#}"));
-        }
-    }
 }
 
 /// Restores the session that has waited for its scene, but not the pose. Another scene than before

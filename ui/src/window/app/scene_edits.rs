@@ -2,12 +2,11 @@
 //! scene is rebuilt in the background, and the old picture stays until there is one of the new
 //! scene.
 
-use super::{AppEvent, Parts, PendingEdit, handle_list};
+use super::{AppEvent, Parts, PendingEdit};
 use crate::window::input::Obstacles;
 use crate::window::rendering::{RenderCommand, SceneSource, TaskError, spawn_task};
 use crate::window::state::{
-    AppState, Change, Document, EditCommand, ListCommand, OpenDocument, Purpose, SceneInfo, Selection,
-    SunControls,
+    AppState, Change, Document, EditCommand, OpenDocument, SceneInfo, Selection, SunControls,
 };
 use afterimage::import::{Limits, load_sky};
 use afterimage::scene::{Daylight, PictureSky, Scene, Sky, SkyImage};
@@ -23,7 +22,6 @@ pub(super) fn handle_edit(app: &mut Parts, command: EditCommand) {
             app.state.knows_lights = true;
             app.services.render.send(RenderCommand::KnowLights(true));
         }
-        EditCommand::BrowseSky => handle_list(app, ListCommand::Ask(Purpose::Sky)),
         EditCommand::Undo => step(&mut app.state, true),
         EditCommand::Redo => step(&mut app.state, false),
         EditCommand::SaveSidecar => save_sidecar(app),

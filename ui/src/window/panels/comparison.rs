@@ -1,7 +1,8 @@
 //! Comparison of the picture with the full tracer's.
 
 use super::super::state::{AppState, Command, Compare};
-use super::{numbers::Number, statistics, widgets::key_hint};
+use super::numbers::Number;
+use super::widgets::{GROUND, TEXT, key_hint};
 use crate::window::input::keymap::{Action, keys_of};
 use afterimage::raster::metrics::error_picture;
 use egui::{Align2, Sense, Ui};
@@ -69,10 +70,10 @@ const GAP: egui::Vec2 = egui::vec2(0.0, 10.0);
 
 fn sign(ui: &Ui, at: egui::Pos2, align: Align2, text: &str) {
     let font = egui::TextStyle::Body.resolve(ui.style());
-    let galley = ui.painter().layout_no_wrap(text.to_owned(), font, statistics::TEXT);
+    let galley = ui.painter().layout_no_wrap(text.to_owned(), font, TEXT);
     let rect = align.anchor_size(at, galley.size() + egui::vec2(16.0, 8.0));
-    ui.painter().rect_filled(rect, 5.0, statistics::GROUND);
-    ui.painter().galley(rect.min + egui::vec2(8.0, 4.0), galley, statistics::TEXT);
+    ui.painter().rect_filled(rect, 5.0, GROUND);
+    ui.painter().galley(rect.min + egui::vec2(8.0, 4.0), galley, TEXT);
 }
 
 /// Steps of the bar that shows the colours of errors.
@@ -81,7 +82,7 @@ const BAR_STEPS: usize = 32;
 /// Shows the colours of the error map from equal to the largest difference.
 fn error_bar(ui: &Ui, viewport: egui::Rect) {
     let bar = Align2::CENTER_BOTTOM.anchor_size(viewport.center_bottom() - GAP, egui::vec2(192.0, 14.0));
-    ui.painter().rect_filled(bar.expand(4.0), 4.0, statistics::GROUND);
+    ui.painter().rect_filled(bar.expand(4.0), 4.0, GROUND);
     let errors: Vec<f32> = (0..BAR_STEPS).map(|i| i as f32 / (BAR_STEPS - 1) as f32).collect();
     let width = bar.width() / BAR_STEPS as f32;
     for (i, [r, g, b]) in error_picture(&errors).into_iter().enumerate() {

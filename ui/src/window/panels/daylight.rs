@@ -1,6 +1,6 @@
 //! Sun and sky: the position of the sun by azimuth and elevation, or by place and time.
 
-use super::super::state::{AppState, Change, Command, EditCommand, SunControls};
+use super::super::state::{AppState, Change, Command, EditCommand, ListCommand, Purpose, SunControls};
 use super::{sun_time, typed};
 use afterimage::scene::{Daylight, GroundAdvice, PhysicalSky, PictureSky, Sky, SkyKind, solar::SunPosition};
 use egui::Ui;
@@ -43,7 +43,7 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
             direction_rows(ui, &mut sun.direction);
         }
         if sky_rows(ui, &mut sun, picture.as_mut()) {
-            commands.push(Command::Edit(EditCommand::BrowseSky));
+            commands.push(Command::List(ListCommand::Ask(Purpose::Sky)));
         }
         let help = "Angle of north, clockwise from the model's -Z (up on the plan) towards its +X";
         slider(ui, "North", help, &mut sun.north_deg, -180.0..=180.0, 0, "°");

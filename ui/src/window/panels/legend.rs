@@ -1,7 +1,7 @@
 //! The legend of the heatmap, and its controls.
 
 use super::super::state::{AppState, Command};
-use super::widgets::{TYPE_NAMES, key_hint, swatch};
+use super::widgets::{TEXT, TYPE_NAMES, key_hint, swatch};
 use super::{references, statistics};
 use crate::window::input::keymap::Action;
 use crate::window::state::{Coloring, Heatmap};
@@ -73,7 +73,7 @@ fn types_over(ui: &mut Ui, state: &AppState) {
     for (number, name) in ["reused", "mirror or glass", "traced"].into_iter().enumerate() {
         ui.horizontal(|ui| {
             swatch(ui, number);
-            ui.label(RichText::new(format!("{name} {:.0} %", shares[number])).color(statistics::TEXT));
+            ui.label(RichText::new(format!("{name} {:.0} %", shares[number])).color(TEXT));
         });
     }
 }
@@ -88,12 +88,12 @@ fn references_over(ui: &mut Ui, state: &AppState) {
             references::swatch(ui, reference.id);
             let percent = reference.contribution.clamp(0.0, 1.0) * 100.0;
             let text = format!("reference {}: {percent:.0} %", reference.id.0);
-            ui.label(RichText::new(text).color(statistics::TEXT));
+            ui.label(RichText::new(text).color(TEXT));
         });
     }
     ui.horizontal(|ui| {
         swatch(ui, 2);
-        ui.label(RichText::new("traced or mirrored").color(statistics::TEXT));
+        ui.label(RichText::new("traced or mirrored").color(TEXT));
     });
 }
 

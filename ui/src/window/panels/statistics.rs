@@ -2,17 +2,13 @@
 
 use super::super::state::{AppState, Statistics, Work};
 use super::comparison;
-use super::widgets::{FIRST_STAGE, swatch};
+use super::widgets::{FIRST_STAGE, GROUND, TEXT, swatch};
 use crate::window::input::fly_camera::MoveMode;
 use crate::window::input::keymap::{Action, keys_of};
 use afterimage::render::AuditEstimate;
 use egui::{Color32, RichText, Ui};
 
-/// Text colour, legible on the dark background over any picture.
-pub const TEXT: Color32 = Color32::from_gray(235);
 const DIM: Color32 = Color32::from_gray(170);
-/// Dark, translucent background of texts over the picture.
-pub const GROUND: Color32 = Color32::from_rgba_premultiplied(0, 0, 0, 185);
 
 /// A dark, translucent background on which text is legible over any picture.
 pub fn ground() -> egui::Frame {

@@ -12,6 +12,12 @@ pub const TYPE_NAMES: [&str; 3] = ["Type 1, reused", "Type 2, mirror or glass", 
 /// and the light known for it is looked up.
 pub const FIRST_STAGE: &str = "visibility + lookup";
 
+/// Text colour, legible on the dark background over any picture.
+pub const TEXT: Color32 = Color32::from_gray(235);
+
+/// Dark, translucent background of texts over the picture.
+pub const GROUND: Color32 = Color32::from_rgba_premultiplied(0, 0, 0, 185);
+
 /// Colour of a pixel type, 0 for Type 1; numbers above 2 give the colour of filled pixels.
 pub fn type_color(number: usize) -> Color32 {
     TYPE_SRGB.get(number).map_or(FILLED_COLOR, |&[r, g, b]| Color32::from_rgb(r, g, b))

@@ -88,8 +88,6 @@ pub enum EditCommand {
     Change(Change),
     /// Trace light by groups from now on, so that lights are dimmed without a ray.
     KnowLights,
-    /// Choose a picture of the sky in a dialog.
-    BrowseSky,
     Undo,
     Redo,
     SaveSidecar,
