@@ -33,8 +33,8 @@ use current_scene::{Arrival, CurrentScene, PictureNote};
 use inspect::{handle_inspect, show_reference, update_outline, update_plan, update_thumbnails};
 use navigation::{go_to, handle_navigation};
 use open_scene::{
-    cancel_loading, handle_answer, hold_close, is_shown, leave, open, open_model, open_new, open_path,
-    open_session, poll_loading, poll_watch, reload, session_saved,
+    cancel_loading, handle_answer, hold_close, is_shown, open, open_model, open_new, open_path, open_session,
+    poll_loading, poll_watch, reload, session_saved,
 };
 use parts::Parts;
 use persistence::{

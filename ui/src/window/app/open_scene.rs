@@ -286,7 +286,7 @@ pub(super) fn session_saved(app: &mut Parts, result: anyhow::Result<SavedSession
 }
 
 /// Does what has waited for the answer, if anything has.
-pub(super) fn leave(app: &mut Parts) {
+fn leave(app: &mut Parts) {
     match app.state.dialogs.leaving.take() {
         Some(Leaving::Close) => {
             app.current.may_close = true;
