@@ -106,8 +106,8 @@ impl Metered {
     }
 
     /// Chooses the exposure from the luminance at points of one picture, which are sorted; `None`
-    /// where all of them are black. The light that arrives is not known there: surfaces are taken to
-    /// scatter half of it.
+    /// where all of them are black. The light that arrives is not known there: surfaces are taken
+    /// to scatter half of it.
     pub fn of_view(luminance: &mut [f64]) -> Option<Self> {
         const SCATTERED: f64 = 0.5;
         let typical = percentile_of(luminance, 0.5)? - SCATTERED.log2();

@@ -14,6 +14,9 @@ const STOPS: [[u8; 3]; 8] = [
     [252, 246, 182],
 ];
 
+/// Share of the scale above which colours are bright, so that lines on them are black.
+const BRIGHT: f32 = 0.45;
+
 /// Colour of pixels without a value.
 pub const NO_VALUE: [u8; 3] = [90, 90, 90];
 
@@ -61,7 +64,7 @@ pub fn picture(values: &[f32], width: usize, max: f32, step: Option<f32>) -> Vec
         let right = (at + 1) % width.max(1) != 0 && is_line(band(at), band(at + 1));
         if right || is_line(band(at), band(at + width)) {
             // Black on bright colours, white on dark ones.
-            colors[at] = if values[at] / max > 0.45 { [0; 3] } else { [255; 3] };
+            colors[at] = if values[at] / max > BRIGHT { [0; 3] } else { [255; 3] };
         }
     }
     colors

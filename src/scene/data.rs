@@ -37,8 +37,8 @@ pub struct Scene {
     pub objects: Arc<Objects>,
     /// The edits of objects, and what was loaded; `None` where that is what is here.
     pub edited_objects: Option<Arc<EditedObjects>>,
-    /// The ground that was added, and the geometry without it; `None` where there is no such ground.
-    /// Its triangles and its material are the last ones.
+    /// The ground that was added, and the geometry without it; `None` where there is no such
+    /// ground. Its triangles and its material are the last ones.
     pub grounded: Option<Arc<GroundedGeometry>>,
     /// True where the scene's files say which ground there is, or that there is none.
     pub is_ground_given: bool,

@@ -44,11 +44,11 @@ impl Scene {
     }
 
     /// Returns this scene with other materials, sun and sky, its objects elsewhere, another ground,
-    /// and other settings of its lights. Lights, features, solids and hash are recomputed; where only
-    /// settings of lights change, this takes no time that grows with the geometry. Where no object
-    /// is edited, the geometry is the one that was loaded, to the bit. Edits of objects that the
-    /// scene does not have, and of ways that are not finite or too long, are left out; so are all
-    /// where no triangle would be left.
+    /// and other settings of its lights. Lights, features, solids and hash are recomputed; where
+    /// only settings of lights change, this takes no time that grows with the geometry. Where no
+    /// object is edited, the geometry is the one that was loaded, to the bit. Edits of objects that
+    /// the scene does not have, and of ways that are not finite or too long, are left out; so are
+    /// all where no triangle would be left.
     ///
     /// # Panics
     /// If the edit has more or fewer materials than the scene, and so belongs to another one.
@@ -68,7 +68,8 @@ impl Scene {
         edited
     }
 
-    /// Returns this scene at full light with the materials, objects, ground, sun and sky of an edit.
+    /// Returns this scene at full light with the materials, objects, ground, sun and sky of an
+    /// edit.
     fn with_surfaces(&self, edit: &SceneEdit) -> Self {
         let bare = self.without_ground();
         let mut edited = bare.with_objects(&edit.objects);

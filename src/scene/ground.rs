@@ -16,7 +16,8 @@ pub struct Ground {
 /// Which ground a scene gets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum GroundChoice {
-    /// One at the lowest point of the building, where the model has no ground and there is daylight.
+    /// One at the lowest point of the building, where the model has no ground and there is
+    /// daylight.
     Auto,
     /// None.
     Off,

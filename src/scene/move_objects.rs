@@ -80,10 +80,10 @@ impl Scene {
         self.coincident.clone_from(&geometry.coincident);
     }
 
-    /// Returns this scene, which has no added ground, with other edits of its objects. Those of unknown objects, and impossible
-    /// ones, are left out. Where nothing would be left, the geometry stays as it is. Frame, box and
-    /// views stay, so that light that holds is recognised. What follows from the geometry must be
-    /// derived afterwards.
+    /// Returns this scene, which has no added ground, with other edits of its objects. Those of
+    /// unknown objects, and impossible ones, are left out. Where nothing would be left, the
+    /// geometry stays as it is. Frame, box and views stay, so that light that holds is recognised.
+    /// What follows from the geometry must be derived afterwards.
     pub(super) fn with_objects(&self, edits: &ObjectEdits) -> Self {
         let known = self.all_objects().keys();
         let mut edits = edits.clone();

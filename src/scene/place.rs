@@ -34,8 +34,8 @@ pub struct PlaceAndTime {
 /// When the sun rises and sets on a day at a place, by the clocks there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SunTimes {
-    /// Hours since midnight of the first sunrise and the first sunset of the day; one of them may be
-    /// missing where the sun is up around midnight.
+    /// Hours since midnight of the first sunrise and the first sunset of the day; one of them may
+    /// be missing where the sun is up around midnight.
     Changes {
         /// Local time of sunrise in hours.
         sunrise: Option<f64>,

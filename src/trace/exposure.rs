@@ -53,8 +53,8 @@ impl Tracer {
     /// The exposure that follows is a function of the scene alone: the same at any number of
     /// threads and for all settings of pictures. At most 25,000 paths go out from places where one
     /// can be: the start view, and the views and the key frames of the walk that the model brings,
-    /// in four directions each. Surfaces that emit, mirrors and glass, and a ground that was
-    /// added, count only where there is nothing else. `progress` receives the share that is done, 0..1.
+    /// in four directions each. Surfaces that emit, mirrors and glass, and a ground that was added,
+    /// count only where there is nothing else. `progress` receives the share that is done, 0..1.
     pub fn measure_light(&self, progress: &(dyn Fn(f32) + Sync), stop: Stop<'_>) -> bool {
         // Not `get_or_init`, which would wait on itself where a thread of rayon steals a job that
         // calls this.

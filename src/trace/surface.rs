@@ -86,8 +86,8 @@ impl SurfacePoint {
         Self::new(scene, triangle, [b1 as f32, b2 as f32], view_direction)
     }
 
-    /// A point of no surface: a small sensor in free space, at a position in scene space, that faces
-    /// a unit vector. Only the light that arrives at it may be asked for: it has no material.
+    /// A point of no surface: a small sensor in free space, at a position in scene space, that
+    /// faces a unit vector. Only the light that arrives at it may be asked for: it has no material.
     pub(super) fn sensor(position: Vec3, facing: Vec3) -> Self {
         Self {
             position,

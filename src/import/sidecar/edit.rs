@@ -283,7 +283,7 @@ pub(super) fn name_beside(file: &Path, model: &Path) -> Result<String, String> {
     relative().ok_or_else(|| format!("the sky picture {} is not in the model's folder", file.display()))
 }
 
-pub(super) fn section<'d>(document: &'d mut DocumentMut, name: &str) -> &'d mut dyn toml_edit::TableLike {
+fn section<'d>(document: &'d mut DocumentMut, name: &str) -> &'d mut dyn toml_edit::TableLike {
     let item = &mut document[name];
     if !item.is_table_like() {
         *item = Item::Table(Table::new());
@@ -308,6 +308,6 @@ fn color(c: Vec3) -> Item {
 
 /// Returns the number that is written as the shortest decimal of an `f32`, rather than with the
 /// digits of the equal `f64`.
-pub(super) fn number(v: f32) -> f64 {
+fn number(v: f32) -> f64 {
     v.to_string().parse().unwrap_or(f64::from(v))
 }

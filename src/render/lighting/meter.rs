@@ -16,7 +16,7 @@ pub struct Sensor {
     pub facing: Vec3,
 }
 
-/// What a sensor reads.
+/// Illuminance at a sensor, and its error.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Reading {
     /// Illuminance in lux.
@@ -25,6 +25,12 @@ pub struct Reading {
     /// after fewer than two.
     pub standard_error_lux: f64,
 }
+
+/// Passes below which the errors, estimated from their spread, are themselves too uncertain.
+const MIN_PASSES: u32 = 4;
+
+/// Share of the mean reading below which a sensor counts as dark: its error is compared with that.
+const MIN_SHARE_OF_MEAN: f64 = 0.1;
 
 /// Sums of the passes of one sensor, lux.
 #[derive(Clone, Copy, Debug, Default)]
@@ -102,9 +108,8 @@ impl<'a> LightMeter<'a> {
     pub fn is_within(&self, share: f64) -> bool {
         let readings = self.readings();
         let mean = readings.iter().map(|r| r.lux).sum::<f64>() / readings.len().max(1) as f64;
-        let is_off = |r: &&Reading| r.standard_error_lux > share * r.lux.max(0.1 * mean);
-        // At least four passes, or the estimated errors are themselves too uncertain.
-        self.passes >= 4 && readings.iter().filter(is_off).count() * 20 <= readings.len()
+        let is_off = |r: &&Reading| r.standard_error_lux > share * r.lux.max(MIN_SHARE_OF_MEAN * mean);
+        self.passes >= MIN_PASSES && readings.iter().filter(is_off).count() * 20 <= readings.len()
     }
 }
 

@@ -11,6 +11,13 @@ pub const MAX_POINTS: usize = 100_000;
 /// Difference in height of two neighbouring floors, metres, up to which they are one room: a step.
 const MAX_STEP_M: f64 = 0.25;
 
+/// Smallest cosine of the slope of a floor: 60 degrees, so that stairs and ramps count.
+const MIN_FLOOR_COS: f32 = 0.5;
+
+/// A way is open where no surface is nearer than this times its length: the point at its end lies
+/// on no wall.
+const CLEARANCE: f64 = 1.01;
+
 /// Part of a floor that a plane covers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PlaneArea {
@@ -162,12 +169,12 @@ impl WorkPlane {
 /// Height of the floor below a point, world metres.
 fn floor_below(tracer: &Tracer, point: DVec3) -> Option<f64> {
     let probe = tracer.probe(point, DVec3::NEG_Y, f64::INFINITY)?;
-    (probe.normal.y > 0.5).then_some(probe.position_m.y)
+    (probe.normal.y > MIN_FLOOR_COS).then_some(probe.position_m.y)
 }
 
-/// True where a surface cuts the way, or lies at its end: nearer than a hundredth of the way.
+/// True where a surface cuts the way, or lies at its end.
 fn is_blocked(tracer: &Tracer, from: DVec3, to: DVec3) -> bool {
-    tracer.probe(from, to - from, 1.01 * from.distance(to)).is_some()
+    tracer.probe(from, to - from, CLEARANCE * from.distance(to)).is_some()
 }
 
 fn is_under_roof(tracer: &Tracer, point: DVec3) -> bool {

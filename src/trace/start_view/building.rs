@@ -1,7 +1,8 @@
 //! Rays that meet the building alone. From inside, it stands on a floor at its lowest point.
 //!
 //! The floor stands for the ground of a model whose rooms have no floor of their own; so a ground
-//! plane can come and go, and one that was added is not met at all. Other things outside the box of the building only hide it.
+//! plane can come and go, and one that was added is not met at all. Other things outside the box of
+//! the building only hide it.
 
 use crate::scene::MaterialId;
 use crate::trace::{Probe, Tracer};

@@ -37,8 +37,9 @@ impl Tracer {
     ///
     /// It is a view from outside of the whole building; or one from inside a room, where the
     /// building is dark from outside, shows its back faces, or shows much more from inside. The
-    /// view from outside is then the second, unless no light falls there: it would be black. Where the model brings no camera path, the path turns
-    /// around in the room or leads once around the building.
+    /// view from outside is then the second, unless no light falls there: it would be black. Where
+    /// the model brings no camera path, the path turns around in the room or leads once around the
+    /// building.
     #[must_use]
     pub fn with_start_view(mut self) -> Self {
         if self.scene().brings_view {

@@ -18,7 +18,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// What a picture shows.
+/// Quantity that a picture of `render` shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Show {
     /// The picture itself.
@@ -58,7 +58,7 @@ impl std::str::FromStr for Scale {
 /// Reflectance of clay.
 const CLAY: f32 = 0.7;
 
-/// What is shown, and how.
+/// Quantity that is shown, the end of its scale, and whether lines of equal value are drawn.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Shown {
     pub(super) show: Show,

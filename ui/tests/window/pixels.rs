@@ -62,8 +62,8 @@ fn the_picture_stands_upright() {
         .collect();
     let middle = (rows[0] + rows[rows.len() - 1]) as f32 / 2.0 / height as f32;
     assert!((middle - 0.5).abs() > 0.01, "the start view does not tell up from down: {middle}");
-    // Of the columns of the mirror, without the figures and the legend, whose swatches have the same
-    // colour.
+    // Of the columns of the mirror, without the figures and the legend, whose swatches have the
+    // same colour.
     let mirrors = || types.iter().enumerate().filter(|(_, t)| **t == 2).map(|(i, _)| i as u32 % width);
     let column =
         |x: Option<u32>| (rect.left() + x.expect("a mirror") as f32 / width as f32 * rect.width()) as u32;

@@ -1,7 +1,7 @@
 //! Sessions and recent files: saved, kept and restored.
 
 use super::{
-    AppEvent, Parts, SavedSession, Services, SessionFile, is_recovery, keep_session, left_behind,
+    AppEvent, Parts, SavedSession, Services, SessionFile, is_recovery, is_session, keep_session, left_behind,
     recovery_file, write_session,
 };
 use crate::settings;
@@ -78,8 +78,10 @@ pub(super) fn restore_session(
     for message in messages {
         app.state.error(format!("{}: {message}", file.display()));
     }
-    if is_recovery(&file) {
-        app.current.file = content.own_file();
+    let is_ours = is_recovery(&file) && file.parent() == app.services.launch.state_folder.as_deref();
+    if is_ours {
+        // A file that a session names is overwritten by the next save: only another session.
+        app.current.file = content.own_file().filter(|path| is_session(path));
         // From now on it is the session of this process: at no time is there none on the disk.
         if let Some(folder) = &app.services.launch.state_folder {
             // If this fails it is offered again.

@@ -30,7 +30,7 @@ pub struct Listing {
     pub is_cut: bool,
 }
 
-/// What is found at a path.
+/// A folder with its contents, or a file: the result of following a typed path.
 #[derive(Clone, Debug)]
 pub enum Reached {
     /// A folder and its contents.

@@ -15,7 +15,7 @@ pub enum Asked {
     Missing,
 }
 
-/// What a dialog is asked for.
+/// The question of a file dialog: its title, the kinds of files, and where it begins.
 #[derive(Clone, Debug)]
 pub struct Question {
     /// Title of the dialog.
@@ -26,7 +26,8 @@ pub struct Question {
     pub folder: Option<PathBuf>,
 }
 
-/// Nobody closes a dialog sooner than this after it was asked for.
+/// Shortest time in which a person closes a dialog that has opened; an answer that comes sooner
+/// means that none has opened.
 const SOONEST_ANSWER: Duration = Duration::from_millis(150);
 
 /// Asks with the system's dialog, which blocks this thread.

@@ -149,7 +149,8 @@ impl FlyCamera {
         if self.looks_for_floor { None } else { self.note.take() }
     }
 
-    /// Stands on the floor below where the camera is going, at eye height; flies where there is none.
+    /// Stands on the floor below where the camera is going, at eye height; flies where there is
+    /// none.
     fn stand(&mut self, obstacles: &Obstacles) {
         self.looks_for_floor = false;
         let to = self.ease.map_or(self.camera, |ease| ease.to);

@@ -51,8 +51,8 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     });
 }
 
-/// Shows the meaning of the colours over the viewport, at the lower left of `room`. Drags go through
-/// it.
+/// Shows the meaning of the colours over the viewport, at the lower left of `room`. Drags go
+/// through it.
 pub fn over_viewport(ctx: &egui::Context, room: egui::Rect, state: &AppState) {
     let area = egui::Area::new(egui::Id::unique("legend")).pivot(egui::Align2::LEFT_BOTTOM);
     area.fixed_pos(room.left_bottom()).interactable(false).show(ctx, |ui| {

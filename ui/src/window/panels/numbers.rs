@@ -83,8 +83,8 @@ impl Number {
         response
     }
 
-    /// Sets a number, unless it is shown as the old one is; returns it. A field that is left without
-    /// a change sets its own text, within the range.
+    /// Sets a number, unless it is shown as the old one is; returns it. A field that is left
+    /// without a change sets its own text, within the range.
     fn get_or_set(&self, edited: &mut f64, new: Option<f64>) -> f64 {
         let kept = [*edited, edited.clamp(*self.range.start(), *self.range.end())].map(|n| self.shown(n));
         if let Some(new) = new.filter(|new| !kept.contains(&self.shown(*new))) {

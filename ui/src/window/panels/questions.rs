@@ -15,8 +15,8 @@ pub fn show(ctx: &Context, state: &AppState, commands: &mut Vec<Command>) {
     }
 }
 
-/// Shows a question and its answers; the first has the focus, and must not lose anything. `otherwise` is the answer for Escape
-/// and for a click outside.
+/// Shows a question and its answers; the first has the focus, and must not lose anything.
+/// `otherwise` is the answer for Escape and for a click outside.
 fn ask(
     ctx: &Context,
     name: &str,

@@ -77,7 +77,8 @@ pub fn clock_text(hours: f64) -> String {
     format!("{:02}:{:02}", minutes / 60, minutes % 60)
 }
 
-/// Returns the hours of a time like `18:30`, `18.30`, `18 30`, `1830` or `18`; `None` for other texts.
+/// Returns the hours of a time like `18:30`, `18.30`, `18 30`, `1830` or `18`; `None` for other
+/// texts.
 fn clock_hours(text: &str) -> Option<f64> {
     let text = text.trim();
     let is_digits = text.len() == 4 && text.bytes().all(|b| b.is_ascii_digit());

@@ -35,7 +35,8 @@ impl<'a> Merge<'a> {
         Document { scene, sun, views, path: mine.path.clone(), measures: mine.measures.clone() }
     }
 
-    /// Returns an undo step as it is for the new files; `None` where its material or object is gone.
+    /// Returns an undo step as it is for the new files; `None` where its material or object is
+    /// gone.
     pub(super) fn change(&self, step: Change) -> Option<Change> {
         Some(match step {
             Change::Material(id, material) => {
