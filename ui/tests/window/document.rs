@@ -47,7 +47,10 @@ impl House {
     /// The sessions that are kept in case of a crash.
     fn kept(&self) -> Vec<PathBuf> {
         let entries = std::fs::read_dir(self.path("state")).into_iter().flatten();
-        let is_kept = |path: &PathBuf| path.to_string_lossy().contains("recovery-");
+        let is_kept = |path: &PathBuf| {
+            let name = path.to_string_lossy();
+            name.contains("recovery-") && name.ends_with(".toml")
+        };
         entries.filter_map(|entry| Some(entry.ok()?.path())).filter(is_kept).collect()
     }
 }
@@ -138,6 +141,39 @@ fn ctrl_s_saves_everything_and_the_model_opens_with_it_where_materials_were_left
     let placed = Camera::look_at(glam::DVec3::new(0.5, 1.0, 4.0), glam::DVec3::Y, 50.0);
     let request = LaunchOptions { camera: Some(placed), ..house.request(&house.path("model/wall.obj")) };
     assert_eq!(camera(&open(request, false)), placed, "flags take precedence");
+}
+
+#[test]
+fn what_is_saved_before_its_own_session_is_opened_again_stays_where_the_old_session_came_back() {
+    let house = House::new();
+    let mut window = house.open();
+    save(&mut window);
+    make_mirror(&mut window);
+    drop_on(&mut window, house.session());
+    step_until(&mut window, "the question", |app| app.state().dialogs.leaving.is_some());
+    window.run_steps(2);
+    window.get_by_label("Save").click_accesskit();
+    // A restored document has no steps.
+    step_until(&mut window, "the session", |app| !document(app).can_undo());
+    settle(&mut window);
+    assert!(is_mirror(window.state()) && !window.state().state().is_unsaved());
+    assert!(std::fs::read_to_string(house.session()).expect("the session").contains("mirror"));
+}
+
+#[test]
+fn loading_again_does_not_take_the_place_of_another_scene_that_is_being_opened() {
+    let house = House::new();
+    let other = house.path("other.obj");
+    std::fs::write(&other, format!("{WALL}f 1 3 2\n")).expect("a file");
+    let mut window = house.open();
+    let triangles = |app: &App| app.state().scene.as_ref().map_or(0, |s| s.triangles);
+    let before = triangles(window.state());
+    drop_on(&mut window, other);
+    window.step();
+    window.key_press(Key::F5);
+    step_until(&mut window, "the other scene", |app| triangles(app) == before + 1);
+    settle(&mut window);
+    assert_eq!(triangles(window.state()), before + 1);
 }
 
 #[test]

@@ -1,11 +1,10 @@
 //! The session that is kept in case of a crash.
 
-use super::{EXTENSION, SessionFile, modified};
+use super::{Recovery, SessionFile, keep_session};
 use crate::window::rendering::{Task, TaskError, Wake, spawn_task, take_result};
 use crate::window::state::{AppState, Quality};
 use afterimage::Camera;
-use afterimage::raster::save::write_atomically;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 /// Interval at which the session is kept where only the camera has moved.
@@ -13,9 +12,6 @@ const CAMERA_INTERVAL: Duration = Duration::from_secs(20);
 
 /// Shortest time between two writes after changes of the document or of the settings.
 const CHANGE_INTERVAL: Duration = Duration::from_secs(1);
-
-/// Beginning of the names of kept sessions; the number of the process follows.
-const RECOVERY: &str = "recovery-";
 
 /// The session as it was kept last.
 #[derive(Default)]
@@ -25,6 +21,8 @@ pub(super) struct Autosave {
     content: Option<(u64, Quality)>,
     at: Option<Instant>,
     task: Option<Task<()>>,
+    /// The file of this window, once something was kept.
+    place: Option<Recovery>,
 }
 
 impl Autosave {
@@ -50,9 +48,34 @@ impl Autosave {
         (true, None)
     }
 
+    /// Returns the file of this window in a folder.
+    ///
+    /// # Errors
+    /// A message for the user, if the folder or the file cannot be made.
+    pub(super) fn place(&mut self, folder: &Path) -> Result<&Recovery, TaskError> {
+        let place = match self.place.take() {
+            Some(place) => place,
+            None => Recovery::begin(folder)?,
+        };
+        Ok(self.place.insert(place))
+    }
+
     /// Keeps a session in the background.
-    pub(super) fn keep(&mut self, session: SessionFile, folder: PathBuf, wake: Wake) {
-        self.task = Some(spawn_task("recovery", wake, move |_| keep_session(&session, &folder)));
+    ///
+    /// # Errors
+    /// As [`Self::place`].
+    pub(super) fn keep(&mut self, session: SessionFile, folder: &Path, wake: Wake) -> Result<(), TaskError> {
+        let file = self.place(folder)?.file().to_owned();
+        self.task = Some(spawn_task("recovery", wake, move |_| keep_session(&session, &file)));
+        Ok(())
+    }
+
+    /// Removes what this window has kept, if it has kept anything.
+    pub(super) fn remove(&mut self) {
+        if let Some(place) = self.place.take() {
+            // It may not have been written yet.
+            let _ = std::fs::remove_file(place.file());
+        }
     }
 
     /// Returns the result of keeping the session, once.
@@ -70,41 +93,3 @@ impl Autosave {
 
 /// Time after which it is looked again whether the last session is written.
 const SHORTEST_WAIT: Duration = Duration::from_millis(100);
-
-/// Writes a session for the case of a crash.
-///
-/// # Errors
-/// A message for the user.
-pub(super) fn keep_session(session: &SessionFile, folder: &Path) -> Result<(), TaskError> {
-    let text = session.text(None).map_err(TaskError::failed)?;
-    std::fs::create_dir_all(folder).map_err(|error| {
-        TaskError::Failed(format!("cannot make the folder {}: {error}", folder.display()))
-    })?;
-    write_atomically(&recovery_file(folder), text.as_bytes()).map_err(TaskError::failed)
-}
-
-/// File in which this process keeps its session.
-pub(super) fn recovery_file(folder: &Path) -> PathBuf {
-    folder.join(format!("{RECOVERY}{}.{EXTENSION}", std::process::id()))
-}
-
-/// True for the names of kept sessions.
-pub(super) fn is_recovery(path: &Path) -> bool {
-    path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(RECOVERY))
-}
-
-/// Returns the newest session of a process that has ended without removing it.
-pub(super) fn left_behind(folder: &Path) -> Option<PathBuf> {
-    let entries = std::fs::read_dir(folder).ok()?.filter_map(|e| e.ok().map(|e| e.path()));
-    let is_orphan = |path: &PathBuf| {
-        let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-        let id = name.strip_prefix(RECOVERY).and_then(|n| n.strip_suffix(&format!(".{EXTENSION}")));
-        id.and_then(|id| id.parse().ok()).is_some_and(|id: u32| !is_running(id))
-    };
-    entries.filter(is_orphan).max_by_key(|path| modified(path))
-}
-
-fn is_running(process: u32) -> bool {
-    // On other systems, two windows may offer each other's sessions; this loses nothing.
-    cfg!(target_os = "linux") && Path::new("/proc").join(process.to_string()).exists()
-}

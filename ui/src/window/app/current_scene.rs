@@ -27,6 +27,9 @@ pub(super) struct CurrentScene {
     pub(super) obstacles: Option<Obstacles>,
     /// Materials and daylight of the scene that is being rendered.
     pub(super) rendered_edit: Option<SceneEdit>,
+    /// Number of scenes that were shown so far. What was begun for another scene than this one does
+    /// not belong to it.
+    pub(super) number: u64,
     /// Generation of the first frame of the scene.
     pub(super) first_generation: u64,
     /// Applied when the scene that is being loaded is shown.
@@ -39,8 +42,6 @@ pub(super) struct CurrentScene {
     pub(super) file: Option<PathBuf>,
     /// Keys of `file` that this version does not know.
     pub(super) unknown_keys: Table,
-    /// A session is being saved.
-    pub(super) is_saving: bool,
     /// The session is to be saved once more.
     pub(super) saves_again: bool,
     /// Hash of the scene as the model's files have it.
@@ -93,7 +94,7 @@ impl CurrentScene {
             may_close: false,
             file: None,
             unknown_keys: Table::new(),
-            is_saving: false,
+            number: 0,
             saves_again: false,
             files_hash: String::new(),
             autosave: Autosave::default(),

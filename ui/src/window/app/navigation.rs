@@ -1,6 +1,6 @@
 //! Commands about views, camera paths and the way the camera moves.
 
-use super::{AppEvent, Services};
+use super::{AppEvent, Parts, Services};
 use crate::picture::pose_text::pose_of_flags;
 use crate::window::export::Destination;
 use crate::window::input::Recording;
@@ -174,10 +174,20 @@ fn finish_renaming(state: &mut AppState) {
 
 /// Starts to record a walk, or ends the recording and saves it.
 fn toggle_recording(state: &mut AppState, services: &mut Services) {
-    let Some(recording) = state.navigation.recording.take() else {
-        state.navigation.recording = Some(Recording::default());
-        return;
-    };
+    match state.navigation.recording.take() {
+        None => state.navigation.recording = Some(Recording::default()),
+        Some(recording) => save_recording(state, services, recording),
+    }
+}
+
+/// Ends the recording of a walk, if there is one, and saves it.
+pub(super) fn end_recording(app: &mut Parts) {
+    if let Some(recording) = app.state.navigation.recording.take() {
+        save_recording(&mut app.state, &mut app.services, recording);
+    }
+}
+
+fn save_recording(state: &mut AppState, services: &mut Services, recording: Recording) {
     let Some(walk) = recording.finish() else {
         return state.info("the camera did not move; there is no walk to save");
     };

@@ -2,8 +2,9 @@
 //! lost.
 
 use super::{
-    AppEvent, Arrival, Parts, SavedSession, Services, SessionFile, begin_document, beside_model, is_recovery,
-    is_session, is_sky, open_sky, rebuild, remember_model, restore_session, save_session, show_note, watch,
+    AppEvent, Arrival, Parts, SavedSession, Services, SessionFile, begin_document, beside_model,
+    end_recording, is_recovery, is_session, is_sky, open_sky, rebuild, remember_model, restore_session,
+    save_session, show_note, watch,
 };
 use crate::picture::restore::{beside, is_picture, read_view};
 use crate::settings;
@@ -69,8 +70,8 @@ pub(super) fn open_session(app: &mut Parts, path: PathBuf) {
             open(app, source);
         }
         Err(error) => {
-            let is_renamed =
-                is_recovery(&path) && std::fs::rename(&path, path.with_extension("toml.bad")).is_ok();
+            let is_renamed = is_recovery(&path, app.services.launch.state_folder.as_deref())
+                && std::fs::rename(&path, path.with_extension("toml.bad")).is_ok();
             let end = if is_renamed { "; it was renamed to end in .bad" } else { "" };
             app.state.error(format!("{error}{end}"));
         }
@@ -98,11 +99,21 @@ pub(super) fn open_new(app: &mut Parts, source: SceneSource) {
     open(app, source);
 }
 
-/// Loads the scene that is shown once more.
+/// Loads the scene that is shown once more, unless another one is on its way.
 pub(super) fn reload(app: &mut Parts) {
+    if is_leaving(app) {
+        return app.state.info("another scene is being opened; this one is not loaded again");
+    }
     if let Some(source) = app.state.scene.as_ref().map(|s| s.source.clone()) {
         open(app, source);
     }
+}
+
+/// True where another scene is being loaded or waits for an answer, or the window does.
+fn is_leaving(app: &Parts) -> bool {
+    let loads_other =
+        app.services.loading.as_ref().is_some_and(|loading| !is_shown(&app.state, &loading.source));
+    loads_other || app.current.arrival.session.is_some() || app.state.dialogs.leaving.is_some()
 }
 
 /// Starts to load a scene. The old one is shown until the new one is complete.
@@ -145,6 +156,10 @@ pub(super) fn poll_loading(app: &mut Parts) {
 /// Reloads the scene when its files have changed. The camera stays, and the old scene stays where
 /// the new one cannot be loaded.
 pub(super) fn poll_watch(app: &mut Parts) {
+    // A change waits until it is known whether the scene stays.
+    if is_leaving(app) {
+        return;
+    }
     if let Some(Ok(path)) = take_result(&mut app.services.watch) {
         app.services.watch =
             Some(watch(path.clone(), app.services.own_writes.clone(), app.services.wake.clone()));
@@ -164,13 +179,15 @@ fn show_scene(app: &mut Parts, source: SceneSource, tracer: Arc<Tracer>) {
         let count = counted(scene.warnings.len(), "import warning");
         app.state.warning(format!("{}: {count}, listed in the tab Scene", scene.name));
     }
+    app.current.number += 1;
     if !is_reload {
+        end_recording(app);
         let (view_index, start) = start_pose(&mut app.state, &scene, &arrival);
         app.state.navigation.view_index = view_index;
         app.state.navigation.fly.jump_to(start);
         app.state.navigation.fly.set_speed(scene.speed_m_per_s);
         app.state.navigation.playback = Playback::default();
-        (app.state.navigation.recording, app.state.navigation.renaming) = (None, None);
+        app.state.navigation.renaming = None;
         app.state.navigation.before.clear();
     }
     app.state.scene = Some(scene);
@@ -230,13 +247,18 @@ fn start_pose(state: &mut AppState, scene: &SceneInfo, arrival: &Arrival) -> (us
     (index, camera)
 }
 
-/// Keeps the window open where closing it would lose changes, and asks.
+/// Keeps the window open where closing it would lose changes or end an export, and asks.
 pub(super) fn hold_close(app: &mut Parts) {
     if app.services.is_ended_from_outside() && !std::mem::replace(&mut app.current.may_close, true) {
         app.services.ctx.send_viewport_cmd(ViewportCommand::Close);
     }
     let is_closing = app.services.ctx.input(|i| i.viewport().close_requested());
-    if is_closing && !app.current.may_close && app.state.is_unsaved() {
+    if is_closing {
+        // The walk is saved before the program ends.
+        end_recording(app);
+    }
+    let is_asked = app.state.is_unsaved() || app.services.export.is_some();
+    if is_closing && !app.current.may_close && is_asked {
         app.services.ctx.send_viewport_cmd(ViewportCommand::CancelClose);
         app.current.arrival = Arrival::default();
         app.state.dialogs.leaving = Some(Leaving::Close);
@@ -261,26 +283,45 @@ pub(super) fn handle_answer(app: &mut Parts, answer: Answer) {
 }
 
 /// Notes that a session was saved, or could not be, and does what has waited for that.
-pub(super) fn session_saved(app: &mut Parts, result: anyhow::Result<SavedSession>) {
-    app.current.is_saving = false;
+pub(super) fn session_saved(app: &mut Parts, result: Result<SavedSession, TaskError>) {
+    let saves_again = std::mem::take(&mut app.current.saves_again);
     match result {
-        Ok(SavedSession { path, document, quality }) => {
-            app.state.info(format!("saved {}", path.display()));
-            app.current.file = Some(path);
-            if let Some(open) = &mut app.state.document {
-                open.set_saved(document, quality);
-            }
-            if std::mem::take(&mut app.current.saves_again) {
+        Ok(saved) => {
+            app.state.info(format!("saved {}", saved.path.display()));
+            note_saved(app, saved);
+            if saves_again {
                 return save_session(app);
             }
-            leave(app);
+            // What has changed meanwhile is asked about as well.
+            if !app.state.is_unsaved() {
+                leave(app);
+            }
         }
         Err(error) => {
-            app.current.saves_again = false;
             if app.state.dialogs.leaving.is_some() {
                 handle_answer(app, Answer::Stay);
             }
-            app.state.error(format!("{error:#}"));
+            app.state.error(match error {
+                TaskError::Failed(text) => text,
+                TaskError::Cancelled => "saving was cancelled".to_owned(),
+            });
+        }
+    }
+}
+
+/// Notes that the scene that is shown was saved, if it is the one that was.
+fn note_saved(app: &mut Parts, SavedSession { path, source, scene, document, quality }: SavedSession) {
+    if is_shown(&app.state, &source) {
+        app.current.file = Some(path.clone());
+    }
+    if let Some(open) = app.state.document.as_mut().filter(|_| scene == app.current.number) {
+        open.set_saved(document, quality);
+    }
+    // A session that waits to be opened was read before it was written again.
+    if app.current.arrival.session.as_ref().is_some_and(|(_, file)| *file == path) {
+        app.current.arrival.session = read_session(&path).ok().map(|session| (session, path));
+        if let Some(Leaving::Show(source, _)) = &app.state.dialogs.leaving {
+            app.state.dialogs.leaving = Some(Leaving::Open(source.clone()));
         }
     }
 }

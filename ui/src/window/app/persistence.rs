@@ -2,15 +2,14 @@
 
 use super::{
     AppEvent, Parts, SavedSession, Services, SessionFile, is_recovery, is_session, keep_session, left_behind,
-    recovery_file, write_session,
+    session_saved, write_session,
 };
 use crate::settings;
 use crate::window::input::Playback;
-use crate::window::rendering::TaskError;
+use crate::window::rendering::{TaskError, TaskHandle, spawn_activity, take_result};
 use crate::window::state::AppState;
 use afterimage::Scene;
 use afterimage::raster::save::write_atomically;
-use anyhow::anyhow;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use toml::Table;
@@ -30,32 +29,32 @@ pub(super) fn read_state_folder(state: &mut AppState, folder: &Path) {
 
 /// Saves the whole document in its session file, or in a new one where it has none.
 pub(super) fn save_session(app: &mut Parts) {
-    if app.current.is_saving {
+    if app.services.saving.is_some() {
         app.current.saves_again = true;
         return;
     }
     let content = SessionFile::of(&app.state, &app.current.unknown_keys);
     let (content, document) = match (content, &app.state.document) {
         (Ok(content), Some(document)) => (content, document.now().clone()),
-        (Err(error), _) => {
-            app.current.is_saving = true;
-            return app
-                .services
-                .spawn("saving the session", || Ok(AppEvent::SavedSession(Box::new(Err(error)))));
-        }
+        (Err(error), _) => return session_saved(app, Err(TaskError::Failed(format!("{error:#}")))),
         (Ok(_), None) => return,
     };
+    let Some(source) = app.state.scene.as_ref().map(|scene| scene.source.clone()) else { return };
     let (file, destination) = (app.current.file.clone(), app.services.destination(&app.state));
-    let quality = app.state.quality;
-    app.current.is_saving = true;
-    app.services.spawn("saving the session", move || {
-        let result = write_session(&content, file, &destination).map_err(|error| match error {
-            TaskError::Failed(text) => anyhow!(text),
-            TaskError::Cancelled => anyhow!("saving was cancelled"),
-        });
-        let saved = result.map(|path| SavedSession { path, document, quality });
-        Ok(AppEvent::SavedSession(Box::new(saved)))
-    });
+    let (quality, scene) = (app.state.quality, app.current.number);
+    let work = move |_: &TaskHandle| {
+        let path = write_session(&content, file, &destination)?;
+        Ok(SavedSession { path, source, scene, document, quality })
+    };
+    let wake = app.services.wake.clone();
+    app.services.saving = Some(spawn_activity("saving", "saving the session", wake, work));
+}
+
+/// Takes over a session that was saved, or could not be.
+pub(super) fn poll_saving(app: &mut Parts) {
+    if let Some(result) = take_result(&mut app.services.saving) {
+        session_saved(app, result);
+    }
 }
 
 /// Restores the session that has waited for its scene, but not the pose. Another scene than before
@@ -78,14 +77,15 @@ pub(super) fn restore_session(
     for message in messages {
         app.state.error(format!("{}: {message}", file.display()));
     }
-    let is_ours = is_recovery(&file) && file.parent() == app.services.launch.state_folder.as_deref();
-    if is_ours {
+    if is_recovery(&file, app.services.launch.state_folder.as_deref()) {
         // A file that a session names is overwritten by the next save: only another session.
         app.current.file = content.own_file().filter(|path| is_session(path));
         // From now on it is the session of this process: at no time is there none on the disk.
         if let Some(folder) = &app.services.launch.state_folder {
             // If this fails it is offered again.
-            let _ = std::fs::rename(&file, recovery_file(folder));
+            if let Ok(place) = app.current.autosave.place(folder) {
+                let _ = std::fs::rename(&file, place.file());
+            }
         }
     } else {
         let quality = app.state.quality;
@@ -127,7 +127,11 @@ pub(super) fn autosave(app: &mut Parts) -> Option<Duration> {
     let (is_due, rest) = app.current.autosave.due(&app.state);
     if is_due && let Ok(session) = SessionFile::of(&app.state, &app.current.unknown_keys) {
         let session = session.kept_for(app.current.file.as_deref());
-        app.current.autosave.keep(session, folder, app.services.wake.clone());
+        if let Err(TaskError::Failed(cause)) =
+            app.current.autosave.keep(session, &folder, app.services.wake.clone())
+        {
+            app.state.error(format!("the session is not kept in case of a crash: {cause}"));
+        }
     }
     rest
 }
@@ -153,9 +157,10 @@ pub(super) fn end_autosave(app: &mut Parts) {
     let is_kept = app.services.is_ended_from_outside() && app.state.is_unsaved();
     if is_kept && let Ok(session) = SessionFile::of(&app.state, &app.current.unknown_keys) {
         // The one that was kept before stays where this fails.
-        let _ = keep_session(&session.kept_for(app.current.file.as_deref()), &folder);
+        if let Ok(place) = app.current.autosave.place(&folder) {
+            let _ = keep_session(&session.kept_for(app.current.file.as_deref()), place.file());
+        }
     } else {
-        // There may be none.
-        let _ = std::fs::remove_file(recovery_file(&folder));
+        app.current.autosave.remove();
     }
 }

@@ -1,9 +1,9 @@
 //! Takes over everything that has happened in the background since the last update of the window.
 
 use super::{
-    AppEvent, Parts, go_to_picture, note_frame, poll_bake, poll_edit, poll_export, poll_files, poll_loading,
-    poll_watch, save_from_references, save_session, session_saved, show_reference, show_sky_picture,
-    update_floor, update_outline, update_plan, update_thumbnails,
+    AppEvent, Parts, SavedEdit, go_to_picture, note_frame, poll_bake, poll_edit, poll_export, poll_files,
+    poll_loading, poll_saving, poll_watch, save_from_references, save_session, show_reference,
+    show_sky_picture, update_floor, update_outline, update_plan, update_thumbnails,
 };
 use crate::window::gpu::viewport;
 use crate::window::input::ViewChange;
@@ -14,6 +14,7 @@ use std::path::Path;
 
 /// Takes over results, messages and the newest frame.
 pub(super) fn poll(app: &mut Parts) {
+    poll_saving(app);
     poll_loading(app);
     poll_export(&mut app.state, &mut app.services);
     poll_edit(app);
@@ -66,21 +67,27 @@ fn poll_tasks(app: &mut Parts) {
 fn apply(app: &mut Parts, event: AppEvent) {
     match event {
         AppEvent::Saved(path) => saved(&mut app.state, &path),
-        AppEvent::SavedSession(result) => session_saved(app, *result),
         AppEvent::Kept => {}
         AppEvent::SkyPicture(image) => show_sky_picture(app, image),
         AppEvent::PictureView(view) => go_to_picture(app, view),
-        AppEvent::SavedEdit(edit, Ok(path)) => {
-            saved(&mut app.state, &path);
-            if let Some(document) = &mut app.state.document {
-                document.set_saved_in_files(*edit);
-            }
-            // A session that the model is opened with would bring back the old values.
-            if app.current.file.is_some() {
-                save_session(app);
-            }
-        }
-        AppEvent::SavedEdit(_, Err(error)) => app.state.error(error.to_string()),
+        AppEvent::SavedEdit(edit) => sidecar_saved(app, *edit),
+    }
+}
+
+/// Notes what a sidecar holds now, unless another scene is shown meanwhile.
+fn sidecar_saved(app: &mut Parts, SavedEdit { path, scene, document }: SavedEdit) {
+    saved(&mut app.state, &path);
+    if scene != app.current.number {
+        return;
+    }
+    if let Some(open) = &mut app.state.document {
+        open.set_saved_in_files(document);
+    }
+    // A picture of before shows what the files do not hold any more.
+    app.current.files_hash.clear();
+    // A session that the model is opened with would bring back the old values.
+    if app.current.file.is_some() {
+        save_session(app);
     }
 }
 

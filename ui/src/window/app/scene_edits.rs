@@ -2,7 +2,7 @@
 //! scene is rebuilt in the background, and the old picture stays until there is one of the new
 //! scene.
 
-use super::{AppEvent, Parts, PendingEdit};
+use super::{AppEvent, Parts, PendingEdit, SavedEdit};
 use crate::window::input::Obstacles;
 use crate::window::rendering::{RenderCommand, SceneSource, TaskError, spawn_task};
 use crate::window::state::{
@@ -176,10 +176,11 @@ pub(super) fn save_sidecar(app: &mut Parts) {
         );
         return app.state.error(text);
     };
-    let (path, before, now) = (path.clone(), document.files().scene.clone(), document.now().clone());
-    let own = app.services.own_writes.clone();
+    let (path, before, document) = (path.clone(), document.files().scene.clone(), document.now().clone());
+    let (own, scene) = (app.services.own_writes.clone(), app.current.number);
     app.services.spawn("saving the sidecar", move || {
-        let saved = own.write(|| import::save_edit(&path, &before, &now.scene)).map_err(Into::into);
-        Ok(AppEvent::SavedEdit(Box::new(now), saved))
+        let saved = own.write(|| import::save_edit(&path, &before, &document.scene));
+        let path = saved.map_err(TaskError::failed)?;
+        Ok(AppEvent::SavedEdit(Box::new(SavedEdit { path, scene, document })))
     });
 }

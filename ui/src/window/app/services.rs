@@ -25,21 +25,30 @@ use std::time::Instant;
 pub(super) enum AppEvent {
     /// A file was saved at this path, which is shown to the user.
     Saved(PathBuf),
-    /// The session was saved, or could not be saved.
-    SavedSession(Box<anyhow::Result<SavedSession>>),
     /// A state or settings file was written; no message is shown.
     Kept,
     /// The view of a picture was read.
     PictureView(PictureView),
-    /// Materials and daylight were saved in the sidecar, or could not be saved.
-    SavedEdit(Box<Document>, anyhow::Result<PathBuf>),
+    /// Materials and daylight were saved in the sidecar.
+    SavedEdit(Box<SavedEdit>),
     /// A picture of the sky was read.
     SkyPicture(Arc<SkyImage>),
+}
+
+/// What was saved in a sidecar.
+pub(super) struct SavedEdit {
+    pub(super) path: PathBuf,
+    /// Number of the scene whose sidecar it is.
+    pub(super) scene: u64,
+    pub(super) document: Document,
 }
 
 /// What was saved in a session file.
 pub(super) struct SavedSession {
     pub(super) path: PathBuf,
+    /// The scene whose session it is, and its number.
+    pub(super) source: SceneSource,
+    pub(super) scene: u64,
     pub(super) document: Document,
     pub(super) quality: Quality,
 }
@@ -114,6 +123,8 @@ pub(super) struct Services {
     /// Measures the light in the scene for the automatic exposure.
     pub(super) light: Option<Task<()>>,
     pub(super) tasks: Vec<Task<AppEvent>>,
+    /// Saves the session.
+    pub(super) saving: Option<Task<SavedSession>>,
     /// Set where the system ends the program.
     pub(super) ended: Arc<AtomicBool>,
 }

@@ -95,6 +95,7 @@ impl App {
             own_writes: OwnWrites::default(),
             light: None,
             tasks: Vec::new(),
+            saving: None,
             ended: Arc::default(),
         };
         show_appearance(&mut state, &services, services.launch.appearance);
@@ -239,6 +240,10 @@ impl eframe::App for App {
         }
         if let Some(export) = self.parts.services.export.take() {
             export.cancel_and_wait();
+        }
+        // What is being saved is completed.
+        for task in self.parts.services.tasks.drain(..) {
+            task.cancel_and_wait();
         }
         end_autosave(&mut self.parts);
         self.parts.services.render.stop();

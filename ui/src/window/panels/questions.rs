@@ -59,6 +59,9 @@ fn buttons(ui: &mut Ui, answers: &[(&str, Command)], commands: &mut Vec<Command>
 /// Asks before unsaved changes are lost.
 fn ask_to_leave(ctx: &Context, state: &AppState, leaving: &Leaving, commands: &mut Vec<Command>) {
     let Some(scene) = &state.scene else { return };
+    if !state.is_unsaved() && matches!(leaving, Leaving::Close) {
+        return ask_to_end_export(ctx, commands);
+    }
     let heading = match leaving {
         Leaving::Close => "Save changes before closing?",
         Leaving::Open(_) | Leaving::Show(..) => "Save changes before opening another scene?",
@@ -74,6 +77,15 @@ fn ask_to_leave(ctx: &Context, state: &AppState, leaving: &Leaving, commands: &m
         ("Cancel", answer(Answer::Stay)),
     ];
     ask(ctx, "leave", heading, &text, &answers, Some(answer(Answer::Stay)), commands);
+}
+
+/// Asks before closing the window ends an export.
+fn ask_to_end_export(ctx: &Context, commands: &mut Vec<Command>) {
+    let text = "Pictures are still being saved. Closing the window ends that; those that are complete stay.";
+    let answer = Command::Answer;
+    let answers = [("Keep open", answer(Answer::Stay)), ("Close", answer(Answer::Discard))];
+    let stay = Some(answer(Answer::Stay));
+    ask(ctx, "end export", "Stop saving pictures?", text, &answers, stay, commands);
 }
 
 /// Asks before all references are removed.

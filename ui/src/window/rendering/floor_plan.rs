@@ -34,7 +34,8 @@ pub fn storeys(scene: &Scene) -> Vec<f64> {
     let count = (((high.y - low.y) / STEP_M).ceil() + 1.0).clamp(1.0, MOST_STEPS) as usize;
     // Area and area times height of each step of height.
     let mut steps = vec![[0.0, 0.0]; count];
-    for t in 0..scene.triangles.len() as u32 {
+    let own = |t: &u32| !scene.is_added_ground(*t);
+    for t in (0..scene.triangles.len() as u32).filter(own) {
         let [a, b, c] = scene.corners(t).map(|p| scene.frame.world_from_scene(p));
         let area = (b - a).cross(c - a) / 2.0;
         let middle = (a + b + c) / 3.0;

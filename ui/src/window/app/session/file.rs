@@ -96,6 +96,9 @@ fn model_of(source: &SceneSource) -> Option<&Path> {
     }
 }
 
+/// Largest number of samples that a session sets: as much as the settings allow.
+const MOST_SAMPLES: u32 = 1 << 20;
+
 impl SessionFile {
     /// The session of the state that is shown. `other` has the unknown keys of the session that was
     /// loaded.
@@ -220,6 +223,7 @@ impl SessionFile {
             ensure!(path.keyframes.is_empty() || path.is_valid(), "its camera path is impossible");
         }
         ensure!(self.sun.as_ref().is_none_or(SunTable::is_valid), "the sun in it is impossible");
+        ensure!(self.exposure.is_valid(), "its exposure is impossible");
         Ok(())
     }
 
@@ -270,7 +274,7 @@ impl SessionFile {
     fn restore_quality(&self, quality: &mut Quality) {
         let walk = &mut quality.walk;
         walk.render.mode = self.mode;
-        walk.render.trace.samples = self.samples.max(1);
+        walk.render.trace.samples = self.samples.clamp(1, MOST_SAMPLES);
         walk.render.trace.bounces = self.bounces.0;
         let placement = self.placement.as_ref().filter(|(_, percent)| (0.0..=100.0).contains(percent));
         let placement = placement.and_then(|(name, percent)| PlacementPolicy::named(name, *percent));
