@@ -1,9 +1,9 @@
 //! Takes over everything that has happened in the background since the last update of the window.
 
 use super::{
-    AppEvent, Parts, go_to_picture, note_frame, poll_bake, poll_edit, poll_export, poll_files, poll_loading,
-    poll_watch, save_from_references, save_session, session_saved, show_reference, show_sky_picture,
-    update_floor, update_outline, update_plan, update_thumbnails,
+    AppEvent, Parts, apply_note, go_to_picture, note_frame, poll_bake, poll_edit, poll_export, poll_files,
+    poll_loading, poll_watch, save_from_references, save_session, session_saved, show_reference,
+    show_sky_picture, update_floor, update_outline, update_plan, update_thumbnails,
 };
 use crate::window::gpu::viewport;
 use crate::window::input::ViewChange;
@@ -70,6 +70,7 @@ fn apply(app: &mut Parts, event: AppEvent) {
         AppEvent::Kept => {}
         AppEvent::SkyPicture(image) => show_sky_picture(app, image),
         AppEvent::PictureView(view) => go_to_picture(app, view),
+        AppEvent::Note(note) => apply_note(app, *note),
         AppEvent::SavedEdit(edit, Ok(path)) => {
             saved(&mut app.state, &path);
             if let Some(document) = &mut app.state.document {
