@@ -126,6 +126,53 @@ fn a_png_written_in_portions_is_the_one_written_at_once() {
 }
 
 #[test]
+fn a_jpeg_written_in_portions_is_close_to_its_picture_and_has_all_notes() {
+    let folder = tempfile::tempdir().unwrap();
+    // Smooth, as most of a picture is; neither side is a multiple of a block.
+    let (width, height) = (37, 45);
+    let pixel = |i: usize| [(i % width * 6) as u8, (i / width * 5) as u8, 128];
+    let pixels: Vec<[u8; 3]> = (0..width * height).map(pixel).collect();
+    let long = "\u{e4}".repeat(80_000);
+    let notes = [("Scene", "r\u{e4}um: 1".to_owned()), ("Document", long), ("Pose", String::new())];
+    let begin = |quality| {
+        let size = [width as u32, height as u32];
+        PictureFile::begin(target(folder.path(), "a.jpg"), Contents::Jpeg(quality), size, &notes).unwrap()
+    };
+    let mut errors = Vec::new();
+    for (quality, known) in [(90, height), (20, height), (90, 20)] {
+        let mut file = begin(quality);
+        for rows in [0..1, 1..9, 9..20, 20..height] {
+            if rows.end <= known {
+                file.write(Rows::Srgb(pixels[rows.start * width..rows.end * width].to_vec())).unwrap();
+            }
+        }
+        let path = file.finish(known == height).unwrap();
+        let read = read_notes(&path).unwrap();
+        let complete = if known == height { "yes" } else { "no " };
+        let expected =
+            notes.iter().map(|(name, text)| (*name, text.as_str())).chain([("Complete", complete)]);
+        assert!(read.iter().map(|(name, text)| (name.as_str(), text.as_str())).eq(expected), "{quality}");
+        let picture = Picture::load(&path).unwrap();
+        assert_eq!(picture.size, [width as u32, height as u32]);
+        let off = |(v, p): (&Vec3, &[u8; 3])| (*v * 255.0 - Vec3::from(p.map(f32::from))).length();
+        // The block of the last known row holds black ones too.
+        let whole = known / 8 * 8 * width;
+        errors.push(picture.values[..whole].iter().zip(&pixels).map(off).sum::<f32>() / whole as f32);
+        assert!(
+            picture.values[known.next_multiple_of(8).min(height) * width..].iter().all(|v| v.length() < 0.02)
+        );
+    }
+    assert!(errors[0] < 3.0 && errors[1] > errors[0], "{errors:?}");
+    drop(begin(90));
+    let mut too_much = begin(90);
+    let error = (0..200).find_map(|_| too_much.write(Rows::Srgb(pixels.clone())).err());
+    let error = error.or_else(|| too_much.finish(true).err()).unwrap();
+    assert!(error.to_string().contains("too many rows"), "{error}");
+    assert!(begin(90).write(Rows::SrgbAlpha(vec![[0; 4]])).is_ok(), "the encoder finds it out");
+    assert_eq!(names(folder.path()), 1);
+}
+
+#[test]
 fn an_exr_written_in_portions_holds_every_layer() {
     let folder = tempfile::tempdir().unwrap();
     let colors: Vec<Vec3> =

@@ -94,7 +94,7 @@ impl Bench {
 
 /// A walk through the room with a turn of the head.
 fn walk() -> CameraPath {
-    let key = |z: f64, x: f64| CameraKey { eye: dvec(0.2, 1.5, z), at: dvec(x, 1.2, -4.0) };
+    let key = |z: f64, x: f64| CameraKey::new(dvec(0.2, 1.5, z), dvec(x, 1.2, -4.0));
     CameraPath { fov_y_deg: 65.0, frames: 20, keyframes: vec![key(3.5, -0.2), key(1.0, 0.8)] }
 }
 

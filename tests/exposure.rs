@@ -33,7 +33,7 @@ fn lit_room(light: f32, scale: f64) -> Scene {
     cuboid(&mut b, at(-1.5, 0.0, -2.0), at(-0.5, 1.2, -1.0), wall, false);
     quad(&mut b, at(-0.5, 2.9, -0.5), at(1.0, 0.0, 0.0), at(0.0, 0.0, 1.0), lamp);
     b.sky = Some(even_sky(light));
-    let key = |x: f64, z: f64| CameraKey { eye: at(x, 1.6, z), at: at(0.0, 1.6, 0.0) };
+    let key = |x: f64, z: f64| CameraKey::new(at(x, 1.6, z), at(0.0, 1.6, 0.0));
     let start = Camera::look_at(at(0.0, 1.6, 3.0), at(0.0, 1.6, -4.0), 65.0);
     b.views.push(NamedView { name: "start".to_owned(), camera: start });
     b.walk = Some(CameraPath { fov_y_deg: 65.0, frames: 9, keyframes: vec![key(2.0, 3.0), key(-2.0, 1.0)] });

@@ -29,7 +29,7 @@ fn two_rooms() -> Tracer {
     for z in [0.0, -5.0] {
         quad(&mut b, dvec(-0.5, 4.9, z), dvec(1.0, 0.0, 0.0), dvec(0.0, 0.0, 1.0), lamp);
     }
-    let key = |z: f64| CameraKey { eye: dvec(0.0, 1.6, z), at: dvec(0.0, 1.6, z - 1.0) };
+    let key = |z: f64| CameraKey::new(dvec(0.0, 1.6, z), dvec(0.0, 1.6, z - 1.0));
     b.walk = Some(CameraPath { fov_y_deg: 60.0, frames: 20, keyframes: vec![key(1.5), key(-4.0)] });
     Tracer::new(Arc::new(b.finish().unwrap()))
 }

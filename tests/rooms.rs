@@ -72,7 +72,7 @@ pub(crate) fn leafy_scene() -> Scene {
         quad(&mut b, dvec(-1.5 + 0.2 * f64::from(i), 0.0, z), dvec(3.0, 0.0, 0.1), dvec(0.0, 2.2, 0.0), leaf);
     }
     b.point_lights.push((dvec(0.5, 1.8, 3.0), Vec3::splat(20.0)));
-    let key = |x: f64, z: f64| CameraKey { eye: dvec(x, 1.1, z), at: dvec(0.1, 1.0, 0.0) };
+    let key = |x: f64, z: f64| CameraKey::new(dvec(x, 1.1, z), dvec(0.1, 1.0, 0.0));
     b.walk = Some(CameraPath { fov_y_deg: 60.0, frames: 300, keyframes: vec![key(0.0, 2.2), key(0.8, 1.5)] });
     b.finish().unwrap()
 }

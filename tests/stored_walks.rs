@@ -13,7 +13,7 @@ use std::sync::atomic::AtomicBool;
 
 /// Walks two metres. Returns the record and the problems of the store.
 fn walk(tracer: &Arc<Tracer>, mode: Mode, store: Option<&Path>) -> (TourRecord, Vec<String>) {
-    let key = |z: f64| CameraKey { eye: dvec(0.2, 1.5, z), at: dvec(-0.2, 1.2, z - 7.5) };
+    let key = |z: f64| CameraKey::new(dvec(0.2, 1.5, z), dvec(-0.2, 1.2, z - 7.5));
     let path = CameraPath { fov_y_deg: 65.0, frames: 6, keyframes: vec![key(3.5), key(1.5)] };
     let trace = TraceSettings { samples: 2, bounces: 1, seed: 3 };
     let render = RenderSettings { mode, trace };

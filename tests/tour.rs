@@ -16,7 +16,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Two metres through a room with a mirror.
 fn path() -> CameraPath {
-    let key = |z: f64| CameraKey { eye: dvec(0.2, 1.5, z), at: dvec(-0.2, 1.2, z - 7.5) };
+    let key = |z: f64| CameraKey::new(dvec(0.2, 1.5, z), dvec(-0.2, 1.2, z - 7.5));
     CameraPath { fov_y_deg: 65.0, frames: 9, keyframes: vec![key(3.5), key(1.5)] }
 }
 

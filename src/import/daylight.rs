@@ -129,7 +129,7 @@ impl DaylightOptions {
         match problem {
             Some(problem) => lit.warnings.push(problem),
             // The light that was added for want of another is gone.
-            None => lit.warnings.retain(|w| w.message != NO_LIGHT),
+            None => lit.warnings.retain(|w| !w.message.starts_with(NO_LIGHT)),
         }
         lit
     }

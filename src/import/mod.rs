@@ -37,6 +37,6 @@ pub use formats::{FORMATS, Format, extensions};
 pub use load::load;
 pub use options::{ImportOptions, Limits};
 pub use progress::{Phase, Progress};
-pub use sidecar::{EditFolder, apply_edit_text, edit_text, save_edit};
+pub use sidecar::{AppliedEdit, EditFolder, apply_edit_text, edit_text, save_edit};
 pub use sky_picture::load_sky;
 pub use units::{Unit, UnknownWord, Up};

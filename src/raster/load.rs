@@ -1,6 +1,7 @@
-//! Reading PNG and OpenEXR pictures, such as [`super::save`] and [`super::stream`] write.
+//! Reading PNG, JPEG and OpenEXR pictures, such as [`super::save`] and [`super::stream`] write.
 
 use super::color::{linear_from_srgb, srgb_from_linear};
+use super::jpeg;
 use exr::prelude::{ReadChannels, ReadLayers};
 use glam::Vec3;
 use std::error::Error;
@@ -48,6 +49,7 @@ const MAX_PIXELS: u64 = 1 << 26;
 #[derive(Clone, Copy)]
 enum Format {
     Png,
+    Jpeg,
     Exr,
 }
 
@@ -58,18 +60,20 @@ enum Format {
 pub fn read_notes(path: &Path) -> Result<Vec<(String, String)>, LoadError> {
     guarded(path, || match open(path)? {
         (file, Format::Png) => png_notes(file),
+        (file, Format::Jpeg) => jpeg::read_notes(file),
         (file, Format::Exr) => exr_notes(file),
     })
 }
 
 impl Picture {
-    /// Reads a PNG or an OpenEXR file. Its first bytes decide which.
+    /// Reads a PNG, a JPEG or an OpenEXR file. Its first bytes decide which.
     ///
     /// # Errors
     /// [`LoadError`] with the path and the cause.
     pub fn load(path: &Path) -> Result<Self, LoadError> {
         guarded(path, || match open(path)? {
             (file, Format::Png) => read_png(file),
+            (file, Format::Jpeg) => read_jpeg(file),
             (_, Format::Exr) => read_exr(path),
         })
     }
@@ -140,7 +144,8 @@ fn open(path: &Path) -> Outcome<(BufReader<File>, Format)> {
     match magic {
         magic if magic == PNG => Ok((file, Format::Png)),
         magic if magic == EXR => Ok((file, Format::Exr)),
-        _ => Err("it is neither PNG nor OpenEXR".into()),
+        magic if magic.starts_with(&jpeg::MAGIC) => Ok((file, Format::Jpeg)),
+        _ => Err("it is neither PNG, JPEG nor OpenEXR".into()),
     }
 }
 
@@ -191,6 +196,12 @@ fn read_png(file: BufReader<File>) -> Outcome<Picture> {
     };
     let values = buffer[..frame.buffer_size()].chunks_exact(frame.color_type.samples()).map(color).collect();
     Ok(Picture { size, kind: PictureKind::Display, values })
+}
+
+fn read_jpeg(file: BufReader<File>) -> Outcome<Picture> {
+    let (size, pixels) = jpeg::read(file, &check_size)?;
+    let color = |rgb: [u8; 3]| Vec3::from(rgb.map(f32::from)) / 255.0;
+    Ok(Picture { size, kind: PictureKind::Display, values: pixels.into_iter().map(color).collect() })
 }
 
 fn read_exr(path: &Path) -> Outcome<Picture> {

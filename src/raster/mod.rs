@@ -7,6 +7,8 @@ pub mod exposure;
 pub mod false_color;
 pub mod fill;
 #[cfg(feature = "pictures")]
+pub mod jpeg;
+#[cfg(feature = "pictures")]
 pub mod load;
 #[cfg(feature = "pictures")]
 pub mod metrics;

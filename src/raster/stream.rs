@@ -11,6 +11,7 @@ use exr::meta::BlockDescription;
 use exr::meta::attribute::{AttributeValue, ChannelDescription, SampleType, Text};
 use exr::meta::header::Header;
 use exr::prelude::{Compression, LineOrder};
+use std::cell::Cell;
 use std::collections::VecDeque;
 use std::error::Error;
 use std::io::{BufWriter, Read, Seek, SeekFrom, Write};
@@ -43,6 +44,8 @@ pub enum Contents {
     Png,
     /// PNG of [`Rows::SrgbAlpha`].
     PngAlpha,
+    /// JPEG of [`Rows::Srgb`], with a quality from 1 to 100.
+    Jpeg(u8),
     /// OpenEXR of [`Rows::Channels`]: the name of each channel, and whether its values are
     /// identifiers.
     Exr(Vec<(String, bool)>),
@@ -82,6 +85,7 @@ impl PictureFile {
         let encode = move || match contents {
             Contents::Png => png(file, size, png::ColorType::Rgb, &notes, &portions),
             Contents::PngAlpha => png(file, size, png::ColorType::Rgba, &notes, &portions),
+            Contents::Jpeg(quality) => jpeg(file, size, quality, &notes, &portions),
             Contents::Exr(channels) => exr(file, size, channels, &notes, &portions),
         };
         let encoder = std::thread::Builder::new().name("encode".to_owned()).spawn(encode);
@@ -178,6 +182,27 @@ fn png(
     let note = png::text_metadata::ITXtChunk::new(COMPLETE, yes_or_no(is_complete).trim());
     writer.write_text_chunk(&note)?;
     writer.finish()?;
+    Ok(file)
+}
+
+fn jpeg(
+    mut file: NamedTempFile,
+    size: [u32; 2],
+    quality: u8,
+    notes: &[(String, String)],
+    portions: &Receiver<Portion>,
+) -> Result<NamedTempFile, EncodeError> {
+    let is_whole = Cell::new(true);
+    let mut next = || match next_portion(portions)? {
+        Portion::Rows(Rows::Srgb(rows)) => Ok(Some(rows)),
+        Portion::Rows(_) => Err("a JPEG file holds colours without transparency".into()),
+        Portion::End(is_complete) => {
+            is_whole.set(is_complete);
+            Ok(None)
+        }
+    };
+    let last = |has_all_rows: bool| (COMPLETE, yes_or_no(has_all_rows && is_whole.get()));
+    super::jpeg::write(file.as_file_mut(), size, quality, notes, &mut next, &last)?;
     Ok(file)
 }
 

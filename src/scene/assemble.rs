@@ -7,7 +7,7 @@ use super::duplicates::Duplicates;
 use super::light_groups::{LightGroups, LightSettings};
 use super::{
     Light, Material, NamedView, ProfileLight, Scene, SceneBuilder, SceneError, SceneFeatures, SceneFrame,
-    Sky, SpotLight, Sun, bounds, building, is_valid_position, sanitize, views,
+    SpotLight, bounds, building, is_valid_position, sanitize, views,
 };
 use crate::camera::CameraPath;
 use glam::{DVec3, Vec3};
@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use std::sync::Arc;
 
 /// The warning about a scene without any light.
-pub(crate) const NO_LIGHT: &str = "the scene has no light; a sun and a sky were added";
+pub(crate) const NO_LIGHT: &str = "the scene has no light";
 
 impl SceneBuilder {
     /// Makes the scene: chooses the scale, drops what cannot be traced, and finds lights and
@@ -157,14 +157,15 @@ impl SceneBuilder {
         SceneError::Empty { name: self.name.clone(), dropped: count - self.triangles.len() }
     }
 
-    /// Adds a sun and a sky to a scene without any light.
+    /// Adds a sun and a sky to a scene without any light, unless its files switch them off.
     fn light_if_dark(&mut self) {
         let is_emissive = self.triangle_materials.iter().any(|m| self.materials[m.0 as usize].is_emissive());
         let has_lamps =
             !(self.point_lights.is_empty() && self.spot_lights.is_empty() && self.profile_lights.is_empty());
         if !is_emissive && !has_lamps && self.sun.is_none() && self.sky.is_none() {
-            (self.sun, self.sky) = (Some(Sun::clear_day()), Some(Sky::CLEAR_DAY));
-            self.warn_of_scene(NO_LIGHT.to_owned());
+            if let Some(added) = self.add_clear_day() {
+                self.warn_of_scene(format!("{NO_LIGHT}; {added}"));
+            }
         }
     }
 

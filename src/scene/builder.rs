@@ -42,6 +42,10 @@ pub struct SceneBuilder {
     pub sun: Option<Sun>,
     /// The sky.
     pub sky: Option<Sky>,
+    /// True where the files say that there is no sun: none is added to a dark scene.
+    pub is_sun_off: bool,
+    /// True where the files say that there is no sky: none is added to a dark scene.
+    pub is_sky_off: bool,
     /// Groups of lamps that the user has put together.
     pub lamp_groups: Vec<LampGroup>,
     /// How the groups of lights are set.
@@ -113,6 +117,19 @@ impl SceneBuilder {
     /// Returns the luminance in cd/m2 of a radiance of one.
     pub fn nits_per_unit(&self) -> f32 {
         nits_per_unit(self.is_photometric)
+    }
+
+    /// Adds the light of a clear day, without the part that the files switch off. Returns what was
+    /// added, in words; `None` where both parts are off.
+    pub(super) fn add_clear_day(&mut self) -> Option<&'static str> {
+        self.sun = (!self.is_sun_off).then(Sun::clear_day);
+        self.sky = (!self.is_sky_off).then_some(Sky::CLEAR_DAY);
+        match (self.is_sun_off, self.is_sky_off) {
+            (false, false) => Some("a sun and a sky were added"),
+            (false, true) => Some("a sun was added"),
+            (true, false) => Some("a sky was added"),
+            (true, true) => None,
+        }
     }
 
     /// Records a problem of the model.

@@ -52,7 +52,7 @@ pub(crate) fn orbit([low, high]: [DVec3; 2], start: &Camera) -> CameraPath {
     let centre = low + (high - low) / 2.0;
     let key = |i: i32| {
         let turn = DQuat::from_rotation_y(f64::from(i) * TAU / f64::from(KEYS));
-        CameraKey { eye: centre + turn * (start.eye - centre), at: centre }
+        CameraKey::new(centre + turn * (start.eye - centre), centre)
     };
     CameraPath { fov_y_deg: start.fov_y.to_degrees(), frames: 240, keyframes: (0..=KEYS).map(key).collect() }
 }

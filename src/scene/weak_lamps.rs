@@ -1,7 +1,7 @@
 //! Daylight for a model whose own lamps leave it black, such as a house whose only light is that of
 //! the door bell.
 
-use super::{SceneBuilder, Sky, Sun};
+use super::SceneBuilder;
 use crate::raster::color::luminance;
 use glam::Vec3;
 use std::f64::consts::PI;
@@ -24,13 +24,12 @@ impl SceneBuilder {
         let black = if self.is_photometric { BLACK_LUX } else { BLACK };
         // Without any lamp, `finish` adds daylight.
         if flux > 0.0 && area_m2 > 0.0 && flux / area_m2 < black {
-            (self.sun, self.sky) = (Some(Sun::clear_day()), Some(Sky::CLEAR_DAY));
+            let Some(added) = self.add_clear_day() else { return };
             // The units of daylight here are those of models without photometric units.
             self.is_photometric = false;
-            self.warn_of_scene(
-                "the model's own lamps are too weak to see it by; a sun and a sky were added. Remove them with --sky none"
-                    .to_owned(),
-            );
+            self.warn_of_scene(format!(
+                "the model's own lamps are too weak to see it by; {added}. Remove them with --sky none"
+            ));
         }
     }
 

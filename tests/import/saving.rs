@@ -1,11 +1,12 @@
 //! Saving edited materials and daylight next to a model.
 
 use super::Folder;
-use afterimage::import::save_edit;
+use afterimage::import::{EditFolder, apply_edit_text, edit_text, save_edit};
 use afterimage::scene::{
-    DaylightModel, Ground, GroundChoice, LightSetting, Material, SceneEdit, SkyKind, solar::SunPosition,
+    Daylight, DaylightModel, Ground, GroundChoice, LightSetting, Material, SceneBuilder, SceneEdit, SkyKind,
+    solar::SunPosition,
 };
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use std::fs;
 
 const MODEL: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\n\
@@ -118,4 +119,56 @@ fn settings_of_lights_are_saved_and_imported_again() {
     save_edit(&folder.path("scene.obj"), &now, &before).unwrap();
     assert_eq!(fs::read_to_string(&file).unwrap(), notes, "only settings are written");
     assert_eq!(folder.load().hash, scene.hash);
+}
+
+#[test]
+fn a_model_without_lamps_stays_dark_where_its_sun_and_sky_were_switched_off() {
+    let folder = Folder::with_obj(MODEL);
+    let lit = folder.load();
+    assert!(lit.sun.is_some() && lit.sky.is_some() && !lit.warnings.is_empty(), "it has no light of its own");
+    let before = lit.to_edit();
+    let (sun, sky) = (before.daylight.sun, before.daylight.sky.clone());
+    let mut saved = before.clone();
+    let parts = [(None, None), (sun, None), (None, sky.clone()), (None, None), (sun, sky)];
+    for (sun, sky) in parts {
+        let now = SceneEdit { daylight: Daylight { sun, sky }, ..before.clone() };
+        save_edit(&folder.path("scene.obj"), &saved, &now).unwrap();
+        let scene = folder.load();
+        assert_eq!(scene.to_edit().daylight.sky, now.daylight.sky);
+        assert_eq!(scene.sun.is_some(), now.daylight.sun.is_some());
+        assert!(scene.warnings.iter().all(|w| !w.message.contains("light")), "{:?}", scene.warnings);
+        saved = now;
+    }
+}
+
+#[test]
+fn a_part_of_the_daylight_that_the_file_switches_off_is_not_added_to_a_dark_model() {
+    let folder = Folder::with_obj(MODEL).add("scene.afterimage.toml", "[sun]\noff = true\n");
+    let scene = folder.load();
+    assert!(scene.sun.is_none() && scene.sky.is_some());
+    assert!(scene.warnings.iter().any(|w| w.message.contains("a sky was added")), "{:?}", scene.warnings);
+}
+
+#[test]
+fn each_of_several_materials_of_one_name_is_changed_alone() {
+    let mut builder = SceneBuilder::new("test");
+    let quad = [DVec3::ZERO, DVec3::X, DVec3::new(1.0, 1.0, 0.0), DVec3::Y];
+    for shade in [0.2, 0.4, 0.6] {
+        let id = builder.add_material(Material::diffuse("wood", Vec3::splat(shade)));
+        builder.add_quad(quad.map(|p| p + DVec3::Z * f64::from(shade)), glam::Vec2::ONE, id);
+    }
+    let scene = builder.finish().unwrap();
+    let (before, folder) = (scene.to_edit(), EditFolder { model: None, allow_outside: false });
+    let mut now = before.clone();
+    now.materials[1] = Material::mirror("wood", Vec3::splat(0.8));
+    now.materials[2].diffuse = Vec3::X;
+    let text = edit_text(folder, &before, &now).unwrap();
+    let again = apply_edit_text(&text, folder, &scene, &before).unwrap();
+    assert_eq!((again.edit, again.messages), (now, Vec::new()), "{text}");
+    let mixed = "[[material]]\nname = 'wood'\nnumber = 3\ndiffuse = 0.1\n\
+                 [[material]]\nname = 'wood'\ndiffuse = 0.9\n[[material]]\nname = 'wood'\nnumber = 4\n";
+    let mixed = apply_edit_text(mixed, folder, &scene, &before).unwrap();
+    let shades: Vec<f32> = mixed.edit.materials.iter().map(|m| m.diffuse.x).collect();
+    assert_eq!(shades, [0.9, 0.9, 0.1], "one counts more than all");
+    assert!(mixed.messages.iter().any(|m| m.contains("no material 'wood' number 4")), "{:?}", mixed.messages);
 }

@@ -12,6 +12,7 @@ use crate::scene::{
     Sun,
 };
 use glam::{DVec3, Vec3};
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use toml_edit::{Array, ArrayOfTables, DocumentMut, Item, Table, value};
 
@@ -77,9 +78,12 @@ pub(super) fn write_edit(
     before: &SceneEdit,
     now: &SceneEdit,
 ) -> Result<(), EditError> {
-    for (was, is) in before.materials.iter().zip(&now.materials).filter(|(was, is)| was != is) {
-        write_material(document, was, is)
-            .ok_or(EditError::Damaged("'material' is not written as [[material]]"))?;
+    let numbers = numbers_of_names(&before.materials);
+    for ((was, is), number) in before.materials.iter().zip(&now.materials).zip(numbers) {
+        if was != is {
+            write_material(document, was, is, number)
+                .ok_or(EditError::Damaged("'material' is not written as [[material]]"))?;
+        }
     }
     for key in before.objects.keys().chain(now.objects.keys()) {
         let [was, is] = [before, now].map(|edit| edit.objects.get(key).copied().unwrap_or_default());
@@ -112,16 +116,44 @@ fn damaged(path: &Path, cause: &str) -> SceneError {
     unreadable(path, cause, "nothing was written; correct the file or move it away, and save again")
 }
 
-/// Changes the `[[material]]` of this name, or adds one. `None` where `material` is something else
-/// than a list of tables.
-fn write_material(document: &mut DocumentMut, was: &Material, is: &Material) -> Option<()> {
+/// Returns for each material which one of its name it is, counted from 1; `None` where no other has
+/// its name.
+fn numbers_of_names(materials: &[Material]) -> Vec<Option<i64>> {
+    let mut counts: HashMap<&str, i64> = HashMap::new();
+    for material in materials {
+        *counts.entry(&material.name).or_default() += 1;
+    }
+    let mut passed: HashMap<&str, i64> = HashMap::new();
+    let mut numbers = Vec::with_capacity(materials.len());
+    for material in materials {
+        let number = passed.entry(&material.name).or_default();
+        *number += 1;
+        numbers.push(Some(*number).filter(|_| counts[material.name.as_str()] > 1));
+    }
+    numbers
+}
+
+/// Changes the `[[material]]` of this name and number, or adds one. `None` where `material` is
+/// something else than a list of tables.
+fn write_material(
+    document: &mut DocumentMut,
+    was: &Material,
+    is: &Material,
+    number_of_name: Option<i64>,
+) -> Option<()> {
     let item = document.entry("material").or_insert_with(|| Item::ArrayOfTables(ArrayOfTables::new()));
     let tables = item.as_array_of_tables_mut()?;
-    let named = |t: &Table| t.get("name").and_then(Item::as_str) == Some(&is.name);
-    // The last of several tables with this name decides.
-    let at = (0..tables.len()).rev().find(|&i| tables.get(i).is_some_and(named)).unwrap_or_else(|| {
+    let is_it = |t: &Table| {
+        t.get("name").and_then(Item::as_str) == Some(&is.name)
+            && t.get("number").and_then(Item::as_integer) == number_of_name
+    };
+    // The last of several tables of a material decides.
+    let at = (0..tables.len()).rev().find(|&i| tables.get(i).is_some_and(is_it)).unwrap_or_else(|| {
         let mut table = Table::new();
         table["name"] = value(&is.name);
+        if let Some(number) = number_of_name {
+            table["number"] = value(number);
+        }
         tables.push(table);
         tables.len() - 1
     });
@@ -199,10 +231,12 @@ fn write_object(document: &mut DocumentMut, key: &ObjectKey, edit: &ObjectEdit) 
     Some(())
 }
 
-/// Writes sun and sky. The error says why the sky would not be found again.
+/// Writes sun and sky, or that they are off: a table that is left out stands for those of the
+/// model, or for those that a model without any light is given. The error says why the sky would
+/// not be found again.
 fn write_daylight(document: &mut DocumentMut, name: SkyName<'_>, daylight: &Daylight) -> Result<(), String> {
     match daylight.sun {
-        None => drop(document.remove("sun")),
+        None => write_section(document, "sun", &SUN_KEYS, vec![("off", value(true))]),
         Some(Sun { direction, angular_radius, irradiance }) => write_section(
             document,
             "sun",
@@ -214,10 +248,11 @@ fn write_daylight(document: &mut DocumentMut, name: SkyName<'_>, daylight: &Dayl
             ],
         ),
     }
-    match &daylight.sky {
-        None => drop(document.remove("sky")),
-        Some(sky) => write_section(document, "sky", &SKY_KEYS, sky_values(sky, name)?),
-    }
+    let sky = match &daylight.sky {
+        None => vec![("off", value(true))],
+        Some(sky) => sky_values(sky, name)?,
+    };
+    write_section(document, "sky", &SKY_KEYS, sky);
     Ok(())
 }
 

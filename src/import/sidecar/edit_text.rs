@@ -5,14 +5,14 @@ use super::edit::{name_beside, write_edit};
 use super::read::Sidecar;
 use super::table::Notes;
 use crate::import::{files::Jail, search::Finder};
-use crate::scene::{ObjectEdit, ObjectKey, Scene, SceneBuilder, SceneEdit, Sky};
+use crate::scene::{ObjectEdit, ObjectKey, Scene, SceneBuilder, SceneEdit, Sky, SkyKind};
 use std::path::Path;
 use toml::{Table, Value, de::DeTable};
 
 /// Maximum size of the text of an edit in bytes.
 const MAX_BYTES: usize = super::read::MAX_BYTES as usize;
 
-/// Key that lists what the model's files have and the edit removes: `sun`, `sky`.
+/// Key of older texts that lists what the model's files have and the edit removes: `sun`, `sky`.
 const WITHOUT: &str = "without";
 
 /// Where the pictures that an edit names may lie.
@@ -22,6 +22,18 @@ pub struct EditFolder<'a> {
     pub model: Option<&'a Path>,
     /// Allows a picture of the sky anywhere, given by its absolute path.
     pub allow_outside: bool,
+}
+
+/// What a text of [`edit_text`] makes of a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AppliedEdit {
+    /// The edit of the scene.
+    pub edit: SceneEdit,
+    /// What the text has wrong, which is ignored.
+    pub messages: Vec<String>,
+    /// Name of the picture of the sky where it lies in a folder from which nothing may be read. The
+    /// sky is as it was then.
+    pub outside: Option<String>,
 }
 
 /// Returns the differences between `before` and `now` as TOML, with the tables of a sidecar.
@@ -48,8 +60,7 @@ fn absolute(file: &Path) -> Result<String, String> {
     full.to_str().map(str::to_owned).ok_or_else(|| "its path is not valid Unicode".to_owned())
 }
 
-/// Adds what a sidecar expresses by leaving it out: objects and lights as the model has them, and
-/// no sun or sky.
+/// Adds what a sidecar expresses by leaving it out: objects and lights as the model has them.
 fn add_resets(table: &mut Table, before: &SceneEdit, now: &SceneEdit) {
     for key in before.objects.keys().filter(|key| !now.objects.contains_key(key)) {
         let number = Value::Integer(key.number.into());
@@ -58,14 +69,6 @@ fn add_resets(table: &mut Table, before: &SceneEdit, now: &SceneEdit) {
     }
     for (name, _) in before.lights.iter().filter(|(name, _)| now.lights.iter().all(|(n, _)| n != *name)) {
         push(table, "lights", Table::from_iter([("name".to_owned(), Value::String(name.to_owned()))]));
-    }
-    let (was, is) = (&before.daylight, &now.daylight);
-    let gone =
-        [("sun", was.sun.is_some() && is.sun.is_none()), ("sky", was.sky.is_some() && is.sky.is_none())];
-    let gone: Vec<Value> =
-        gone.iter().filter(|(_, is_gone)| *is_gone).map(|(name, _)| Value::String((*name).into())).collect();
-    if !gone.is_empty() {
-        table.insert(WITHOUT.to_owned(), Value::Array(gone));
     }
 }
 
@@ -76,8 +79,8 @@ fn push(table: &mut Table, name: &str, entry: Table) {
     }
 }
 
-/// Applies a text of [`edit_text`] to `before`, an edit of `scene`. Returns the edit, and messages
-/// about what the text has wrong, which is ignored.
+/// Applies a text of [`edit_text`] to `before`, an edit of `scene`. Reads the picture of the sky,
+/// where it names one.
 ///
 /// # Errors
 /// A message for the user, where the text is no TOML or too long.
@@ -86,7 +89,7 @@ pub fn apply_edit_text(
     folder: EditFolder<'_>,
     scene: &Scene,
     before: &SceneEdit,
-) -> Result<(SceneEdit, Vec<String>), String> {
+) -> Result<AppliedEdit, String> {
     if text.len() > MAX_BYTES {
         return Err(format!(
             "the changes of the scene take {} bytes; at most {MAX_BYTES} are read",
@@ -100,17 +103,16 @@ pub fn apply_edit_text(
     builder.light_settings = before.lights.clone();
     builder.is_photometric = scene.is_photometric;
     reset(&mut builder, &mut table);
-    let mut messages = Vec::new();
-    let jail = jail(folder);
-    if jail.is_none() && names_a_picture(&table) {
+    let mut finder = jail(folder).map(Finder::new);
+    let outside = picture_of(&table).filter(|name| is_outside(finder.as_mut(), name));
+    if outside.is_some() {
         table.remove("sky");
-        messages.push("the picture of the sky is not used: the scene has no folder".to_owned());
     }
     let text = table.to_string();
     let parsed = DeTable::parse(&text).map_err(|error| error.message().to_owned())?;
     let mut notes = Notes::new(&text);
     let mut sidecar = Sidecar::of(parsed.get_ref(), &mut notes);
-    messages.extend(notes.messages.into_iter().map(|(_, message)| message));
+    let mut messages: Vec<String> = notes.messages.into_iter().map(|(_, message)| message).collect();
     sidecar.override_materials(&[], &mut builder);
     let mut edit = before.clone();
     for (key, object) in sidecar.take_objects() {
@@ -119,12 +121,12 @@ pub fn apply_edit_text(
     if let Some(ground) = sidecar.ground {
         edit.ground = ground.ground(scene);
     }
-    let nowhere = || Jail { folder: Path::new("").to_owned(), allow_outside: false };
-    sidecar.apply_light(&mut Finder::new(jail.unwrap_or_else(nowhere)), &mut builder);
+    let nowhere = || Finder::new(Jail { folder: Path::new("").to_owned(), allow_outside: false });
+    sidecar.apply_light(&mut finder.unwrap_or_else(nowhere), &mut builder);
     messages.extend(builder.warnings.into_iter().map(|warning| warning.message));
     (edit.materials, edit.lights) = (builder.materials, builder.light_settings);
     (edit.daylight.sun, edit.daylight.sky) = (builder.sun, builder.sky);
-    Ok((edit, messages))
+    Ok(AppliedEdit { edit, messages, outside })
 }
 
 /// Returns where pictures are looked for; `None` where there is no such folder.
@@ -135,8 +137,19 @@ fn jail(folder: EditFolder<'_>) -> Option<Jail> {
     Some(Jail { folder: parent, allow_outside: folder.allow_outside })
 }
 
-fn names_a_picture(table: &Table) -> bool {
-    table.get("sky").is_some_and(|sky| sky.get("picture").is_some())
+/// Returns the name of the picture of the sky that a text asks for.
+fn picture_of(table: &Table) -> Option<String> {
+    let sky = table.get("sky")?;
+    let is_picture = sky.get("kind").is_none_or(|kind| kind.as_str() == Some(SkyKind::Picture.name()));
+    sky.get("picture").and_then(Value::as_str).filter(|_| is_picture).map(str::to_owned)
+}
+
+/// True for a file in a folder from which nothing may be read, without looking at it.
+fn is_outside(finder: Option<&mut Finder>, name: &str) -> bool {
+    finder.is_none_or(|finder| {
+        let found = finder.library(name);
+        found.file.is_none() && found.outside
+    })
 }
 
 /// Applies what a sidecar cannot express, and removes its key.

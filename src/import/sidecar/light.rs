@@ -14,7 +14,8 @@ use glam::{DVec3, Vec3};
 use std::{str::FromStr, sync::Arc};
 
 /// Keys of `[sky]`.
-pub(super) const SKY_KEYS: [&str; 10] = [
+pub(super) const SKY_KEYS: [&str; 11] = [
+    "off",
     "kind",
     "zenith",
     "horizon",
@@ -28,14 +29,17 @@ pub(super) const SKY_KEYS: [&str; 10] = [
 ];
 
 /// Keys of `[sun]`.
-pub(super) const SUN_KEYS: [&str; 7] =
-    ["direction", "irradiance", "lux", "angular_radius_deg", "place", "time", "north_deg"];
+pub(super) const SUN_KEYS: [&str; 8] =
+    ["off", "direction", "irradiance", "lux", "angular_radius_deg", "place", "time", "north_deg"];
 
 /// The light from outside, as far as a sidecar gives it.
 #[derive(Debug, Default)]
 pub(super) struct Light {
     sun: Option<SunValues>,
     sky: Option<SkyValues>,
+    /// `off = true`: there is none, whatever the model has.
+    is_sun_off: bool,
+    is_sky_off: bool,
 }
 
 #[derive(Debug)]
@@ -79,7 +83,17 @@ impl FromStr for Kind {
 
 impl Light {
     pub(super) fn read(top: &Section, notes: &mut Notes) -> Self {
-        Self { sun: sun(top, notes), sky: sky(top, notes) }
+        let of_sun = top.section("sun", "[sun]", &SUN_KEYS, notes);
+        let of_sky = top.section("sky", "[sky]", &SKY_KEYS, notes);
+        let mut is_off =
+            |section: Option<Section>| section.is_some_and(|s| s.flag("off", notes).unwrap_or(false));
+        let (is_sun_off, is_sky_off) = (is_off(of_sun), is_off(of_sky));
+        Self {
+            sun: of_sun.filter(|_| !is_sun_off).map(|s| sun(&s, notes)),
+            sky: of_sky.filter(|_| !is_sky_off).and_then(|s| sky(&s, notes)),
+            is_sun_off,
+            is_sky_off,
+        }
     }
 
     /// Sets sun and sky of the builder. What the sidecar, a file of name `file_name`, does not give
@@ -110,7 +124,10 @@ impl Light {
                 ..default
             });
         }
+        (builder.is_sun_off, builder.is_sky_off) = (self.is_sun_off, self.is_sky_off);
+        builder.sun = builder.sun.filter(|_| !self.is_sun_off);
         match self.sky {
+            None if self.is_sky_off => builder.sky = None,
             None => {}
             Some(SkyValues { picture: Some((name, line)), rotation_deg, brightness, .. }) => {
                 match picture(&name, finder, builder.nits_per_unit()) {
@@ -188,16 +205,15 @@ fn direction(s: &Section, key: &str, notes: &mut Notes) -> Option<Vec3> {
     unit
 }
 
-fn sun(top: &Section, notes: &mut Notes) -> Option<SunValues> {
-    let s = top.section("sun", "[sun]", &SUN_KEYS, notes)?;
+fn sun(s: &Section, notes: &mut Notes) -> SunValues {
     let radius_deg = s.number("angular_radius_deg", 0.0..=90.0, notes);
-    Some(SunValues {
-        direction: direction(&s, "direction", notes),
+    SunValues {
+        direction: direction(s, "direction", notes),
         irradiance: s.color("irradiance", Limits::RADIANCE, notes),
         lux: s.number("lux", 0.0..=f64::from(Limits::RADIANCE), notes).map(|lux| lux as f32),
         angular_radius: radius_deg.map(|r| r.to_radians() as f32),
-        by_place: by_place(&s, notes),
-    })
+        by_place: by_place(s, notes),
+    }
 }
 
 fn by_place(s: &Section, notes: &mut Notes) -> Option<(SunPosition, f64)> {
@@ -219,8 +235,7 @@ fn by_place(s: &Section, notes: &mut Notes) -> Option<(SunPosition, f64)> {
     }
 }
 
-fn sky(top: &Section, notes: &mut Notes) -> Option<SkyValues> {
-    let s = top.section("sky", "[sky]", &SKY_KEYS, notes)?;
+fn sky(s: &Section, notes: &mut Notes) -> Option<SkyValues> {
     let written = s.word::<Kind>("kind", notes).map(|kind| kind.0);
     let picture = s.text("picture", notes).map(|name| (name.to_owned(), notes.line(s.at())));
     let kind = written.unwrap_or(if picture.is_some() { SkyKind::Picture } else { SkyKind::default() });
@@ -236,7 +251,7 @@ fn sky(top: &Section, notes: &mut Notes) -> Option<SkyValues> {
     let mut number = |key, range| s.number(key, range, notes).map(|n| n as f32);
     let (turbidity, albedo) = (number("turbidity", 1.0..=10.0), number("albedo", 0.0..=1.0));
     let brightness = number("brightness", 0.0..=f64::from(Limits::RADIANCE));
-    let sun_direction = direction(&s, "sun_direction", notes);
+    let sun_direction = direction(s, "sun_direction", notes);
     Some(SkyValues {
         kind,
         zenith,

@@ -12,5 +12,5 @@ mod read;
 mod table;
 
 pub use edit::save_edit;
-pub use edit_text::{EditFolder, apply_edit_text, edit_text};
+pub use edit_text::{AppliedEdit, EditFolder, apply_edit_text, edit_text};
 pub(super) use read::Sidecar;

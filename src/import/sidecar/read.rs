@@ -25,6 +25,8 @@ pub(super) const MAX_BYTES: u64 = 16 << 20;
 /// A `[[material]]`: the parts of a material that the file replaces.
 struct Override {
     name: String,
+    /// Which of several materials of this name, counted from 1; `None` for all of them.
+    number: Option<usize>,
     line: u64,
     kind: Option<Kind>,
     fresnel: Option<bool>,
@@ -168,9 +170,11 @@ impl Sidecar {
             by_name.entry(m.name.clone()).or_default().push(i);
         }
         let (mut warnings, mut unknown) = (Vec::new(), 0);
-        for o in &self.overrides {
-            let mut found = defined.contains(o.name.as_str());
-            for &i in by_name.get(&o.name).into_iter().flatten() {
+        // What is said of one material counts more than what is said of all of its name.
+        let (of_all, of_one): (Vec<_>, Vec<_>) = self.overrides.iter().partition(|o| o.number.is_none());
+        for o in of_all.into_iter().chain(of_one) {
+            let mut found = o.number.is_none() && defined.contains(o.name.as_str());
+            for &i in o.chosen(by_name.get(&o.name).map_or(&[], Vec::as_slice)) {
                 let material = &mut builder.materials[i];
                 found = true;
                 o.apply(material);
@@ -185,7 +189,8 @@ impl Sidecar {
             if !found && unknown <= MAX_UNKNOWN_SHOWN {
                 let names: Vec<&str> = builder.materials.iter().map(|m| m.name.as_str()).collect();
                 let help = suggestion(&o.name, &names);
-                warnings.push((o.line, format!("the model has no material '{}'; {help}", o.name)));
+                let number = o.number.map_or_else(String::new, |number| format!(" number {number}"));
+                warnings.push((o.line, format!("the model has no material '{}'{number}; {help}", o.name)));
             }
         }
         if unknown > MAX_UNKNOWN_SHOWN {
@@ -228,6 +233,14 @@ impl Sidecar {
 }
 
 impl Override {
+    /// Returns those of all materials of this name that are meant.
+    fn chosen<'a>(&self, of_name: &'a [usize]) -> &'a [usize] {
+        match self.number {
+            None => of_name,
+            Some(number) => of_name.get(number - 1..number).unwrap_or(&[]),
+        }
+    }
+
     fn apply(&self, material: &mut Material) {
         let was = material.kind;
         material.kind = self.kind_after(was);
@@ -279,6 +292,7 @@ impl Override {
 fn overrides(top: &Section, notes: &mut Notes) -> Vec<Override> {
     let known = [
         "name",
+        "number",
         "kind",
         "fresnel",
         "diffuse",
@@ -298,6 +312,7 @@ fn overrides(top: &Section, notes: &mut Notes) -> Vec<Override> {
             };
             Some(Override {
                 name: name.to_owned(),
+                number: s.number("number", 1.0..=f64::from(u32::MAX), notes).map(|n| n as usize),
                 line: notes.line(s.at()),
                 kind: s.word("kind", notes),
                 fresnel: s.flag("fresnel", notes),
@@ -327,7 +342,7 @@ fn key_frame(s: &Section, name: &str, notes: &mut Notes) -> Option<CameraKey> {
     if eye.is_none() || at.is_none() {
         notes.add(s.at(), format!("{name} needs eye and at; it was ignored"));
     }
-    Some(CameraKey { eye: eye?, at: at? })
+    Some(CameraKey::new(eye?, at?))
 }
 
 fn start(top: &Section, notes: &mut Notes) -> Option<Camera> {
@@ -346,9 +361,12 @@ fn views(top: &Section, notes: &mut Notes) -> Vec<NamedView> {
 
 fn walk(top: &Section, notes: &mut Notes) -> Option<CameraPath> {
     let s = top.section("walk", "[walk]", &["frames", "fov_y_deg", "keyframes"], notes)?;
-    let sections = s.sections("keyframes", "a key frame of [walk]", &["eye", "at"], notes);
-    let keyframes: Vec<CameraKey> =
-        sections.iter().filter_map(|k| key_frame(k, "a key frame of [walk]", notes)).collect();
+    let sections = s.sections("keyframes", "a key frame of [walk]", &["eye", "at", "secs"], notes);
+    let timed = |k: &Section| {
+        let secs = k.number("secs", 0.0..=CameraKey::MAX_SECS, notes);
+        Some(CameraKey { secs, ..key_frame(k, "a key frame of [walk]", notes)? })
+    };
+    let keyframes: Vec<CameraKey> = sections.iter().filter_map(timed).collect();
     if keyframes.is_empty() {
         notes.add(s.at(), "[walk] needs keyframes = [{ eye, at }, ...]; it was ignored".to_owned());
         return None;

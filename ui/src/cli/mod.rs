@@ -13,6 +13,7 @@ mod generate;
 mod headless;
 mod inspect;
 mod interrupt;
+mod jpeg;
 mod measure;
 mod output;
 pub(crate) mod paths;

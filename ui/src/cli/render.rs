@@ -1,5 +1,6 @@
 //! `afterimage render`: renders one picture.
 
+use super::jpeg::JpegArgs;
 use super::pose::{camera, eye_and_target};
 use super::render_store::PictureStore;
 use super::scene::{Loaded, load};
@@ -10,6 +11,7 @@ use super::{
     interrupt, output,
     progress::SharedProgress,
 };
+use crate::picture::restore::{is_jpeg, is_picture};
 use crate::picture::{MadePicture, Output, PictureJob, Shows, TimedState, check_timed, memory};
 use afterimage::{
     Mode, camera::Camera, raster::exposure::decimal, raster::save::Target, reference::ReferenceFrame,
@@ -28,9 +30,11 @@ use std::time::Duration;
 pub(crate) struct RenderArgs {
     /// A model (.obj, .gltf, .glb) or builtin:NAME [default: the embedded gallery].
     pub(super) scene: Option<String>,
-    /// Picture to write: .png (8 bits, display-referred) or .exr (linear, scene-referred).
-    #[arg(short, long, value_name = "FILE", value_parser = png_or_exr)]
+    /// Picture to write: .png or .jpg (8 bits, display-referred) or .exr (linear, scene-referred).
+    #[arg(short, long, value_name = "FILE", value_parser = picture_file)]
     output: PathBuf,
+    #[command(flatten)]
+    jpeg: JpegArgs,
     /// Trace a reference image at this pose first; may be repeated.
     #[arg(long = "reference", value_name = "EX,EY,EZ:LX,LY,LZ", value_parser = eye_and_target)]
     #[arg(allow_hyphen_values = true)]
@@ -72,8 +76,9 @@ pub(crate) struct RenderArgs {
     aov: Vec<Aov>,
 }
 
-fn png_or_exr(text: &str) -> Result<PathBuf, String> {
-    png(text).or_else(|_| exr(text)).map_err(|_| "the name must end in .png or .exr".to_owned())
+fn picture_file(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    if is_picture(&path) { Ok(path) } else { Err("the name must end in .png, .jpg or .exr".to_owned()) }
 }
 
 fn png(text: &str) -> Result<PathBuf, String> {
@@ -187,7 +192,11 @@ fn outputs(args: &RenderArgs) -> Vec<Output> {
             layers.push(*layer);
         }
     }
-    let main = if is_exr(&args.output) { Shows::Linear(layers.clone()) } else { Shows::Display };
+    let main = match &args.output {
+        path if is_exr(path) => Shows::Linear(layers.clone()),
+        path if is_jpeg(path) => Shows::Jpeg(args.jpeg.quality()),
+        _ => Shows::Display,
+    };
     let to = |path: &PathBuf, shows| Output { target: Target::File(path.clone()), shows };
     let linear = args.linear.as_ref().map(|path| to(path, Shows::Linear(layers)));
     let types = args.types.as_ref().map(|path| to(path, Shows::Types));
@@ -209,6 +218,7 @@ fn check_shown(args: &RenderArgs) -> Result<(), Failure> {
         ("--linear", args.linear.is_some()),
         ("--aov", !args.aov.is_empty()),
         ("--reference", !args.references.is_empty()),
+        ("--jpeg-quality", args.jpeg.is_given()),
     ];
     match others.into_iter().find(|(_, is_given)| *is_given && args.show != Show::Radiance) {
         Some((flag, _)) => Err(Failure::Usage(format!("{flag} is for --show radiance"))),
@@ -219,6 +229,7 @@ fn check_shown(args: &RenderArgs) -> Result<(), Failure> {
 /// Checks the arguments before the scene is loaded.
 fn check(args: &RenderArgs, flags: &Flags) -> Result<(), Failure> {
     check_shown(args)?;
+    args.jpeg.check(&args.output, args.no_background)?;
     if args.seconds.is_some() {
         check_timed(flags.pixels())?;
         if !flags.mode.refines() {

@@ -1,11 +1,12 @@
 //! `render --show`: illuminance and luminance in false colour, and the model in white clay.
 
 use super::flags::Flags;
+use super::jpeg::save_display;
 use super::scene::Loaded;
 use super::{failure::Failure, interrupt, output};
 use afterimage::raster::color::{ToneMap, luminance};
 use afterimage::raster::false_color::{automatic_scale, line_step, picture};
-use afterimage::raster::save::{ChannelValues, Target, save_png};
+use afterimage::raster::save::{ChannelValues, Target};
 use afterimage::raster::stream::{Contents, PictureFile, Rows};
 use afterimage::reference::ReferenceCache;
 use afterimage::render::aov::display_rows;
@@ -119,7 +120,7 @@ impl Shown {
         let colors = picture(values, size[0] as usize, max, step);
         let lines = step.map_or(String::new(), |step| format!(", lines every {step} {}", self.unit()));
         let note = format!("false colour from 0 to {max} {}{lines}", self.unit());
-        Ok(save_png(path, size, &colors, &[("Description", note)])?)
+        Ok(save_display(path, size, colors, &[("Description", note)])?)
     }
 
     fn say_unit(self, loaded: &Loaded, max: f32) {
@@ -192,7 +193,7 @@ fn write_picture(path: &Path, size: [u32; 2], radiance: &[Vec3], flags: &Flags) 
     }
     let tone_map: ToneMap = flags.tone_map;
     let colors = display_rows(radiance, flags.exposure_ev(), tone_map);
-    Ok(save_png(path, size, &colors, &[])?)
+    Ok(save_display(path, size, colors, &[])?)
 }
 
 /// Writes values as the channel Y, and where there are any as the channel A.

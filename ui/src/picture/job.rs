@@ -44,6 +44,8 @@ pub struct PictureJob {
 pub enum Shows {
     /// The tone-mapped picture as it is displayed (PNG).
     Display,
+    /// The same as JPEG, with a quality from 1 to 100. A background that is left out is black.
+    Jpeg(u8),
     /// The type of every pixel (PNG).
     Types,
     /// Linear radiance with additional layers (OpenEXR).
@@ -233,6 +235,7 @@ impl PictureJob {
         let contents = match &output.shows {
             Shows::Display if self.background == Background::LeftOut => Contents::PngAlpha,
             Shows::Display | Shows::Types => Contents::Png,
+            Shows::Jpeg(quality) => Contents::Jpeg(*quality),
             Shows::Linear(layers) => Contents::Exr(self.channel_names(layers)),
         };
         PictureFile::begin(output.target.clone(), contents, self.size, metadata)
@@ -259,7 +262,9 @@ impl PictureJob {
                 Shows::Display if self.background == Background::LeftOut => {
                     Rows::SrgbAlpha(display_rows_alpha(band, self.exposure_ev, self.tone_map))
                 }
-                Shows::Display => Rows::Srgb(display_rows(&band.radiance, self.exposure_ev, self.tone_map)),
+                Shows::Display | Shows::Jpeg(_) => {
+                    Rows::Srgb(display_rows(&band.radiance, self.exposure_ev, self.tone_map))
+                }
                 Shows::Types => Rows::Srgb(types_rows(&band.types)),
                 Shows::Linear(layers) => Rows::Channels(self.channels(tracer, layers, band)),
             })?;

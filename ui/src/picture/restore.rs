@@ -28,7 +28,13 @@ pub struct PictureView {
 
 /// True for file names of pictures, which may contain a view.
 pub fn is_picture(path: &Path) -> bool {
-    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png") || e.eq_ignore_ascii_case("exr"))
+    let is_it = |name: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(name));
+    is_it("png") || is_it("exr") || is_jpeg(path)
+}
+
+/// True for file names of JPEG pictures.
+pub fn is_jpeg(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("jpg") || e.eq_ignore_ascii_case("jpeg"))
 }
 
 /// Reads the view of a picture.

@@ -46,6 +46,30 @@ fn render_answers_with_the_contract_and_writes_every_file() {
 }
 
 #[test]
+fn a_name_that_ends_in_jpg_makes_a_jpeg_close_to_the_png() {
+    let bench = Bench::new();
+    for (name, flags) in [("a.png", ""), ("a.jpg", ""), ("b.JPEG", "--jpeg-quality 20")] {
+        bench.json(&format!("render room.obj {POSE} --size 64x48 --samples 4 --json -o {name} {flags}"));
+    }
+    let size = |name: &str| std::fs::metadata(bench.path(name)).unwrap().len();
+    assert!(size("b.JPEG") < size("a.jpg"));
+    let notes = afterimage::raster::load::read_notes(&bench.path("a.jpg")).unwrap();
+    assert!(notes.iter().any(|(name, text)| name == "Scene" && text.starts_with("room.obj")), "{notes:?}");
+    let db = |name: &str| bench.json(&format!("compare a.png {name} --json"))["psnr_db"].as_f64().unwrap();
+    assert!(db("a.jpg") > 25.0 && db("a.jpg") > db("b.JPEG"), "{} {}", db("a.jpg"), db("b.JPEG"));
+    bench.json(&format!("render room.obj {POSE} --size 16x12 --show clay --json -o clay.jpg"));
+    let magic = std::fs::read(bench.path("clay.jpg")).unwrap();
+    assert!(magic.starts_with(&[0xFF, 0xD8, 0xFF]));
+    for line in
+        ["-o c.jpg --no-background", "-o c.png --jpeg-quality 50", "-o c.jpg --jpeg-quality 0", "-o c.bmp"]
+    {
+        let output = bench.run(&format!("render room.obj {line}"));
+        assert_eq!(output.status.code(), Some(2), "{line}");
+    }
+    assert!(!bench.path("c.jpg").exists());
+}
+
+#[test]
 fn models_have_the_automatic_exposure_unless_one_is_given() {
     let bench = Bench::new();
     let ev = |flags: &str| {
@@ -195,7 +219,7 @@ fn throughput_answers_with_the_contract() {
 fn one_recorded_walk_serves_tours_and_experiments() {
     let bench = Bench::new();
     // The window saves a camera path in the same format.
-    let at = |z: f64| CameraKey { eye: DVec3::new(0.0, 1.6, z), at: DVec3::new(0.4, 1.4, z - 3.0) };
+    let at = |z: f64| CameraKey::new(DVec3::new(0.0, 1.6, z), DVec3::new(0.4, 1.4, z - 3.0));
     let walk = CameraPath { fov_y_deg: 60.0, frames: 4, keyframes: vec![at(3.0), at(1.0)] };
     std::fs::write(bench.path("mine.json"), serde_json::to_string_pretty(&walk).unwrap()).unwrap();
     for file in ["mine.json", "walks.json#short"] {

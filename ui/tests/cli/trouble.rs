@@ -87,7 +87,7 @@ fn failures_end_with_one() {
         ("tour room.obj --out run --path still.json", "from 1 to 1000000"),
         ("tour room.obj --out run --path endless.json", "from 1 to 1000000"),
         ("render room.obj -o nowhere/a.png", "nowhere"),
-        ("compare room.obj room.obj", "neither PNG nor OpenEXR"),
+        ("compare room.obj room.obj", "neither PNG, JPEG nor OpenEXR"),
         ("compare a.png b.png", "a.png"),
         ("tour room.obj --out run --path none.json", "none.json"),
         ("tour room.obj --out run --path broken.json", "broken.json"),

@@ -201,9 +201,9 @@ fn a_typed_number_counts_on_enter() {
     };
     let mut window = Harness::builder().build_ui_state(app, (state, Vec::new()));
     window.run_steps(2);
-    window.get_by_role_and_label(egui::accesskit::Role::SpinButton, "Roughness").click();
+    window.get_by_role_and_label(egui::accesskit::Role::SpinButton, "Gloss").click();
     window.run_steps(2);
-    window.event(egui::Event::Text("0.25".to_owned()));
+    window.event(egui::Event::Text("75".to_owned()));
     window.run_steps(2);
     assert!(window.state().1.is_empty(), "typing is not finished");
     window.key_press(Key::Enter);

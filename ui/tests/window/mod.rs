@@ -23,6 +23,7 @@ mod pixels;
 mod real;
 mod room;
 mod storm;
+mod strangers;
 mod threads;
 mod timewarp;
 mod unsaved_changes;

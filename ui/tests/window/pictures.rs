@@ -146,6 +146,30 @@ fn a_dropped_picture_leads_back_to_its_view() {
         (back.eye - there.eye).length() < 1e-9 && (back.yaw - there.yaw).abs() < 1e-9,
         "{back:?} {there:?}"
     );
+    assert!(!harness.state().state().is_unsaved(), "nothing that is saved has changed");
+}
+
+#[test]
+fn a_jpeg_is_saved_and_leads_back_to_its_view_and_without_sky_it_is_a_png() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut harness = saving(folder.path(), PictureSettings { format: PictureFormat::Jpeg, ..small() });
+    let there = camera(&harness);
+    harness.key_press(Key::F12);
+    assert_eq!(notice(&mut harness).0, Severity::Info, "{}", notice(&mut harness).1);
+    let path = folder.path().join("afterimage-room-0001.jpg");
+    assert_eq!(Picture::load(&path).expect("a picture").size, [40, 30]);
+    let notes = read_notes(&path).expect("notes");
+    for (name, expected) in [("Settings", "--antialias 2"), ("Pose", "--eye"), ("Complete", "yes")] {
+        assert!(notes.iter().any(|(n, text)| n == name && text.contains(expected)), "{name}: {notes:?}");
+    }
+    harness.key_press(Key::Num2);
+    harness.run_steps(60);
+    harness.input_mut().dropped_files.push(Arc::new(driving::Dropped(path)));
+    step_until(&mut harness, "the picture's view", |app| says(app, "picture was taken"));
+    harness.run_steps(60);
+    assert!((camera(&harness).eye - there.eye).length() < 1e-9);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::F12);
+    step_until(&mut harness, "a picture without sky", |app| says(app, "0001.png"));
 }
 
 #[test]

@@ -4,6 +4,7 @@
 use super::{Autosave, SessionFile};
 use crate::window::input::Obstacles;
 use crate::window::rendering::RenderRequest;
+use afterimage::import::AppliedEdit;
 use afterimage::render::Pace;
 use afterimage::scene::SceneEdit;
 use afterimage::{Camera, Tracer};
@@ -19,6 +20,15 @@ pub(super) struct PictureNote {
     pub(super) file: PathBuf,
     /// Text of the session; `None` where the picture shows the model as its files have it.
     pub(super) text: Option<String>,
+}
+
+/// The light and the materials of a picture, once they were read.
+pub(super) struct ReadNote {
+    /// The picture.
+    pub(super) file: PathBuf,
+    /// Hash of the scene, as its files have it, that they were read for.
+    pub(super) files_hash: String,
+    pub(super) read: anyhow::Result<AppliedEdit>,
 }
 
 /// The open scene, its edits, and what has been sent to the renderer.
@@ -73,6 +83,8 @@ pub(super) struct Arrival {
     pub(super) note: Option<PictureNote>,
     /// A saved session to be restored, and its file.
     pub(super) session: Option<(SessionFile, PathBuf)>,
+    /// What the session makes of the scene, once that is loaded.
+    pub(super) edit: Option<AppliedEdit>,
 }
 
 impl Arrival {

@@ -6,7 +6,7 @@ use crate::window::rendering::{
     CUT_M, Plan, ReferenceRadiance, RenderCommand, TaskError, TaskHandle, spawn_task, surface_outline,
     take_result,
 };
-use crate::window::state::{AppState, Change, InspectCommand, ReferenceView, Work};
+use crate::window::state::{AppState, Change, Dropper, InspectCommand, ReferenceView, Work};
 use afterimage::raster::color;
 use glam::DVec3;
 use std::sync::Arc;
@@ -20,9 +20,20 @@ pub(super) fn handle_inspect(state: &mut AppState, services: &Services, command:
     let selection = &mut state.selection;
     match command {
         InspectCommand::CloseInspector => selection.inspection = None,
-        InspectCommand::SelectMaterial(id) => selection.material = Some(id),
+        InspectCommand::SelectMaterial(id) => match &mut selection.dropper {
+            Some(dropper) => dropper.from = Some(id),
+            None => selection.material = Some(id),
+        },
+        InspectCommand::ToggleDropper(into) => {
+            let is_on = selection.dropper.take().is_some();
+            selection.measure.switch(false);
+            selection.dropper = (!is_on).then_some(Dropper { into, from: None });
+        }
         InspectCommand::SelectObject(key) => selection.object = Some(key),
-        InspectCommand::ToggleMeasure => selection.measure.switch(!selection.measure.is_on),
+        InspectCommand::ToggleMeasure => {
+            selection.dropper = None;
+            selection.measure.switch(!selection.measure.is_on);
+        }
         InspectCommand::ClearMeasures => change_measures(state, Vec::clear),
         InspectCommand::RemoveMeasure(index) => change_measures(state, |measures| {
             if index < measures.len() {

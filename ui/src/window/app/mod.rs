@@ -7,6 +7,7 @@ mod choose_file;
 mod comparison;
 mod current_scene;
 mod inspect;
+mod material_copy;
 mod navigation;
 mod open_scene;
 mod parts;
@@ -30,19 +31,20 @@ use baking::{poll_bake, toggle_bake, update_floor};
 use canvas::Canvas;
 use choose_file::{handle_list, poll_files, set_path_text};
 use comparison::{overlay, update_comparison};
-use current_scene::{Arrival, CurrentScene, PictureNote};
+use current_scene::{Arrival, CurrentScene, PictureNote, ReadNote};
 use inspect::{handle_inspect, show_reference, update_outline, update_plan, update_thumbnails};
+use material_copy::paste_picked;
 use navigation::{end_recording, go_to, handle_navigation};
 use open_scene::{
-    cancel_loading, handle_answer, hold_close, is_shown, open, open_model, open_new, open_path, open_session,
-    poll_loading, poll_watch, reload, session_saved,
+    answer_outside, cancel_loading, handle_answer, hold_close, is_shown, open, open_model, open_new,
+    open_path, open_session, poll_loading, poll_watch, reload, session_saved,
 };
 use parts::Parts;
 use persistence::{
-    autosave, end_autosave, forget_recent, poll_saving, read_state_folder, remember_model, restore_session,
-    save_session,
+    autosave, end_autosave, forget_recent, is_own_recovery, poll_saving, read_state_folder, remember_model,
+    restore_session, save_session,
 };
-use picture_note::show_note;
+use picture_note::{apply_note, show_note};
 use picture_view::go_to_picture;
 use pictures::{handle_picture, poll_export, save_from_references};
 use poll::poll;

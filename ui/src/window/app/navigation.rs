@@ -4,7 +4,9 @@ use super::{AppEvent, Parts, Services};
 use crate::picture::pose_text::pose_of_flags;
 use crate::window::export::Destination;
 use crate::window::input::Recording;
-use crate::window::input::playback::{key_pose, lasting, with_key, with_key_moved, without_key};
+use crate::window::input::playback::{
+    key_pose, lasting, with_key, with_key_moved, with_key_secs, without_key,
+};
 use crate::window::rendering::TaskError;
 use crate::window::state::{AppState, Change, Navigation, NavigationCommand, SavedView};
 use afterimage::Camera;
@@ -45,6 +47,9 @@ pub(super) fn handle_navigation(state: &mut AppState, services: &mut Services, c
         NavigationCommand::RemovePathKey(index) => edit_path(state, |path, _| without_key(path, index)),
         NavigationCommand::UpdatePathKey(index) => {
             edit_path(state, |path, camera| with_key_moved(path, index, camera));
+        }
+        NavigationCommand::SetKeySecs(index, secs) => {
+            edit_path(state, |path, _| with_key_secs(path, index, secs));
         }
         NavigationCommand::SetPathSecs(secs) => edit_path(state, |path, _| lasting(path, secs)),
         NavigationCommand::GoToPathKey(index) => {

@@ -2,16 +2,18 @@
 //! lost.
 
 use super::{
-    AppEvent, Arrival, Parts, SavedSession, Services, SessionFile, begin_document, beside_model,
-    end_recording, is_recovery, is_session, is_sky, open_sky, rebuild, remember_model, restore_session,
-    save_session, show_note, watch,
+    AppEvent, Arrival, Parts, SavedSession, SessionFile, begin_document, beside_model, end_recording,
+    is_own_recovery, is_session, is_sky, open_sky, rebuild, remember_model, restore_session, save_session,
+    show_note, watch,
 };
 use crate::picture::restore::{beside, is_picture, read_view};
 use crate::settings;
 use crate::window::input::{Obstacles, Playback};
 use crate::window::panels::widgets::counted;
-use crate::window::rendering::{Loading, RenderCommand, SceneSource, TaskError, take_result};
-use crate::window::state::{Answer, AppState, Leaving, PlanState, SceneInfo};
+use crate::window::rendering::{
+    LoadedScene, Loading, ReadEdit, RenderCommand, SceneSource, TaskError, take_result,
+};
+use crate::window::state::{Answer, AppState, Leaving, OutsidePicture, PlanState, SceneInfo};
 use afterimage::{Camera, Tracer, raster::exposure::Exposure};
 use egui::ViewportCommand;
 use std::path::{Path, PathBuf};
@@ -70,7 +72,7 @@ pub(super) fn open_session(app: &mut Parts, path: PathBuf) {
             open(app, source);
         }
         Err(error) => {
-            let is_renamed = is_recovery(&path, app.services.launch.state_folder.as_deref())
+            let is_renamed = is_own_recovery(&app.services, &path)
                 && std::fs::rename(&path, path.with_extension("toml.bad")).is_ok();
             let end = if is_renamed { "; it was renamed to end in .bad" } else { "" };
             app.state.error(format!("{error}{end}"));
@@ -86,7 +88,7 @@ pub(super) fn is_shown(state: &AppState, source: &SceneSource) -> bool {
 pub(super) fn open(app: &mut Parts, source: SceneSource) {
     let is_reload = is_shown(&app.state, &source) && app.current.arrival.session.is_none();
     if is_reload || !app.state.is_unsaved() {
-        load(&mut app.services, source);
+        load(app, source);
     } else {
         app.state.dialogs.leaving = Some(Leaving::Open(source));
     }
@@ -113,12 +115,42 @@ pub(super) fn reload(app: &mut Parts) {
 fn is_leaving(app: &Parts) -> bool {
     let loads_other =
         app.services.loading.as_ref().is_some_and(|loading| !is_shown(&app.state, &loading.source));
-    loads_other || app.current.arrival.session.is_some() || app.state.dialogs.leaving.is_some()
+    let dialogs = &app.state.dialogs;
+    let is_asked = dialogs.leaving.is_some() || dialogs.outside_picture.is_some();
+    loads_other || is_asked || app.current.arrival.session.is_some()
 }
 
 /// Starts to load a scene. The old one is shown until the new one is complete.
-fn load(services: &mut Services, source: SceneSource) {
-    services.loading = Some(Loading::start(source, services.launch.daylight.clone(), services.wake.clone()));
+fn load(app: &mut Parts, source: SceneSource) {
+    app.state.dialogs.outside_picture = None;
+    let (daylight, wake) = (app.services.launch.daylight.clone(), app.services.wake.clone());
+    let edit = reading_of_session(app, &source, false);
+    app.services.loading = Some(Loading::start(source, daylight, edit, wake));
+}
+
+/// Returns how the edit of the session that waits for its scene is read. Only what this program has
+/// kept itself, and what the user agrees to, is read from outside the folder of the model.
+fn reading_of_session(app: &Parts, source: &SceneSource, is_agreed: bool) -> Option<ReadEdit> {
+    let (session, file) = app.current.arrival.session.clone()?;
+    let allow_outside = is_agreed || is_own_recovery(&app.services, &file);
+    let source = source.clone();
+    Some(Box::new(move |scene| session.edit(scene, &scene.to_edit(), &source, allow_outside)))
+}
+
+/// Shows a scene that waits for the answer whether a picture outside its folder is read.
+pub(super) fn answer_outside(app: &mut Parts, is_agreed: bool) {
+    let Some(OutsidePicture { name, source, tracer }) = app.state.dialogs.outside_picture.take() else {
+        return;
+    };
+    match reading_of_session(app, &source, true).filter(|_| is_agreed) {
+        Some(edit) => {
+            app.services.loading = Some(Loading::again(source, tracer, edit, app.services.wake.clone()));
+        }
+        None => {
+            app.state.info(format!("the picture of the sky {name} was left out"));
+            arrive(app, source, tracer);
+        }
+    }
 }
 
 /// Stops loading a scene; the scene that is shown stays.
@@ -127,21 +159,21 @@ pub(super) fn cancel_loading(app: &mut Parts) {
     (app.current.arrival, app.current.discards_edits) = (Arrival::default(), false);
 }
 
-/// Shows the progress of loading, and then the scene, or asks first what is to be done with changes
-/// that were made meanwhile.
+/// Shows the progress of loading, and then the scene.
 pub(super) fn poll_loading(app: &mut Parts) {
     app.state.loading = app.services.loading.as_ref().map(|l| (l.source.clone(), l.progress()));
     let Some(result) = app.services.loading.as_ref().and_then(Loading::result) else { return };
     let (Some(loading), _) = (app.services.loading.take(), app.state.loading.take()) else { return };
     let source = loading.source.clone();
     match result {
-        Ok(tracer) => {
-            let discards = std::mem::take(&mut app.current.discards_edits);
-            let is_reload = is_shown(&app.state, &source) && app.current.arrival.session.is_none();
-            if is_reload || discards || !app.state.is_unsaved() {
-                show_scene(app, source, tracer);
-            } else {
-                app.state.dialogs.leaving = Some(Leaving::Show(source, tracer));
+        Ok(LoadedScene { tracer, edit }) => {
+            let outside = edit.as_ref().and_then(|edit| edit.outside.clone());
+            app.current.arrival.edit = edit;
+            match outside {
+                Some(name) => {
+                    app.state.dialogs.outside_picture = Some(OutsidePicture { name, source, tracer });
+                }
+                None => arrive(app, source, tracer),
             }
         }
         Err(error) => {
@@ -150,6 +182,18 @@ pub(super) fn poll_loading(app: &mut Parts) {
                 app.state.error(message);
             }
         }
+    }
+}
+
+/// Shows a scene that was loaded, or asks first what is to be done with changes that were made
+/// meanwhile.
+fn arrive(app: &mut Parts, source: SceneSource, tracer: Arc<Tracer>) {
+    let discards = std::mem::take(&mut app.current.discards_edits);
+    let is_reload = is_shown(&app.state, &source) && app.current.arrival.session.is_none();
+    if is_reload || discards || !app.state.is_unsaved() {
+        show_scene(app, source, tracer);
+    } else {
+        app.state.dialogs.leaving = Some(Leaving::Show(source, tracer));
     }
 }
 
@@ -207,13 +251,13 @@ fn show_scene(app: &mut Parts, source: SceneSource, tracer: Arc<Tracer>) {
     app.current.first_generation = app.services.render.send(RenderCommand::SetTracer(tracer.clone()));
     app.current.sent = None;
     let (fly, is_placed) = (app.state.navigation.fly.clone(), arrival.is_placed());
-    restore_session(app, tracer.scene(), arrival.session, is_reload);
+    restore_session(app, arrival.session, arrival.edit, is_reload);
     if is_placed {
         // Flags of the program take precedence over the session.
         app.state.navigation.fly = fly;
     }
     if let Some(note) = arrival.note {
-        show_note(app, &note);
+        show_note(app, note);
     }
     rebuild(app);
     app.services.watch = None;
@@ -333,7 +377,7 @@ fn leave(app: &mut Parts) {
             app.current.may_close = true;
             app.services.ctx.send_viewport_cmd(ViewportCommand::Close);
         }
-        Some(Leaving::Open(source)) => load(&mut app.services, source),
+        Some(Leaving::Open(source)) => load(app, source),
         Some(Leaving::Show(source, tracer)) => show_scene(app, source, tracer),
         None => {}
     }

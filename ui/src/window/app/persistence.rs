@@ -8,7 +8,7 @@ use crate::settings;
 use crate::window::input::Playback;
 use crate::window::rendering::{TaskError, TaskHandle, spawn_activity, take_result};
 use crate::window::state::AppState;
-use afterimage::Scene;
+use afterimage::import::AppliedEdit;
 use afterimage::raster::save::write_atomically;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -61,23 +61,23 @@ pub(super) fn poll_saving(app: &mut Parts) {
 /// has no session file: that of the old scene is not overwritten.
 pub(super) fn restore_session(
     app: &mut Parts,
-    scene: &Scene,
     awaited: Option<(SessionFile, PathBuf)>,
+    edit: Option<AppliedEdit>,
     is_reload: bool,
 ) {
-    let Some((content, file)) = awaited else {
+    let (Some((content, file)), Some(edit)) = (awaited, edit) else {
         if !is_reload {
             (app.current.file, app.current.unknown_keys) = (None, Table::new());
         }
         return;
     };
-    let (unknown, messages) = content.restore(&mut app.state, scene);
-    app.current.unknown_keys = unknown;
+    content.restore(&mut app.state, edit.edit);
+    app.current.unknown_keys.clone_from(content.unknown_keys());
     (app.state.navigation.view_index, app.state.navigation.playback) = (0, Playback::default());
-    for message in messages {
+    for message in edit.messages {
         app.state.error(format!("{}: {message}", file.display()));
     }
-    if is_recovery(&file, app.services.launch.state_folder.as_deref()) {
+    if is_own_recovery(&app.services, &file) {
         // A file that a session names is overwritten by the next save: only another session.
         app.current.file = content.own_file().filter(|path| is_session(path));
         // From now on it is the session of this process: at no time is there none on the disk.
@@ -95,6 +95,11 @@ pub(super) fn restore_session(
         app.current.file = Some(file);
     }
     app.state.navigation.fly.jump_to(content.camera());
+}
+
+/// True for a session that this program has kept itself: what it names was agreed to.
+pub(super) fn is_own_recovery(services: &Services, file: &Path) -> bool {
+    is_recovery(file, services.launch.state_folder.as_deref())
 }
 
 /// Puts a model first in the list of recent files.

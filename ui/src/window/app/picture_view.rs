@@ -3,6 +3,7 @@
 use super::{Arrival, Parts, PictureNote, is_shown, open, show_note};
 use crate::picture::restore::PictureView;
 use crate::window::rendering::SceneSource;
+use crate::window::state::AppState;
 use afterimage::raster::exposure::Exposure;
 
 /// Goes to the view of a picture. Its scene is loaded unless it is shown.
@@ -16,7 +17,7 @@ pub(super) fn go_to_picture(app: &mut Parts, view: PictureView) {
     let is_same_model = note.text.is_some() || app.current.files_hash == view.scene_hash;
     if is_shown(&app.state, &source) && is_same_model {
         go_there(app, &view);
-        return show_note(app, &note);
+        return show_note(app, note);
     }
     if let SceneSource::File { path, .. } = &source
         && !path.exists()
@@ -29,6 +30,7 @@ pub(super) fn go_to_picture(app: &mut Parts, view: PictureView) {
     if is_shown(&app.state, &source) {
         // A reload keeps the pose.
         app.state.navigation.fly.jump_to(view.camera);
+        expose_as(&mut app.state, &view);
     }
     app.current.arrival = Arrival {
         camera: Some(view.camera),
@@ -43,5 +45,18 @@ pub(super) fn go_to_picture(app: &mut Parts, view: PictureView) {
 
 fn go_there(app: &mut Parts, view: &PictureView) {
     app.state.navigation.fly.ease_to(view.camera);
-    app.state.quality.exposure = view.exposure_ev.map_or(app.state.quality.exposure, Exposure::Stops);
+    expose_as(&mut app.state, view);
+}
+
+/// Shows the exposure of a picture. It belongs to the view, as the pose does: nothing is unsaved by
+/// it. Where the window shows the same by itself, it goes on to do so.
+fn expose_as(state: &mut AppState, view: &PictureView) {
+    /// Difference in stops that is not seen: less than a step of 8 bits.
+    const SAME_EV: f32 = 0.005;
+    let Some(ev) = view.exposure_ev.filter(|ev| (ev - state.exposure_ev()).abs() > SAME_EV) else { return };
+    let (before, now) = (state.quality.exposure, Exposure::Stops(ev));
+    state.quality.exposure = now;
+    if let Some(document) = &mut state.document {
+        document.follow_exposure(before, now);
+    }
 }

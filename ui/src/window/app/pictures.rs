@@ -97,7 +97,11 @@ fn export_picture(
     references: Vec<Arc<ReferenceFrame>>,
 ) -> anyhow::Result<()> {
     job.check(&references)?;
-    let shows = match app.state.picture.settings.format {
+    let settings = &app.state.picture.settings;
+    let shows = match settings.format {
+        // A JPEG file has no transparency.
+        PictureFormat::Jpeg if job.background == Background::LeftOut => Shows::Display,
+        PictureFormat::Jpeg => Shows::Jpeg(settings.jpeg_quality),
         PictureFormat::Png => Shows::Display,
         PictureFormat::Exr => Shows::Linear(Aov::ALL.to_vec()),
     };

@@ -1,8 +1,8 @@
 //! Takes over everything that has happened in the background since the last update of the window.
 
 use super::{
-    AppEvent, Parts, SavedEdit, go_to_picture, note_frame, poll_bake, poll_edit, poll_export, poll_files,
-    poll_loading, poll_saving, poll_watch, save_from_references, save_session, show_reference,
+    AppEvent, Parts, SavedEdit, apply_note, go_to_picture, note_frame, poll_bake, poll_edit, poll_export,
+    poll_files, poll_loading, poll_saving, poll_watch, save_from_references, save_session, show_reference,
     show_sky_picture, update_floor, update_outline, update_plan, update_thumbnails,
 };
 use crate::window::gpu::viewport;
@@ -70,6 +70,7 @@ fn apply(app: &mut Parts, event: AppEvent) {
         AppEvent::Kept => {}
         AppEvent::SkyPicture(image) => show_sky_picture(app, image),
         AppEvent::PictureView(view) => go_to_picture(app, view),
+        AppEvent::Note(note) => apply_note(app, *note),
         AppEvent::SavedEdit(edit) => sidecar_saved(app, *edit),
     }
 }

@@ -1,6 +1,6 @@
 //! Threads, tasks and the graphics adapter.
 
-use super::OwnWrites;
+use super::{OwnWrites, ReadNote};
 use crate::picture::restore::PictureView;
 use crate::window::export::{Destination, Exported};
 use crate::window::files::{Asked, Reached};
@@ -29,6 +29,8 @@ pub(super) enum AppEvent {
     Kept,
     /// The view of a picture was read.
     PictureView(PictureView),
+    /// The light and the materials of a picture were read.
+    Note(Box<ReadNote>),
     /// Materials and daylight were saved in the sidecar.
     SavedEdit(Box<SavedEdit>),
     /// A picture of the sky was read.

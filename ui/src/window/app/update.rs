@@ -2,9 +2,9 @@
 //! others.
 
 use super::{
-    AppEvent, Parts, Services, cancel_loading, forget_recent, go_to, handle_answer, handle_edit,
-    handle_inspect, handle_list, handle_navigation, handle_picture, open_new, open_path, open_session,
-    reload, save_session, set_path_text, toggle_bake,
+    AppEvent, Parts, Services, answer_outside, cancel_loading, forget_recent, go_to, handle_answer,
+    handle_edit, handle_inspect, handle_list, handle_navigation, handle_picture, open_new, open_path,
+    open_session, reload, save_session, set_path_text, toggle_bake,
 };
 use crate::picture::pose_text::pose_flags;
 use crate::settings::{self, Theme};
@@ -33,6 +33,7 @@ pub(super) fn apply(app: &mut Parts, command: Command) {
         Command::List(command) => handle_list(app, command),
         Command::Files(command) => handle_files(app, command),
         Command::Answer(answer) => handle_answer(app, answer),
+        Command::ReadOutside(is_agreed) => answer_outside(app, is_agreed),
         Command::SetAppearance(appearance) => set_appearance(state, services, appearance),
         Command::AddReference => {
             services.render.send(RenderCommand::AddReference(*fly.camera()));
@@ -153,6 +154,7 @@ fn escape(state: &mut AppState, services: &Services) {
         || is_set(&mut state.dialogs.shows_settings)
         || is_set(&mut state.picture.is_open)
         || state.selection.reference_view.take().is_some()
+        || state.selection.dropper.take().is_some()
         || state.selection.measure.end()
         || state.selection.inspection.take().is_some()
         || state.notices.pop().is_some();

@@ -2,8 +2,8 @@
 
 use super::{
     Arrival, Canvas, Choosing, CurrentScene, FloorWatch, MOTION_TIME, OwnWrites, Parts, Services, apply,
-    autosave, current_work, end_autosave, hold_close, is_session, open, open_model, open_session, poll,
-    read_state_folder, send_request, show_appearance, update_comparison,
+    autosave, current_work, end_autosave, hold_close, is_session, open, open_model, open_session,
+    paste_picked, poll, read_state_folder, send_request, show_appearance, update_comparison,
 };
 use crate::window::gpu::adapter;
 use crate::window::input::{Input, key_commands, steer};
@@ -152,7 +152,7 @@ impl App {
         if ctx.input(|i| !i.raw.hovered_files.is_empty()) {
             panels::notices::drop_hint(ui, viewport);
         }
-        panels::overlay::banner(ctx, viewport, &state.selection.measure);
+        panels::overlay::banner(ctx, viewport, state);
         panels::notices::show(ctx, viewport, state, commands);
         if state.dialogs.shows_settings {
             panels::settings::show(ctx, state, commands);
@@ -211,6 +211,7 @@ impl eframe::App for App {
         for command in commands {
             apply(&mut self.parts, command);
         }
+        paste_picked(&mut self.parts);
         update_comparison(&mut self.parts);
         canvas.draw(
             &self.parts.state,

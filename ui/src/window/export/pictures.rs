@@ -44,7 +44,11 @@ pub(crate) fn save_picture(
     shows: &Shows,
     task: &TaskHandle,
 ) -> Result<Exported, TaskError> {
-    let extension = if matches!(shows, Shows::Linear(_)) { "exr" } else { "png" };
+    let extension = match shows {
+        Shows::Linear(_) => "exr",
+        Shows::Jpeg(_) => "jpg",
+        Shows::Display | Shows::Types => "png",
+    };
     let mut refusal = "there is no folder to save pictures in".to_owned();
     for folder in &destination.folders {
         let (folder, stem) = (folder.clone(), destination.stem.clone());

@@ -6,9 +6,6 @@ use afterimage::camera::{CameraKey, CameraPath};
 /// Frames of a path per second of playing.
 pub const FRAMES_PER_SEC: f64 = 30.0;
 
-/// Speed between two keys that the user sets: strolling, in metres per second.
-const STROLL_M_PER_S: f64 = 1.4;
-
 /// Time in seconds for each key: turning takes time even without moving.
 const SECS_PER_KEY: f64 = 1.0;
 
@@ -68,26 +65,73 @@ pub fn path_secs(path: &CameraPath) -> f64 {
     f64::from(path.frames.max(2) - 1) / FRAMES_PER_SEC
 }
 
-/// Returns the user's path with one more key, at a pose. The first key starts a path.
+/// Returns the seconds from each key of a path to the next one.
+pub fn key_secs(path: &CameraPath) -> Vec<f64> {
+    let costs = path.segment_costs();
+    let (sum, secs): (f64, f64) = (costs.iter().sum(), path_secs(path));
+    let is_exact = path.has_times() && (sum - secs).abs() <= 1.0 / FRAMES_PER_SEC;
+    match sum > 0.0 {
+        // The number of frames rounds them.
+        true if is_exact => costs,
+        true => costs.iter().map(|cost| cost * secs / sum).collect(),
+        false => vec![secs / costs.len().max(1) as f64; costs.len()],
+    }
+}
+
+/// Returns a path whose keys take these times to the next one each, in seconds.
+fn with_secs(path: &CameraPath, secs: &[f64]) -> CameraPath {
+    let mut timed = path.clone();
+    for (i, key) in timed.keyframes.iter_mut().enumerate() {
+        key.secs = secs.get(i).map(|secs| secs.clamp(0.0, CameraKey::MAX_SECS));
+    }
+    let sum: f64 = timed.keyframes.iter().filter_map(|key| key.secs).sum();
+    timed.frames =
+        (sum * FRAMES_PER_SEC).round().clamp(1.0, f64::from(CameraPath::MAX_FRAMES - 1)) as u32 + 1;
+    timed
+}
+
+/// Returns the user's path with one more key, at a pose. The first key starts a path. Times that
+/// were set stay.
 pub fn with_key(own: Option<&CameraPath>, camera: &Camera) -> CameraPath {
     let mut keyframes = own.map_or_else(Vec::new, |path| path.keyframes.clone());
     keyframes.push(key_of(camera));
-    path_of(keyframes, camera)
+    let longer = path_of(keyframes, camera);
+    match own.filter(|path| path.has_times()) {
+        Some(own) => {
+            let last =
+                longer.keyframes[own.keyframes.len() - 1..].iter().map(|key| CameraKey::new(key.eye, key.at));
+            let last = CameraPath { keyframes: last.collect(), ..longer.clone() };
+            let stroll = last.segment_costs().iter().sum::<f64>() / CameraPath::STROLL_M_PER_S;
+            with_secs(&longer, &[key_secs(own), vec![stroll + SECS_PER_KEY]].concat())
+        }
+        None => longer,
+    }
 }
 
 /// Returns a path whose key of this index is at a pose. It takes as long as before.
 pub fn with_key_moved(path: &CameraPath, index: usize, camera: &Camera) -> CameraPath {
     let mut moved = path.clone();
     if let Some(key) = moved.keyframes.get_mut(index) {
-        *key = key_of(camera);
+        *key = CameraKey { secs: key.secs, ..key_of(camera) };
     }
     moved
 }
 
-/// Returns a path that takes this number of seconds.
+/// Returns a path whose key of this index takes a time to the next one, in seconds. The others take
+/// as long as before.
+pub fn with_key_secs(path: &CameraPath, index: usize, secs: f64) -> CameraPath {
+    let mut all = key_secs(path);
+    if let Some(place) = all.get_mut(index) {
+        *place = secs;
+    }
+    with_secs(path, &all)
+}
+
+/// Returns a path that takes this number of seconds, each key in the same proportion as before.
 pub fn lasting(path: &CameraPath, secs: f64) -> CameraPath {
-    let frames = (secs * FRAMES_PER_SEC).round().clamp(1.0, 1e6) as u32 + 1;
-    CameraPath { frames, ..path.clone() }
+    let all = key_secs(path);
+    let sum: f64 = all.iter().sum();
+    with_secs(path, &all.iter().map(|part| part * secs / sum.max(f64::MIN_POSITIVE)).collect::<Vec<f64>>())
 }
 
 /// Number of pictures of a film of a path, with `rate` pictures per second.
@@ -101,25 +145,36 @@ pub fn key_pose(path: &CameraPath, index: usize) -> Option<Camera> {
     Some(Camera::look_at(key.eye, key.at, path.fov_y_deg))
 }
 
-/// Returns a path without the key of this index.
+/// Returns a path without the key of this index. Where times were set, it takes as long as before
+/// between the keys around it.
 pub fn without_key(path: &CameraPath, index: usize) -> CameraPath {
     let mut keyframes = path.keyframes.clone();
-    if index < keyframes.len() {
-        keyframes.remove(index);
+    if index >= keyframes.len() {
+        return path.clone();
     }
-    path_of(keyframes, &Camera { fov_y: path.fov_y_deg.to_radians(), ..CAMERA_OF_NO_PLACE })
+    keyframes.remove(index);
+    let shorter = path_of(keyframes, &Camera { fov_y: path.fov_y_deg.to_radians(), ..CAMERA_OF_NO_PLACE });
+    if !path.has_times() || shorter.keyframes.is_empty() {
+        return shorter;
+    }
+    let mut secs = key_secs(path);
+    let gone = if index < secs.len() { secs.remove(index) } else { 0.0 };
+    if let Some(before) = index.checked_sub(1).and_then(|before| secs.get_mut(before)) {
+        *before += gone;
+    }
+    with_secs(&shorter, &secs[..shorter.keyframes.len() - 1])
 }
 
 const CAMERA_OF_NO_PLACE: Camera =
     Camera { eye: glam::DVec3::ZERO, yaw: 0.0, pitch: 0.0, fov_y: 1.0, roll: 0.0 };
 
 fn key_of(camera: &Camera) -> CameraKey {
-    CameraKey { eye: camera.eye, at: camera.eye + camera.forward() }
+    CameraKey::new(camera.eye, camera.eye + camera.forward())
 }
 
 fn path_of(keyframes: Vec<CameraKey>, camera: &Camera) -> CameraPath {
     let mut path = CameraPath { fov_y_deg: camera.fov_y.to_degrees(), frames: 1, keyframes };
-    let secs = path.length_m() / STROLL_M_PER_S + SECS_PER_KEY * path.keyframes.len() as f64;
+    let secs = path.length_m() / CameraPath::STROLL_M_PER_S + SECS_PER_KEY * path.keyframes.len() as f64;
     path.frames = (secs * FRAMES_PER_SEC).round().max(1.0) as u32;
     path
 }
@@ -180,6 +235,30 @@ mod tests {
         assert!((path_secs(&path) - (5.0 + 2.0)).abs() < 0.1, "{}", path_secs(&path));
         assert_eq!(without_key(&path, 0).keyframes.len(), 1);
         assert_eq!(without_key(&path, 2).keyframes.len(), 2);
+    }
+
+    #[test]
+    fn each_key_has_a_time_of_its_own() {
+        let path = with_key(Some(&with_key(Some(&with_key(None, &at(0.0))), &at(7.0))), &at(14.0));
+        let even = key_secs(&path);
+        assert!((even[0] - even[1]).abs() < 1e-9 && (even[0] + even[1] - path_secs(&path)).abs() < 1e-9);
+        let slow = with_key_secs(&path, 1, 20.0);
+        assert_eq!(key_secs(&slow), [even[0], 20.0]);
+        assert!((path_secs(&slow) - 20.0 - even[0]).abs() < 1.0 / FRAMES_PER_SEC);
+        let mut playback = Playback { at_secs: even[0] + 10.0, is_playing: true, ..Playback::default() };
+        let middle = playback.advance(&slow, 0.0).unwrap();
+        assert!((middle.eye.x - 10.5).abs() < 0.02, "{middle:?}");
+        assert_eq!(film_frames(&slow, 25), (path_secs(&slow) * 25.0).round() as u32 + 1);
+        let longer = with_key(Some(&slow), &at(14.0));
+        assert_eq!(key_secs(&longer), [even[0], 20.0, SECS_PER_KEY], "times that were set stay");
+        assert!((path_secs(&lasting(&longer, 60.0)) - 60.0).abs() < 1e-9);
+        let shorter = without_key(&longer, 1);
+        assert_eq!(key_secs(&shorter), [even[0] + 20.0, SECS_PER_KEY]);
+        assert_eq!(key_secs(&without_key(&shorter, 2)), [even[0] + 20.0]);
+        assert_eq!(key_secs(&without_key(&shorter, 0)), [SECS_PER_KEY]);
+        let moved = with_key_moved(&slow, 1, &at(1.0));
+        assert_eq!(key_secs(&moved), key_secs(&slow));
+        assert_eq!(without_key(&without_key(&slow, 0), 0).keyframes.len(), 1);
     }
 
     #[test]

@@ -131,6 +131,9 @@ fn grab(input: &mut Input, viewport: &Response) {
 fn click(state: &mut AppState, input: &Input, obstacles: Option<&Obstacles>, viewport: &Response) {
     let Some(obstacles) = obstacles else { return };
     let is_measuring = state.selection.measure.is_on;
+    if state.selection.dropper.is_some() && viewport.hovered() {
+        viewport.ctx.set_cursor_icon(CursorIcon::Crosshair);
+    }
     if is_measuring {
         let hover = input.cursor.and_then(|at| snap_at(state, obstacles, at, viewport.rect));
         state.selection.measure.hover = hover;
@@ -140,7 +143,9 @@ fn click(state: &mut AppState, input: &Input, obstacles: Option<&Obstacles>, vie
     }
     let Some(at) = viewport.interact_pointer_pos().map(|at| unit(viewport, at)) else { return };
     if viewport.clicked_by(PointerButton::Primary) {
-        if !is_measuring {
+        if state.selection.dropper.is_some() {
+            pick(state, obstacles, at);
+        } else if !is_measuring {
             state.selection.inspection = inspect(state, obstacles, at);
             let found = state.selection.inspection.as_ref().map(|found| found.material);
             state.selection.material = found.or(state.selection.material);
@@ -157,6 +162,14 @@ fn click(state: &mut AppState, input: &Input, obstacles: Option<&Obstacles>, vie
         state.navigation.leave_pose();
         let fly = &mut state.navigation.fly;
         fly.ease_to(aim::gone_to(&probe, fly.camera()));
+    }
+}
+
+/// Picks the material of a surface, to be copied.
+fn pick(state: &mut AppState, obstacles: &Obstacles, at: [f64; 2]) {
+    let found = probe_at(state, obstacles, at).map(|probe| probe.material);
+    if let Some(dropper) = &mut state.selection.dropper {
+        dropper.from = found;
     }
 }
 

@@ -1,6 +1,9 @@
 //! The editor of the selected material: matte, glossy, mirror, glass or frosted glass.
 
-use super::super::state::{AppState, Change, Command, EditCommand, InspectCommand, OpenDocument};
+use super::super::state::{
+    AppState, COAT, Change, Command, EditCommand, InspectCommand, MaterialPreset, OpenDocument, gloss_of,
+    with_gloss,
+};
 use super::{color::color_button, numbers::Number, widgets::key_hint};
 use crate::window::input::keymap::Action;
 use crate::window::rendering::scene_loading::SceneSource;
@@ -15,7 +18,7 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
         return;
     };
     let chosen = state.selection.material.filter(|id| (id.0 as usize) < document.scene().materials.len());
-    choice(ui, document, chosen, commands);
+    choice(ui, state, document, chosen, commands);
     match chosen {
         None => {
             ui.weak("Click a surface or select a material.");
@@ -23,7 +26,14 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
         Some(id) => {
             let material = &document.scene().materials[id.0 as usize];
             let before = &document.files().scene.materials[id.0 as usize];
-            let edited = controls(ui, material, before);
+            if let Some([number, count]) = state.number_of_name(id) {
+                ui.weak(format!(
+                    "{number} of {count} materials named {}: only this one is changed.",
+                    material.name
+                ));
+            }
+            let chosen = ready_made(ui, state, id, material, commands);
+            let edited = chosen.unwrap_or_else(|| controls(ui, material, before));
             if edited != *material {
                 commands.push(Command::Edit(EditCommand::Change(Change::Material(id, Box::new(edited)))));
             }
@@ -32,9 +42,63 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     history(ui, state, document, commands);
 }
 
-fn choice(ui: &mut Ui, document: &OpenDocument, chosen: Option<MaterialId>, commands: &mut Vec<Command>) {
+/// Shows the list of materials to choose from, and the button that copies one of a surface. Returns
+/// the material with what was chosen.
+fn ready_made(
+    ui: &mut Ui,
+    state: &AppState,
+    id: MaterialId,
+    material: &Material,
+    commands: &mut Vec<Command>,
+) -> Option<Material> {
+    let mut chosen = None;
+    ui.horizontal(|ui| {
+        let is_it =
+            |preset: &&MaterialPreset| preset.kind == material.kind && preset.diffuse == material.diffuse;
+        let shown = MaterialPreset::ALL.iter().find(is_it).map_or("Choose a material", |preset| preset.name);
+        let combo = egui::ComboBox::from_id_salt("ready made").selected_text(shown).width(170.0);
+        let response = combo.show_ui(ui, |ui| {
+            for preset in &MaterialPreset::ALL {
+                if ui.selectable_label(is_it(&preset), preset.name).clicked() {
+                    chosen = Some(preset.applied_to(material));
+                }
+            }
+        });
+        response.response.accessible_name("Ready-made material");
+        let help =
+            "Then click the surface that this material shall look like, or choose a material in the list";
+        let picks = state.selection.dropper.is_some();
+        if ui
+            .selectable_label(picks, "Pick")
+            .on_hover_text(help)
+            .accessible_name("Copy from a surface")
+            .clicked()
+        {
+            commands.push(Command::Inspect(InspectCommand::ToggleDropper(id)));
+        }
+    });
+    if material.diffuse_texture.is_some() {
+        ui.weak("Its picture stays, whatever is chosen.");
+    }
+    chosen
+}
+
+fn choice(
+    ui: &mut Ui,
+    state: &AppState,
+    document: &OpenDocument,
+    chosen: Option<MaterialId>,
+    commands: &mut Vec<Command>,
+) {
     let materials = &document.scene().materials;
-    let name = chosen.map_or("none selected", |id| &materials[id.0 as usize].name);
+    let name_of = |id: MaterialId| {
+        let name = &materials[id.0 as usize].name;
+        match state.number_of_name(id) {
+            Some([number, count]) => format!("{name} ({number} of {count})"),
+            None => name.clone(),
+        }
+    };
+    let name = chosen.map_or("none selected".to_owned(), name_of);
     let combo = egui::ComboBox::from_id_salt("chosen material").selected_text(name).width(230.0).truncate();
     let response = combo.show_ui(ui, |ui| {
         // Only visible rows are laid out: a model may have thousands of materials.
@@ -42,7 +106,7 @@ fn choice(ui: &mut Ui, document: &OpenDocument, chosen: Option<MaterialId>, comm
         egui::ScrollArea::vertical().max_height(240.0).show_rows(ui, height, materials.len(), |ui, rows| {
             for i in rows {
                 let id = MaterialId(i as u32);
-                if ui.selectable_label(chosen == Some(id), &materials[i].name).clicked() {
+                if ui.selectable_label(chosen == Some(id), name_of(id)).clicked() {
                     commands.push(Command::Inspect(InspectCommand::SelectMaterial(id)));
                 }
             }
@@ -71,6 +135,7 @@ fn controls(ui: &mut Ui, material: &Material, before: &Material) -> Material {
         }
     });
     ui.spacing_mut().slider_width = 110.0;
+    gloss_row(ui, &mut edited);
     egui::Grid::new("material controls").num_columns(2).min_col_width(84.0).show(ui, |ui| match &mut edited
         .kind
     {
@@ -90,16 +155,15 @@ fn controls(ui: &mut Ui, material: &Material, before: &Material) -> Material {
             refraction_row(ui, eta);
             color_row(ui, "Tint", transmittance);
         }
-        MaterialKind::Glossy { reflectance, roughness } => {
-            color_row(ui, "Base colour", &mut edited.diffuse);
+        MaterialKind::Glossy { reflectance, .. } => {
+            let name = if material.diffuse_texture.is_some() { "Texture tint" } else { "Base colour" };
+            color_row(ui, name, &mut edited.diffuse);
             color_row(ui, "Reflection", reflectance);
             brightness_row(ui, "Reflectance", reflectance);
-            roughness_row(ui, roughness);
         }
-        MaterialKind::Frosted { eta, transmittance, roughness } => {
+        MaterialKind::Frosted { eta, transmittance, .. } => {
             refraction_row(ui, eta);
             color_row(ui, "Tint", transmittance);
-            roughness_row(ui, roughness);
         }
     });
     let by_picture = material.varies_by_picture();
@@ -120,10 +184,20 @@ fn refraction_row(ui: &mut Ui, eta: &mut f32) {
     ui.end_row();
 }
 
-fn roughness_row(ui: &mut Ui, roughness: &mut f32) {
-    let label = ui.label("Roughness").on_hover_text("Polished 0, satin varnish 0.3, brushed metal 0.5");
-    Number::new(0.0..=1.0, 2, "").slider(ui, roughness).labelled_by(label.id);
-    ui.end_row();
+/// Shows the gloss. It keeps its place among the controls while the kind changes under it.
+fn gloss_row(ui: &mut Ui, edited: &mut Material) {
+    let before = gloss_of(edited);
+    let mut gloss = before;
+    ui.push_id("gloss", |ui| {
+        ui.horizontal(|ui| {
+            let help = "0 % is matte, 50 % brushed metal, 70 % satin varnish, 100 % polished. It is one minus the roughness.";
+            let label = ui.label("Gloss").on_hover_text(help);
+            Number::percent(0.0..=100.0).slider(ui, &mut gloss).labelled_by(label.id);
+        });
+    });
+    if gloss != before {
+        *edited = with_gloss(edited, gloss);
+    }
 }
 
 fn color_row(ui: &mut Ui, name: &str, color: &mut Vec3) {
@@ -167,7 +241,7 @@ fn glossy(material: &Material, before: &Material) -> Material {
     let is_metal = matches!(material.kind, MaterialKind::Mirror { .. });
     let (reflectance, base) = match is_metal {
         true => (material.specular(), Vec3::ZERO),
-        false => (Vec3::splat(0.04), matte(material, before).diffuse),
+        false => (Vec3::splat(COAT), matte(material, before).diffuse),
     };
     let kind = MaterialKind::Glossy { reflectance, roughness: 0.3 };
     Material { kind, diffuse: base, ..material.clone() }

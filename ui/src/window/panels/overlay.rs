@@ -1,6 +1,6 @@
 //! Drawings over the picture: the inspected triangle, measurements, and the view of a reference.
 
-use super::super::state::{AppState, Measure, ReferenceView, SnapKind};
+use super::super::state::{AppState, ReferenceView, SnapKind};
 use crate::window::gpu::projection::Projection;
 use egui::{Align2, Color32, FontId, Pos2, Rect, Stroke, Ui};
 use glam::DVec3;
@@ -73,13 +73,21 @@ fn measured(painter: &egui::Painter, projection: &Projection, state: &AppState) 
     }
 }
 
-/// Says over the viewport what a click does while distances are measured.
-pub fn banner(ctx: &egui::Context, viewport: Rect, measure: &Measure) {
-    if !measure.is_on {
-        return;
+/// Says what a click does while distances are measured, or a material is picked; `None` otherwise.
+fn mode_text(state: &AppState) -> Option<String> {
+    let measure = &state.selection.measure;
+    if let Some(dropper) = state.selection.dropper {
+        let materials = state.document.as_ref().map_or(&[][..], |document| &document.scene().materials);
+        let name = materials.get(dropper.into.0 as usize).map_or("the material", |m| &m.name);
+        return Some(format!("Click the surface that {name} shall look like; Esc ends"));
     }
     let which = if measure.first.is_none() { "first" } else { "second" };
-    let text = format!("Measuring: click the {which} point; Esc ends");
+    measure.is_on.then(|| format!("Measuring: click the {which} point; Esc ends"))
+}
+
+/// Says over the viewport what a click does.
+pub fn banner(ctx: &egui::Context, viewport: Rect, state: &AppState) {
+    let Some(text) = mode_text(state) else { return };
     let at = viewport.center_top() + egui::vec2(0.0, BANNER_DOWN);
     let area = egui::Area::new(egui::Id::unique("measuring")).fixed_pos(at).pivot(Align2::CENTER_TOP);
     area.interactable(false).show(ctx, |ui| {

@@ -3,7 +3,7 @@
 use super::super::state::{AppState, Command, NavigationCommand};
 use super::{numbers::Number, widgets::key_hint};
 use crate::window::input::keymap::Action;
-use crate::window::input::playback::{Playback, path_secs};
+use crate::window::input::playback::{Playback, key_secs, path_secs};
 use afterimage::camera::CameraPath;
 use egui::Ui;
 
@@ -58,9 +58,10 @@ fn timeline(ui: &mut Ui, playback: &Playback, path: &CameraPath, commands: &mut 
     }
 }
 
-/// Shows a row for each key, and the time from key to key.
+/// Shows a row for each key with its time to the next one, and the time of the whole path.
 fn keys(ui: &mut Ui, path: &CameraPath, commands: &mut Vec<Command>) {
     let mut navigate = |command| commands.push(Command::Navigate(command));
+    let times = key_secs(path);
     for i in 0..path.keyframes.len() {
         let number = i + 1;
         ui.horizontal(|ui| {
@@ -75,17 +76,25 @@ fn keys(ui: &mut Ui, path: &CameraPath, commands: &mut Vec<Command>) {
             if ui.small_button("Delete").accessible_name(format!("Delete path key {number}")).clicked() {
                 navigate(NavigationCommand::RemovePathKey(i));
             }
+            if let Some(before) = times.get(i) {
+                let mut secs = *before;
+                let field = Number::new(0.0..=600.0, 1, " s").field(ui, "", &mut secs);
+                let name = format!("Seconds from path key {number} to the next");
+                field.accessible_name(name).on_hover_text("Time from this key to the next one");
+                if secs != *before {
+                    navigate(NavigationCommand::SetKeySecs(i, secs));
+                }
+            }
         });
     }
-    let between = path.keyframes.len().saturating_sub(1);
-    if between > 0 {
+    if !times.is_empty() {
         ui.horizontal(|ui| {
-            let label = ui.label("Seconds a key");
-            let before = path_secs(path) / between as f64;
+            let label = ui.label("Whole path");
+            let before = path_secs(path);
             let mut secs = before;
-            Number::new(0.1..=600.0, 1, " s").field(ui, "", &mut secs).labelled_by(label.id);
+            Number::new(0.1..=3600.0, 1, " s").field(ui, "", &mut secs).labelled_by(label.id);
             if secs != before {
-                navigate(NavigationCommand::SetPathSecs(secs * between as f64));
+                navigate(NavigationCommand::SetPathSecs(secs));
             }
         });
     }

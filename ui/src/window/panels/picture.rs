@@ -192,6 +192,14 @@ fn file_rows(ui: &mut Ui, state: &AppState, settings: &mut PictureSettings, comm
     ui.vertical(|ui| {
         let help = "Display-referred, tone-mapped";
         ui.radio_value(&mut settings.format, PictureFormat::Png, "PNG, 8 bits").on_hover_text(help);
+        ui.horizontal(|ui| {
+            let help = "Small files, with losses that are hardly seen; without sky it is saved as PNG";
+            ui.radio_value(&mut settings.format, PictureFormat::Jpeg, "JPEG").on_hover_text(help);
+            if settings.format == PictureFormat::Jpeg {
+                let value = DragValue::new(&mut settings.jpeg_quality).range(1..=100).prefix("quality ");
+                ui.add(value).accessible_name("JPEG quality");
+            }
+        });
         let help = "Linear, with layers for depth, normal, type, reference and primitive";
         ui.radio_value(&mut settings.format, PictureFormat::Exr, "OpenEXR, linear").on_hover_text(help);
     });

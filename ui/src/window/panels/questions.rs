@@ -1,13 +1,15 @@
 //! Modal questions. They have the keyboard focus: Tab cycles through the answers, Enter selects
 //! one, Escape selects the one that changes nothing.
 
-use super::super::state::{Answer, AppState, Command, FileCommand, Leaving};
+use super::super::state::{Answer, AppState, Command, FileCommand, Leaving, OutsidePicture};
 use egui::{Context, Ui};
 
 /// Shows the open question, if any.
 pub fn show(ctx: &Context, state: &AppState, commands: &mut Vec<Command>) {
     if let Some(leaving) = &state.dialogs.leaving {
         ask_to_leave(ctx, state, leaving, commands);
+    } else if let Some(picture) = &state.dialogs.outside_picture {
+        ask_to_read(ctx, picture, commands);
     } else if state.dialogs.asks_to_clear {
         ask_to_clear(ctx, state, commands);
     } else if state.files.recovery.is_some() {
@@ -86,6 +88,27 @@ fn ask_to_end_export(ctx: &Context, commands: &mut Vec<Command>) {
     let answers = [("Keep open", answer(Answer::Stay)), ("Close", answer(Answer::Discard))];
     let stay = Some(answer(Answer::Stay));
     ask(ctx, "end export", "Stop saving pictures?", text, &answers, stay, commands);
+}
+
+/// Asks before a picture is read that a session names in another folder: the session may come from
+/// elsewhere.
+fn ask_to_read(ctx: &Context, picture: &OutsidePicture, commands: &mut Vec<Command>) {
+    let text = format!(
+        "The session of {} uses a picture of the sky in another folder: {}. Read it only if you know where the session comes from.",
+        picture.source.label(),
+        picture.name
+    );
+    let answers = [("Leave it out", Command::ReadOutside(false)), ("Read it", Command::ReadOutside(true))];
+    let otherwise = Some(Command::ReadOutside(false));
+    ask(
+        ctx,
+        "outside picture",
+        "Read a picture outside the model's folder?",
+        &text,
+        &answers,
+        otherwise,
+        commands,
+    );
 }
 
 /// Asks before all references are removed.

@@ -3,7 +3,7 @@
 use super::{Progress, Task, TaskError, TaskHandle, Wake, spawn_activity};
 use afterimage::Tracer;
 use afterimage::import;
-use afterimage::import::{DaylightOptions, ImportOptions, Phase};
+use afterimage::import::{AppliedEdit, DaylightOptions, ImportOptions, Phase};
 use afterimage::raster::exposure::Exposure;
 use afterimage::scene::{GroundChoice, Scene, SceneError, builtin};
 use std::path::{Path, PathBuf};
@@ -64,20 +64,43 @@ impl SceneSource {
     }
 }
 
+/// Makes the edit that a session holds of a scene, on the thread that loads it: the edit may name a
+/// picture of the sky.
+pub(crate) type ReadEdit = Box<dyn FnOnce(&Scene) -> AppliedEdit + Send>;
+
+/// A scene that was loaded, ready for rays.
+pub(crate) struct LoadedScene {
+    pub(crate) tracer: Arc<Tracer>,
+    /// What the session of the scene makes of it, where it has one.
+    pub(crate) edit: Option<AppliedEdit>,
+}
+
 /// A scene that is being loaded. Dropping it cancels loading without waiting: a phase that cannot
 /// be interrupted would hold up the window.
 pub(crate) struct Loading {
     pub(crate) source: SceneSource,
-    task: Task<Arc<Tracer>>,
+    task: Task<LoadedScene>,
 }
 
 impl Loading {
     /// Starts loading on a thread of its own. `daylight` replaces that of the scene.
-    pub(crate) fn start(source: SceneSource, daylight: DaylightOptions, wake: Wake) -> Self {
+    pub(crate) fn start(
+        source: SceneSource,
+        daylight: DaylightOptions,
+        edit: Option<ReadEdit>,
+        wake: Wake,
+    ) -> Self {
         let wanted = source.clone();
         let activity = format!("{}: loading", source.label());
-        let task = spawn_activity("load", &activity, wake, move |task| load(&wanted, &daylight, task));
-        Self { source, task }
+        let work = move |task: &TaskHandle| with_edit(load(&wanted, &daylight, task)?, edit, task);
+        Self { source, task: spawn_activity("load", &activity, wake, work) }
+    }
+
+    /// Reads the edit of a session once more, for a scene that was loaded.
+    pub(crate) fn again(source: SceneSource, tracer: Arc<Tracer>, edit: ReadEdit, wake: Wake) -> Self {
+        let activity = format!("{}: reading its session", source.label());
+        let work = move |task: &TaskHandle| with_edit(tracer, Some(edit), task);
+        Self { source, task: spawn_activity("load", &activity, wake, work) }
     }
 
     /// Returns the progress of loading.
@@ -86,9 +109,20 @@ impl Loading {
     }
 
     /// Returns the scene, ready for rays, once it is loaded.
-    pub(crate) fn result(&self) -> Option<Result<Arc<Tracer>, TaskError>> {
+    pub(crate) fn result(&self) -> Option<Result<LoadedScene, TaskError>> {
         self.task.result()
     }
+}
+
+fn with_edit(
+    tracer: Arc<Tracer>,
+    edit: Option<ReadEdit>,
+    task: &TaskHandle,
+) -> Result<LoadedScene, TaskError> {
+    task.begin("reading its session")?;
+    let edit = edit.map(|read| read(tracer.scene()));
+    task.begin("ready")?;
+    Ok(LoadedScene { tracer, edit })
 }
 
 fn load(
@@ -115,7 +149,6 @@ fn load(
         task.begin("measuring the light")?;
         tracer.measure_light(&|part| task.report("measuring the light", part), &|| task.is_cancelled());
     }
-    task.begin("ready")?;
     Ok(tracer)
 }
 

@@ -1,14 +1,15 @@
 //! Everything that panels read.
 
 use super::{
-    Appearance, Comparison, FileList, FrameRate, Leaving, Navigation, Notice, OpenDocument, Options, Overlay,
-    PictureState, Presentation, Quality, Sample, SavedView, SceneInfo, Selection, Severity, ViewExposure,
-    Work, history, notices,
+    Appearance, Comparison, FileList, FrameRate, Leaving, Navigation, Notice, OpenDocument, Options,
+    OutsidePicture, Overlay, PictureState, Presentation, Quality, Sample, SavedView, SceneInfo, Selection,
+    Severity, ViewExposure, Work, history, notices,
 };
 use crate::window::files::Listing;
 use crate::window::rendering::{Plan, PlanView, Progress, PublishedFrame, SceneSource, Thumbnails};
 use afterimage::camera::CameraPath;
 use afterimage::raster::exposure::Metered;
+use afterimage::scene::MaterialId;
 use glam::DVec3;
 use std::collections::VecDeque;
 use std::path::PathBuf;
@@ -81,6 +82,8 @@ pub struct Dialogs {
     pub asks_to_clear: bool,
     /// An action that would lose unsaved changes, held until the user has answered.
     pub leaving: Option<Leaving>,
+    /// A session that names a picture outside its folder, held until the user has answered.
+    pub outside_picture: Option<OutsidePicture>,
     /// The settings dialog is open.
     pub shows_settings: bool,
 }
@@ -158,6 +161,14 @@ impl AppState {
         static NONE: CameraPath = CameraPath { fov_y_deg: 0.0, frames: 0, keyframes: Vec::new() };
         let own = self.document.as_ref().and_then(|document| document.now().path.as_ref());
         own.or(self.scene.as_ref().map(|scene| &scene.walk)).unwrap_or(&NONE)
+    }
+
+    /// Returns which of its name a material is, counted from 1, and how many there are; `None` where
+    /// no other material has its name.
+    pub fn number_of_name(&self, id: MaterialId) -> Option<[usize; 2]> {
+        let name = &self.document.as_ref()?.scene().materials.get(id.0 as usize)?.name;
+        let ids = self.scene.as_ref()?.same_names.get(name)?;
+        Some([ids.binary_search(&id).ok()? + 1, ids.len()])
     }
 
     /// True where the camera path is the user's own.
@@ -248,6 +259,7 @@ impl AppState {
         let is_list_open = self.files.list.is_some();
         self.dialogs.leaving.is_some()
             || self.dialogs.asks_to_clear
+            || self.dialogs.outside_picture.is_some()
             || self.files.recovery.is_some()
             || is_list_open
     }

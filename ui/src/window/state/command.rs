@@ -38,6 +38,8 @@ pub enum Command {
     Remove(ReferenceId),
     Picture(PictureCommand),
     Answer(Answer),
+    /// Whether the picture outside its folder that a session names is read.
+    ReadOutside(bool),
     Quit,
     Files(FileCommand),
     List(ListCommand),
@@ -77,6 +79,8 @@ pub enum NavigationCommand {
     GoToPathKey(usize),
     UpdatePathKey(usize),
     SetPathSecs(f64),
+    /// Seconds from a key to the next one.
+    SetKeySecs(usize, f64),
     SetPlayback(Playback),
     PlayPath,
     ToggleRecording,
@@ -98,6 +102,8 @@ pub enum EditCommand {
 pub enum InspectCommand {
     CloseInspector,
     SelectMaterial(MaterialId),
+    /// Copies the material that is picked next to this one, or ends that.
+    ToggleDropper(MaterialId),
     SelectObject(ObjectKey),
     ToggleMeasure,
     ClearMeasures,

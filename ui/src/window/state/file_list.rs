@@ -29,7 +29,7 @@ impl Purpose {
     /// Endings of the files that are offered; none where a folder is chosen.
     pub fn endings(self) -> Vec<&'static str> {
         match self {
-            Self::Open => import::extensions().chain(["toml", "png", "exr", "hdr"]).collect(),
+            Self::Open => import::extensions().chain(["toml", "png", "jpg", "jpeg", "exr", "hdr"]).collect(),
             Self::Sky => vec!["hdr", "exr"],
             Self::PictureFolder => Vec::new(),
         }

@@ -2,6 +2,7 @@
 
 use crate::window::rendering::Progress;
 use afterimage::Mode;
+use afterimage::raster::jpeg::DEFAULT_QUALITY;
 use afterimage::render::FrameStats;
 use afterimage::render::bands::Background;
 use std::path::PathBuf;
@@ -21,6 +22,8 @@ pub enum PictureSize {
 pub enum PictureFormat {
     /// As displayed, 8 bits per channel.
     Png,
+    /// As displayed, with small losses and without transparency.
+    Jpeg,
     /// Linear radiance with depth, normal, type, reference and primitive.
     Exr,
 }
@@ -39,6 +42,8 @@ pub struct PictureSettings {
     pub antialias: u32,
     /// File format of the saved picture.
     pub format: PictureFormat,
+    /// Quality of JPEG files, 1 to 100.
+    pub jpeg_quality: u8,
     /// Whether the background is visible.
     pub background: Background,
     /// Folder; `None` for the folder of the model or the user's folder for pictures.
@@ -84,6 +89,7 @@ impl Default for PictureSettings {
             // The same as for a picture at rest that has converged.
             antialias: afterimage::render::CONVERGED_PASSES,
             format: PictureFormat::Png,
+            jpeg_quality: DEFAULT_QUALITY,
             background: Background::Shown,
             folder: None,
             film_background: Background::Shown,

@@ -3,8 +3,11 @@
 use crate::window::input::fly_camera::speed_for;
 use crate::window::rendering::SceneSource;
 use afterimage::camera::CameraPath;
-use afterimage::scene::{Ground, GroundAdvice, LightGroup, Objects, Scene, SceneFeatures, Warning};
+use afterimage::scene::{
+    Ground, GroundAdvice, LightGroup, Material, MaterialId, Objects, Scene, SceneFeatures, Warning,
+};
 use afterimage::{Camera, Tracer};
+use std::collections::HashMap;
 use std::sync::Arc;
 
 /// A saved view of the scene.
@@ -31,6 +34,8 @@ pub struct SceneInfo {
     pub walk: CameraPath,
     /// Warnings of the import, listed in the Scene panel.
     pub warnings: Vec<Warning>,
+    /// Materials by name, where several have the same one.
+    pub same_names: Arc<HashMap<String, Vec<MaterialId>>>,
     /// Named objects of the model, also those that are hidden or deleted.
     pub objects: Arc<Objects>,
     /// Number of triangles of the scene.
@@ -67,6 +72,7 @@ impl SceneInfo {
             views: scene.views.iter().enumerate().map(saved_view).collect(),
             walk: scene.walk.clone(),
             warnings: scene.warnings.clone(),
+            same_names: Arc::new(same_names(&scene.materials)),
             objects: scene.all_objects().clone(),
             triangles: scene.triangles.len(),
             vertices: scene.positions.len(),
@@ -94,6 +100,15 @@ impl SceneInfo {
         self.light_groups.clone_from(&scene.light_groups.list);
         self.conditioning = scene.conditioning.sentences();
     }
+}
+
+fn same_names(materials: &[Material]) -> HashMap<String, Vec<MaterialId>> {
+    let mut by_name: HashMap<&str, Vec<MaterialId>> = HashMap::new();
+    for (i, material) in (0..).zip(materials) {
+        by_name.entry(&material.name).or_default().push(MaterialId(i));
+    }
+    let shared = by_name.into_iter().filter(|(_, ids)| ids.len() > 1);
+    shared.map(|(name, ids)| (name.to_owned(), ids)).collect()
 }
 
 fn saved_view((i, view): (usize, &afterimage::scene::NamedView)) -> SavedView {

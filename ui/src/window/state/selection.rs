@@ -108,6 +108,15 @@ impl Measure {
     }
 }
 
+/// The next click copies the material of a surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Dropper {
+    /// The material that becomes like the one that is picked.
+    pub into: MaterialId,
+    /// The material that was picked, until it is copied.
+    pub from: Option<MaterialId>,
+}
+
 /// The selected pixel, distance, material and reference.
 #[derive(Clone, Debug, Default)]
 pub struct Selection {
@@ -118,6 +127,8 @@ pub struct Selection {
     pub outline: Option<(u32, Arc<Vec<[DVec3; 2]>>)>,
     /// The material whose properties are shown.
     pub material: Option<MaterialId>,
+    /// Set while a surface is picked whose material is copied.
+    pub dropper: Option<Dropper>,
     /// The object that can be moved, hidden and deleted.
     pub object: Option<ObjectKey>,
     /// The distance that is being measured.

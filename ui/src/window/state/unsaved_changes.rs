@@ -1,4 +1,5 @@
-//! Actions that wait for an answer, because they would lose unsaved changes.
+//! Actions that wait for an answer: those that would lose unsaved changes, and those that would
+//! read what a file from elsewhere names.
 
 use crate::window::rendering::SceneSource;
 use afterimage::Tracer;
@@ -13,6 +14,18 @@ pub enum Leaving {
     Open(SceneSource),
     /// A scene that was loaded is shown: something was changed while it was loading.
     Show(SceneSource, Arc<Tracer>),
+}
+
+/// A scene that waits for an answer: its session names a picture of the sky outside the folder of
+/// the model.
+#[derive(Clone, Debug)]
+pub struct OutsidePicture {
+    /// The picture, as the session names it.
+    pub name: String,
+    /// Where the scene was loaded from.
+    pub source: SceneSource,
+    /// The scene, ready for rays.
+    pub tracer: Arc<Tracer>,
 }
 
 /// What is done with the unsaved changes.

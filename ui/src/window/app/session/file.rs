@@ -4,12 +4,12 @@
 use super::sun::SunTable;
 use crate::settings;
 use crate::window::rendering::SceneSource;
-use crate::window::state::{AppState, Document, Quality, SavedView};
+use crate::window::state::{AppState, Document, Quality, SavedView, SunControls};
 use afterimage::camera::CameraPath;
-use afterimage::import::{EditFolder, apply_edit_text, edit_text};
+use afterimage::import::{AppliedEdit, EditFolder, apply_edit_text, edit_text};
 use afterimage::raster::exposure::Exposure;
 use afterimage::reference::PlacementPolicy;
-use afterimage::scene::{Scene, SceneEdit};
+use afterimage::scene::{Daylight, Scene, SceneEdit, Sky, SkyKind};
 use afterimage::trace::BounceLimit;
 use afterimage::{Camera, Mode};
 use anyhow::{Context, anyhow, bail, ensure};
@@ -29,6 +29,9 @@ const MAX_ENTRIES: usize = 10_000;
 
 /// Maximum number of keys of a path: a walk of a day at ten poses a second.
 const MAX_KEYS: usize = 1_000_000;
+
+/// Maximum number of samples of a pixel that is restored: a frame with more would not end.
+const MAX_SAMPLES: u32 = 1 << 20;
 
 /// Content of a session file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -95,9 +98,6 @@ fn model_of(source: &SceneSource) -> Option<&Path> {
         _ => None,
     }
 }
-
-/// Largest number of samples that a session sets: as much as the settings allow.
-const MOST_SAMPLES: u32 = 1 << 20;
 
 impl SessionFile {
     /// The session of the state that is shown. `other` has the unknown keys of the session that was
@@ -227,54 +227,53 @@ impl SessionFile {
         Ok(())
     }
 
-    /// Restores everything but the scene, which must be shown already, and but the pose. Returns
-    /// the unknown keys, and messages about changes that the model does not allow.
-    pub(in crate::window::app) fn restore(
-        &self,
-        state: &mut AppState,
-        scene: &Scene,
-    ) -> (Table, Vec<String>) {
+    /// Restores everything but the scene, which must be shown already, and but the pose. `edit` is
+    /// what the session makes of the scene.
+    pub(in crate::window::app) fn restore(&self, state: &mut AppState, edit: SceneEdit) {
         self.restore_quality(&mut state.quality);
-        let (Some(open), Some(info)) = (&mut state.document, &state.scene) else {
-            return (self.other.clone(), Vec::new());
-        };
-        let (edit, messages) = self.edit(scene, &open.files().scene, &info.source, true);
-        let mut sun = open.files().sun.clone();
-        sun.show(&edit.daylight);
+        let Some(open) = &mut state.document else { return };
+        let mut of_files = open.files().sun.clone();
+        of_files.show(&edit.daylight);
+        let own = self.sun.as_ref().map(|table| table.controls(of_files.nits_per_unit));
+        let sun = own.map_or(of_files, |sun| with_sky_of(sun, &edit.daylight));
         let view = |v: &View| SavedView { name: v.name.clone(), key: v.key, camera: v.camera };
         let views: Vec<SavedView> = self.views.iter().map(view).collect();
         open.restore(Document {
-            sun: self.sun.as_ref().map_or(sun, |table| table.controls(scene.nits_per_unit())),
+            sun,
             scene: edit,
             // One view must remain.
             views: if views.is_empty() { open.files().views.clone() } else { views },
             path: self.path.clone().filter(|path| !path.keyframes.is_empty()),
             measures: self.measures.clone(),
         });
-        (self.other.clone(), messages)
+    }
+
+    /// Returns the keys that this version does not know.
+    pub(in crate::window::app) fn unknown_keys(&self) -> &Table {
+        &self.other
     }
 
     /// Returns what the session makes of a scene whose files hold `files`. Where a change cannot be
-    /// made, a message says so, and the others are made.
+    /// made, a message says so, and the others are made. A picture of the sky is read from the disk,
+    /// with `allow_outside` also from outside the folder of the model.
     pub(in crate::window::app) fn edit(
         &self,
         scene: &Scene,
         files: &SceneEdit,
         source: &SceneSource,
         allow_outside: bool,
-    ) -> (SceneEdit, Vec<String>) {
+    ) -> AppliedEdit {
+        let unchanged = |messages| AppliedEdit { edit: files.clone(), messages, outside: None };
         let folder = EditFolder { model: model_of(source), allow_outside };
-        let Some(edits) = &self.edits else { return (files.clone(), Vec::new()) };
-        match apply_edit_text(&edits.to_string(), folder, scene, files) {
-            Ok(applied) => applied,
-            Err(cause) => (files.clone(), vec![cause]),
-        }
+        let Some(edits) = &self.edits else { return unchanged(Vec::new()) };
+        let applied = apply_edit_text(&edits.to_string(), folder, scene, files);
+        applied.unwrap_or_else(|cause| unchanged(vec![cause]))
     }
 
     fn restore_quality(&self, quality: &mut Quality) {
         let walk = &mut quality.walk;
         walk.render.mode = self.mode;
-        walk.render.trace.samples = self.samples.clamp(1, MOST_SAMPLES);
+        walk.render.trace.samples = self.samples.clamp(1, MAX_SAMPLES);
         walk.render.trace.bounces = self.bounces.0;
         let placement = self.placement.as_ref().filter(|(_, percent)| (0.0..=100.0).contains(percent));
         let placement = placement.and_then(|(name, percent)| PlacementPolicy::named(name, *percent));
@@ -318,6 +317,15 @@ impl SessionFile {
     }
 }
 
+/// Returns the controls, which do not show a picture that is not there.
+fn with_sky_of(mut sun: SunControls, daylight: &Daylight) -> SunControls {
+    let kind = daylight.sky.as_ref().map(Sky::kind);
+    if sun.kind == SkyKind::Picture && kind != Some(SkyKind::Picture) {
+        sun.kind = kind.unwrap_or_default();
+    }
+    sun
+}
+
 fn absolute(source: &SceneSource) -> String {
     match model_of(source).map(std::path::absolute) {
         Some(Ok(path)) => path.display().to_string(),
@@ -326,77 +334,4 @@ fn absolute(source: &SceneSource) -> String {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::window::state::SunControls;
-
-    pub(super) fn session() -> SessionFile {
-        let camera = Camera::look_at(DVec3::new(0.1, 1.6, 1.0 / 3.0), DVec3::ZERO, 60.0);
-        let path = CameraPath::still(&camera);
-        SessionFile {
-            version: VERSION,
-            scene: "builtin:gallery".to_owned(),
-            session: None,
-            render_scale: Some(0.5),
-            budget_ms: None,
-            placement: Some(("grid".to_owned(), 5.0)),
-            max_references: Some(8),
-            cache_mb: Some(512),
-            measures: vec![[DVec3::ZERO, DVec3::new(0.1, 2.0, 1.0 / 3.0)]],
-            sun: Some(SunTable::of(&SunControls::default())),
-            edits: Some("[[object]]\nname = 'a'\nhidden = true\n".parse().unwrap()),
-            mode: Mode::Exact,
-            samples: 4,
-            bounces: BounceLimit::ALL,
-            exposure: Exposure::Stops(-0.5),
-            tone_map: "linear".to_owned(),
-            camera,
-            views: vec![View { name: "r\u{e4}um \"1\"".to_owned(), key: Some(2), camera }],
-            path: Some(path),
-            other: Table::new(),
-        }
-    }
-
-    fn parse(text: &str) -> anyhow::Result<SessionFile> {
-        SessionFile::parse(text, Path::new("a.afterimage-session.toml"))
-    }
-
-    #[test]
-    fn a_session_comes_back_bit_for_bit_and_keeps_what_it_does_not_know() {
-        let text = session().text(None).unwrap();
-        assert_eq!(parse(&text).unwrap(), session());
-        let numbered = parse(&text.replace("bounces = \"all\"", "bounces = 1")).unwrap();
-        assert_eq!(numbered.bounces, BounceLimit(1), "as older versions have written it");
-        let automatic = SessionFile { exposure: Exposure::Auto, ..session() };
-        assert_eq!(parse(&automatic.text(None).unwrap()).unwrap(), automatic);
-        let older = text.replace("exposure = ", "exposure_ev = ");
-        assert_eq!(parse(&older).unwrap(), session());
-        let first = text.replace("version = 2", "version = 1");
-        assert_eq!(parse(&first).unwrap().camera, session().camera);
-        let newer = format!("guests = 3\n{text}\n[weather]\nrain = true\n");
-        let read = parse(&newer).unwrap();
-        assert_eq!(read.camera, session().camera);
-        let again = read.text(None).unwrap();
-        assert!(again.contains("guests = 3") && again.contains("[weather]"), "{again}");
-    }
-
-    #[test]
-    fn other_versions_and_broken_files_are_reported() {
-        let text = session().text(None).unwrap();
-        let error = |text: &str| parse(text).unwrap_err().to_string();
-        assert!(error(&text.replace("version = 2", "version = 3")).contains("newer program"));
-        assert!(error("hello = 1").contains("not a session"));
-        assert!(error("version = 1\nscene =\n").contains("line 2"));
-        assert!(
-            error(&text.replace("samples = 4", "samples = 'many'"))
-                .contains("a.afterimage-session.toml, line")
-        );
-        assert!(error(&text.replace("yaw = ", "yaw = nan # ")).contains("impossible"));
-        assert!(error(&text.replace("hours = ", "hours = nan # ")).contains("sun"));
-        let many = format!("measures = [{}]", "[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]],".repeat(MAX_ENTRIES + 1));
-        let line = text.lines().find(|line| line.starts_with("measures")).unwrap();
-        assert!(error(&text.replace(line, &many)).contains("at most"));
-        assert!(error(&text.replace("bounces = \"all\"", "bounces = 65")).contains("from 0 to 64"));
-        assert!(is_session(Path::new("x/a.afterimage-session.toml")) && !is_session(Path::new("a.toml")));
-    }
-}
+mod tests;

@@ -1,6 +1,8 @@
 //! Session files: their format, and where they are.
 
 mod file;
+#[cfg(test)]
+mod hostile;
 mod place;
 #[cfg(test)]
 mod soak;

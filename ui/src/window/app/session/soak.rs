@@ -103,8 +103,7 @@ impl Desk {
                 Change::Views((0..=dice.below(4)).map(|i| view(dice, i)).collect())
             }
             5 => {
-                let keyframes =
-                    (0..dice.below(4)).map(|_| CameraKey { eye: dice.point(), at: DVec3::ZERO }).collect();
+                let keyframes = (0..dice.below(4)).map(|_| key(dice)).collect();
                 let path = CameraPath { fov_y_deg: 50.0, frames: 90, keyframes };
                 Change::Path(Some(path).filter(|path| !path.keyframes.is_empty()))
             }
@@ -192,8 +191,10 @@ fn opened(model: &Path) -> (Arc<Scene>, AppState) {
 }
 
 fn restore(text: &str, file: &Path, state: &mut AppState, scene: &Scene) {
-    let (_, messages) = SessionFile::parse(text, file).unwrap().restore(state, scene);
-    assert!(messages.is_empty(), "{messages:?}\n{text}");
+    let (session, source) = (SessionFile::parse(text, file).unwrap(), &state.scene.as_ref().unwrap().source);
+    let applied = session.edit(scene, &scene.to_edit(), source, true);
+    assert!(applied.messages.is_empty(), "{:?}\n{text}", applied.messages);
+    session.restore(state, applied.edit);
 }
 
 fn material(dice: &mut Dice, now: &Material) -> Material {
@@ -211,6 +212,11 @@ fn material(dice: &mut Dice, now: &Material) -> Material {
     Material { kind, diffuse, emission: if dice.below(4) == 0 { other } else { now.emission }, ..now.clone() }
 }
 
+fn key(dice: &mut Dice) -> CameraKey {
+    let secs = (dice.below(2) == 0).then(|| (100.0 * dice.unit()).round() / 10.0);
+    CameraKey { secs, ..CameraKey::new(dice.point(), DVec3::ZERO) }
+}
+
 fn ground(dice: &mut Dice) -> Ground {
     Ground { height_m: dice.unit() * 3.0 - 1.5, albedo: dice.unit() as f32 * 0.9 }
 }
@@ -218,11 +224,9 @@ fn ground(dice: &mut Dice) -> Ground {
 fn daylight(dice: &mut Dice, now: &SunControls) -> Change {
     let mut sun = SunControls { is_by_place: dice.below(2) == 0, ..now.clone() };
     sun.direction = SunPosition { azimuth_deg: 360.0 * dice.unit(), height_deg: 80.0 * dice.unit() + 1.0 };
-    // By day, and not without any light: a model without light gets that of a day when it is read.
-    sun.place.hours = 10.0 + 4.0 * dice.unit();
+    sun.place.hours = 24.0 * dice.unit();
     sun.north_deg = (90.0 * dice.unit()).round();
-    sun.has_sky = dice.below(3) > 0;
-    sun.has_sun = !sun.has_sky || dice.below(3) > 0;
+    (sun.has_sky, sun.has_sun) = (dice.below(3) > 0, dice.below(3) > 0);
     let daylight = sun.daylight();
     Change::Daylight(daylight, Box::new(sun))
 }

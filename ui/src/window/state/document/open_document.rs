@@ -3,6 +3,7 @@
 use super::merge::Merge;
 use super::{Change, Document};
 use crate::window::state::Quality;
+use afterimage::raster::exposure::Exposure;
 use afterimage::scene::{ObjectEdit, ObjectKey, SceneEdit};
 use std::time::{Duration, Instant};
 
@@ -105,6 +106,13 @@ impl OpenDocument {
         self.files.scene.clone_from(&saved.scene);
         (self.saved.scene, self.saved.sun) = (saved.scene, saved.sun);
         self.note_saved();
+    }
+
+    /// Notes that the exposure follows a view. It counts as saved where that of before did.
+    pub fn follow_exposure(&mut self, before: Exposure, now: Exposure) {
+        if self.saved_quality.exposure == before {
+            self.saved_quality.exposure = now;
+        }
     }
 
     fn note_saved(&mut self) {
