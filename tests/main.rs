@@ -24,6 +24,7 @@ mod import;
 
 mod layers;
 mod light_theorems;
+mod light_views;
 mod lighting;
 mod lights;
 mod lookup;

@@ -245,7 +245,7 @@ impl<'a> BandLookup<'a> {
             PixelType::Reused
         } else {
             let material = &self.tracer.scene().materials[surfaces.material[ray].0 as usize];
-            rows.radiance[at] = if material.has_dark_back() {
+            rows.radiance[at] = if material.has_dark_back() || self.tracer.shows_light() {
                 self.tracer.emission(&surfaces.hit(ray), surfaces.direction(ray))
             } else {
                 material.emission_at(&self.tracer.scene().textures, || self.tracer.uv(&surfaces.hit(ray)))

@@ -149,8 +149,8 @@ impl PixelResolver<'_> {
         let held = || self.held_irradiance(&point, end.distance, self.trace.samples_for(end.share));
         let mut diffuse = match guess.between.or_else(held) {
             Some(irradiance) => {
-                let lit = guess.certain
-                    + Diffuse { albedo: point.albedo(self.tracer.scene()) }.radiance(irradiance);
+                let lit =
+                    guess.certain + Diffuse { albedo: self.tracer.albedo_of(&point) }.radiance(irradiance);
                 self.better(guess.radiance, (lit, irradiance), 1.0)
             }
             None => self.check_point(guess, &point, &end, tally),
@@ -197,7 +197,7 @@ impl PixelResolver<'_> {
         tally: &mut Tally,
     ) -> Vec3 {
         let tracer = self.tracer;
-        if !tracer.is_view_dependent(point) {
+        if tracer.shows_light() || !tracer.is_view_dependent(point) {
             return Vec3::ZERO;
         }
         let samples = self.quality.unseen_trace(&self.trace).samples;
@@ -219,7 +219,7 @@ impl PixelResolver<'_> {
 
     /// The diffuse radiance of a point seen in a mirror or through glass.
     fn diffuse(&self, point: &SurfacePoint, end: &PathEnd, tally: &mut Tally) -> Vec3 {
-        if point.albedo(self.tracer.scene()) == Vec3::ZERO {
+        if self.tracer.albedo_of(point) == Vec3::ZERO {
             return self.emission(point);
         }
         let key = self.key_at(point, end.distance);
@@ -272,7 +272,7 @@ impl PixelResolver<'_> {
         end: &PathEnd,
         tally: &mut Tally,
     ) -> CheckedPixel {
-        let albedo = point.albedo(self.tracer.scene());
+        let albedo = self.tracer.albedo_of(point);
         let lit = |light: Vec3| (guess.certain + albedo * light, light * PI);
         let samples = self.trace.samples_for(end.share);
         let key = self.key_at(point, end.distance);
@@ -310,7 +310,7 @@ impl PixelResolver<'_> {
         let light = self.tracer.arriving_light(point, end.share, &settings, end.key.into(), rays);
         let traced = Traced { light: light.direct(), smooth: Some(light.smooth()), replaced_guess: false };
         self.store(point, end, tally, &[key], traced);
-        self.emission(point) + light.reflected(point.albedo(self.tracer.scene()))
+        self.emission(point) + light.reflected(self.tracer.albedo_of(point))
     }
 
     /// Traces the direct light of a point where it was guessed, and stores it under all `keys`,
@@ -326,7 +326,7 @@ impl PixelResolver<'_> {
     ) -> (Vec3, Vec3) {
         let (samples, rays) = (self.trace.samples_for(end.share), &mut tally.rays);
         let irradiance = self.tracer.direct_irradiance(point, samples, &self.trace, end.key.into(), rays);
-        let albedo = point.albedo(self.tracer.scene());
+        let albedo = self.tracer.albedo_of(point);
         let radiance = guess.certain + Diffuse { albedo }.radiance(irradiance);
         let replaced_guess = self.is_bad(guess.radiance, radiance, 1.0);
         let light = Diffuse::WHITE.radiance(irradiance);
@@ -350,7 +350,7 @@ impl PixelResolver<'_> {
     }
 
     pub(super) fn emission(&self, point: &SurfacePoint) -> Vec3 {
-        point.emission(self.tracer.scene())
+        self.tracer.emission_of(point)
     }
 
     /// A point at a distance along the path to it, as look-ups name it.
@@ -373,7 +373,7 @@ impl PixelResolver<'_> {
 
     /// The diffuse radiance of a point under arriving light.
     pub(super) fn reflected(&self, point: &SurfacePoint, light: Vec3) -> Vec3 {
-        self.emission(point) + point.albedo(self.tracer.scene()) * light
+        self.emission(point) + self.tracer.albedo_of(point) * light
     }
 }
 

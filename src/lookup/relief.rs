@@ -63,7 +63,7 @@ impl PixelResolver<'_> {
         }
         let settings = self.lookup.light_settings(&self.trace, key.footprint);
         let light = self.tracer.arriving_light(point, share, &settings, seed, &mut tally.rays);
-        self.emission(point) + light.reflected(point.albedo(self.tracer.scene()))
+        self.emission(point) + light.reflected(self.tracer.albedo_of(point))
     }
 
     /// What is reflected of direct light at a tilted point, and of the difference of its smooth
@@ -78,6 +78,6 @@ impl PixelResolver<'_> {
             let smooth = settings.smooth(end.samples);
             light += tracer.smooth_light_of_tilt(point, end.samples, end.seed.sequence, smooth, rays);
         }
-        point.albedo(tracer.scene()) * light
+        tracer.albedo_of(point) * light
     }
 }

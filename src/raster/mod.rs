@@ -6,6 +6,7 @@ pub mod color;
 pub mod exposure;
 pub mod false_color;
 pub mod fill;
+pub mod legend;
 #[cfg(feature = "pictures")]
 pub mod jpeg;
 #[cfg(feature = "pictures")]

@@ -100,6 +100,20 @@ impl Walkthrough {
         self.selected.clear();
     }
 
+    /// Sets whether frames show the light that arrives at surfaces, as
+    /// [`Tracer::showing_light`] says. References and light traced so far serve both.
+    pub fn show_light(&mut self, shows_light: bool) {
+        if self.tracer.shows_light() == shows_light {
+            return;
+        }
+        self.drop_refinement();
+        self.renderer.store_points(&self.tracer);
+        self.tracer = Arc::new(self.tracer.showing_light(shows_light));
+        self.measures = FrameMeasures::default();
+        // Pixels that the first frame has not traced yet would show the other kind.
+        *self.renderer.frame_mut() = Frame::default();
+    }
+
     /// The references.
     pub fn cache(&self) -> &ReferenceCache {
         &self.cache

@@ -1,7 +1,8 @@
 //! Changes of a complete scene: of its materials, its sun and sky, and its objects.
 
 use super::light_groups::LightSettings;
-use super::{Daylight, Ground, Light, Material, ObjectEdits, Scene, coincident, sanitize};
+use super::{Daylight, Ground, Light, Material, ObjectEdits, Scene, Sky, coincident, sanitize};
+use glam::Vec3;
 use std::sync::Arc;
 
 /// The parts of a scene that can be changed: materials, sun, sky, where its objects are, and how
@@ -85,6 +86,18 @@ impl Scene {
             edited.coincident = Arc::new(coincident::find(&edited));
         }
         edited.on_ground(edit.ground, self).with_daylight(edit.daylight.clone())
+    }
+
+    /// Returns this scene lit by nothing but a sky: without its sun, its lamps, and how its lights
+    /// are set. The geometry is the same.
+    #[must_use]
+    pub fn lit_by_sky_alone(&self, sky: Sky) -> Self {
+        let mut lit = (*self.at_full()).clone();
+        lit.materials.iter_mut().for_each(|material| material.emission = Vec3::ZERO);
+        (lit.sun, lit.sky, lit.light_settings) = (None, Some(sky), LightSettings::default());
+        lit.derive(Vec::new());
+        lit.update_light_numbers();
+        lit
     }
 
     /// Returns this scene, whose lights are as the files have them, with another sun and sky.

@@ -57,6 +57,7 @@ pub use builder::SceneBuilder;
 pub(crate) use coincident::{beats, share_plane};
 pub use conditioning::{Conditioning, Repairs};
 pub use data::{Scene, SolidSide};
+pub(crate) use daylight::GROUND_ALBEDO;
 pub use daylight::{Daylight, DaylightModel};
 pub use detail::{Detail, NormalMap};
 pub use edit::SceneEdit;

@@ -30,6 +30,8 @@ pub struct Tracer {
     pub(super) metered: Arc<OnceLock<Metered>>,
     /// The tracer of the scene with all lights as the files have them; `None` where this is it.
     full: Option<Arc<Tracer>>,
+    /// See [`Self::showing_light`].
+    shows_light: bool,
 }
 
 /// Identifies one state of one scene. Every change of light or geometry makes a new tracer, and so
@@ -62,7 +64,7 @@ impl Tracer {
         let lights = Arc::new(LightGrid::new(&scene));
         let metered = full.as_ref().map(|full| full.metered.clone()).unwrap_or_default();
         let (epoch, build_secs) = (SceneEpoch::next(), start.elapsed().as_secs_f64());
-        Self { scene, bvh, lights, epoch, build_secs, metered, full }
+        Self { scene, bvh, lights, epoch, build_secs, metered, full, shows_light: false }
     }
 
     /// Returns a tracer of a scene with the same triangles, whose materials or lights may differ.
@@ -97,6 +99,20 @@ impl Tracer {
         let full = self.full.as_deref().unwrap_or(self);
         let lights = Arc::new(LightGrid::by_groups(&full.scene));
         Self { lights, ..full.clone() }
+    }
+
+    /// Returns the same tracer, of the same epoch, for pictures or for the light that arrives at
+    /// surfaces. With `shows_light`, the first surface of each pixel is white and matte: it emits
+    /// nothing, and reflects nothing else. Paths that begin there meet the scene as it is, so that
+    /// references serve both kinds of pictures.
+    #[must_use]
+    pub fn showing_light(&self, shows_light: bool) -> Self {
+        Self { shows_light, ..self.clone() }
+    }
+
+    /// True where pictures show the light that arrives at surfaces.
+    pub fn shows_light(&self) -> bool {
+        self.shows_light
     }
 
     /// The tracer of the scene with all lights as the files have them; `None` where this is it.
@@ -229,11 +245,11 @@ impl Tracer {
             .flatten()
     }
 
-    /// Returns the diffuse reflectance at a hit, per channel, towards the origin of a ray of this
-    /// direction (any length).
+    /// Returns the diffuse reflectance at the hit of a pixel's ray, per channel, towards the origin
+    /// of a ray of this direction (any length), as pictures show it.
     #[inline(always)]
     pub fn albedo(&self, hit: &Hit, direction: Vec3) -> Vec3 {
-        albedo_of_hit(&self.scene, hit, direction)
+        if self.shows_light { Vec3::ONE } else { albedo_of_hit(&self.scene, hit, direction) }
     }
 
     /// Returns the texture coordinate at a hit.
@@ -241,10 +257,23 @@ impl Tracer {
         interpolate_uv(&self.scene, hit.triangle, [hit.b1, hit.b2])
     }
 
-    /// Returns the radiance emitted at a hit, towards the origin of a ray of this direction (any
-    /// length).
+    /// Returns the diffuse reflectance of a pixel's surface point, as pictures show it.
+    pub(crate) fn albedo_of(&self, point: &SurfacePoint) -> Vec3 {
+        if self.shows_light { Vec3::ONE } else { point.albedo(&self.scene) }
+    }
+
+    /// Returns the radiance that a pixel's surface point emits, as pictures show it.
+    pub(crate) fn emission_of(&self, point: &SurfacePoint) -> Vec3 {
+        if self.shows_light { Vec3::ZERO } else { point.emission(&self.scene) }
+    }
+
+    /// Returns the radiance emitted at the hit of a pixel's ray, towards the origin of a ray of
+    /// this direction (any length), as pictures show it.
     #[inline(always)]
     pub fn emission(&self, hit: &Hit, direction: Vec3) -> Vec3 {
+        if self.shows_light {
+            return Vec3::ZERO;
+        }
         let uv = || interpolate_uv(&self.scene, hit.triangle, [hit.b1, hit.b2]);
         emission_of_hit(&self.scene, hit.triangle, uv, direction)
     }

@@ -4,3 +4,4 @@ pub mod cli;
 pub mod picture;
 pub mod settings;
 pub mod window;
+pub mod work_plane;

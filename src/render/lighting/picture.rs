@@ -1,11 +1,14 @@
 //! The light that arrives at the surfaces of a view, without their colours.
 
+use super::surfaces::SeenSurfaces;
 use crate::camera::Camera;
 use crate::raster::color::luminance;
 use crate::reference::ReferenceFrame;
+use crate::scene::Scene;
 use crate::trace::{NO_TRIANGLE, TraceSettings, Tracer, parallel::Stop};
 use glam::Vec3;
 use std::f32::consts::PI;
+use std::sync::Arc;
 
 /// The light that arrives at what each pixel of a view sees.
 #[derive(Clone, Debug)]
@@ -14,7 +17,7 @@ pub struct SurfaceLight {
     /// sky, or a surface without a diffuse part, such as a mirror.
     pub light: Vec<Vec3>,
     /// The reference that holds the light.
-    pub reference: ReferenceFrame,
+    pub reference: Arc<ReferenceFrame>,
 }
 
 impl SurfaceLight {
@@ -35,7 +38,18 @@ impl SurfaceLight {
             if is_known { reference.light(pixel) } else { Vec3::NAN }
         };
         let light = (0..size[0] * size[1]).map(of_pixel).collect();
-        Some(Self { light, reference })
+        Some(Self { light, reference: Arc::new(reference) })
+    }
+
+    /// The surfaces of the pixels.
+    pub fn surfaces<'a>(&'a self, scene: &'a Scene) -> SeenSurfaces<'a> {
+        let reference = &self.reference;
+        SeenSurfaces {
+            scene,
+            view: &reference.view,
+            triangle: reference.triangle(),
+            disparity: reference.disparity(),
+        }
     }
 
     /// Returns the illuminance of each pixel's surface in lux; NaN where there is none.

@@ -97,6 +97,23 @@ impl Tracer {
         traced
     }
 
+    /// Returns the radiance that arrives at the origin of a ray, traced in full.
+    pub fn radiance_along(
+        &self,
+        ray: &Ray,
+        settings: &TraceSettings,
+        seed: PointSeed,
+        rays: &mut RayCounts,
+    ) -> Vec3 {
+        rays.primary += 1;
+        let lit = LightSettings::from(*settings);
+        let (mut traced, point) = self.shade_hit((ray, false), self.closest(ray), &lit, seed, rays);
+        if let Some(point) = point.filter(|point| self.is_view_dependent(point)) {
+            traced.radiance += self.specular_radiance(&point, ray.direction, settings, seed, rays).0;
+        }
+        traced.radiance
+    }
+
     /// Returns the viewer-dependent radiance of a surface point seen along `direction`, and the
     /// bounces of its longest branch.
     pub fn specular_radiance(
@@ -107,6 +124,9 @@ impl Tracer {
         seed: PointSeed,
         rays: &mut RayCounts,
     ) -> (Vec3, u32) {
+        if self.shows_light() {
+            return (Vec3::ZERO, 0);
+        }
         let mut own = RayCounts::default();
         let shade = |next: &SurfacePoint, vertex: PathVertex| {
             self.diffuse_radiance(next, vertex.share, &(*settings).into(), vertex.key, rays)
@@ -137,7 +157,7 @@ impl Tracer {
         let point = self.surface(ray, &hit);
         let lit = if for_look_ups { point.as_stored() } else { point };
         let light = self.arriving_light(&lit, 1.0, settings, seed, rays);
-        let radiance = point.emission(self.scene()) + light.reflected(point.albedo(self.scene()));
+        let radiance = self.emission_of(&point) + light.reflected(self.albedo_of(&point));
         (PixelTrace { light, radiance, hit: Some(hit), reflections: 0 }, Some(point))
     }
 }

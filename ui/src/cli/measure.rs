@@ -4,15 +4,16 @@ use super::flags::{Flags, number_in};
 use super::scene::{Loaded, load};
 use super::{failure::Failure, interrupt, output, pose::camera, progress::SharedProgress};
 use crate::settings;
+use crate::work_plane::{MeasuredPlane, Unit};
 use afterimage::raster::save::write_atomically;
 use afterimage::render::lighting::{
-    LightMeter, MAX_POINTS, PlaneArea, PlaneError, PlaneStatistics, Reading, Sensor, WorkPlane,
+    LightMeter, MAX_POINTS, PlaneArea, PlaneError, PlaneStatistics, Sensor, WorkPlane, under_overcast_sky,
 };
 use clap::Args;
 use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
-use std::fmt::Write;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// Size limit of a file of points, bytes: enough for all points that can be measured.
@@ -47,7 +48,11 @@ pub(crate) struct MeasureArgs {
     /// Stop after this time, whatever the error is, seconds.
     #[arg(long, value_name = "S", value_parser = number_in(0.001..=604_800.0, " seconds"))]
     seconds: Option<f64>,
-    /// Write the points as a table: x, y, z, lux and its standard error.
+    /// Measure daylight factors in percent instead of lux: light in percent of that on open level
+    /// ground, under the overcast sky of the CIE alone, whatever the sun, sky and lamps of the model.
+    #[arg(long)]
+    daylight_factor: bool,
+    /// Write the points as a table: x, y, z, lux (or percent) and its standard error.
     #[arg(long, value_name = "FILE.csv")]
     csv: Option<PathBuf>,
 }
@@ -119,24 +124,29 @@ pub(crate) fn run(args: &MeasureArgs, flags: &Flags) -> Result<(), Failure> {
     let start = Instant::now();
     let trace =
         afterimage::trace::TraceSettings { samples: flags.samples.unwrap_or(PASS_SAMPLES), ..flags.trace() };
-    let mut meter = LightMeter::new(&loaded.tracer, sensors, trace);
+    let tracer = match args.daylight_factor {
+        true => Arc::new(under_overcast_sky(&loaded.tracer)),
+        false => loaded.tracer.clone(),
+    };
+    let mut meter = LightMeter::new(&tracer, sensors, trace);
     measure(&mut meter, args, start);
-    let readings = meter.readings();
-    let statistics =
-        PlaneStatistics::new(&readings).filter(|_| meter.passes() > 0).ok_or(Failure::Interrupted)?;
-    if let Some(path) = &args.csv {
-        write_atomically(path, csv(meter.sensors(), &readings).as_bytes())?;
-    }
     let is_photometric = loaded.scene().is_photometric;
-    if !is_photometric {
+    let unit = Unit::new(args.daylight_factor, is_photometric);
+    let plane = MeasuredPlane::new(meter.sensors().to_vec(), meter.readings(), unit)
+        .filter(|_| meter.passes() > 0)
+        .ok_or(Failure::Interrupted)?;
+    if let Some(path) = &args.csv {
+        write_atomically(path, plane.csv().as_bytes())?;
+    }
+    if unit == Unit::RelativeLux {
         output::say(
             "note: the model gives its lights without photometric units, so that lux are relative: \
              only their ratios mean something",
         );
     }
     loaded.say_bounds();
-    let object = object(&loaded, &meter, (&readings, &statistics), start);
-    output::result(flags.json, &object, || table(&meter, &statistics, is_photometric, start));
+    let object = object(&loaded, &meter, &plane, start);
+    output::result(flags.json, &object, || table(&meter, &plane, start));
     if interrupt::is_cancelled() { Err(Failure::Interrupted) } else { loaded.verdict(flags) }
 }
 
@@ -213,57 +223,24 @@ fn sensor(line: &str) -> Option<Sensor> {
     (position_m.is_finite() && facing.is_finite()).then_some(Sensor { position_m, facing })
 }
 
-fn csv(sensors: &[Sensor], readings: &[Reading]) -> String {
-    let mut text = "x_m,y_m,z_m,lux,standard_error_lux\n".to_owned();
-    for (Sensor { position_m: p, .. }, reading) in sensors.iter().zip(readings) {
-        // Writing to a string cannot fail.
-        let _ = writeln!(text, "{},{},{},{},{}", p.x, p.y, p.z, reading.lux, reading.standard_error_lux);
-    }
-    text
-}
-
-fn object(
-    loaded: &Loaded,
-    meter: &LightMeter<'_>,
-    (readings, statistics): (&[Reading], &PlaneStatistics),
-    start: Instant,
-) -> Value {
-    let point = |(sensor, reading): (&Sensor, &Reading)| {
-        let p = sensor.position_m;
-        json!([p.x, p.y, p.z, reading.lux])
-    };
-    json!({
+fn object(loaded: &Loaded, meter: &LightMeter<'_>, plane: &MeasuredPlane, start: Instant) -> Value {
+    let mut object = json!({
         "scene": loaded.name,
-        "is_photometric": loaded.scene().is_photometric,
-        "mean_lux": statistics.mean_lux,
-        "min_lux": statistics.min_lux,
-        "max_lux": statistics.max_lux,
-        "uniformity": statistics.uniformity,
-        "error_percent": finite(statistics.error_percent),
-        "point_error_percent": finite(statistics.point_error_percent),
         "passes": meter.passes(),
         "rays": meter.rays,
         "secs": start.elapsed().as_secs_f64(),
-        "points": meter.sensors().iter().zip(readings).map(point).collect::<Vec<_>>(),
-    })
+    });
+    output::extend(&mut object, plane.json());
+    // Whatever was measured, this says it of the scene.
+    object["is_photometric"] = loaded.scene().is_photometric.into();
+    object
 }
 
-/// The number, or null where it is not known.
-fn finite(number: f64) -> Option<f64> {
-    Some(number).filter(|number| number.is_finite())
-}
-
-fn table(meter: &LightMeter<'_>, s: &PlaneStatistics, is_photometric: bool, start: Instant) -> String {
-    let unit = if is_photometric { "lux" } else { "lux, relative" };
-    output::table(&[
-        ("points", meter.sensors().len().to_string()),
-        ("mean", format!("{:.1} {unit}, +-{:.2} %", s.mean_lux, s.error_percent)),
-        ("smallest", format!("{:.1} {unit}", s.min_lux)),
-        ("largest", format!("{:.1} {unit}", s.max_lux)),
-        ("uniformity", format!("{:.2}", s.uniformity)),
-        ("a point", format!("+-{:.1} %", s.point_error_percent)),
-        ("time", format!("{:.1} s, {} passes", start.elapsed().as_secs_f64(), meter.passes())),
-    ])
+fn table(meter: &LightMeter<'_>, plane: &MeasuredPlane, start: Instant) -> String {
+    let secs = start.elapsed().as_secs_f64();
+    let mut rows = plane.rows().to_vec();
+    rows.push(("time", format!("{secs:.1} s, {} passes", meter.passes())));
+    output::table(&rows)
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@ mod experiment;
 mod failure;
 pub(crate) mod flags;
 mod generate;
+mod glare;
 mod headless;
 mod inspect;
 mod interrupt;
@@ -24,9 +25,11 @@ mod render_store;
 mod report;
 mod scene;
 mod show;
+mod show_flags;
 mod start;
 mod store;
 mod tour;
+mod tour_show;
 mod walk;
 
 use crate::settings::{CONFIG_VARIABLE, Layers};
@@ -72,6 +75,8 @@ enum Command {
     Inspect(inspect::InspectArgs),
     /// Measure the illuminance of a work plane or at points, in lux.
     Measure(measure::MeasureArgs),
+    /// Find the glare of a view: light at the eye, glare sources, and DGP.
+    Glare(glare::GlareArgs),
     /// Compare a picture with a ground-truth picture of the same size.
     Compare(compare::CompareArgs),
     /// List, check, tidy and join stores of references.
@@ -94,6 +99,7 @@ impl Command {
             Self::Tour(args) => args.scene.as_deref(),
             Self::Bake(args) => args.scene.as_deref(),
             Self::Measure(args) => args.scene.as_deref(),
+            Self::Glare(args) => args.scene.as_deref(),
             Self::Inspect(args) => Some(&args.scene),
             _ => None,
         }
@@ -187,6 +193,7 @@ fn dispatch(cli: &Cli, layers: &Layers) -> Result<(), Failure> {
         (None, Some(Command::Experiment(args))) => experiment::run(args, flags),
         (None, Some(Command::Inspect(args))) => inspect::run(args, flags),
         (None, Some(Command::Measure(args))) => measure::run(args, flags),
+        (None, Some(Command::Glare(args))) => glare::run(args, flags),
         (None, Some(Command::Compare(args))) => compare::run(args, flags),
         (None, Some(Command::Store(args))) => store::run(args, flags),
         (None, Some(Command::Doctor)) => doctor::run(flags, layers.user_file.as_deref()),

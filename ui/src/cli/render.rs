@@ -4,7 +4,8 @@ use super::jpeg::JpegArgs;
 use super::pose::{camera, eye_and_target};
 use super::render_store::PictureStore;
 use super::scene::{Loaded, load};
-use super::show::{Scale, Show, Shown};
+use super::show::Shown;
+use super::show_flags::{Show, ShowArgs};
 use super::{
     failure::Failure,
     flags::{Flags, number_in},
@@ -58,18 +59,8 @@ pub(crate) struct RenderArgs {
     /// Write linear radiance in addition to the picture.
     #[arg(long, value_name = "FILE.exr", value_parser = exr)]
     linear: Option<PathBuf>,
-    /// What the picture shows: radiance as a camera does, illuminance in lux or luminance in cd/m2
-    /// in false colour (in an EXR as numbers in the channel Y), or the model in white clay.
-    #[arg(long, value_name = "radiance|illuminance|luminance|clay", default_value = "radiance")]
-    #[arg(value_enum, hide_possible_values = true, hide_default_value = true)]
-    show: Show,
-    /// End of the scale of false colours, lux or cd/m2: `auto` is a round number that nearly all
-    /// of the picture is below.
-    #[arg(long, value_name = "MAX|auto", value_parser = str::parse::<Scale>)]
-    scale: Option<Scale>,
-    /// Draw lines of equal value.
-    #[arg(long)]
-    isolines: bool,
+    #[command(flatten)]
+    shown: ShowArgs,
     /// Layers added to the EXR: depth, normal, type, reference, primitive.
     #[arg(long, value_name = "LAYERS", value_delimiter = ',')]
     #[arg(value_parser = aov_parser(), hide_possible_values = true)]
@@ -107,9 +98,8 @@ pub(crate) fn run(args: &RenderArgs, flags: &Flags) -> Result<(), Failure> {
     let loaded = load(args.scene.as_deref(), flags)?;
     let flags = &loaded.expose(flags)?;
     let camera = camera(flags, loaded.scene())?;
-    if args.show != Show::Radiance {
-        let shown = Shown { show: args.show, scale: args.scale.unwrap_or_default(), isolines: args.isolines };
-        return shown.run((&args.output, &camera), flags, &loaded);
+    if args.shown.show != Show::Radiance {
+        return Shown(args.shown).run((&args.output, &camera), flags, &loaded);
     }
     let samples = flags.samples.or(args.seconds.map(|_| WINDOW_SAMPLES));
     let flags = &Flags { samples, ..flags.clone() };
@@ -205,10 +195,9 @@ fn outputs(args: &RenderArgs) -> Vec<Output> {
 
 /// Checks what `--show` does not go with.
 fn check_shown(args: &RenderArgs) -> Result<(), Failure> {
-    let has_values = matches!(args.show, Show::Illuminance | Show::Luminance);
-    if (args.scale.is_some() || args.isolines) && !has_values {
-        let message = "--scale and --isolines are for --show illuminance and --show luminance";
-        return Err(Failure::Usage(message.to_owned()));
+    args.shown.check()?;
+    if args.shown.legend && is_exr(&args.output) {
+        return Err(Failure::Usage("--legend is for pictures in PNG; an EXR has the numbers".to_owned()));
     }
     let others = [
         ("--antialias", args.antialias.is_some()),
@@ -220,7 +209,7 @@ fn check_shown(args: &RenderArgs) -> Result<(), Failure> {
         ("--reference", !args.references.is_empty()),
         ("--jpeg-quality", args.jpeg.is_given()),
     ];
-    match others.into_iter().find(|(_, is_given)| *is_given && args.show != Show::Radiance) {
+    match others.into_iter().find(|(_, is_given)| *is_given && args.shown.show != Show::Radiance) {
         Some((flag, _)) => Err(Failure::Usage(format!("{flag} is for --show radiance"))),
         None => Ok(()),
     }

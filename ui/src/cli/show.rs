@@ -1,16 +1,18 @@
-//! `render --show`: illuminance and luminance in false colour, and the model in white clay.
+//! `render --show`: illuminance, luminance and daylight factor in false colour, and the model in
+//! white clay.
 
 use super::flags::Flags;
 use super::jpeg::save_display;
 use super::scene::Loaded;
+use super::show_flags::{Show, ShowArgs, values_of};
 use super::{failure::Failure, interrupt, output};
-use afterimage::raster::color::{ToneMap, luminance};
-use afterimage::raster::false_color::{automatic_scale, line_step, picture};
+use afterimage::raster::color::ToneMap;
+use afterimage::raster::false_color::{above_scale, line_step};
 use afterimage::raster::save::{ChannelValues, Target};
 use afterimage::raster::stream::{Contents, PictureFile, Rows};
 use afterimage::reference::ReferenceCache;
 use afterimage::render::aov::display_rows;
-use afterimage::render::lighting::SurfaceLight;
+use afterimage::render::lighting::{SurfaceLight, under_overcast_sky};
 use afterimage::{Camera, FrameRequest, Renderer};
 use clap::ValueEnum;
 use glam::Vec3;
@@ -19,64 +21,14 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Quantity that a picture of `render` shows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Show {
-    /// The picture itself.
-    #[default]
-    Radiance,
-    /// Illuminance of the surfaces in lux, in false colour.
-    Illuminance,
-    /// Luminance of the picture in cd/m2, in false colour.
-    Luminance,
-    /// The model in white clay, lit as it is.
-    Clay,
-}
-
-/// End of a scale of false colours.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) enum Scale {
-    /// Chosen from the picture.
-    #[default]
-    Auto,
-    /// A value in lux or cd/m2.
-    Max(f32),
-}
-
-impl std::str::FromStr for Scale {
-    type Err = &'static str;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        const WRONG: &str = "a scale is 'auto' or a value above 0";
-        if text == "auto" {
-            return Ok(Self::Auto);
-        }
-        let max: f32 = text.parse().map_err(|_| WRONG)?;
-        if max > 0.0 && max.is_finite() { Ok(Self::Max(max)) } else { Err(WRONG) }
-    }
-}
-
 /// Reflectance of clay.
-const CLAY: f32 = 0.7;
+pub(super) const CLAY: f32 = 0.7;
 
-/// Quantity that is shown, the end of its scale, and whether lines of equal value are drawn.
+/// What is shown, and how.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Shown {
-    pub(super) show: Show,
-    pub(super) scale: Scale,
-    pub(super) isolines: bool,
-}
+pub(super) struct Shown(pub(super) ShowArgs);
 
 impl Shown {
-    /// Unit of the values; empty for clay.
-    fn unit(self) -> &'static str {
-        match self.show {
-            Show::Illuminance => "lx",
-            Show::Luminance => "cd/m2",
-            Show::Radiance | Show::Clay => "",
-        }
-    }
-
     /// Renders the view and writes its file.
     pub(super) fn run(
         self,
@@ -85,57 +37,34 @@ impl Shown {
         loaded: &Loaded,
     ) -> Result<(), Failure> {
         let start = Instant::now();
-        let (tracer, size, stop) = (&loaded.tracer, flags.size(), &interrupt::is_cancelled);
+        let (size, stop, show) = (flags.size(), &interrupt::is_cancelled, self.0.show);
+        let tracer = match show {
+            Show::DaylightFactor => Arc::new(under_overcast_sky(&loaded.tracer)),
+            _ => loaded.tracer.clone(),
+        };
         let light =
-            SurfaceLight::trace(tracer, camera, size, &flags.trace(), stop).ok_or(Failure::Interrupted)?;
-        let nits = loaded.scene().nits_per_unit();
-        if self.show == Show::Clay {
+            SurfaceLight::trace(&tracer, camera, size, &flags.trace(), stop).ok_or(Failure::Interrupted)?;
+        if show == Show::Clay {
             let clay: Vec<Vec3> =
                 light.light.iter().map(|l| if l.is_finite() { *l * CLAY } else { Vec3::ONE }).collect();
             write_picture(path, size, &clay, flags)?;
             return self.answer(path, flags, loaded, (None, start));
         }
-        let values = match self.show {
-            Show::Luminance => luminances(light, camera, flags, loaded),
-            _ => light.lux(nits),
+        let light = Arc::new(light);
+        let values = match show {
+            Show::Luminance => luminances(&light, camera, flags, loaded)?,
+            _ => light.lux(loaded.scene().nits_per_unit()),
         };
-        let max = match self.scale {
-            Scale::Max(max) => max,
-            Scale::Auto => automatic_scale(&values).ok_or_else(|| {
-                Failure::Failed(
-                    "nothing in the picture is lit, so there is no scale; give one with --scale".to_owned(),
-                )
-            })?,
-        };
-        self.write(path, size, &values, max)?;
-        self.say_unit(loaded, max);
+        let max = self.0.scale_of(&values)?;
+        match is_exr(path) {
+            true => write_values(path, size, &values)?,
+            false => {
+                let (colors, size, note) = self.0.false_color(&values, max, &light.surfaces(loaded.scene()));
+                save_display(path, size, colors, &[("Description", note)])?;
+            }
+        }
+        self.0.say_scale(loaded.scene(), &values, max);
         self.answer(path, flags, loaded, (Some((&values, max)), start))
-    }
-
-    fn write(self, path: &Path, size: [u32; 2], values: &[f32], max: f32) -> Result<(), Failure> {
-        if is_exr(path) {
-            return write_values(path, size, values);
-        }
-        let step = self.isolines.then(|| line_step(max));
-        let colors = picture(values, size[0] as usize, max, step);
-        let lines = step.map_or(String::new(), |step| format!(", lines every {step} {}", self.unit()));
-        let note = format!("false colour from 0 to {max} {}{lines}", self.unit());
-        Ok(save_display(path, size, colors, &[("Description", note)])?)
-    }
-
-    fn say_unit(self, loaded: &Loaded, max: f32) {
-        let unit = self.unit();
-        output::say(&format!(
-            "the scale is from 0 (dark blue) to {max} {unit} (pale yellow); grey has no value"
-        ));
-        if self.isolines {
-            output::say(&format!("a line every {} {unit}", line_step(max)));
-        }
-        if !loaded.scene().is_photometric {
-            output::say(
-                "note: the model gives its lights without photometric units, so that the values are relative",
-            );
-        }
     }
 
     fn answer(
@@ -149,12 +78,13 @@ impl Shown {
         let count = known().count().max(1) as f64;
         let object = json!({
             "scene": loaded.name,
-            "show": self.show.to_possible_value().map(|v| v.get_name().to_owned()),
-            "unit": self.unit(),
+            "show": self.0.show.to_possible_value().map(|v| v.get_name().to_owned()),
+            "unit": self.0.show.unit(),
             "is_photometric": loaded.scene().is_photometric,
             "size": flags.size(),
+            "above_scale_percent": values.map(|(values, max)| 100.0 * above_scale(values, max).0),
             "scale_max": values.map(|(_, max)| max),
-            "line_step": values.filter(|_| self.isolines).map(|(_, max)| line_step(max)),
+            "line_step": values.filter(|_| self.0.isolines).map(|(_, max)| line_step(max)),
             "mean": values.map(|_| known().map(|v| f64::from(*v)).sum::<f64>() / count),
             "max": values.map(|_| known().copied().fold(0.0, f32::max)),
             "secs": start.elapsed().as_secs_f64(),
@@ -170,15 +100,22 @@ impl Shown {
 }
 
 /// Luminance of the picture in cd/m2, rendered with the light that was traced.
-fn luminances(light: SurfaceLight, camera: &Camera, flags: &Flags, loaded: &Loaded) -> Vec<f32> {
+fn luminances(
+    light: &SurfaceLight,
+    camera: &Camera,
+    flags: &Flags,
+    loaded: &Loaded,
+) -> Result<Vec<f32>, Failure> {
     let mut cache = ReferenceCache::new(loaded.scene(), usize::MAX);
-    cache.insert(Arc::new(light.reference));
+    cache.insert(light.reference.clone());
     let (settings, mut renderer) = (flags.render(), Renderer::default());
     let request = FrameRequest::new(&loaded.tracer, camera, flags.size(), &settings)
         .with_stop(&interrupt::is_cancelled);
     let frame = renderer.render(&request.reusing(&cache));
-    let nits = loaded.scene().nits_per_unit();
-    frame.radiance.iter().map(|radiance| luminance(*radiance) * nits).collect()
+    if !frame.stats.is_complete {
+        return Err(Failure::Interrupted);
+    }
+    Ok(values_of(Show::Luminance, frame, loaded.scene()))
 }
 
 fn is_exr(path: &Path) -> bool {

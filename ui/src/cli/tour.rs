@@ -2,17 +2,19 @@
 
 use super::flags::{Flags, StoreChoice, number_in};
 use super::scene::{Loaded, load};
+use super::show_flags::{Show, ShowArgs};
+use super::tour_show::TourPictures;
 use super::{failure::Failure, interrupt, output, paths, progress::Progress, walk::read_path};
 use crate::picture::{PictureOrigin, memory, metadata, sequence::FRAMES_PER_SEC, sequence::film_command};
 use afterimage::experiment::tour::{MeasuredSummary, StoreRecord};
 use afterimage::experiment::{FrameRecord, MeasureSettings, TourEvent, TourRecord, TourSettings, run_tour};
 use afterimage::raster::exposure::decimal;
 use afterimage::raster::save::{save_png, write_atomically};
-use afterimage::render::aov::{display_rows, types_rows};
+use afterimage::render::aov::types_rows;
 use afterimage::{
-    Frame, WalkthroughSettings, camera::CameraPath, experiment::run::csv, experiment::statistics::median,
-    raster::stream::COMPLETE, reference::PlacementPolicy, reference::placement::RULES,
-    render::bands::Background, warp::MAX_REFERENCES,
+    Frame, Mode, WalkthroughSettings, camera::CameraPath, experiment::run::csv,
+    experiment::statistics::median, raster::stream::COMPLETE, reference::PlacementPolicy,
+    reference::placement::RULES, render::bands::Background, warp::MAX_REFERENCES,
 };
 use clap::{Args, builder::PossibleValuesParser};
 use serde_json::{Value, json};
@@ -51,6 +53,8 @@ pub(crate) struct TourArgs {
     /// Write every frame, and the types of its pixels, to images/.
     #[arg(long)]
     pub(super) pictures: bool,
+    #[command(flatten)]
+    pub(super) shown: ShowArgs,
     /// Frames from one picture to the next; 0 writes every frame.
     #[arg(skip)]
     pub(super) picture_every: u32,
@@ -81,6 +85,7 @@ pub(crate) struct TourArgs {
 const MAX_FRAMES: u32 = CameraPath::MAX_FRAMES;
 
 pub(crate) fn run(args: &TourArgs, flags: &Flags) -> Result<(), Failure> {
+    check_shown(args, flags)?;
     memory::check(flags.pixels(), 1)?;
     let recorded = args.path.as_deref().map(read_path).transpose()?;
     make_folder(&args.out)?;
@@ -95,6 +100,22 @@ pub(crate) fn run(args: &TourArgs, flags: &Flags) -> Result<(), Failure> {
         ));
     }
     outcome
+}
+
+/// Checks what `--show` does not go with.
+fn check_shown(args: &TourArgs, flags: &Flags) -> Result<(), Failure> {
+    args.shown.check()?;
+    let shows_light = !matches!(args.shown.show, Show::Radiance | Show::Luminance);
+    let fault = match () {
+        () if args.shown.show == Show::Radiance => return Ok(()),
+        () if !args.pictures => "--show draws the pictures of a tour; add --pictures",
+        () if args.measure || args.measure_every.is_some() => "--measure is for --show radiance",
+        () if shows_light && flags.mode == Mode::Paper => {
+            "mode paper warps pictures of radiance; use --mode exact, fast or full"
+        }
+        () => return Ok(()),
+    };
+    Err(Failure::Usage(fault.to_owned()))
 }
 
 /// Flies a camera path, writes pictures and records, and prints the result. Returns the record, and
@@ -163,7 +184,8 @@ fn fly(
     let mut progress = Progress::new(&loaded.name, settings.frames.into());
     let cancel = interrupt::flag();
     let mut picture_error = None;
-    let record = run_tour(&loaded.tracer, walk, settings, cancel, |event| match event {
+    let mut pictures = TourPictures::new(args.shown);
+    let record = run_tour(&pictures.tracer(&loaded.tracer), walk, settings, cancel, |event| match event {
         TourEvent::Measuring(frame) => progress.at(frame.into(), "measuring"),
         TourEvent::TruthNotKept(error) => {
             progress.say(&format!("warning: the converged picture is not cached: {error}"));
@@ -175,7 +197,8 @@ fn fly(
             progress.at(u64::from(record.frame) + 1, &note);
             let is_pictured = args.pictures && record.frame.is_multiple_of(args.picture_every.max(1));
             if is_pictured && picture_error.is_none() {
-                picture_error = write_pictures(args, flags, loaded, record.frame, walk.frame()).err();
+                picture_error =
+                    write_pictures(args, flags, loaded, (record.frame, walk.frame()), &mut pictures).err();
                 if picture_error.is_some() {
                     cancel.store(true, std::sync::atomic::Ordering::Relaxed);
                 }
@@ -189,13 +212,14 @@ fn write_pictures(
     args: &TourArgs,
     flags: &Flags,
     loaded: &Loaded,
-    number: u32,
-    frame: &Frame,
+    (number, frame): (u32, &Frame),
+    pictures: &mut TourPictures,
 ) -> Result<(), Failure> {
     let folder = args.out.join("images");
-    let picture = display_rows(&frame.radiance, flags.exposure_ev(), flags.tone_map);
-    let metadata = file_metadata(flags, loaded, frame);
-    save_png(&folder.join(format!("frame_{number:04}.png")), frame.view.size, &picture, &metadata)?;
+    let (picture, size, note) = pictures.draw(frame, loaded.scene(), flags)?;
+    let mut metadata = file_metadata(flags, loaded, frame);
+    metadata.extend(note.map(|note| ("Description", note)));
+    save_png(&folder.join(format!("frame_{number:04}.png")), size, &picture, &metadata)?;
     let types = types_rows(&frame.types);
     save_png(&folder.join(format!("types_{number:04}.png")), frame.view.size, &types, &metadata)?;
     Ok(())

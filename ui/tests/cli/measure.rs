@@ -66,16 +66,86 @@ fn illuminance_is_shown_in_false_colour_and_written_as_numbers() {
         assert!(bench.path(&format!("{show}.png")).exists());
     }
     for (flags, part) in [
+        ("--show illuminance --legend -o lux.exr", "--legend is for"),
         ("--show clay --scale 5", "--scale and --isolines"),
         ("--isolines", "--scale and --isolines"),
         ("--show illuminance --antialias 4", "--antialias is for --show radiance"),
         ("--show illuminance --scale 0", "above 0"),
         ("--show heat", "illuminance"),
     ] {
-        let output = bench.run(&format!("render room.obj {view} {flags} -o none.png"));
+        let file = if flags.contains("-o") { "" } else { "-o none.png" };
+        let output = bench.run(&format!("render room.obj {view} {flags} {file}"));
         assert_eq!(output.status.code(), Some(2), "{flags}");
         assert!(stderr(&output).contains(part), "{flags}: {}", stderr(&output));
     }
+}
+
+#[test]
+fn a_legend_stands_beside_the_picture() {
+    let bench = Bench::new();
+    let view = "--eye 0,1.6,3 --look-at 0.4,1.4,0 --size 48x64 --samples 1 --bounces 0 --json";
+    bench.json(&format!("render room.obj {view} --show daylight-factor --legend --scale 5 -o factor.png"));
+    let size = afterimage::raster::load::Picture::load(&bench.path("factor.png")).unwrap().size;
+    assert!(size[0] > 48 && size[1] == 64, "{size:?}");
+}
+
+#[test]
+fn daylight_factors_are_percent_and_need_no_units() {
+    let bench = Bench::new();
+    let line = "measure room.obj --eye 0,1.6,3 --look-at 0,1.6,0 --grid 2 --error 50 --bounces 1 --json \
+                --daylight-factor --csv factor.csv";
+    let output = bench.run(line);
+    assert!(!stderr(&output).contains("relative"), "{}", stderr(&output));
+    let answer: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_keys(
+        &answer,
+        &["mean_percent", "min_percent", "max_percent", "uniformity", "error_percent", "points"],
+    );
+    assert_eq!(answer["quantity"], "daylight-factor");
+    assert!((0.0..=100.5).contains(&number(&answer, "/mean_percent")));
+    let table = std::fs::read_to_string(bench.path("factor.csv")).unwrap();
+    assert!(table.starts_with("x_m,y_m,z_m,daylight_factor_percent,standard_error_percent\n"));
+}
+
+#[test]
+fn a_tour_is_drawn_in_false_colour_on_one_scale() {
+    let bench = Bench::new();
+    let tour = "tour room.obj --frames 2 --size 48x32 --samples 1 --bounces 0 --json --out walk";
+    let output = bench.run(&format!("{tour} --pictures --show illuminance --legend"));
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert_eq!(stderr(&output).matches("the scale is from 0").count(), 1, "{}", stderr(&output));
+    for number in 0..2 {
+        let path = bench.path(&format!("walk/images/frame_{number:04}.png"));
+        assert!(afterimage::raster::load::Picture::load(&path).unwrap().size[0] > 48);
+    }
+    for (flags, part) in [
+        ("--show illuminance", "add --pictures"),
+        ("--show clay --pictures --mode paper", "mode paper"),
+        ("--show luminance --pictures --measure", "--measure is for"),
+        ("--pictures --legend", "--scale and --isolines"),
+    ] {
+        let output = bench.run(&format!("{tour} {flags}"));
+        assert_eq!(output.status.code(), Some(2), "{flags}");
+        assert!(stderr(&output).contains(part), "{flags}: {}", stderr(&output));
+    }
+}
+
+#[test]
+fn glare_answers_with_its_errors_and_its_validity() {
+    let bench = Bench::new();
+    let view = "--eye 0,1.6,3 --look-at 0.4,1.4,0 --bounces 1 --directions 40 --rays 4 --json";
+    let answer = bench.json(&format!("glare room.obj {view}"));
+    assert_keys(
+        &answer,
+        &["ev_lux", "ev_error_percent", "dgp", "dgp_error", "is_valid", "sources", "threshold_cd_m2"],
+    );
+    assert!(number(&answer, "/ev_lux") > 0.0 && (0.0..=1.0).contains(&number(&answer, "/dgp")));
+    assert_eq!(number(&answer, "/threshold_cd_m2"), 2000.0);
+    let relative = bench.json(&format!("glare room.obj {view} --threshold 5x"));
+    let ratio = number(&relative, "/threshold_cd_m2") / number(&relative, "/mean_luminance");
+    assert!((ratio / 5.0 - 1.0).abs() < 1e-4, "{ratio}");
+    let output = bench.run("glare room.obj --threshold -5x");
+    assert_eq!(output.status.code(), Some(2));
 }
 
 #[test]

@@ -30,7 +30,7 @@ const MAX_ENTRIES: usize = 10_000;
 /// Maximum number of keys of a path: a walk of a day at ten poses a second.
 const MAX_KEYS: usize = 1_000_000;
 
-/// Maximum number of samples of a pixel that is restored: a frame with more would not end.
+/// Maximum number of samples of a pixel that is restored: as many as the settings allow.
 const MAX_SAMPLES: u32 = 1 << 20;
 
 /// Content of a session file.
