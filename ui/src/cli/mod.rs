@@ -22,6 +22,7 @@ mod render;
 mod render_store;
 mod report;
 mod scene;
+mod section;
 mod show;
 mod start;
 mod store;

@@ -3,6 +3,7 @@
 use super::pose::{camera, eye_and_target};
 use super::render_store::PictureStore;
 use super::scene::{Loaded, load};
+use super::section::SectionFlags;
 use super::show::{Scale, Show, Shown};
 use super::{
     failure::Failure,
@@ -13,8 +14,8 @@ use super::{
 use crate::picture::{MadePicture, Output, PictureJob, Shows, TimedState, check_timed, memory};
 use afterimage::{
     Mode, camera::Camera, raster::exposure::decimal, raster::save::Target, reference::ReferenceFrame,
-    render::aov::Aov, render::bands::Background, render::schedule::WINDOW_SAMPLES, trace::TraceSettings,
-    warp::MAX_REFERENCES,
+    render::aov::Aov, render::bands::Background, render::outlines::MAX_OUTLINE_WIDTH,
+    render::schedule::WINDOW_SAMPLES, trace::TraceSettings, warp::MAX_REFERENCES,
 };
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -70,6 +71,12 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "LAYERS", value_delimiter = ',')]
     #[arg(value_parser = aov_parser(), hide_possible_values = true)]
     aov: Vec<Aov>,
+    /// Draw the edges of surfaces as dark lines, this many pixels wide.
+    #[arg(long, value_name = "PIXELS", num_args = 0..=1, default_missing_value = "1")]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_OUTLINE_WIDTH)))]
+    outlines: Option<u32>,
+    #[command(flatten)]
+    section: SectionFlags,
 }
 
 fn png_or_exr(text: &str) -> Result<PathBuf, String> {
@@ -102,8 +109,11 @@ pub(crate) fn run(args: &RenderArgs, flags: &Flags) -> Result<(), Failure> {
     let loaded = load(args.scene.as_deref(), flags)?;
     let flags = &loaded.expose(flags)?;
     let camera = camera(flags, loaded.scene())?;
+    let loaded = args.section.cut(loaded, &camera, flags)?;
+    args.section.check_view(&loaded, &camera, flags.size())?;
     if args.show != Show::Radiance {
-        let shown = Shown { show: args.show, scale: args.scale.unwrap_or_default(), isolines: args.isolines };
+        let (show, scale) = (args.show, args.scale.unwrap_or_default());
+        let shown = Shown { show, scale, isolines: args.isolines, outlines: args.outlines };
         return shown.run((&args.output, &camera), flags, &loaded);
     }
     let samples = flags.samples.or(args.seconds.map(|_| WINDOW_SAMPLES));
@@ -177,6 +187,7 @@ fn job(args: &RenderArgs, flags: &Flags, loaded: &Loaded, camera: Camera) -> Pic
         background: if args.no_background { Background::LeftOut } else { Background::Shown },
         exposure_ev: flags.exposure_ev(),
         tone_map: flags.tone_map,
+        outlines: args.outlines,
     }
 }
 
@@ -202,6 +213,7 @@ fn check_shown(args: &RenderArgs) -> Result<(), Failure> {
         return Err(Failure::Usage(message.to_owned()));
     }
     let others = [
+        ("--outlines", args.outlines.is_some() && args.show != Show::Clay),
         ("--antialias", args.antialias.is_some()),
         ("--seconds", args.seconds.is_some()),
         ("--no-background", args.no_background),
@@ -211,6 +223,9 @@ fn check_shown(args: &RenderArgs) -> Result<(), Failure> {
         ("--reference", !args.references.is_empty()),
     ];
     match others.into_iter().find(|(_, is_given)| *is_given && args.show != Show::Radiance) {
+        Some(("--outlines", _)) => {
+            Err(Failure::Usage("--outlines is for --show radiance and --show clay".to_owned()))
+        }
         Some((flag, _)) => Err(Failure::Usage(format!("{flag} is for --show radiance"))),
         None => Ok(()),
     }
@@ -219,6 +234,7 @@ fn check_shown(args: &RenderArgs) -> Result<(), Failure> {
 /// Checks the arguments before the scene is loaded.
 fn check(args: &RenderArgs, flags: &Flags) -> Result<(), Failure> {
     check_shown(args)?;
+    args.section.check_mode(flags.mode)?;
     if args.seconds.is_some() {
         check_timed(flags.pixels())?;
         if !flags.mode.refines() {

@@ -10,6 +10,7 @@ use afterimage::raster::stream::{Contents, PictureFile, Rows};
 use afterimage::reference::ReferenceCache;
 use afterimage::render::aov::display_rows;
 use afterimage::render::lighting::SurfaceLight;
+use afterimage::render::outlines::outlines_of_view;
 use afterimage::{Camera, FrameRequest, Renderer};
 use clap::ValueEnum;
 use glam::Vec3;
@@ -64,6 +65,8 @@ pub(super) struct Shown {
     pub(super) show: Show,
     pub(super) scale: Scale,
     pub(super) isolines: bool,
+    /// Width of the lines along the edges of surfaces, pixels; for clay.
+    pub(super) outlines: Option<u32>,
 }
 
 impl Shown {
@@ -89,8 +92,12 @@ impl Shown {
             SurfaceLight::trace(tracer, camera, size, &flags.trace(), stop).ok_or(Failure::Interrupted)?;
         let nits = loaded.scene().nits_per_unit();
         if self.show == Show::Clay {
-            let clay: Vec<Vec3> =
+            let mut clay: Vec<Vec3> =
                 light.light.iter().map(|l| if l.is_finite() { *l * CLAY } else { Vec3::ONE }).collect();
+            if let Some(width) = self.outlines {
+                let lines = outlines_of_view(tracer, camera, size, width);
+                clay.iter_mut().zip(lines).for_each(|(clay, covered)| *clay *= 1.0 - covered);
+            }
             write_picture(path, size, &clay, flags)?;
             return self.answer(path, flags, loaded, (None, start));
         }
