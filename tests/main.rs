@@ -41,6 +41,7 @@ mod rooms;
 mod rough_lobes;
 mod rough_scenes;
 mod save;
+mod sections;
 mod stability;
 mod stale;
 mod start_view;

@@ -11,6 +11,7 @@ use super::{
     LookupQuality, LookupSet, PointCache, SurfaceKey, TileLight, TileSurfaces, ViewLookup, pixels_of_tile,
 };
 use crate::camera::View;
+use crate::math::Ray;
 use crate::raster::pixel_types::{NO_SUPPLIER, PixelType};
 use crate::trace::{NO_TRIANGLE, TILE_RAYS, TILE_SIDE, TraceSettings, Tracer, VisibilityBuffer};
 use arrayvec::ArrayVec;
@@ -79,7 +80,8 @@ pub(crate) fn write_surfaces(
         surfaces.settle(tracer, visible, view, [x0, y0]);
         for (ray, pixel) in pixels_of_tile([x0, y0], view.size) {
             rows.triangle[pixel - first] = surfaces.hits.triangle[ray];
-            rows.disparity[pixel - first] = surfaces.points.disparity[ray];
+            let cap = surfaces.cap(tracer, view, ray);
+            rows.disparity[pixel - first] = cap.map_or(surfaces.points.disparity[ray], |cap| 1.0 / cap.t);
         }
     }
 }
@@ -241,7 +243,8 @@ impl<'a> BandLookup<'a> {
         (rows.triangle[at], rows.disparity[at], rows.supplier[at]) =
             (triangle, surfaces.points.disparity[ray], NO_SUPPLIER);
         let kind = if triangle == NO_TRIANGLE {
-            rows.radiance[at] = self.tracer.sky(surfaces.direction(ray));
+            let ray = Ray::new(self.view.eye, surfaces.direction(ray));
+            (rows.radiance[at], rows.disparity[at]) = self.tracer.beyond_surfaces(&ray);
             PixelType::Reused
         } else {
             let material = &self.tracer.scene().materials[surfaces.material[ray].0 as usize];

@@ -2,11 +2,12 @@
 
 use super::policy::{MAX_AVERAGED_BEST, MAX_JUMP, MAX_LOSS, MIN_COVERAGE, WHOLE_COVERAGE};
 use crate::camera::View;
+use crate::math::Ray;
 use crate::raster::pixel_types::NO_SUPPLIER;
 use crate::scene::{MaterialId, Scene};
 use crate::trace::{
     Hit, NO_TRIANGLE, RayTile, SurfacePoint, TILE_RAYS, TILE_SIDE, TileHits, Tracer, VisibilityBuffer,
-    primary_tile,
+    primary_tile, section::Cap,
 };
 use arrayvec::ArrayVec;
 use glam::Vec3;
@@ -84,6 +85,12 @@ impl TileSurfaces {
     pub fn settle(&mut self, tracer: &Tracer, visible: &VisibilityBuffer, view: &View, corner: [u32; 2]) {
         visible.hits_of_tile(tracer, view, corner, &mut self.rays, &mut self.hits);
         self.describe(tracer, view, corner);
+    }
+
+    /// The cap of the tracer's section that a pixel shows instead of a surface.
+    pub(super) fn cap(&self, tracer: &Tracer, view: &View, ray: usize) -> Option<Cap> {
+        let is_open = tracer.section().is_some() && self.hits.triangle[ray] == NO_TRIANGLE;
+        is_open.then(|| tracer.cap(&Ray::new(view.eye, self.direction(ray)))).flatten()
     }
 
     /// Traces the surfaces of one tile as if clear glass were absent, for an estimate that needs

@@ -38,6 +38,21 @@ pub fn display_linear(radiance: Vec3, exposure_ev: f32, tone_map: ToneMap) -> Ve
     }
 }
 
+/// Returns the radiance, the same in all channels, that has a display-referred linear value (0..1)
+/// at an exposure in stops (EV): the inverse of [`display_linear`].
+pub fn radiance_shown_as(display: f32, exposure_ev: f32, tone_map: ToneMap) -> f32 {
+    let y = display.clamp(0.0, 1.0);
+    let exposed = match tone_map {
+        ToneMap::Linear => y,
+        // The positive root of (2.51 - 2.43 y) x^2 + (0.03 - 0.59 y) x - 0.14 y.
+        ToneMap::Aces => {
+            let (a, b, c) = (2.51 - 2.43 * y, 0.03 - 0.59 * y, -0.14 * y);
+            (-b + (b * b - 4.0 * a * c).sqrt()) / (2.0 * a)
+        }
+    };
+    exposed * (-exposure_ev).exp2()
+}
+
 /// Returns the 8-bit sRGB colour of a radiance at an exposure in stops (EV).
 pub fn srgb8(radiance: Vec3, exposure_ev: f32, tone_map: ToneMap) -> [u8; 3] {
     display_linear(radiance, exposure_ev, tone_map)

@@ -6,9 +6,9 @@ pub mod color;
 pub mod exposure;
 pub mod false_color;
 pub mod fill;
-pub mod legend;
 #[cfg(feature = "pictures")]
 pub mod jpeg;
+pub mod legend;
 #[cfg(feature = "pictures")]
 pub mod load;
 #[cfg(feature = "pictures")]

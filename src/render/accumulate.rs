@@ -17,12 +17,13 @@ use crate::lookup::pixels_of_tile;
 use crate::raster::{fill::fill_unknown, pixel_types::TypeCounts};
 use crate::trace::{
     NO_TRIANGLE, PixelTrace, RayCounts, SceneEpoch, TILE_RAYS, TILE_SIDE, TraceSettings, Tracer,
-    parallel::Stop,
+    parallel::Stop, section::Section,
 };
 use glam::Vec3;
 use rayon::prelude::*;
 use std::{
     ops::Range,
+    sync::Arc,
     sync::atomic::{AtomicBool, Ordering},
     time::Instant,
 };
@@ -123,11 +124,12 @@ impl PassTile {
 
     fn add(&mut self, i: usize, traced: &PixelTrace, pass: &Pass<'_>) {
         if pass.is_first {
-            self.disparity[i] = traced.hit.map_or(0.0, |hit| 1.0 / hit.t);
+            self.disparity[i] = traced.disparity();
             self.triangle[i] = traced.hit.map_or(NO_TRIANGLE, |hit| hit.triangle);
         }
-        self.hits[i] += u32::from(traced.hit.is_some());
-        if traced.hit.is_some() || pass.background == Background::Shown {
+        let is_covered = traced.disparity() > 0.0;
+        self.hits[i] += u32::from(is_covered);
+        if is_covered || pass.background == Background::Shown {
             self.sums[i] += traced.radiance;
             self.squares[i] += traced.radiance.length_squared();
         }
@@ -163,6 +165,7 @@ pub(super) struct Accumulation {
     camera: Camera,
     view: View,
     epoch: SceneEpoch,
+    section: Option<Arc<Section>>,
     trace: TraceSettings,
     passes: u32,
     /// Number of the current pass; `passes` where none is left.
@@ -180,6 +183,7 @@ impl Accumulation {
             camera: *camera,
             view: View::new(camera, &tracer.scene().frame, size),
             epoch: tracer.epoch(),
+            section: tracer.section().cloned(),
             trace: settings.trace,
             passes,
             pass: 0,
@@ -191,7 +195,7 @@ impl Accumulation {
     /// True where this is the picture of a request.
     pub(super) fn is_of(&self, request: &FrameRequest<'_>) -> bool {
         let FrameRequest { tracer, camera, size, settings, .. } = *request;
-        let is_same_scene = self.epoch == tracer.epoch();
+        let is_same_scene = self.epoch == tracer.epoch() && self.section.as_ref() == tracer.section();
         is_same_scene && self.camera == *camera && self.view.size == size && self.trace == settings.trace
     }
 

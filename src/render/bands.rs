@@ -43,12 +43,13 @@ pub struct Band {
 impl From<Frame> for Band {
     /// A whole picture as one band, in which a pixel is background or not.
     fn from(frame: Frame) -> Self {
-        let coverage = |&t: &u32| if t == NO_TRIANGLE { 0.0 } else { 1.0 };
+        // The cap of a section has no triangle, but a depth.
+        let coverage = |&disparity: &f32| if disparity > 0.0 { 1.0 } else { 0.0 };
         Self {
             view: frame.view,
             first_row: 0,
             radiance: frame.radiance,
-            coverage: frame.triangle.iter().map(coverage).collect(),
+            coverage: frame.disparity.iter().map(coverage).collect(),
             disparity: frame.disparity,
             triangle: frame.triangle,
             types: frame.types,

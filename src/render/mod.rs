@@ -20,6 +20,7 @@ mod light_layers;
 pub mod lighting;
 mod measures;
 mod mixture;
+pub mod outlines;
 mod pace;
 mod paper_pixels;
 mod placeholders;

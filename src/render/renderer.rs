@@ -295,7 +295,7 @@ impl Renderer {
                 self.between.set(pixel as u32, traced.light.direct_irradiance);
             }
             if !self.shows_surfaces {
-                self.frame.disparity[pixel] = traced.hit.map_or(0.0, |hit| 1.0 / hit.t);
+                self.frame.disparity[pixel] = traced.disparity();
                 self.frame.triangle[pixel] = traced.hit.map_or(NO_TRIANGLE, |hit| hit.triangle);
             }
         }

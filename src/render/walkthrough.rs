@@ -18,6 +18,7 @@ use crate::reference::{
 use crate::store::StoreSession;
 use crate::trace::Tracer;
 use crate::trace::parallel::{NEVER, Stop};
+use crate::trace::section::CutPlane;
 use crate::warp::ReferenceSelector;
 use std::{sync::Arc, time::Instant};
 
@@ -112,6 +113,17 @@ impl Walkthrough {
         self.measures = FrameMeasures::default();
         // Pixels that the first frame has not traced yet would show the other kind.
         *self.renderer.frame_mut() = Frame::default();
+    }
+
+    /// Cuts the scene by planes for the camera from the next frame on; without planes, it is shown
+    /// whole. References stay: light does not see the section. `tones` are those of
+    /// [`Tracer::with_section`].
+    pub fn set_section(&mut self, planes: &[CutPlane], tones: [f32; 2]) {
+        let cut = self.tracer.with_section(planes, tones);
+        if cut.section() != self.tracer.section() {
+            self.drop_refinement();
+            self.tracer = Arc::new(cut);
+        }
     }
 
     /// The references.

@@ -4,6 +4,7 @@
 //! the embedded scenes use it alike, so that every scene has passed the same checks.
 
 mod assemble;
+mod bodies;
 mod bounds;
 mod builder;
 mod building;
@@ -52,6 +53,7 @@ mod weak_lamps;
 pub use crate::camera::SceneFrame;
 #[cfg(feature = "import")]
 pub(crate) use assemble::NO_LIGHT;
+pub(crate) use bodies::ClosedBodies;
 pub(crate) use bounds::is_valid_position;
 pub use builder::SceneBuilder;
 pub(crate) use coincident::{beats, share_plane};

@@ -9,6 +9,7 @@
 //! | `settings`, `bounce_limit` | how many rays a pixel takes |
 //! | `visibility` | the first hits of a whole picture by rasterised candidates |
 //! | `primary_tile`, `probe` | the primary rays of a tile, and rays that measure the model |
+//! | [`section`] | what the camera sees of a scene that is cut open by planes |
 //! | `exposure` | the light in the scene, measured for the automatic exposure |
 //! | `start_view` | the start view of a model that has none of its own |
 //! | [`parallel`] | tracing many pixels on all threads |
@@ -24,6 +25,7 @@ mod path;
 mod primary_tile;
 mod probe;
 mod relief;
+pub mod section;
 mod settings;
 mod start_view;
 mod surface;

@@ -9,10 +9,13 @@ impl Tracer {
     /// Writes the nearest hits through the pixel centres of the tile whose top left pixel is
     /// `corner`.
     ///
-    /// The hits are those of [`Self::closest`], found several times as fast. Rays beyond the edge
+    /// The hits are those of [`Self::closest_seen`], found several times as fast. Rays beyond the edge
     /// of the picture are traced too. `tile` is overwritten.
     pub fn closest_in_tile(&self, view: &View, corner: [u32; 2], tile: &mut RayTile, hits: &mut TileHits) {
         aim(view, corner, tile);
+        if self.section().is_some() {
+            return (0..TILE_RAYS).for_each(|ray| hits.set(ray, self.closest_seen(&tile.ray(ray))));
+        }
         let stands = |ray: usize, hit: &Hit| self.stands(&tile.ray(ray), hit);
         self.bvh().closest_in_tile(tile, !self.scene().features.checks_hits(), stands, hits);
     }
@@ -29,6 +32,11 @@ impl Tracer {
             return self.closest_in_tile(view, corner, tile, hits);
         }
         aim(view, corner, tile);
+        if self.section().is_some() {
+            let is_there = |hit: &Hit| !self.is_clear_glass(hit.triangle);
+            let seen = |ray| self.closest_seen_where(&tile.ray(ray), is_there);
+            return (0..TILE_RAYS).for_each(|ray| hits.set(ray, seen(ray)));
+        }
         let is_there =
             |ray: usize, hit: &Hit| !self.is_clear_glass(hit.triangle) && self.stands(&tile.ray(ray), hit);
         self.bvh().closest_in_tile(tile, false, is_there, hits);

@@ -25,7 +25,7 @@ pub struct Probe {
 
 impl Tracer {
     /// Returns the nearest surface from a point (world metres) in a direction (any length), within
-    /// `reach_m` metres.
+    /// `reach_m` metres. Behind a section, it is one of the kept part, and caps are none.
     pub fn probe(&self, origin_m: DVec3, direction: DVec3, reach_m: f64) -> Option<Probe> {
         self.probe_where(origin_m, direction, reach_m, |_| true)
     }
@@ -42,7 +42,10 @@ impl Tracer {
         let direction = direction.try_normalize()?.as_vec3();
         let origin = frame.scene_from_world_f64(origin_m).as_vec3();
         let ray = Ray { origin, direction, t_max: (reach_m * frame.units_per_metre) as f32 };
-        let hit = self.bvh().closest(&ray, |hit| stops(hit.triangle) && self.stands(&ray, hit))?;
+        let ray = self.clipped(ray)?;
+        let hit = self
+            .bvh()
+            .closest(&ray, |hit| stops(hit.triangle) && self.is_kept(&ray, hit) && self.stands(&ray, hit))?;
         let point = self.surface(&ray, &hit);
         Some(Probe {
             distance_m: f64::from(hit.t) / frame.units_per_metre,

@@ -2,6 +2,7 @@
 
 use super::bvh::{Bvh, Hit, NO_TRIANGLE};
 use super::lights::{CellLights, LightGrid};
+use super::section::{Section, Solids};
 use super::surface::{SurfacePoint, albedo_of_hit, emission_of_hit, interpolate_uv};
 use crate::camera::View;
 use crate::math::Ray;
@@ -29,9 +30,13 @@ pub struct Tracer {
     build_secs: f64,
     pub(super) metered: Arc<OnceLock<Metered>>,
     /// The tracer of the scene with all lights as the files have them; `None` where this is it.
-    full: Option<Arc<Tracer>>,
+    pub(super) full: Option<Arc<Tracer>>,
     /// See [`Self::showing_light`].
     shows_light: bool,
+    /// The section through which camera rays see the scene.
+    pub(super) section: Option<Arc<Section>>,
+    /// The closed bodies, once a section has needed them. Shared with tracers of the same geometry.
+    pub(super) solids: Arc<OnceLock<Arc<Solids>>>,
 }
 
 /// Identifies one state of one scene. Every change of light or geometry makes a new tracer, and so
@@ -54,17 +59,27 @@ impl Tracer {
         let corners: Vec<[Vec3; 3]> =
             (0..scene.triangles.len() as u32).into_par_iter().map(|t| scene.corners(t)).collect();
         let bvh = Arc::new(Bvh::build_without(&corners, &scene.hidden));
-        let full = scene.full.clone().map(|full| Arc::new(Self::with_bvh(full, bvh.clone(), None, start)));
-        Self::with_bvh(scene, bvh, full, start)
+        let solids = Arc::default();
+        let full = scene
+            .full
+            .clone()
+            .map(|full| Arc::new(Self::with_bvh(full, (bvh.clone(), Arc::clone(&solids)), None, start)));
+        Self::with_bvh(scene, (bvh, solids), full, start)
     }
 
     /// Begins a new epoch with a hierarchy whose building began at `start`. Where lights of the
     /// scene are dimmed, the exposure is that of the scene at full light.
-    fn with_bvh(scene: Arc<Scene>, bvh: Arc<Bvh>, full: Option<Arc<Self>>, start: Instant) -> Self {
+    fn with_bvh(
+        scene: Arc<Scene>,
+        (bvh, solids): (Arc<Bvh>, Arc<OnceLock<Arc<Solids>>>),
+        full: Option<Arc<Self>>,
+        start: Instant,
+    ) -> Self {
         let lights = Arc::new(LightGrid::new(&scene));
         let metered = full.as_ref().map(|full| full.metered.clone()).unwrap_or_default();
         let (epoch, build_secs) = (SceneEpoch::next(), start.elapsed().as_secs_f64());
-        Self { scene, bvh, lights, epoch, build_secs, metered, full, shows_light: false }
+        let shows_light = false;
+        Self { scene, bvh, lights, epoch, build_secs, metered, full, shows_light, section: None, solids }
     }
 
     /// Returns a tracer of a scene with the same triangles, whose materials or lights may differ.
@@ -79,15 +94,16 @@ impl Tracer {
         let start = Instant::now();
         let known = self.full.as_deref().unwrap_or(self);
         let is_known = known.scene.hash == scene.full_hash();
+        let geometry = || (self.bvh.clone(), self.solids.clone());
         match &scene.full {
             None if is_known => Self { scene, epoch: SceneEpoch::next(), ..known.clone() },
-            None => Self::with_bvh(scene, self.bvh.clone(), None, start),
+            None => Self::with_bvh(scene, geometry(), None, start),
             Some(full) => {
                 let full = match is_known {
                     true => self.full.clone().unwrap_or_else(|| Arc::new(known.clone())),
-                    false => Arc::new(Self::with_bvh(full.clone(), self.bvh.clone(), None, start)),
+                    false => Arc::new(Self::with_bvh(full.clone(), geometry(), None, start)),
                 };
-                Self::with_bvh(scene, self.bvh.clone(), Some(full), start)
+                Self::with_bvh(scene, geometry(), Some(full), start)
             }
         }
     }

@@ -14,11 +14,20 @@ pub struct PixelTrace {
     pub light: ArrivingLight,
     /// Radiance of the pixel.
     pub radiance: Vec3,
-    /// First surface; `None` for the sky.
+    /// First surface; `None` for the sky and for the cap of a section.
     pub hit: Option<Hit>,
     /// Specular bounces of the longest branch; 0 where the first surface has no viewer-dependent
     /// part.
     pub reflections: u32,
+    /// 1 / distance of the cap of a section that the pixel shows; 0 where it shows none.
+    pub cap_disparity: f32,
+}
+
+impl PixelTrace {
+    /// 1 / depth of what the pixel shows, along its ray; 0 for the sky.
+    pub fn disparity(&self) -> f32 {
+        self.hit.map_or(self.cap_disparity, |hit| 1.0 / hit.t)
+    }
 }
 
 impl Tracer {
@@ -30,7 +39,7 @@ impl Tracer {
         settings: &TraceSettings,
         rays: &mut RayCounts,
     ) -> PixelTrace {
-        let hit = self.closest(&Self::primary_ray(view, pixel));
+        let hit = self.closest_seen(&Self::primary_ray(view, pixel));
         self.pixel_of_hit((view, pixel), hit, settings, rays)
     }
 
@@ -56,7 +65,7 @@ impl Tracer {
         settings: &TraceSettings,
         rays: &mut RayCounts,
     ) -> PixelTrace {
-        let hit = self.closest(&Self::primary_ray(view, pixel));
+        let hit = self.closest_seen(&Self::primary_ray(view, pixel));
         self.reference_pixel_of_hit(((view, pixel), false), hit, settings, rays)
     }
 
@@ -148,16 +157,14 @@ impl Tracer {
         rays: &mut RayCounts,
     ) -> (PixelTrace, Option<SurfacePoint>) {
         let Some(hit) = hit else {
-            let sky = self.sky(ray.direction);
-            return (
-                PixelTrace { light: ArrivingLight::default(), radiance: sky, hit: None, reflections: 0 },
-                None,
-            );
+            let (radiance, cap_disparity) = self.beyond_surfaces(ray);
+            let light = ArrivingLight::default();
+            return (PixelTrace { light, radiance, hit: None, reflections: 0, cap_disparity }, None);
         };
         let point = self.surface(ray, &hit);
         let lit = if for_look_ups { point.as_stored() } else { point };
         let light = self.arriving_light(&lit, 1.0, settings, seed, rays);
         let radiance = self.emission_of(&point) + light.reflected(self.albedo_of(&point));
-        (PixelTrace { light, radiance, hit: Some(hit), reflections: 0 }, Some(point))
+        (PixelTrace { light, radiance, hit: Some(hit), reflections: 0, cap_disparity: 0.0 }, Some(point))
     }
 }

@@ -126,7 +126,7 @@ impl Tracer {
             rays.secondary += 1;
             longest = longest.max(branch.bounces);
             let share = branch.throughput * branch.split;
-            let Some(hit) = self.closest(&branch.ray) else {
+            let Some(hit) = self.closest_from_seen(&branch.ray) else {
                 radiance += share * self.sky_along(&branch);
                 continue;
             };

@@ -102,7 +102,9 @@ impl VisibilityBuffer {
         self.columns = columns;
         self.behind_glass = behind_glass && tracer.scene().features.glass;
         self.slots.resize(columns * rows * BIN_PIXELS, NEEDS_RAY);
-        let Some(lens) = Lens::new(view) else { return self.slots.fill(NEEDS_RAY) };
+        // A section hides surfaces, and its caps are none: rays find what they leave.
+        let lens = Lens::new(view).filter(|_| tracer.section().is_none());
+        let Some(lens) = lens else { return self.slots.fill(NEEDS_RAY) };
         let behind_glass = self.behind_glass;
         self.slots.par_chunks_mut(BIN_PIXELS).enumerate().for_each_init(Bin::new, |bin, (i, slots)| {
             let corner = [i % columns, i / columns].map(|k| (k * BIN_SIDE) as u32);
@@ -116,7 +118,7 @@ impl VisibilityBuffer {
     }
 
     /// Writes the nearest hits through the pixel centres of the tile whose top left pixel is
-    /// `corner`. The hits are those of [`Tracer::closest`]. Returns a bit for each ray that was
+    /// `corner`. The hits are those of [`Tracer::closest_seen`]. Returns a bit for each ray that was
     /// traced alone.
     pub fn hits_of_tile(
         &self,
@@ -153,7 +155,7 @@ impl VisibilityBuffer {
         open
     }
 
-    /// The nearest hit through the centre of a pixel: that of [`Tracer::closest`].
+    /// The nearest hit through the centre of a pixel: that of [`Tracer::closest_seen`].
     pub fn hit_of_pixel(&self, tracer: &Tracer, view: &View, pixel: u32) -> Option<Hit> {
         let ray = Tracer::primary_ray(view, pixel);
         let (x, y) = (pixel % view.size[0], pixel / view.size[0]);
@@ -170,10 +172,9 @@ impl VisibilityBuffer {
 
     fn closest(&self, tracer: &Tracer, ray: &Ray) -> Option<Hit> {
         if self.behind_glass {
-            let is_there = |hit: &Hit| !tracer.is_clear_glass(hit.triangle) && tracer.stands(ray, hit);
-            tracer.bvh().closest(ray, is_there)
+            tracer.closest_seen_where(ray, |hit| !tracer.is_clear_glass(hit.triangle))
         } else {
-            tracer.closest(ray)
+            tracer.closest_seen(ray)
         }
     }
 

@@ -1,7 +1,8 @@
 //! `afterimage inspect`: a scene's contents, the features it uses, and its warnings.
 
 use super::scene::{Loaded, load, place};
-use super::{failure::Failure, flags::Flags, output};
+use super::section::SectionFlags;
+use super::{failure::Failure, flags::Flags, output, pose::camera, section};
 use afterimage::scene::{Light, Material, Scene, Sky};
 use afterimage::trace::truncation_bound;
 use clap::Args;
@@ -12,11 +13,17 @@ use std::collections::BTreeMap;
 pub(crate) struct InspectArgs {
     /// A model (.obj, .gltf, .glb) or builtin:NAME.
     pub(super) scene: String,
+    #[command(flatten)]
+    section: SectionFlags,
 }
 
 pub(crate) fn run(args: &InspectArgs, flags: &Flags) -> Result<(), Failure> {
     let loaded = load(Some(&args.scene), flags)?;
-    output::result(flags.json, &object(&loaded), || table(&loaded));
+    let camera = camera(flags, loaded.scene())?;
+    let loaded = args.section.cut(loaded, &camera, flags)?;
+    let mut object = object(&loaded);
+    output::extend(&mut object, section::record(&loaded));
+    output::result(flags.json, &object, || table(&loaded) + &section::table(&loaded));
     loaded.verdict(flags)
 }
 

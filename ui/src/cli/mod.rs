@@ -24,6 +24,7 @@ mod render;
 mod render_store;
 mod report;
 mod scene;
+mod section;
 mod show;
 mod show_flags;
 mod start;

@@ -4,6 +4,7 @@ use super::jpeg::JpegArgs;
 use super::pose::{camera, eye_and_target};
 use super::render_store::PictureStore;
 use super::scene::{Loaded, load};
+use super::section::SectionFlags;
 use super::show::Shown;
 use super::show_flags::{Show, ShowArgs};
 use super::{
@@ -16,8 +17,8 @@ use crate::picture::restore::{is_jpeg, is_picture};
 use crate::picture::{MadePicture, Output, PictureJob, Shows, TimedState, check_timed, memory};
 use afterimage::{
     Mode, camera::Camera, raster::exposure::decimal, raster::save::Target, reference::ReferenceFrame,
-    render::aov::Aov, render::bands::Background, render::schedule::WINDOW_SAMPLES, trace::TraceSettings,
-    warp::MAX_REFERENCES,
+    render::aov::Aov, render::bands::Background, render::outlines::MAX_OUTLINE_WIDTH,
+    render::schedule::WINDOW_SAMPLES, trace::TraceSettings, warp::MAX_REFERENCES,
 };
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -65,6 +66,12 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "LAYERS", value_delimiter = ',')]
     #[arg(value_parser = aov_parser(), hide_possible_values = true)]
     aov: Vec<Aov>,
+    /// Draw the edges of surfaces as dark lines, this many pixels wide.
+    #[arg(long, value_name = "PIXELS", num_args = 0..=1, default_missing_value = "1")]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_OUTLINE_WIDTH)))]
+    outlines: Option<u32>,
+    #[command(flatten)]
+    section: SectionFlags,
 }
 
 fn picture_file(text: &str) -> Result<PathBuf, String> {
@@ -98,8 +105,11 @@ pub(crate) fn run(args: &RenderArgs, flags: &Flags) -> Result<(), Failure> {
     let loaded = load(args.scene.as_deref(), flags)?;
     let flags = &loaded.expose(flags)?;
     let camera = camera(flags, loaded.scene())?;
+    let loaded = args.section.cut(loaded, &camera, flags)?;
+    args.section.check_view(&loaded, &camera, flags.size())?;
     if args.shown.show != Show::Radiance {
-        return Shown(args.shown).run((&args.output, &camera), flags, &loaded);
+        let shown = Shown { args: args.shown, outlines: args.outlines };
+        return shown.run((&args.output, &camera), flags, &loaded);
     }
     let samples = flags.samples.or(args.seconds.map(|_| WINDOW_SAMPLES));
     let flags = &Flags { samples, ..flags.clone() };
@@ -172,6 +182,7 @@ fn job(args: &RenderArgs, flags: &Flags, loaded: &Loaded, camera: Camera) -> Pic
         background: if args.no_background { Background::LeftOut } else { Background::Shown },
         exposure_ev: flags.exposure_ev(),
         tone_map: flags.tone_map,
+        outlines: args.outlines,
     }
 }
 
@@ -200,6 +211,7 @@ fn check_shown(args: &RenderArgs) -> Result<(), Failure> {
         return Err(Failure::Usage("--legend is for pictures in PNG; an EXR has the numbers".to_owned()));
     }
     let others = [
+        ("--outlines", args.outlines.is_some() && args.shown.show != Show::Clay),
         ("--antialias", args.antialias.is_some()),
         ("--seconds", args.seconds.is_some()),
         ("--no-background", args.no_background),
@@ -210,6 +222,9 @@ fn check_shown(args: &RenderArgs) -> Result<(), Failure> {
         ("--jpeg-quality", args.jpeg.is_given()),
     ];
     match others.into_iter().find(|(_, is_given)| *is_given && args.shown.show != Show::Radiance) {
+        Some(("--outlines", _)) => {
+            Err(Failure::Usage("--outlines is for --show radiance and --show clay".to_owned()))
+        }
         Some((flag, _)) => Err(Failure::Usage(format!("{flag} is for --show radiance"))),
         None => Ok(()),
     }
@@ -219,6 +234,7 @@ fn check_shown(args: &RenderArgs) -> Result<(), Failure> {
 fn check(args: &RenderArgs, flags: &Flags) -> Result<(), Failure> {
     check_shown(args)?;
     args.jpeg.check(&args.output, args.no_background)?;
+    args.section.check_mode(flags.mode)?;
     if args.seconds.is_some() {
         check_timed(flags.pixels())?;
         if !flags.mode.refines() {

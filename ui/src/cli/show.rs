@@ -13,6 +13,7 @@ use afterimage::raster::stream::{Contents, PictureFile, Rows};
 use afterimage::reference::ReferenceCache;
 use afterimage::render::aov::display_rows;
 use afterimage::render::lighting::{SurfaceLight, under_overcast_sky};
+use afterimage::render::outlines::outlines_of_view;
 use afterimage::{Camera, FrameRequest, Renderer};
 use clap::ValueEnum;
 use glam::Vec3;
@@ -26,7 +27,11 @@ pub(super) const CLAY: f32 = 0.7;
 
 /// What is shown, and how.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Shown(pub(super) ShowArgs);
+pub(super) struct Shown {
+    pub(super) args: ShowArgs,
+    /// Width of the lines along the edges of surfaces, pixels; for clay.
+    pub(super) outlines: Option<u32>,
+}
 
 impl Shown {
     /// Renders the view and writes its file.
@@ -37,7 +42,7 @@ impl Shown {
         loaded: &Loaded,
     ) -> Result<(), Failure> {
         let start = Instant::now();
-        let (size, stop, show) = (flags.size(), &interrupt::is_cancelled, self.0.show);
+        let (size, stop, show) = (flags.size(), &interrupt::is_cancelled, self.args.show);
         let tracer = match show {
             Show::DaylightFactor => Arc::new(under_overcast_sky(&loaded.tracer)),
             _ => loaded.tracer.clone(),
@@ -45,8 +50,12 @@ impl Shown {
         let light =
             SurfaceLight::trace(&tracer, camera, size, &flags.trace(), stop).ok_or(Failure::Interrupted)?;
         if show == Show::Clay {
-            let clay: Vec<Vec3> =
+            let mut clay: Vec<Vec3> =
                 light.light.iter().map(|l| if l.is_finite() { *l * CLAY } else { Vec3::ONE }).collect();
+            if let Some(width) = self.outlines {
+                let lines = outlines_of_view(&tracer, camera, size, width);
+                clay.iter_mut().zip(lines).for_each(|(clay, covered)| *clay *= 1.0 - covered);
+            }
             write_picture(path, size, &clay, flags)?;
             return self.answer(path, flags, loaded, (None, start));
         }
@@ -55,15 +64,16 @@ impl Shown {
             Show::Luminance => luminances(&light, camera, flags, loaded)?,
             _ => light.lux(loaded.scene().nits_per_unit()),
         };
-        let max = self.0.scale_of(&values)?;
+        let max = self.args.scale_of(&values)?;
         match is_exr(path) {
             true => write_values(path, size, &values)?,
             false => {
-                let (colors, size, note) = self.0.false_color(&values, max, &light.surfaces(loaded.scene()));
+                let (colors, size, note) =
+                    self.args.false_color(&values, max, &light.surfaces(loaded.scene()));
                 save_display(path, size, colors, &[("Description", note)])?;
             }
         }
-        self.0.say_scale(loaded.scene(), &values, max);
+        self.args.say_scale(loaded.scene(), &values, max);
         self.answer(path, flags, loaded, (Some((&values, max)), start))
     }
 
@@ -78,13 +88,13 @@ impl Shown {
         let count = known().count().max(1) as f64;
         let object = json!({
             "scene": loaded.name,
-            "show": self.0.show.to_possible_value().map(|v| v.get_name().to_owned()),
-            "unit": self.0.show.unit(),
+            "show": self.args.show.to_possible_value().map(|v| v.get_name().to_owned()),
+            "unit": self.args.show.unit(),
             "is_photometric": loaded.scene().is_photometric,
             "size": flags.size(),
             "above_scale_percent": values.map(|(values, max)| 100.0 * above_scale(values, max).0),
             "scale_max": values.map(|(_, max)| max),
-            "line_step": values.filter(|_| self.0.isolines).map(|(_, max)| line_step(max)),
+            "line_step": values.filter(|_| self.args.isolines).map(|(_, max)| line_step(max)),
             "mean": values.map(|_| known().map(|v| f64::from(*v)).sum::<f64>() / count),
             "max": values.map(|_| known().copied().fold(0.0, f32::max)),
             "secs": start.elapsed().as_secs_f64(),

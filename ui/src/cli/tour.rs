@@ -2,6 +2,7 @@
 
 use super::flags::{Flags, StoreChoice, number_in};
 use super::scene::{Loaded, load};
+use super::section::SectionFlags;
 use super::show_flags::{Show, ShowArgs};
 use super::tour_show::TourPictures;
 use super::{failure::Failure, interrupt, output, paths, progress::Progress, walk::read_path};
@@ -79,6 +80,8 @@ pub(crate) struct TourArgs {
     /// Folder in which converged pictures are kept [default: the user's cache folder].
     #[arg(long, value_name = "DIR")]
     pub(super) truth_cache: Option<PathBuf>,
+    #[command(flatten)]
+    pub(super) section: SectionFlags,
 }
 
 /// Maximum number of frames.
@@ -87,11 +90,14 @@ const MAX_FRAMES: u32 = CameraPath::MAX_FRAMES;
 pub(crate) fn run(args: &TourArgs, flags: &Flags) -> Result<(), Failure> {
     check_shown(args, flags)?;
     memory::check(flags.pixels(), 1)?;
+    args.section.check_mode(flags.mode)?;
     let recorded = args.path.as_deref().map(read_path).transpose()?;
     make_folder(&args.out)?;
     let loaded = load(args.scene.as_deref(), flags)?;
     let flags = &loaded.expose(flags)?;
     let walk = recorded.unwrap_or_else(|| loaded.scene().walk.clone());
+    let first = walk.camera(0, args.frames.unwrap_or(walk.frames)).unwrap_or(*loaded.scene().start());
+    let loaded = args.section.cut(loaded, &first, flags)?;
     let (_, outcome) = record(args, flags, &loaded, &walk)?;
     if args.pictures && !matches!(outcome, Err(Failure::Failed(_))) {
         output::say(&format!(
@@ -228,6 +234,8 @@ fn write_pictures(
 /// Metadata of the picture of a frame.
 fn file_metadata(flags: &Flags, loaded: &Loaded, frame: &Frame) -> Vec<(&'static str, String)> {
     let mut metadata = metadata(&PictureOrigin {
+        section: loaded.tracer.section().map_or(&[], |section| section.planes()),
+        outlines: None,
         document: None,
         scene_name: &loaded.name,
         scene: loaded.scene(),

@@ -8,6 +8,7 @@ use afterimage::raster::{color::ToneMap, pixel_types::TypeCounts};
 use afterimage::reference::{ReferenceCache, ReferenceFrame};
 use afterimage::render::aov::{Aov, display_rows, display_rows_alpha, types_rows};
 use afterimage::render::bands::{Background, Band, BandedPicture};
+use afterimage::render::outlines::outlines_of_view;
 use afterimage::render::{FrameStats, RefineState};
 use afterimage::trace::parallel::Stop;
 use afterimage::{Camera, FrameRequest, Mode, RenderSettings, Renderer, Tracer};
@@ -34,6 +35,8 @@ pub struct PictureJob {
     pub exposure_ev: f32,
     /// Tone map from radiance to display.
     pub tone_map: ToneMap,
+    /// Width in pixels of the lines along the edges of surfaces; `None` for no lines.
+    pub outlines: Option<u32>,
     /// Session that a reader needs to show the scene with its changes; `None` where there are
     /// none.
     pub document: Option<Arc<str>>,
@@ -129,12 +132,13 @@ impl PictureJob {
         progress: &(dyn Fn(f64) + Sync),
     ) -> Result<(Vec<PictureFile>, FrameStats), SaveError> {
         let mut files = self.begin_all(outputs, &self.metadata(tracer, self.refined()))?;
+        let lines = self.lines(tracer);
         let stats = if self.is_banded(references) {
-            self.in_bands(tracer, outputs, &mut files, stop, progress)?
+            self.in_bands(tracer, (outputs, &lines), &mut files, stop, progress)?
         } else {
             let frame = self.whole(tracer, references, stop);
             let stats = frame.stats;
-            self.write(tracer, outputs, &mut files, &Band::from(frame))?;
+            self.write(tracer, outputs, &mut files, &drawn(frame.into(), &lines))?;
             stats
         };
         Ok((files, stats))
@@ -143,7 +147,7 @@ impl PictureJob {
     fn in_bands(
         &self,
         tracer: &Tracer,
-        outputs: &[Output],
+        (outputs, lines): (&[Output], &[f32]),
         files: &mut [PictureFile],
         stop: Stop<'_>,
         progress: &(dyn Fn(f64) + Sync),
@@ -169,7 +173,7 @@ impl PictureJob {
                 break;
             };
             stats.rays += rays;
-            self.write(tracer, outputs, files, &band)?;
+            self.write(tracer, outputs, files, &drawn(band, lines))?;
         }
         let pixels = self.size.map(|side| side as usize).iter().product();
         stats.types = TypeCounts { unseen: pixels, ..TypeCounts::of(&[]) };
@@ -203,6 +207,11 @@ impl PictureJob {
         renderer.into_frame()
     }
 
+    /// How much of each pixel is covered by lines; empty without lines.
+    pub(super) fn lines(&self, tracer: &Tracer) -> Vec<f32> {
+        self.outlines.map_or(Vec::new(), |width| outlines_of_view(tracer, &self.camera, self.size, width))
+    }
+
     fn refined(&self) -> RefineState {
         let of = self.antialias.unwrap_or(0);
         RefineState { pass: of, of, light_samples: 0, is_complete: of > 0 }
@@ -219,6 +228,8 @@ impl PictureJob {
             background: self.background,
             exposure_ev: self.exposure_ev,
             tone_map: self.tone_map,
+            section: tracer.section().map_or(&[], |section| section.planes()),
+            outlines: self.outlines,
             document: self.document.as_deref(),
         })
     }
@@ -279,6 +290,16 @@ impl PictureJob {
         let further = layers.iter().flat_map(|l| l.channels(band, tracer)).map(|c| c.values);
         rgb.chain(alpha).chain(further).collect()
     }
+}
+
+/// Darkens a band where it is covered by lines.
+pub(super) fn drawn(mut band: Band, lines: &[f32]) -> Band {
+    let first = band.first_row as usize * band.view.size[0] as usize;
+    for (i, covered) in lines.iter().skip(first).take(band.radiance.len()).enumerate() {
+        band.radiance[i] *= 1.0 - covered;
+        band.coverage[i] = band.coverage[i].max(*covered);
+    }
+    band
 }
 
 impl MadePicture {

@@ -3,6 +3,7 @@
 use afterimage::raster::color::ToneMap;
 use afterimage::render::bands::Background;
 use afterimage::scene::{Sky, solar::SunPosition};
+use afterimage::trace::section::CutPlane;
 use afterimage::{Camera, Mode, RefineState, RenderSettings, Scene};
 use glam::DVec3;
 
@@ -30,6 +31,10 @@ pub(crate) struct PictureOrigin<'a> {
     pub(crate) exposure_ev: f32,
     /// Tone map from radiance to display.
     pub(crate) tone_map: ToneMap,
+    /// Planes that cut the scene open.
+    pub(crate) section: &'a [CutPlane],
+    /// Width of the lines along edges, pixels.
+    pub(crate) outlines: Option<u32>,
     /// Session with the changes of the scene, if there are any.
     pub(crate) document: Option<&'a str>,
 }
@@ -62,9 +67,11 @@ fn settings(origin: &PictureOrigin<'_>) -> String {
     let antialias = if has_converged { format!(" --antialias {}", refined.of) } else { String::new() };
     let (samples, bounces, seed) = (trace.samples, trace.bounce_limit(), trace.seed);
     let background = if origin.background == Background::LeftOut { " --no-background" } else { "" };
+    let section: String = origin.section.iter().map(|plane| format!(" --section {plane}")).collect();
+    let outlines = origin.outlines.map_or(String::new(), |width| format!(" --outlines {width}"));
     let [width, height] = origin.size;
     format!(
-        "--size {width}x{height} --mode {} --samples {samples} --bounces {bounces} --seed {seed}{antialias}{background}",
+        "--size {width}x{height} --mode {} --samples {samples} --bounces {bounces} --seed {seed}{antialias}{background}{section}{outlines}",
         mode.name()
     )
 }

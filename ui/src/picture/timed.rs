@@ -1,5 +1,6 @@
 //! Pictures that are rendered for a given time.
 
+use super::job::drawn;
 use super::{MadePicture, Output, PictureJob, memory};
 use afterimage::{
     Tracer,
@@ -55,7 +56,7 @@ impl PictureJob {
             *settings += &format!(" --seconds {}", limit.as_secs_f64());
         }
         let mut files = self.begin_all(outputs, &metadata)?;
-        self.write(tracer, outputs, &mut files, &Band::from(frame))?;
+        self.write(tracer, outputs, &mut files, &drawn(Band::from(frame), &self.lines(tracer)))?;
         Ok((MadePicture::finish(files, stats)?, state))
     }
 

@@ -5,6 +5,7 @@ mod data;
 mod inspect;
 mod measure;
 mod runs;
+mod section;
 mod settings;
 mod trouble;
 

@@ -22,6 +22,7 @@ mod pictures;
 mod pixels;
 mod real;
 mod room;
+mod section;
 mod storm;
 mod strangers;
 mod threads;

@@ -47,6 +47,8 @@ impl Bench {
             is_moving: false,
             is_paused: false,
             is_compared: false,
+            section: None,
+            has_edges: false,
         }
     }
 

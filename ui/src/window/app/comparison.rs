@@ -3,7 +3,9 @@
 
 use super::{CurrentScene, Measurement, Parts, Services};
 use crate::window::gpu::viewport;
-use crate::window::rendering::{FullTrace, Subject, TaskError, lower_priority, spawn_task, take_result};
+use crate::window::rendering::{
+    FullTrace, SeenSection, Subject, TaskError, lower_priority, spawn_task, take_result,
+};
 use crate::window::state::{AppState, Compare, Comparison, Overlay, Pair, Quality, difference};
 use afterimage::raster::exposure::Exposure;
 
@@ -40,6 +42,7 @@ pub(super) fn update_comparison(app: &mut Parts) {
 fn subject(state: &AppState, current: &CurrentScene) -> Option<Subject> {
     let (tracer, frame) = (current.tracer()?.clone(), state.frame.as_ref()?);
     let camera = *state.navigation.fly.camera();
+    let tracer = SeenSection::of(state.section(), &tracer);
     Some(Subject { tracer, camera, size: frame.size, render: state.quality.walk.render })
 }
 

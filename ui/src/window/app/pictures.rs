@@ -5,12 +5,13 @@ use crate::picture::sequence::Sequence;
 use crate::picture::{LONGEST_SIDE, PictureJob, Shows};
 use crate::window::export::{Exported, save_picture, save_sequence, spawn_export};
 use crate::window::input::playback::film_frames;
-use crate::window::rendering::{Picture, RenderCommand, TaskError, TaskHandle, take_result};
+use crate::window::rendering::{Picture, RenderCommand, SeenSection, TaskError, TaskHandle, take_result};
 use crate::window::state::{AppState, PictureCommand, PictureFormat, PictureSize};
 use afterimage::camera::CameraPath;
 use afterimage::reference::ReferenceFrame;
 use afterimage::render::aov::Aov;
 use afterimage::render::bands::Background;
+use afterimage::render::outlines::MAX_OUTLINE_WIDTH;
 use afterimage::{Camera, Mode, RenderSettings, Tracer};
 use anyhow::{Context, ensure};
 use std::path::PathBuf;
@@ -67,6 +68,7 @@ fn job(state: &AppState, camera: Camera, background: Background) -> anyhow::Resu
         background,
         exposure_ev: state.exposure_ev(),
         tone_map: state.quality.tone_map,
+        outlines: state.options.has_edges.then_some((size[1] / 1080).clamp(1, MAX_OUTLINE_WIDTH)),
         document: SessionFile::note_of(state).map(Into::into),
     })
 }
@@ -142,7 +144,8 @@ fn start(
     work: impl FnOnce(&Tracer, &TaskHandle) -> Result<Exported, TaskError> + Send + 'static,
 ) -> anyhow::Result<()> {
     ensure!(app.services.export.is_none(), "a picture is being saved; wait for it, or cancel it");
-    if let Some(tracer) = app.current.tracer().cloned() {
+    if let Some(tracer) = app.current.tracer() {
+        let tracer = SeenSection::of(app.state.section(), tracer);
         let export =
             spawn_export(app.services.threads, app.services.wake.clone(), move |task| work(&tracer, task));
         app.services.export = Some(export);

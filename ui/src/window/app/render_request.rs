@@ -25,6 +25,8 @@ pub(super) fn send_request(app: &mut Parts) {
         is_moving: sent.map_or_else(|| is_moving(&app.current, &app.state.navigation), |sent| sent.is_moving),
         is_paused: app.state.options.is_paused,
         is_compared: app.state.comparison.is_wanted(),
+        section: app.state.section(),
+        has_edges: app.state.options.has_edges,
     };
     if app.current.sent != Some(request) {
         if app.current.sent.is_some_and(|s| s.camera != request.camera) {

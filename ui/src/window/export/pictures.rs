@@ -125,6 +125,7 @@ mod tests {
             background: Background::Shown,
             exposure_ev: 0.0,
             tone_map: ToneMap::default(),
+            outlines: None,
         };
         let output = Output { target: Target::File("/dev/full".into()), shows: Shows::Display };
         let work = move |task: &TaskHandle| save(&job, &tracer, &[], &output, task);

@@ -1,6 +1,7 @@
 //! Keys, the clipboard and dropped files as commands.
 
 use super::object_keys::object_command;
+use super::section_keys::section_command;
 use super::{Input, MoveMode, Obstacles, probe_at};
 use crate::window::input::aim;
 use crate::window::input::keymap::{Action, Attention, Pressed};
@@ -100,7 +101,9 @@ fn command_of(
         Action::SaveSequence => Command::Picture(PictureCommand::SaveSequence),
         Action::FullScreen => Command::FullScreen,
         Action::Escape => Command::Escape,
-        _ => object_command(state, action).or_else(|| Some(Command::SetOptions(switched(o, action)?)))?,
+        _ => section_command(state, action)
+            .or_else(|| object_command(state, action))
+            .or_else(|| Some(Command::SetOptions(switched(o, action)?)))?,
     })
 }
 
@@ -146,6 +149,7 @@ fn switched(o: Options, action: Action) -> Option<Options> {
             Options { coloring, ..o }.with_visible_colors(&o)
         }
         Action::ToggleOutline => Options { has_outline: !o.has_outline, ..o },
+        Action::ToggleEdges => Options { has_edges: !o.has_edges, ..o },
         Action::Pause => Options { is_paused: !o.is_paused, ..o },
         Action::Help => Options { shows_help: !o.shows_help, ..o },
         Action::TogglePanels => Options { shows_panels: !o.shows_panels, ..o },

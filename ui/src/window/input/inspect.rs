@@ -3,7 +3,7 @@
 
 use super::Obstacles;
 use crate::window::gpu::projection::Projection;
-use crate::window::rendering::{PublishedFrame, supplier_byte};
+use crate::window::rendering::{PublishedFrame, SeenSection, supplier_byte};
 use crate::window::state::{AppState, Inspection, PixelFacts, Snap};
 use afterimage::raster::pixel_types::PixelType;
 use afterimage::raster::rgb9e5;
@@ -16,7 +16,8 @@ use glam::DVec3;
 pub(super) fn probe_at(state: &AppState, obstacles: &Obstacles, [x, y]: [f64; 2]) -> Option<Probe> {
     let fly = &state.navigation.fly;
     let direction = fly.direction_through(x, y, state.aspect());
-    obstacles.tracer().probe(fly.camera().eye, direction, f64::INFINITY)
+    let tracer = SeenSection::of(state.section(), obstacles.tracer());
+    tracer.probe(fly.camera().eye, direction, f64::INFINITY)
 }
 
 /// Returns the point that a measurement at a point of the viewport would use.

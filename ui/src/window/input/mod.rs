@@ -8,6 +8,7 @@ pub mod keymap;
 mod object_keys;
 pub mod playback;
 pub(crate) mod pointer;
+mod section_keys;
 pub mod walking;
 
 pub(crate) use commands::key_commands;

@@ -23,6 +23,7 @@ pub mod quality;
 pub mod questions;
 pub mod references;
 pub mod scene;
+pub mod section;
 pub mod settings;
 pub mod side;
 pub mod statistics;

@@ -2,7 +2,7 @@
 
 use super::{
     comparison, daylight, inspector, legend, lights, material, object, path, plan, plots, quality,
-    references, scene, views,
+    references, scene, section, views,
 };
 use crate::settings::Tab;
 use crate::window::state::{AppState, Appearance, Command};
@@ -67,6 +67,10 @@ fn scene_tab(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
 fn look_tab(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     section(ui, "Exposure", true, |ui| quality::show_look(ui, state, commands));
     section(ui, "Sun and sky", true, |ui| daylight::show(ui, state, commands));
+    section(ui, "Section and edges", true, |ui| {
+        section::show(ui, state, commands);
+        section::show_edges(ui, state, commands);
+    });
     section(ui, "Lights", false, |ui| lights::show(ui, state, commands));
 }
 

@@ -119,6 +119,12 @@ impl PublishedFrame {
         self.finished = Instant::now();
     }
 
+    /// Draws the marked pixels black.
+    pub fn darken(&mut self, marked: &[bool]) {
+        let pixels = self.radiance.iter_mut().zip(marked);
+        pixels.filter(|(_, is_marked)| **is_marked).for_each(|(pixel, _)| *pixel = 0);
+    }
+
     /// Lists the references in the cache.
     pub fn list(&mut self, cache: &ReferenceCache, used: &[ReferenceId], added: &[(ReferenceId, Instant)]) {
         self.cache_bytes = [cache.bytes(), cache.budget_bytes()];

@@ -1,5 +1,6 @@
 //! Messages between the window and its render thread.
 
+use super::SeenSection;
 use afterimage::reference::{ReferenceFrame, ReferenceId};
 use afterimage::{Camera, RefineState, RenderSettings, Scene, Tracer, WalkthroughSettings};
 use glam::Vec3;
@@ -25,6 +26,10 @@ pub struct RenderRequest {
     pub is_paused: bool,
     /// The picture is being compared, so it is not refined beyond what its mode renders.
     pub is_compared: bool,
+    /// The section through which the camera sees the scene.
+    pub section: Option<SeenSection>,
+    /// The edges of surfaces are drawn.
+    pub has_edges: bool,
 }
 
 /// Something that is done once, in the order of sending.

@@ -6,10 +6,15 @@ use super::{
     Severity, ViewExposure, Work, history, notices,
 };
 use crate::window::files::Listing;
-use crate::window::rendering::{Plan, PlanView, Progress, PublishedFrame, SceneSource, Thumbnails};
+use crate::window::rendering::{
+    Plan, PlanView, Progress, PublishedFrame, SceneSource, SeenSection, Thumbnails,
+};
+use afterimage::Mode;
 use afterimage::camera::CameraPath;
+use afterimage::raster::color::radiance_shown_as;
 use afterimage::raster::exposure::Metered;
 use afterimage::scene::MaterialId;
+use afterimage::trace::section::CAP_TONES;
 use glam::DVec3;
 use std::collections::VecDeque;
 use std::path::PathBuf;
@@ -136,6 +141,23 @@ impl AppState {
             tone_map: self.quality.tone_map,
             overlay: Overlay::None,
         }
+    }
+
+    /// The section that is shown now.
+    pub fn section(&self) -> Option<SeenSection> {
+        let section = self.document.as_ref()?.now().section.filter(|section| section.is_on)?;
+        // It warps references, and those of another section show what is cut away.
+        if self.quality.walk.render.mode == Mode::Paper {
+            return None;
+        }
+        // An exposure that follows the view is measured with the cut surfaces: it must not depend
+        // on itself.
+        let ev = match self.quality.follows_view {
+            true => self.metered.map_or(0.0, Metered::ev),
+            false => self.exposure_ev(),
+        };
+        let tones = CAP_TONES.map(|tone| radiance_shown_as(tone, ev, self.quality.tone_map));
+        Some(SeenSection { plane: section.plane, tones })
     }
 
     /// Returns the exposure in stops.

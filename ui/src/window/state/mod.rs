@@ -17,6 +17,7 @@ mod picture;
 mod presentation;
 mod quality;
 mod scene;
+mod section;
 mod selection;
 mod sun;
 mod unsaved_changes;
@@ -41,6 +42,7 @@ pub use picture::{
 pub use presentation::{Coloring, FILLED_COLOR, Heatmap, Overlay, Presentation};
 pub use quality::{Quality, WINDOW_SAMPLES};
 pub use scene::{SavedView, SceneInfo};
+pub use section::SectionView;
 pub use selection::{Dropper, Inspection, Measure, PixelFacts, ReferenceView, Selection, Snap, SnapKind};
 pub use sun::SunControls;
 pub use unsaved_changes::{Answer, Leaving, OutsidePicture};

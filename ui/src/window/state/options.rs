@@ -36,6 +36,8 @@ pub struct Options {
     pub coloring: Coloring,
     /// Regions of Type 3 have an outline.
     pub has_outline: bool,
+    /// The edges of surfaces are drawn as dark lines.
+    pub has_edges: bool,
     /// The menu and the side panel are shown.
     pub shows_panels: bool,
     /// Figures that are shown over the viewport.
@@ -54,6 +56,7 @@ impl Default for Options {
             heatmap: Heatmap::Off,
             coloring: Coloring::ByType,
             has_outline: false,
+            has_edges: false,
             shows_panels: true,
             statistics: Statistics::Short,
             shows_help: false,

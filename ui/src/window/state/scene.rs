@@ -7,6 +7,7 @@ use afterimage::scene::{
     Ground, GroundAdvice, LightGroup, Material, MaterialId, Objects, Scene, SceneFeatures, Warning,
 };
 use afterimage::{Camera, Tracer};
+use glam::DVec3;
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -52,6 +53,8 @@ pub struct SceneInfo {
     pub textures: usize,
     /// Extent along x, y and z in metres.
     pub extent_m: [f64; 3],
+    /// Lower and upper corner of the building, world metres.
+    pub building_m: [DVec3; 2],
     /// Speed in metres per second that suits the building.
     pub speed_m_per_s: f64,
     /// Features of the scene that the renderer must handle.
@@ -81,6 +84,7 @@ impl SceneInfo {
             conditioning: scene.conditioning.sentences(),
             textures: scene.textures.len(),
             extent_m: (scene.bounds_m[1] - scene.bounds_m[0]).to_array(),
+            building_m: scene.building_m,
             speed_m_per_s: speed_for(scene.building_m),
             features: scene.features,
             ground_advice: scene.ground_advice(),

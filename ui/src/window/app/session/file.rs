@@ -4,7 +4,7 @@
 use super::sun::SunTable;
 use crate::settings;
 use crate::window::rendering::SceneSource;
-use crate::window::state::{AppState, Document, Quality, SavedView, SunControls};
+use crate::window::state::{AppState, Document, Quality, SavedView, SectionView, SunControls};
 use afterimage::camera::CameraPath;
 use afterimage::import::{AppliedEdit, EditFolder, apply_edit_text, edit_text};
 use afterimage::raster::exposure::Exposure;
@@ -63,15 +63,13 @@ pub(in crate::window::app) struct SessionFile {
     #[serde(default)]
     measures: Vec<[DVec3; 2]>,
     camera: Camera,
+    section: Option<SectionView>,
     #[serde(default)]
     views: Vec<View>,
     /// Camera path, where the user has set its keys.
-    #[serde(default)]
     path: Option<CameraPath>,
-    #[serde(default)]
     sun: Option<SunTable>,
     /// Materials, objects and light that differ from the files of the model, as in a sidecar.
-    #[serde(default)]
     edits: Option<Table>,
     /// Keys that other versions of the program have written.
     #[serde(flatten)]
@@ -149,6 +147,7 @@ impl SessionFile {
             cache_mb: Some(walk.cache_bytes >> 20),
             measures: now.measures.clone(),
             camera: *state.navigation.fly.camera(),
+            section: now.section,
             views: now.views.iter().map(view).collect(),
             path: now.path.clone(),
             sun: Some(SunTable::of(&now.sun)),
@@ -224,6 +223,7 @@ impl SessionFile {
         }
         ensure!(self.sun.as_ref().is_none_or(SunTable::is_valid), "the sun in it is impossible");
         ensure!(self.exposure.is_valid(), "its exposure is impossible");
+        ensure!(self.section.is_none_or(|section| section.is_valid()), "the section in it is impossible");
         Ok(())
     }
 
@@ -245,6 +245,7 @@ impl SessionFile {
             views: if views.is_empty() { open.files().views.clone() } else { views },
             path: self.path.clone().filter(|path| !path.keyframes.is_empty()),
             measures: self.measures.clone(),
+            section: self.section,
         });
     }
 

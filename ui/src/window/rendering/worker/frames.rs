@@ -3,6 +3,7 @@
 use super::super::{Message, PublishedFrame, panic_text};
 use super::state::Worker;
 use afterimage::Walkthrough;
+use afterimage::render::outlines::outlines_of_frame;
 use afterimage::render::schedule::{SLICE_TIME, Step, StepOutcome};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::Ordering;
@@ -15,6 +16,10 @@ impl Worker {
         if *walk.settings() != request.settings {
             walk.set_settings(request.settings);
             self.schedule.forget_failures();
+        }
+        match &request.section {
+            Some(section) => walk.set_section(&[section.plane], section.tones),
+            None => walk.set_section(&[], [0.0; 2]),
         }
         walk.set_previews(!request.is_moving);
         if request.is_compared {
@@ -58,6 +63,7 @@ impl Worker {
         generation: u64,
         work: impl FnOnce(&mut Walkthrough) -> StepOutcome + Send,
     ) -> Option<StepOutcome> {
+        let has_edges = self.request.is_some_and(|request| request.has_edges);
         let (walk, added, pool) = (self.walk.as_mut()?, &self.added, &self.pool);
         let mut published = self.shared.exchange.spare();
         published.begun = Instant::now();
@@ -66,6 +72,9 @@ impl Worker {
                 let done = work(walk);
                 if done.is_shown {
                     published.fill(walk.frame(), &walk.tracer().scene().frame, walk.used(), generation);
+                    if has_edges {
+                        published.darken(&outlines_of_frame(walk.tracer(), walk.frame()));
+                    }
                     published.list(walk.cache(), walk.used(), added);
                     published.is_refinement = done.is_refinement;
                 }

@@ -93,6 +93,8 @@ mod tests {
             is_moving: false,
             is_paused: false,
             is_compared: false,
+            section: None,
+            has_edges: false,
         };
         let (jobs, sent) = unbounded();
         let (messages, said) = unbounded();

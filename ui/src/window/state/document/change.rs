@@ -1,7 +1,7 @@
 //! A change of the document.
 
 use super::Document;
-use crate::window::state::{SavedView, SunControls};
+use crate::window::state::{SavedView, SectionView, SunControls};
 use afterimage::camera::CameraPath;
 use afterimage::scene::{
     Daylight, Ground, LightSetting, Material, MaterialId, ObjectEdit, ObjectKey, SceneEdit,
@@ -30,6 +30,8 @@ pub enum Change {
     Path(Option<CameraPath>),
     /// The distances that were measured.
     Measures(Vec<[DVec3; 2]>),
+    /// The section.
+    Section(Option<SectionView>),
 }
 
 impl Change {
@@ -41,6 +43,9 @@ impl Change {
             (Self::Daylight(..), Self::Daylight(..)) => true,
             (Self::Ground(a), Self::Ground(b)) => a.is_some() == b.is_some(),
             (Self::Light(a, _), Self::Light(b, _)) => a == b,
+            (Self::Section(Some(a)), Self::Section(Some(b))) => {
+                (a.is_on, a.plane.axis) == (b.is_on, b.plane.axis)
+            }
             _ => false,
         }
     }
@@ -78,6 +83,7 @@ impl Change {
             Self::Views(views) => Self::Views(replace(&mut document.views, views)),
             Self::Path(path) => Self::Path(replace(&mut document.path, path)),
             Self::Measures(measures) => Self::Measures(replace(&mut document.measures, measures)),
+            Self::Section(section) => Self::Section(replace(&mut document.section, section)),
         }
     }
 }

@@ -32,7 +32,8 @@ impl<'a> Merge<'a> {
         let scene = self.scene(&mine.scene);
         let sun = self.sun(&mine.sun, &mine.scene.daylight, &scene.daylight);
         let views = self.views(&mine.views);
-        Document { scene, sun, views, path: mine.path.clone(), measures: mine.measures.clone() }
+        let (path, measures) = (mine.path.clone(), mine.measures.clone());
+        Document { scene, sun, views, path, measures, section: mine.section }
     }
 
     /// Returns an undo step as it is for the new files; `None` where its material or object is

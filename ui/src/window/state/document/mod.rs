@@ -9,7 +9,7 @@ mod step_names;
 pub use change::Change;
 pub use open_document::{Carried, OpenDocument};
 
-use super::{SavedView, SunControls};
+use super::{SavedView, SectionView, SunControls};
 use afterimage::camera::CameraPath;
 use afterimage::scene::{Daylight, LightSettings, SceneEdit};
 use glam::DVec3;
@@ -28,6 +28,8 @@ pub struct Document {
     pub path: Option<CameraPath>,
     /// Distances that were measured: the two ends of each, in world metres.
     pub measures: Vec<[DVec3; 2]>,
+    /// The section; `None` before the first.
+    pub section: Option<SectionView>,
 }
 
 impl Default for Document {
@@ -40,6 +42,6 @@ impl Default for Document {
             ground: None,
         };
         let (views, measures) = (Vec::new(), Vec::new());
-        Self { scene, sun: SunControls::default(), views, path: None, measures }
+        Self { scene, sun: SunControls::default(), views, path: None, measures, section: None }
     }
 }

@@ -67,6 +67,7 @@ fn plain_name(change: &Change) -> String {
         Change::Views(_) => "views".to_owned(),
         Change::Path(_) => "camera path".to_owned(),
         Change::Measures(_) => "distances".to_owned(),
+        Change::Section(_) => "section".to_owned(),
         Change::Scene(_) => "several changes".to_owned(),
         Change::Material(..) | Change::Object(..) => "change".to_owned(),
     }

@@ -15,6 +15,7 @@ pub(in crate::window::app::session) fn session() -> SessionFile {
         max_references: Some(8),
         cache_mb: Some(512),
         measures: vec![[DVec3::ZERO, DVec3::new(0.1, 2.0, 1.0 / 3.0)]],
+        section: Some(SectionView::new([DVec3::ZERO, DVec3::ONE], DVec3::ZERO, DVec3::X)),
         sun: Some(SunTable::of(&SunControls::default())),
         edits: Some("[[object]]\nname = 'a'\nhidden = true\n".parse().unwrap()),
         mode: Mode::Exact,
