@@ -21,6 +21,7 @@ pub mod lighting;
 mod measures;
 mod mixture;
 mod pace;
+pub mod panorama;
 mod paper_pixels;
 mod placeholders;
 mod placing;

@@ -1,6 +1,8 @@
 //! `afterimage render`: renders one picture.
 
+use super::panorama::PanoramaRun;
 use super::pose::{camera, eye_and_target};
+use super::projection::{Projection, ProjectionArgs};
 use super::render_store::PictureStore;
 use super::scene::{Loaded, load};
 use super::show::{Scale, Show, Shown};
@@ -70,6 +72,8 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "LAYERS", value_delimiter = ',')]
     #[arg(value_parser = aov_parser(), hide_possible_values = true)]
     aov: Vec<Aov>,
+    #[command(flatten)]
+    projection: ProjectionArgs,
 }
 
 fn png_or_exr(text: &str) -> Result<PathBuf, String> {
@@ -98,6 +102,9 @@ fn aov_parser() -> impl TypedValueParser<Value = Aov> {
 pub(crate) fn run(args: &RenderArgs, flags: &Flags) -> Result<(), Failure> {
     let is_full = args.antialias.is_some() || args.no_background;
     let flags = &Flags { mode: if is_full { Mode::Full } else { flags.mode }, ..flags.clone() };
+    if args.projection.projection == Projection::Equirectangular {
+        return run_panorama(args, flags);
+    }
     check(args, flags)?;
     let loaded = load(args.scene.as_deref(), flags)?;
     let flags = &loaded.expose(flags)?;
@@ -126,6 +133,25 @@ pub(crate) fn run(args: &RenderArgs, flags: &Flags) -> Result<(), Failure> {
     loaded.say_bounds();
     output::result(flags.json, &object, || table(args, flags, &made, &references));
     if made.stats.is_complete { loaded.verdict(flags) } else { Err(Failure::Interrupted) }
+}
+
+/// Renders a panorama.
+fn run_panorama(args: &RenderArgs, flags: &Flags) -> Result<(), Failure> {
+    let others = [
+        ("--show", args.show != Show::Radiance),
+        ("--seconds", args.seconds.is_some()),
+        ("--no-background", args.no_background),
+        ("--types", args.types.is_some()),
+        ("--aov", !args.aov.is_empty()),
+        ("--reference", !args.references.is_empty()),
+    ];
+    if let Some((flag, _)) = others.into_iter().find(|(_, is_given)| *is_given) {
+        return Err(Failure::Usage(format!("{flag} is for --projection perspective")));
+    }
+    check_folders(args)?;
+    check_shown(args)?;
+    let (scene, antialias) = (args.scene.as_deref(), args.antialias);
+    PanoramaRun { scene, output: &args.output, linear: args.linear.as_ref(), antialias }.run(flags)
 }
 
 /// Renders for a time.
@@ -236,6 +262,11 @@ fn check(args: &RenderArgs, flags: &Flags) -> Result<(), Failure> {
     if !args.aov.is_empty() && !is_exr(&args.output) && args.linear.is_none() {
         return Err(Failure::Usage("--aov needs an EXR: -o FILE.exr or --linear FILE.exr".to_owned()));
     }
+    check_folders(args)
+}
+
+/// Checks that the folders of the files exist.
+fn check_folders(args: &RenderArgs) -> Result<(), Failure> {
     for path in [Some(&args.output), args.types.as_ref(), args.linear.as_ref()].into_iter().flatten() {
         let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
         if let Some(folder) = folder.filter(|f| !f.is_dir()) {
