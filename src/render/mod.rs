@@ -22,6 +22,7 @@ mod measures;
 mod mixture;
 pub mod outlines;
 mod pace;
+pub mod panorama;
 mod paper_pixels;
 mod placeholders;
 mod placing;

@@ -1,7 +1,9 @@
 //! `afterimage render`: renders one picture.
 
 use super::jpeg::JpegArgs;
+use super::panorama::PanoramaRun;
 use super::pose::{camera, eye_and_target};
+use super::projection::{Projection, ProjectionArgs};
 use super::render_store::PictureStore;
 use super::scene::{Loaded, load};
 use super::section::SectionFlags;
@@ -72,6 +74,8 @@ pub(crate) struct RenderArgs {
     outlines: Option<u32>,
     #[command(flatten)]
     section: SectionFlags,
+    #[command(flatten)]
+    projection: ProjectionArgs,
 }
 
 fn picture_file(text: &str) -> Result<PathBuf, String> {
@@ -101,6 +105,9 @@ fn aov_parser() -> impl TypedValueParser<Value = Aov> {
 pub(crate) fn run(args: &RenderArgs, flags: &Flags) -> Result<(), Failure> {
     let is_full = args.antialias.is_some() || args.no_background;
     let flags = &Flags { mode: if is_full { Mode::Full } else { flags.mode }, ..flags.clone() };
+    if args.projection.projection == Projection::Equirectangular {
+        return run_panorama(args, flags);
+    }
     check(args, flags)?;
     let loaded = load(args.scene.as_deref(), flags)?;
     let flags = &loaded.expose(flags)?;
@@ -131,6 +138,25 @@ pub(crate) fn run(args: &RenderArgs, flags: &Flags) -> Result<(), Failure> {
     loaded.say_bounds();
     output::result(flags.json, &object, || table(args, flags, &made, &references));
     if made.stats.is_complete { loaded.verdict(flags) } else { Err(Failure::Interrupted) }
+}
+
+/// Renders a panorama.
+fn run_panorama(args: &RenderArgs, flags: &Flags) -> Result<(), Failure> {
+    let others = [
+        ("--show", args.shown.show != Show::Radiance),
+        ("--seconds", args.seconds.is_some()),
+        ("--no-background", args.no_background),
+        ("--types", args.types.is_some()),
+        ("--aov", !args.aov.is_empty()),
+        ("--reference", !args.references.is_empty()),
+    ];
+    if let Some((flag, _)) = others.into_iter().find(|(_, is_given)| *is_given) {
+        return Err(Failure::Usage(format!("{flag} is for --projection perspective")));
+    }
+    check_folders(args)?;
+    check_shown(args)?;
+    let (scene, antialias) = (args.scene.as_deref(), args.antialias);
+    PanoramaRun { scene, output: &args.output, linear: args.linear.as_ref(), antialias }.run(flags)
 }
 
 /// Renders for a time.
@@ -252,6 +278,11 @@ fn check(args: &RenderArgs, flags: &Flags) -> Result<(), Failure> {
     if !args.aov.is_empty() && !is_exr(&args.output) && args.linear.is_none() {
         return Err(Failure::Usage("--aov needs an EXR: -o FILE.exr or --linear FILE.exr".to_owned()));
     }
+    check_folders(args)
+}
+
+/// Checks that the folders of the files exist.
+fn check_folders(args: &RenderArgs) -> Result<(), Failure> {
     for path in [Some(&args.output), args.types.as_ref(), args.linear.as_ref()].into_iter().flatten() {
         let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
         if let Some(folder) = folder.filter(|f| !f.is_dir()) {

@@ -4,6 +4,7 @@
 mod job;
 pub(crate) mod memory;
 mod metadata;
+pub mod panorama;
 pub mod pose_text;
 pub mod restore;
 pub mod sequence;
