@@ -5,8 +5,10 @@ mod data;
 mod inspect;
 mod measure;
 mod runs;
+mod schema;
 mod settings;
 mod trouble;
+mod written;
 
 use serde_json::Value;
 use std::path::{Path, PathBuf};

@@ -7,6 +7,7 @@ use afterimage::Camera;
 use afterimage::raster::save::write_atomically;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
+use sysinfo::{Pid, ProcessRefreshKind, ProcessesToUpdate, System};
 
 /// Interval at which the session is kept where only the camera has moved.
 const CAMERA_INTERVAL: Duration = Duration::from_secs(20);
@@ -105,6 +106,11 @@ pub(super) fn left_behind(folder: &Path) -> Option<PathBuf> {
 }
 
 fn is_running(process: u32) -> bool {
-    // On other systems, two windows may offer each other's sessions; this loses nothing.
-    cfg!(target_os = "linux") && Path::new("/proc").join(process.to_string()).exists()
+    let id = Pid::from_u32(process);
+    // Where the system does not say, two windows may offer each other's sessions; this loses nothing.
+    System::new().is_ok_and(|mut system| {
+        let what = ProcessRefreshKind::nothing();
+        system.refresh_processes_specifics(ProcessesToUpdate::Some(&[id]), true, what);
+        system.process(id).is_some()
+    })
 }
