@@ -36,6 +36,7 @@ mod pictures_of_light;
 mod placement;
 mod refine;
 mod relief;
+mod repository;
 mod reuse;
 mod rooms;
 mod rough_lobes;

@@ -1,24 +1,29 @@
-//! Passes the commit of its source to a release build, for the manifests of experiments. Other
-//! builds contain no commit: their source changes more often than it is committed, and each commit
-//! would cause another build.
+//! Passes the commit of the source to the program.
+//!
+//! Release builds only: a debug build would be compiled again after each commit.
 
-use std::process::Command;
+#![allow(clippy::print_stdout, reason = "cargo reads it")]
+
+#[path = "build/commit.rs"]
+mod commit;
+
+use std::path::Path;
 
 fn main() {
-    println!("cargo:rerun-if-env-changed=AFTERIMAGE_COMMIT");
+    println!("cargo::rerun-if-changed=build.rs");
+    println!("cargo::rerun-if-changed=build/commit.rs");
+    // A packager who builds from an archive can name the commit.
+    println!("cargo::rerun-if-env-changed=AFTERIMAGE_COMMIT");
     if std::env::var("PROFILE").as_deref() != Ok("release") || std::env::var_os("AFTERIMAGE_COMMIT").is_some()
     {
-        println!("cargo:rerun-if-changed=build.rs");
         return;
     }
-    let git = |arguments: &[&str]| {
-        let output = Command::new("git").args(arguments).output().ok().filter(|o| o.status.success())?;
-        Some(String::from_utf8(output.stdout).ok()?.trim().to_owned())
-    };
-    if let Some(log) = git(&["rev-parse", "--git-path", "logs/HEAD"]) {
-        println!("cargo:rerun-if-changed={log}");
+    let Some(folder) = std::env::var_os("CARGO_MANIFEST_DIR") else { return };
+    let (commit, read) = commit::of(Path::new(&folder));
+    for file in read {
+        println!("cargo::rerun-if-changed={}", file.display());
     }
-    if let Some(commit) = git(&["describe", "--always", "--dirty", "--abbrev=12"]) {
-        println!("cargo:rustc-env=AFTERIMAGE_COMMIT={commit}");
+    if let Some(commit) = commit {
+        println!("cargo::rustc-env=AFTERIMAGE_COMMIT={commit}");
     }
 }

@@ -4,7 +4,7 @@ use super::files::{Jail, unreadable};
 use super::progress::{Phase, Steps};
 use super::units::{self, Unit, Up};
 use super::{options::ImportOptions, search::Finder, sidecar::Sidecar, tally::Tally};
-use crate::scene::{Scene, SceneBuilder, SceneError};
+use crate::scene::{Scene, SceneBuilder, SceneError, SourceFile};
 use std::path::{Path, PathBuf};
 
 /// What to do about a file that has content but nothing to show.
@@ -41,6 +41,9 @@ impl<'a> Import<'a> {
         }
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let mut builder = SceneBuilder::new(&name);
+        // Before they are read: what changes meanwhile has another stamp afterwards.
+        let own = [path, &path.with_extension("afterimage.toml")];
+        builder.files.extend(own.map(SourceFile::now));
         let sidecar = Sidecar::of_model(path, &mut builder);
         let folder = file.parent().unwrap_or(Path::new("")).to_owned();
         let finder = Finder::new(Jail { folder, allow_outside: options.allow_outside });
@@ -103,11 +106,9 @@ impl<'a> Import<'a> {
         sidecar.apply(&mut finder, &mut builder);
         builder.add_daylight_to_weak_lamps();
         steps.at(Phase::Building, 1.0)?;
-        let triangles = builder.triangles.len();
+        builder.files.extend(finder.into_files());
         let scene = builder.finish().map_err(|error| match error {
-            SceneError::Empty { .. } => {
-                unreadable(path, format!("none of its {triangles} triangles has an area"), CORRECT)
-            }
+            SceneError::Empty { cause, .. } => unreadable(path, cause, CORRECT),
             other => other,
         })?;
         Ok(sidecar.edit_objects(scene))

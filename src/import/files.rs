@@ -48,7 +48,7 @@ impl Jail {
     /// False for a path whose text alone leaves the folder. The system is not asked whether it
     /// exists: on some systems that question about `\\server\share` already sends the user's
     /// credentials there.
-    fn may_look_at(&self, candidate: &Path) -> bool {
+    pub(super) fn may_look_at(&self, candidate: &Path) -> bool {
         self.allow_outside || without_dots(candidate).is_some_and(|p| p.starts_with(&self.folder))
     }
 

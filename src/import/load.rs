@@ -6,6 +6,7 @@ use super::{context::Import, files::unreadable, options::ImportOptions};
 use crate::scene::{Scene, SceneError};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
+use std::time::Instant;
 
 /// Reads a model with all files that belong to it: libraries, textures, and the `.afterimage.toml`
 /// next to it.
@@ -35,6 +36,14 @@ fn read(path: &Path, options: &ImportOptions, steps: Steps) -> Result<Scene, Sce
         let cause = "models of this format are not read";
         return Err(import.failed(cause, format!("export the model as one of {}", known.join(", "))));
     };
+    let start = Instant::now();
     (format.read)(&mut import)?;
-    import.finish()
+    let scene = import.finish()?;
+    let (triangles, secs) = (scene.triangles.len(), start.elapsed().as_secs_f64());
+    let (materials, textures, warnings) = (scene.materials.len(), scene.textures.len(), scene.warnings.len());
+    log::info!(
+        "{}: {triangles} triangles, {materials} materials, {textures} textures, {warnings} warnings, in {secs:.3} s",
+        path.display()
+    );
+    Ok(scene)
 }

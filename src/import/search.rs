@@ -2,6 +2,7 @@
 //! case, with another extension.
 
 use super::files::{Jail, Refusal};
+use crate::scene::SourceFile;
 use std::path::{Component, Path, PathBuf};
 use std::{collections::HashMap, ffi::OsString};
 use unicode_normalization::UnicodeNormalization;
@@ -29,11 +30,13 @@ pub(super) struct Finder {
     pub(super) jail: Jail,
     /// For each folder that may be read: name to be compared -> name.
     listings: HashMap<PathBuf, HashMap<String, OsString>>,
+    /// The files that were found; for one that was not, the place where it was looked for first.
+    files: Vec<SourceFile>,
 }
 
 impl Finder {
     pub(super) fn new(jail: Jail) -> Self {
-        Self { jail, listings: HashMap::new() }
+        Self { jail, listings: HashMap::new(), files: Vec::new() }
     }
 
     /// Finds a material library or a buffer next to the model.
@@ -65,7 +68,24 @@ impl Finder {
         self.first_of(candidates, &EXTENSIONS)
     }
 
+    /// Returns the files that were looked for, each once.
+    pub(super) fn into_files(mut self) -> Vec<SourceFile> {
+        self.files.sort();
+        // A file that changed while it was read keeps its first state.
+        self.files.dedup_by(|later, first| later.path == first.path);
+        self.files
+    }
+
+    /// Finds the first file that exists, and notes which file belongs to the scene.
     fn first_of(&mut self, candidates: Vec<PathBuf>, extensions: &[&str]) -> Found {
+        let first = candidates.iter().find(|path| self.jail.may_look_at(path)).cloned();
+        let found = self.search(candidates, extensions);
+        log::debug!("{:?} is {:?}", found.tried.first(), found.file);
+        self.files.extend(found.file.as_ref().or(first.as_ref()).map(|path| SourceFile::now(path)));
+        found
+    }
+
+    fn search(&mut self, candidates: Vec<PathBuf>, extensions: &[&str]) -> Found {
         let mut found = Found { file: None, tried: Vec::new(), outside: false };
         for candidate in &candidates {
             found.tried.push(self.jail.shown(candidate));

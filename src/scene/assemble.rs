@@ -33,13 +33,14 @@ impl SceneBuilder {
             self.add_material(Material::diffuse("default", Vec3::splat(0.6)));
         }
         let mut repairs = sanitize::sanitize(&mut self);
-        let (bounds_m, frame) = self.drop_distant(&mut repairs).ok_or_else(|| self.empty_error(count))?;
+        let (bounds_m, frame) =
+            self.drop_distant(&mut repairs).ok_or_else(|| self.empty_error(count, &repairs))?;
         let positions: Vec<Vec3> =
             self.positions.par_iter().map(|&p| frame.scene_from_world_f64(p).as_vec3()).collect();
         repairs.triangles_without_area =
             self.drop_triangles(|_, t| has_area(t.map(|v| positions[v as usize])), "without area");
         if self.triangles.is_empty() {
-            return Err(self.empty_error(count));
+            return Err(self.empty_error(count, &repairs));
         }
         self.light_if_dark();
         let (point_lights, settings) = (self.point_lights(&frame), std::mem::take(&mut self.light_settings));
@@ -93,6 +94,7 @@ impl SceneBuilder {
             brings_walk,
             features: SceneFeatures::default(),
             warnings: self.warnings,
+            files: Arc::new(self.files),
             bounds_m,
             building_m,
             hidden: Vec::new(),
@@ -153,8 +155,21 @@ impl SceneBuilder {
         dropped
     }
 
-    fn empty_error(&self, count: usize) -> SceneError {
-        SceneError::Empty { name: self.name.clone(), dropped: count - self.triangles.len() }
+    /// Returns the error of a scene that had this number of triangles and has none left.
+    fn empty_error(&self, count: usize, repairs: &Repairs) -> SceneError {
+        let (flat, far) = (repairs.triangles_without_area, repairs.triangles_not_finite);
+        let cause = match (flat, far) {
+            (0, 0) => "it holds no triangles".to_owned(),
+            (_, 0) => format!("none of its {count} triangles has an area"),
+            (0, _) => format!(
+                "each of its {count} triangles has a vertex that is missing, not finite or too far from the others"
+            ),
+            _ => format!(
+                "of its {count} triangles, {flat} have no area, and {far} have a vertex that is missing, not finite or \
+                 too far from the others"
+            ),
+        };
+        SceneError::Empty { name: self.name.clone(), cause }
     }
 
     /// Adds a sun and a sky to a scene without any light, unless its files switch them off.

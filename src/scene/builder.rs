@@ -3,7 +3,8 @@
 use super::daylight::nits_per_unit;
 use super::light_groups::{LampGroup, LightSettings};
 use super::{
-    Material, MaterialId, NamedView, Objects, ProfileLight, Sky, SpotLight, Sun, Texture, TextureId, Warning,
+    Material, MaterialId, NamedView, Objects, ProfileLight, Sky, SourceFile, SpotLight, Sun, Texture,
+    TextureId, Warning,
 };
 use crate::camera::CameraPath;
 use crate::raster::exposure::Exposure;
@@ -60,6 +61,8 @@ pub struct SceneBuilder {
     pub exposure: Exposure,
     /// The problems found so far.
     pub warnings: Vec<Warning>,
+    /// The files that the scene is read from.
+    pub files: Vec<SourceFile>,
 }
 
 impl SceneBuilder {

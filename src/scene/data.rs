@@ -4,7 +4,7 @@ use super::daylight::nits_per_unit;
 use super::light_groups::{LampGroup, LightGroups, LightSettings};
 use super::{
     Conditioning, EditedObjects, GroundedGeometry, Light, Material, MaterialId, NamedView, Objects,
-    SceneFeatures, SceneFrame, Sky, Sun, Texture, Warning,
+    SceneFeatures, SceneFrame, Sky, SourceFile, Sun, Texture, Warning,
 };
 use crate::camera::{Camera, CameraPath};
 use crate::raster::exposure::Exposure;
@@ -81,6 +81,8 @@ pub struct Scene {
     pub features: SceneFeatures,
     /// The problems found while the scene was imported and built.
     pub warnings: Vec<Warning>,
+    /// The files that the scene was read from, the model first; empty for scenes without files.
+    pub files: Arc<Vec<SourceFile>>,
     /// Lower and upper corner of the bounding box, in world metres. If a few vertices lie far
     /// outside, it is the box of the others.
     pub bounds_m: [DVec3; 2],

@@ -29,14 +29,12 @@ pub enum SceneError {
         remedy: String,
     },
     /// The model has no triangle that can be shown.
-    #[error(
-        "{name}: no triangle is left to show ({dropped} dropped); check that the file holds faces with an area"
-    )]
+    #[error("{name}: no triangle is left to show: {cause}; correct the file or export it again")]
     Empty {
         /// Name of the scene.
         name: String,
-        /// Number of triangles that were dropped.
-        dropped: usize,
+        /// Why the triangles were dropped.
+        cause: String,
     },
     /// The model is larger than the indices of the engine can address.
     #[error("{name}: {count} {what}, at most {limit} are supported; split the model")]

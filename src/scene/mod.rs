@@ -44,6 +44,7 @@ pub mod shapes;
 mod sky;
 pub mod solar;
 mod solids;
+mod source_file;
 mod sun;
 mod texture;
 mod views;
@@ -81,6 +82,7 @@ pub use sky::{
     CieKind, CieSky, DimmedSky, Gradient, PhysicalSky, PictureSky, Sky, SkyImage, SkyImageError, SkyKind,
     SkySample,
 };
+pub use source_file::SourceFile;
 pub use sun::Sun;
 pub use texture::{Encoding, Sampling, Texture, TextureId, TextureRef, Wrap};
 pub use views::NamedView;

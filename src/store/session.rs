@@ -131,6 +131,11 @@ impl StoreSession {
             report,
         };
         session.report.secs = start.elapsed().as_secs_f64();
+        let (folder, segments) = (session.settings.folder.display(), session.index.segments.len());
+        log::info!("store {folder}: {segments} segments, in {:.3} s", session.report.secs);
+        for problem in &session.index.problems {
+            log::warn!("store {folder}: {problem}");
+        }
         Ok(session)
     }
 

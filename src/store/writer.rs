@@ -119,6 +119,7 @@ impl Writing {
             let mut report = lock(&self.report);
             match written {
                 Some(bytes) => {
+                    log::debug!("a reference is in the store, {bytes} bytes");
                     report.records += 1;
                     report.bytes += bytes;
                 }
@@ -137,6 +138,7 @@ impl Writing {
         match self.append(&record) {
             Ok(()) => Some(record.len() as u64),
             Err(problem) => {
+                log::warn!("{problem}; nothing more is written");
                 lock(&self.report).problem = Some(problem);
                 None
             }

@@ -78,6 +78,7 @@ impl Tracer {
         let lights = Arc::new(LightGrid::new(&scene));
         let metered = full.as_ref().map(|full| full.metered.clone()).unwrap_or_default();
         let (epoch, build_secs) = (SceneEpoch::next(), start.elapsed().as_secs_f64());
+        log::info!("{}: ready for rays after {build_secs:.3} s, {} lights", scene.name, scene.lights.len());
         let shows_light = false;
         Self { scene, bvh, lights, epoch, build_secs, metered, full, shows_light, section: None, solids }
     }

@@ -317,7 +317,11 @@ fn an_error_names_file_line_cause_and_remedy() {
     let parts = ["scene.obj", "line 3", "vertex 2 of 1", "export it again"];
     parts.iter().for_each(|part| assert!(message.contains(part), "{message}"));
     assert!(error(b"").to_string().contains("holds no faces"));
-    assert!(error(b"v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n").to_string().contains("has an area"));
+    assert!(error(b"v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n").to_string().contains("1 triangles has an area"));
+    let far = error(b"v 0 0 0\nv 1 0 0\nv 1e200 1 0\nf 1 2 3\n").to_string();
+    assert!(far.contains("too far") && !far.contains("area"), "{far}");
+    let both = error(b"v 0 0 0\nv 1 0 0\nv 1e200 1 0\nv 2 0 0\nf 1 2 3\nf 1 2 4\n").to_string();
+    assert!(both.contains("of its 2 triangles, 1 have no area, and 1 have"), "{both}");
     assert!(error(b"\x7fELF\0\0\0\x01\n\0\0").to_string().contains("binary"));
 }
 

@@ -1,6 +1,7 @@
 //! The importer with small files: each is one way in which real files are wrong.
 
 mod cases;
+mod files;
 mod gltf;
 mod habits;
 mod lamps;

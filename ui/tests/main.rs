@@ -7,5 +7,8 @@
 )]
 
 mod cli;
+#[path = "../build/commit.rs"]
+mod commit;
+mod commits;
 mod licences;
 mod window;

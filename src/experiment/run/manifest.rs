@@ -2,6 +2,7 @@
 
 use super::{identity::Identity, shard::Shard};
 use serde::{Deserialize, Serialize};
+use sysinfo::{CpuRefreshKind, System};
 
 /// Content of `manifest.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -63,6 +64,9 @@ pub struct Machine {
     pub logical_cores: usize,
     /// Memory in gigabytes, if the system reports it.
     pub memory_gb: Option<f64>,
+    /// Name and version of the operating system; empty if it does not report them.
+    #[serde(default)]
+    pub system: String,
     /// Operating system, such as `linux`.
     pub os: String,
     /// Architecture, such as `x86_64`.
@@ -72,17 +76,18 @@ pub struct Machine {
 impl Machine {
     /// Describes this machine.
     pub fn here() -> Self {
-        let read = |path: &str| std::fs::read_to_string(path).unwrap_or_default();
-        let value = |text: &str, name: &str| {
-            let line = text.lines().find(|l| l.starts_with(name))?;
-            Some(line.split_once(':')?.1.trim().to_owned())
-        };
-        let kilobytes = value(&read("/proc/meminfo"), "MemTotal")
-            .and_then(|text| text.split(' ').next()?.parse::<f64>().ok());
+        let system = System::new().map(|mut system| {
+            system.refresh_memory();
+            system.refresh_cpu_list(CpuRefreshKind::nothing());
+            system
+        });
+        let processor = system.as_ref().ok().and_then(|s| Some(s.cpus().first()?.brand().trim().to_owned()));
+        let bytes = system.as_ref().map_or(0, System::total_memory);
         Self {
-            processor: value(&read("/proc/cpuinfo"), "model name").unwrap_or_default(),
+            processor: processor.unwrap_or_default(),
             logical_cores: std::thread::available_parallelism().map_or(0, usize::from),
-            memory_gb: kilobytes.map(|kb| (kb / 1e5).round() / 10.0),
+            memory_gb: (bytes > 0).then(|| (bytes as f64 / 1.024e8).round() / 10.0),
+            system: System::long_os_version().unwrap_or_default(),
             os: std::env::consts::OS.to_owned(),
             arch: std::env::consts::ARCH.to_owned(),
         }

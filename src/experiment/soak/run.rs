@@ -8,6 +8,7 @@ use crate::trace::BounceLimit;
 use serde_json::Value;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
+use sysinfo::{ProcessRefreshKind, ProcessesToUpdate, System};
 
 pub(crate) fn settings(effort: Effort) -> ExperimentSettings {
     // Direct light: many frames, and references that come and go, in a short time.
@@ -94,10 +95,14 @@ fn size(context: &ExperimentContext<'_>, frame: u32) -> [u32; 2] {
 
 /// Resident memory in megabytes; null if the system does not report it.
 fn memory_mb() -> Value {
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));
-    let kilobytes = line.and_then(|line| line.trim().split(' ').next()?.parse::<f64>().ok());
-    kilobytes.map_or(Value::Null, |kb| (kb / 1024.0).into())
+    let bytes = || {
+        let own = sysinfo::get_current_pid().ok()?;
+        let mut system = System::new().ok()?;
+        let what = ProcessRefreshKind::nothing().with_memory();
+        system.refresh_processes_specifics(ProcessesToUpdate::Some(&[own]), true, what);
+        Some(system.process(own)?.memory())
+    };
+    bytes().map_or(Value::Null, |bytes| (bytes as f64 / f64::from(1 << 20)).into())
 }
 
 /// Number of open files; null if the system does not report it.

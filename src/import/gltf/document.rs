@@ -1,6 +1,6 @@
 //! The JSON and the binary part of a glTF file; items of the JSON by list and index.
 
-use super::schema::Root;
+use super::schema::{Root, RootExtensions};
 use crate::import::tally::{Tally, quote};
 use crate::import::{files::unreadable, trouble::Trouble};
 use crate::scene::SceneError;
@@ -196,10 +196,22 @@ fn root_of<'t>(keys: &Keys<'t>, text: &'t str, faults: &mut Vec<Fault>) -> Root<
         buffers: key("buffers", keys, text, faults),
         cameras: key("cameras", keys, text, faults),
         animations: key("animations", keys, text, faults),
-        extensions_used: key("extensionsUsed", keys, text, faults),
-        extensions_required: key("extensionsRequired", keys, text, faults),
-        extensions: key("extensions", keys, text, faults),
+        extensions_used: names("extensionsUsed", keys, text, faults),
+        extensions_required: names("extensionsRequired", keys, text, faults),
+        extensions: {
+            let extensions: Keys = key("extensions", keys, text, faults);
+            RootExtensions {
+                lights: key("KHR_lights_punctual", &extensions, text, faults),
+                profiles: key("EXT_lights_ies", &extensions, text, faults),
+            }
+        },
     }
+}
+
+/// Returns the names in a list; items that are no names are left out.
+fn names<'t>(name: &str, keys: &Keys<'t>, text: &'t str, faults: &mut Vec<Fault>) -> Vec<String> {
+    let items: Vec<&RawValue> = key(name, keys, text, faults);
+    items.into_iter().filter_map(|item| serde_json::from_str(item.get()).ok()).collect()
 }
 
 /// Returns the value of a key; the default where it is missing or cannot be read.

@@ -29,12 +29,12 @@ pub(super) struct Root<'t> {
     pub(super) extensions: RootExtensions<'t>,
 }
 
-#[derive(Deserialize, Default)]
-#[serde(default)]
+/// The extensions at the root. Each is read by itself, as the keys of the root are.
+#[derive(Default)]
 pub(super) struct RootExtensions<'t> {
-    #[serde(borrow, rename = "KHR_lights_punctual")]
+    /// `KHR_lights_punctual`.
     pub(super) lights: Lights<'t>,
-    #[serde(borrow, rename = "EXT_lights_ies")]
+    /// `EXT_lights_ies`.
     pub(super) profiles: Lights<'t>,
 }
 

@@ -181,3 +181,37 @@ fn every_phase_of_a_gltf_can_be_cancelled() {
         assert!(matches!(outcome, Err(SceneError::Cancelled)), "{phase:?}");
     }
 }
+
+#[test]
+fn a_bad_key_at_the_root_costs_only_itself() {
+    let mut model = Model::square();
+    model.json["extensionsUsed"] = json!(["KHR_lights_punctual", "EXT_lights_ies"]);
+    model.json["extensions"] = json!({
+        "KHR_lights_punctual": {"lights": [{"type": "point"}]}, "EXT_lights_ies": {"lights": []},
+    });
+    model.node(json!({"extensions": {"KHR_lights_punctual": {"light": 0}}}));
+    let whole = model.load();
+    assert_eq!((whole.triangles.len(), whole.lights.len()), (2, 1));
+    let needed = ["nodes", "meshes", "accessors", "bufferViews", "buffers"];
+    let keys: Vec<String> = model.json.as_object().unwrap().keys().cloned().collect();
+    for key in keys.iter().filter(|key| !needed.contains(&key.as_str())) {
+        for bad in [json!(5), json!("text"), json!(true), json!({"a": []}), json!([5])] {
+            let mut spoilt = Model { json: model.json.clone(), bin: model.bin.clone() };
+            spoilt.json[key] = bad.clone();
+            // A scene that exists is another scene, and a list of unused items is never read.
+            let scene = spoilt.try_load().unwrap_or_else(|error| panic!("{key} {bad}: {error}"));
+            assert_eq!(scene.triangles.len(), 2, "{key} {bad}");
+            if key != "extensions" {
+                assert_eq!(scene.lights.len(), 1, "{key} {bad}");
+            }
+        }
+    }
+    for (bad, lights) in [("EXT_lights_ies", 1), ("KHR_lights_punctual", 0)] {
+        let mut spoilt = Model { json: model.json.clone(), bin: model.bin.clone() };
+        spoilt.json["extensions"][bad] = json!(5);
+        let scene = spoilt.load();
+        // Without a lamp, the scene gets a sun and a sky.
+        assert_eq!(scene.lights.len(), if lights == 0 { 2 } else { 1 }, "{bad}");
+        assert!(warning(&scene, "keys of the root").2.contains(bad), "{bad}");
+    }
+}

@@ -1,6 +1,7 @@
 //! `afterimage doctor`: version, machine, graphics and paths, as a bug report needs them.
 
-use super::{failure::Failure, flags::Flags, output, paths};
+use super::{commit, failure::Failure, flags::Flags, output, paths};
+use afterimage::experiment::run::Machine;
 use serde_json::{Value, json};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -18,10 +19,16 @@ fn object(user_file: Option<&Path>) -> Value {
         Ok(found) => (found, None),
         Err(cause) => (Vec::new(), Some(cause)),
     };
+    let machine = Machine::here();
     json!({
         "version": env!("CARGO_PKG_VERSION"),
-        "os": std::env::consts::OS,
-        "arch": std::env::consts::ARCH,
+        "commit": commit::COMMIT,
+        "build": commit::BUILD,
+        "os": machine.os,
+        "system": machine.system,
+        "processor": machine.processor,
+        "memory_gb": machine.memory_gb,
+        "arch": machine.arch,
         "threads": rayon::current_num_threads(),
         "machine_threads": std::thread::available_parallelism().map_or(0, usize::from),
         "simd": {
@@ -124,8 +131,10 @@ fn table(object: &Value) -> String {
     let has_settings = object["paths"]["has_settings"] == true;
     let missing = if has_settings { "" } else { " (no such file: the defaults apply)" };
     let mut rows = vec![
-        ("version", at("/version")),
-        ("system", format!("{} {}", at("/os"), at("/arch"))),
+        ("version", commit::version()),
+        ("system", format!("{} ({} {})", at("/system"), at("/os"), at("/arch"))),
+        ("processor", at("/processor")),
+        ("memory", format!("{} GB", at("/memory_gb"))),
         ("threads", format!("{} of {}", at("/threads"), at("/machine_threads"))),
         ("SIMD in use", at("/simd/in_use")),
         ("SIMD available", at("/simd/available")),

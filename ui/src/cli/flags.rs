@@ -158,6 +158,10 @@ pub(crate) struct Flags {
     #[arg(long, global = true, value_name = "MB", default_value_t = 2048)]
     #[arg(value_parser = clap::value_parser!(u64).range(1..=1 << 30))]
     pub(crate) store_mb: u64,
+    /// Log to stderr what the program does: -v the main steps, -vv the details, -vvv also the
+    /// graphics libraries. RUST_LOG selects by module instead.
+    #[arg(short, long, global = true, action = clap::ArgAction::Count)]
+    pub(crate) verbose: u8,
     /// File of the user's settings [default: AFTERIMAGE_CONFIG, else settings.toml in the system's
     /// configuration folder].
     #[arg(long, global = true, value_name = "FILE")]

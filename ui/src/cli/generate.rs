@@ -1,13 +1,37 @@
-//! `afterimage completions`, `man` and `licences`: files that are installed with the program.
+//! `afterimage completions`, `man`, `licences` and `schema`: texts that belong to the program.
 
 use super::{failure::Failure, output};
-use clap::{Args, Command};
+use clap::{Args, Command, ValueEnum};
 use clap_complete::Shell;
 
 #[derive(Args, Debug)]
 pub(crate) struct CompletionsArgs {
     /// bash, elvish, fish, powershell or zsh.
     shell: Shell,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct SchemaArgs {
+    /// Which file is described: settings.toml, or the NAME.afterimage.toml next to a model.
+    #[arg(value_enum)]
+    file: SchemaOf,
+}
+
+/// The files that have a schema.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum SchemaOf {
+    Settings,
+    Sidecar,
+}
+
+/// Prints a JSON Schema, by which editors complete and check a TOML file.
+pub(crate) fn schema(args: &SchemaArgs) -> Result<(), Failure> {
+    let text = match args.file {
+        SchemaOf::Settings => include_str!("../../assets/settings.schema.json"),
+        SchemaOf::Sidecar => include_str!("../../assets/sidecar.schema.json"),
+    };
+    output::data(text.trim_end());
+    Ok(())
 }
 
 /// Prints the completion script, generated from the definition of the flags.
@@ -35,8 +59,9 @@ pub(crate) fn man(command: Command) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Prints the list of licences, which the tests keep up to date.
+/// Prints the list of licences and their texts, which the tests keep up to date.
 pub(crate) fn licences() -> Result<(), Failure> {
-    output::data(include_str!("../../../assets/LICENCES.md").trim_end());
+    output::data(include_str!("../../assets/LICENCES.md"));
+    output::data(include_str!("../../assets/LICENCE-TEXTS.txt").trim_end());
     Ok(())
 }

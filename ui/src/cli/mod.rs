@@ -4,6 +4,7 @@
 //! Data goes to stdout, messages to stderr. Only `doctor` and the window use graphics.
 
 mod bake;
+mod commit;
 mod compare;
 mod doctor;
 mod experiment;
@@ -15,6 +16,7 @@ mod headless;
 mod inspect;
 mod interrupt;
 mod jpeg;
+mod logging;
 mod measure;
 mod output;
 mod panorama;
@@ -40,7 +42,7 @@ use crate::window::input::keymap::{self, KeysError};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use failure::Failure;
 use flags::Flags;
-use std::{ffi::OsString, path::PathBuf, process::ExitCode};
+use std::{ffi::OsString, io::Write, path::PathBuf, process::ExitCode};
 
 const EXIT_CODES: &str = "Exit codes: 0 ok, 1 failure, 2 usage, 3 the scene cannot be imported, \
     4 warnings under --strict, 130 interrupted.";
@@ -52,7 +54,7 @@ fn long_help() -> String {
 
 /// Interactive walkthrough of ray-traced buildings that reuses reference images.
 #[derive(Debug, Parser)]
-#[command(name = "afterimage", version, about, subcommand_precedence_over_arg = true)]
+#[command(name = "afterimage", version = commit::version(), about, subcommand_precedence_over_arg = true)]
 #[command(after_help = EXIT_CODES, after_long_help = long_help())]
 struct Cli {
     /// A model (.obj, .gltf, .glb), builtin:NAME, or a picture saved by this program, whose view is
@@ -90,8 +92,10 @@ enum Command {
     Completions(generate::CompletionsArgs),
     /// Print the manual page.
     Man,
-    /// Print the licences of the program's dependencies.
+    /// Print the licences of the libraries in the program, with their texts.
     Licences,
+    /// Print the JSON Schema of settings.toml or of the file next to a model.
+    Schema(generate::SchemaArgs),
 }
 
 impl Command {
@@ -138,20 +142,34 @@ fn with_settings(user_file: Option<PathBuf>, key_error: Option<KeysError>) -> Re
         }
     });
     let cli = parse(command)?;
-    let outcome =
-        check(&cli.flags).and_then(|()| start_threads(&cli.flags)).and_then(|()| dispatch(&cli, &layers));
-    outcome.map_err(|failure| {
-        output::say(&failure.to_string());
-        ExitCode::from(failure.exit_code())
-    })
+    logging::start(cli.flags.verbose);
+    log::info!(
+        "settings: {}",
+        layers.user_file.as_deref().map_or("none".into(), |path| path.display().to_string())
+    );
+    let outcome = check(&cli.flags)
+        .and_then(|()| start_threads(&cli.flags))
+        .and_then(|()| dispatch(&cli, &layers))
+        .and_then(|()| output::check());
+    outcome.map_err(fail)
+}
+
+/// Says why a command failed, and returns its exit code.
+fn fail(failure: Failure) -> ExitCode {
+    output::say(&failure.to_string());
+    ExitCode::from(failure.exit_code())
 }
 
 /// Parses the arguments of the process. Prints clap's errors, and the texts of `--help` and
 /// `--version`.
 fn parse(command: clap::Command) -> Result<Cli, ExitCode> {
     command.try_get_matches().and_then(|matches| Cli::from_arg_matches(&matches)).map_err(|error| {
-        let _ = error.print();
-        ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(1))
+        let written = error.print();
+        if error.use_stderr() {
+            return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(1));
+        }
+        output::note(written.and_then(|()| std::io::stdout().flush()));
+        output::check().map_or_else(fail, |()| ExitCode::SUCCESS)
     })
 }
 
@@ -203,6 +221,7 @@ fn dispatch(cli: &Cli, layers: &Layers) -> Result<(), Failure> {
         (None, Some(Command::Completions(args))) => generate::completions(args, Cli::command()),
         (None, Some(Command::Man)) => generate::man(Cli::command()),
         (None, Some(Command::Licences)) => generate::licences(),
+        (None, Some(Command::Schema(args))) => generate::schema(args),
     }
 }
 

@@ -1,9 +1,15 @@
 //! All output to the terminal: data to stdout, messages to stderr.
 //!
-//! Failed writes are ignored: a closed pipe (`| head`) is not an error of the command.
+//! A closed pipe (`| head`) is not an error of the command. Data that cannot be written for another
+//! reason, such as a full disk, makes the command fail when it ends.
 
+use super::failure::Failure;
 use serde_json::Value;
-use std::io::Write;
+use std::io::{Error, ErrorKind, Write};
+use std::sync::OnceLock;
+
+/// Why data could not be written to stdout, if it could not.
+static LOST: OnceLock<String> = OnceLock::new();
 
 /// Writes a line to stderr.
 pub(crate) fn say(text: &str) {
@@ -13,7 +19,26 @@ pub(crate) fn say(text: &str) {
 /// Writes a line to stdout.
 pub(crate) fn data(text: &str) {
     let mut out = std::io::stdout().lock();
-    let _ = writeln!(out, "{text}").and_then(|()| out.flush());
+    note(writeln!(out, "{text}").and_then(|()| out.flush()));
+}
+
+/// Notes the result of writing to stdout.
+pub(crate) fn note(written: Result<(), Error>) {
+    if let Err(error) = written
+        && error.kind() != ErrorKind::BrokenPipe
+    {
+        let _ = LOST.set(error.to_string());
+    }
+}
+
+/// Fails where data was lost because stdout could not be written.
+pub(crate) fn check() -> Result<(), Failure> {
+    match LOST.get() {
+        Some(cause) => Err(Failure::Failed(format!(
+            "the result cannot be written to stdout: {cause}; make room there, or send it elsewhere"
+        ))),
+        None => Ok(()),
+    }
 }
 
 /// Writes the result of a command: as one JSON object, or as a table.

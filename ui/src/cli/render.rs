@@ -149,6 +149,9 @@ fn run_panorama(args: &RenderArgs, flags: &Flags) -> Result<(), Failure> {
         ("--types", args.types.is_some()),
         ("--aov", !args.aov.is_empty()),
         ("--reference", !args.references.is_empty()),
+        ("--outlines", args.outlines.is_some()),
+        ("--section", args.section.is_given()),
+        ("--jpeg-quality", args.jpeg.is_given()),
     ];
     if let Some((flag, _)) = others.into_iter().find(|(_, is_given)| *is_given) {
         return Err(Failure::Usage(format!("{flag} is for --projection perspective")));

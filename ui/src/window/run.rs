@@ -75,7 +75,7 @@ fn end_on_signals(ended: Arc<AtomicBool>, ctx: egui::Context) {
 
 /// Returns the icon of the window; an empty one where it cannot be decoded.
 fn icon() -> egui::IconData {
-    let png = include_bytes!("../../../assets/desktop/afterimage.png");
+    let png = include_bytes!("../../assets/desktop/afterimage.png");
     eframe::icon_data::from_png_bytes(png).unwrap_or_default()
 }
 

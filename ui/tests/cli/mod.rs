@@ -5,9 +5,11 @@ mod data;
 mod inspect;
 mod measure;
 mod runs;
+mod schema;
 mod section;
 mod settings;
 mod trouble;
+mod written;
 
 use serde_json::Value;
 use std::path::{Path, PathBuf};

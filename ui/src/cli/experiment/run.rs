@@ -3,7 +3,7 @@
 use super::{args::ExperimentArgs, throughput};
 use crate::cli::scene::{Loaded, load};
 use crate::cli::{
-    failure::Failure, flags::Flags, interrupt, output, paths, pose::camera, progress::Progress,
+    commit, failure::Failure, flags::Flags, interrupt, output, paths, pose::camera, progress::Progress,
     report as report_files, walk::read_path,
 };
 use crate::picture::memory;
@@ -114,7 +114,7 @@ fn out(args: &ExperimentArgs) -> Result<PathBuf, Failure> {
 }
 
 fn session() -> Session {
-    Session::now(std::env::args().collect(), option_env!("AFTERIMAGE_COMMIT"))
+    Session::now(std::env::args().collect(), commit::COMMIT)
 }
 
 /// The experiment's settings, with those replaced that the flags give.

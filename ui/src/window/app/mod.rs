@@ -58,5 +58,5 @@ use services::{
 };
 use session::{EXTENSION, SessionFile, beside_model, is_session, write_session};
 use update::{apply, show_appearance};
-use watch::{OwnWrites, modified, watch};
+use watch::{OwnWrites, look_again, modified, watch};
 pub use window_app::App;

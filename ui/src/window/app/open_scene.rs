@@ -3,8 +3,8 @@
 
 use super::{
     AppEvent, Arrival, Parts, SavedSession, SessionFile, begin_document, beside_model, end_recording,
-    is_own_recovery, is_session, is_sky, open_sky, rebuild, remember_model, restore_session, save_session,
-    show_note, watch,
+    is_own_recovery, is_session, is_sky, look_again, open_sky, rebuild, remember_model, restore_session,
+    save_session, show_note, watch,
 };
 use crate::picture::restore::{beside, is_picture, read_view};
 use crate::settings;
@@ -14,6 +14,7 @@ use crate::window::rendering::{
     LoadedScene, Loading, ReadEdit, RenderCommand, SceneSource, TaskError, take_result,
 };
 use crate::window::state::{Answer, AppState, Leaving, OutsidePicture, PlanState, SceneInfo};
+use afterimage::scene::SourceFile;
 use afterimage::{Camera, Tracer, raster::exposure::Exposure};
 use egui::ViewportCommand;
 use std::path::{Path, PathBuf};
@@ -205,11 +206,18 @@ pub(super) fn poll_watch(app: &mut Parts) {
         return;
     }
     if let Some(Ok(path)) = take_result(&mut app.services.watch) {
-        app.services.watch =
-            Some(watch(path.clone(), app.services.own_writes.clone(), app.services.wake.clone()));
+        let files = app.current.tracer().map(|tracer| look_again(&tracer.scene().files)).unwrap_or_default();
+        start_watch(app, path.clone(), files);
         app.state.info(format!("{} has changed and is loaded again", path.display()));
         reload(app);
     }
+}
+
+/// Watches a model's files. A change since the state in `files` loads the model again.
+fn start_watch(app: &mut Parts, model: PathBuf, files: Vec<SourceFile>) {
+    let services = &app.services;
+    let watching = watch(model, files, services.own_writes.clone(), services.wake.clone());
+    app.services.watch = Some(watching);
 }
 
 fn show_scene(app: &mut Parts, source: SceneSource, tracer: Arc<Tracer>) {
@@ -263,7 +271,8 @@ fn show_scene(app: &mut Parts, source: SceneSource, tracer: Arc<Tracer>) {
     app.services.watch = None;
     if let SceneSource::File { path, .. } = source {
         remember_model(app, &path);
-        app.services.watch = Some(watch(path, app.services.own_writes.clone(), app.services.wake.clone()));
+        let files = tracer.scene().files.to_vec();
+        start_watch(app, path, files);
     }
 }
 

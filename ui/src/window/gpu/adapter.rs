@@ -13,6 +13,7 @@ pub(crate) fn prepare(
     watch(graphics, trouble, wake);
     viewport::install(graphics);
     let adapter = graphics.adapter.get_info();
+    log::info!("graphics: {} ({}, {:?})", adapter.name, adapter.backend, adapter.device_type);
     (adapter.device_type == egui_wgpu::wgpu::DeviceType::Cpu).then_some(adapter.name)
 }
 

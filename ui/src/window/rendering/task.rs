@@ -8,6 +8,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
+use std::time::Instant;
 
 /// Asks the window to update itself. Threads call it when they have something new.
 pub type Wake = Arc<dyn Fn() + Send + Sync>;
@@ -159,9 +160,13 @@ fn spawn<T: Send + 'static>(
     let shared = Arc::<Shared>::default();
     let (sender, result) = bounded(1);
     let (handle, not_started) = (TaskHandle { shared: shared.clone(), wake }, sender.clone());
+    let what = name.to_owned();
     let run = move || {
+        let start = Instant::now();
         let done = catch_unwind(AssertUnwindSafe(|| work(&handle)));
         let done = done.unwrap_or_else(|panic| Err(TaskError::Failed(panicked_text + &panic_text(&*panic))));
+        let end = done.as_ref().map_or_else(|error| format!("{error:?}"), |_| "done".to_owned());
+        log::debug!("task {what}: {end} after {:.3} s", start.elapsed().as_secs_f64());
         // A task that was dropped receives nothing.
         let _ = sender.send(done);
         handle.wake();

@@ -14,6 +14,9 @@ pub struct Chord {
     pub ctrl: bool,
 }
 
+/// True on a Mac, whose keyboards say Command where others say Ctrl.
+const ON_MAC: bool = cfg!(target_os = "macos");
+
 pub(crate) const fn plain(key: Key) -> Chord {
     Chord { key, shift: false, ctrl: false }
 }
@@ -31,13 +34,13 @@ pub(crate) const fn ctrl_shift(key: Key) -> Chord {
 }
 
 impl Chord {
-    /// Parses a chord such as `K`, `Shift+K` or `Ctrl+F12`.
+    /// Parses a chord such as `K`, `Shift+K` or `Ctrl+F12`; `Cmd` means the same as `Ctrl`.
     pub(crate) fn parse(text: &str) -> anyhow::Result<Self> {
         let (mut chord, mut rest) = (plain(Key::A), text.trim());
         loop {
             if let Some(after) = rest.strip_prefix("Shift+") {
                 (chord.shift, rest) = (true, after);
-            } else if let Some(after) = rest.strip_prefix("Ctrl+") {
+            } else if let Some(after) = rest.strip_prefix("Ctrl+").or_else(|| rest.strip_prefix("Cmd+")) {
                 (chord.ctrl, rest) = (true, after);
             } else {
                 break;
@@ -58,7 +61,9 @@ impl Chord {
     /// The chord as text, such as `Shift+K`; `Self::parse` reads it.
     pub fn name(&self) -> String {
         let prefix = match (self.ctrl, self.shift) {
+            (true, true) if ON_MAC => "Cmd+Shift+",
             (true, true) => "Ctrl+Shift+",
+            (true, _) if ON_MAC => "Cmd+",
             (true, _) => "Ctrl+",
             (_, true) if self.key == Key::Slash => return "?".to_owned(),
             (_, true) => "Shift+",

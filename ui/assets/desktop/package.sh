@@ -1,7 +1,7 @@
 #!/bin/sh
 # Builds the Debian package with manual page and shell completions. Requires `cargo install cargo-deb`.
 set -eu
-cd "$(dirname "$0")/../.."
+cd "$(dirname "$0")/../../.."
 cargo build --release --locked
 program=target/release/afterimage
 mkdir -p target/generated
