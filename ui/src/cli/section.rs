@@ -69,6 +69,11 @@ fn metres(text: &str) -> Result<f64, String> {
 }
 
 impl SectionFlags {
+    /// True where a section is given.
+    pub(super) fn is_given(&self) -> bool {
+        !self.sections.is_empty()
+    }
+
     /// Refuses the mode that cannot show a section.
     pub(super) fn check_mode(&self, mode: Mode) -> Result<(), Failure> {
         if self.sections.is_empty() || mode != Mode::Paper {

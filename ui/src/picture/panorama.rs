@@ -142,6 +142,8 @@ impl PanoramaJob {
             exposure_ev: self.exposure_ev,
             tone_map: self.tone_map,
             document: self.document.as_deref(),
+            section: &[],
+            outlines: None,
         });
         notes.retain(|(name, _)| *name != "Refined");
         if let Some((_, settings)) = notes.iter_mut().find(|(name, _)| *name == "Settings") {
