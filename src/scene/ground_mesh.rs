@@ -62,9 +62,15 @@ impl Scene {
 
     /// Whether the scene wants a ground, and why not.
     pub fn ground_advice(&self) -> GroundAdvice {
+        self.ground_advice_with(|| self.has_own_ground())
+    }
+
+    /// Returns the same where it is known whether the model has a ground of its own: to find that
+    /// out takes a look at every triangle.
+    pub fn ground_advice_with(&self, has_own: impl FnOnce() -> bool) -> GroundAdvice {
         if self.sun.is_none() && self.sky.is_none() {
             GroundAdvice::NoDaylight
-        } else if self.has_own_ground() {
+        } else if has_own() {
             GroundAdvice::HasOwn
         } else {
             GroundAdvice::Wanted
@@ -88,7 +94,7 @@ impl Scene {
 
     /// True where level triangles low in the model reach beyond the building, and are about as wide
     /// as it.
-    fn has_own_ground(&self) -> bool {
+    pub fn has_own_ground(&self) -> bool {
         let [low, high] = self.building_m.map(|p| self.frame.scene_from_world_f64(p).as_vec3());
         let margin = (high - low).length() * BEYOND as f32;
         let middle = f32::midpoint(low.y, high.y);

@@ -55,7 +55,7 @@ pub(crate) fn save_picture(
         let output = Output { target: Target::Next { folder, stem, extension }, shows: shows.clone() };
         match output.target.probe() {
             Ok(()) => return save(job, tracer, references, &output, task),
-            Err(error) => refusal = format!("{error}; choose another folder in Scene, Picture settings"),
+            Err(error) => refusal = format!("{error}; choose another folder in File, Picture settings"),
         }
     }
     Err(TaskError::Failed(refusal))

@@ -59,8 +59,10 @@ fn distances_m(state: &AppState, found: &Inspection) -> [f64; 2] {
 
 fn lines(state: &AppState, found: &Inspection) -> Vec<(&'static str, String)> {
     let of_scene = state.document.as_ref().and_then(|d| d.scene().materials.get(found.material.0 as usize));
-    let material = of_scene.map_or_else(String::new, |m| format!("{} ({})", m.name, m.kind_name()));
-    let (types, why) = of_scene.map_or(("", ""), Material::types);
+    let material =
+        of_scene.map_or_else(|| "added ground".to_owned(), |m| format!("{} ({})", m.name, m.kind_name()));
+    // The ground that was added is no material of the model.
+    let (types, why) = of_scene.map_or(("Type 1", "the ground that was added is matte"), Material::types);
     let [distance_m, depth_m] = distances_m(state, found);
     let mut lines = vec![
         ("material", material),

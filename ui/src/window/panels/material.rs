@@ -264,7 +264,7 @@ fn history(ui: &mut Ui, state: &AppState, document: &OpenDocument, commands: &mu
         button(ui, "Redo", document.can_redo(), key_hint(Action::Redo), EditCommand::Redo);
         let is_file = state.scene.as_ref().is_some_and(|s| matches!(s.source, SceneSource::File { .. }));
         let help = if is_file {
-            "Save materials, objects, sun, sky and lights in the sidecar (.afterimage.toml) of the model; the model itself is not changed"
+            "Save materials, objects, sun, sky, ground and lights in the sidecar (.afterimage.toml) of the model; the model itself is not changed"
         } else {
             "This scene is built in; open a model file to save changes"
         };

@@ -1,5 +1,5 @@
-//! The plan: a horizontal section of the model at eye height, the camera, its path, and the
-//! references coloured by their contribution.
+//! The plan: a horizontal section of a storey of the model, 1.2 m above its floor, the camera, its
+//! path, and the references coloured by their contribution.
 
 use super::super::state::{AppState, Command, InspectCommand};
 use super::widgets::choice;

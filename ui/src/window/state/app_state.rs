@@ -115,7 +115,7 @@ pub struct FileState {
 /// The plan of the floor and the part of it that is shown.
 #[derive(Clone, Debug, Default)]
 pub struct PlanState {
-    /// Horizontal cut through the building at eye height.
+    /// Horizontal cut through a storey of the building.
     pub cut: Option<Arc<Plan>>,
     /// Eye height in metres of the last cut that was begun, also if it failed.
     pub asked_m: Option<f64>,

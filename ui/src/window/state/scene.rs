@@ -61,6 +61,8 @@ pub struct SceneInfo {
     pub features: SceneFeatures,
     /// Whether the scene wants a ground, and why not.
     pub ground_advice: GroundAdvice,
+    /// True where the model, as it was loaded, has a ground of its own.
+    has_own_ground: bool,
     /// The ground at the lowest point of the building.
     pub lowest_ground: Ground,
 }
@@ -69,6 +71,7 @@ impl SceneInfo {
     /// Describes a scene that was loaded.
     pub fn new(source: SceneSource, tracer: &Tracer) -> Self {
         let scene = tracer.scene();
+        let has_own_ground = scene.has_own_ground();
         Self {
             name: scene.name.clone(),
             source,
@@ -87,7 +90,8 @@ impl SceneInfo {
             building_m: scene.building_m,
             speed_m_per_s: speed_for(scene.building_m),
             features: scene.features,
-            ground_advice: scene.ground_advice(),
+            ground_advice: scene.ground_advice_with(|| has_own_ground),
+            has_own_ground,
             lowest_ground: scene.lowest_ground(),
         }
     }
@@ -102,6 +106,7 @@ impl SceneInfo {
         self.triangles = scene.triangles.len();
         (self.lights, self.features) = (scene.lights.len(), scene.features);
         self.light_groups.clone_from(&scene.light_groups.list);
+        self.ground_advice = scene.ground_advice_with(|| self.has_own_ground);
         self.conditioning = scene.conditioning.sentences();
     }
 }

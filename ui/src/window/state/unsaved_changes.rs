@@ -31,7 +31,7 @@ pub struct OutsidePicture {
 /// What is done with the unsaved changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Answer {
-    /// The changes are saved in the sidecar first. If that fails, the action is cancelled.
+    /// The changes are saved in the session first. If that fails, the action is cancelled.
     Save,
     /// The changes are lost.
     Discard,

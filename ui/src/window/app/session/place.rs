@@ -51,7 +51,7 @@ fn write_to(session: &SessionFile, path: PathBuf) -> anyhow::Result<PathBuf> {
 
 fn failed(error: anyhow::Error) -> TaskError {
     let remedy = match error.is::<SaveError>() {
-        true => "; free some space, or choose another folder in Scene, Picture settings",
+        true => "; free some space, or choose another folder in File, Picture settings",
         false => "",
     };
     TaskError::Failed(format!("{error:#}{remedy}"))
