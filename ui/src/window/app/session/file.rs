@@ -222,6 +222,7 @@ impl SessionFile {
             ensure!(path.keyframes.len() <= MAX_KEYS, "its path has more than {MAX_KEYS} keys");
             ensure!(path.keyframes.is_empty() || path.is_valid(), "its camera path is impossible");
         }
+        ensure!(self.exposure.is_valid(), "its exposure is impossible");
         ensure!(self.sun.as_ref().is_none_or(SunTable::is_valid), "the sun in it is impossible");
         Ok(())
     }
@@ -235,7 +236,8 @@ impl SessionFile {
         of_files.show(&edit.daylight);
         let own = self.sun.as_ref().map(|table| table.controls(of_files.nits_per_unit));
         let sun = own.map_or(of_files, |sun| with_sky_of(sun, &edit.daylight));
-        let view = |v: &View| SavedView { name: v.name.clone(), key: v.key, camera: v.camera };
+        let key_of = |v: &View| v.key.filter(|key| (1..=9).contains(key));
+        let view = |v: &View| SavedView { name: v.name.clone(), key: key_of(v), camera: v.camera };
         let views: Vec<SavedView> = self.views.iter().map(view).collect();
         open.restore(Document {
             sun,
