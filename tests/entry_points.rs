@@ -5,11 +5,12 @@
 
 use afterimage::camera::CameraPath;
 use afterimage::experiment::run::{Journal, merge, read_manifest};
-use afterimage::import::{ImportOptions, load};
+use afterimage::import::{EditFolder, ImportOptions, apply_edit_text, load};
 use afterimage::scene::{MaterialKind, Scene, SceneError};
-use afterimage::{Camera, raster::load::Picture};
+use afterimage::{Camera, raster::load::Picture, raster::load::read_notes};
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 /// Name and function of an entry point.
 pub(crate) type EntryPoint = (&'static str, fn(&[u8]));
@@ -21,6 +22,7 @@ pub(crate) const ALL: &[EntryPoint] = &[
     ("texture", texture),
     ("gltf", gltf),
     ("sidecar", sidecar),
+    ("session", session),
     ("ies", ies),
     ("walk", walk),
     ("journal", journal),
@@ -139,6 +141,23 @@ pub(crate) fn sidecar(bytes: &[u8]) {
     check_load("scene.obj", &[("scene.obj", TRIANGLE.as_bytes()), ("scene.afterimage.toml", bytes)]);
 }
 
+/// The changes of a scene that a session, or the note of a picture, holds.
+pub(crate) fn session(bytes: &[u8]) {
+    static SCENE: OnceLock<Scene> = OnceLock::new();
+    let scene = SCENE.get_or_init(|| {
+        let mut loaded = None;
+        in_folder(&[("scene.obj", TRIANGLE.as_bytes())], |folder| {
+            loaded = load(&folder.join("scene.obj"), &limited(), &|_, _| true).ok();
+        });
+        loaded.expect("a valid model")
+    });
+    let folder = EditFolder { model: None, allow_outside: false };
+    let text = String::from_utf8_lossy(bytes);
+    let Ok(applied) = apply_edit_text(&text, folder, scene, &scene.to_edit()) else { return };
+    assert!(applied.messages.iter().all(|message| !message.is_empty() && message.len() < 20_000));
+    check_scene(&scene.with_edit(&applied.edit));
+}
+
 /// The light profile of a lamp.
 pub(crate) fn ies(bytes: &[u8]) {
     let lamp = "[[point_light]]\nposition_m = [0, 0, 1]\nies = \"a.ies\"\n";
@@ -171,9 +190,10 @@ pub(crate) fn journal(bytes: &[u8]) {
     });
 }
 
-/// A picture to be compared.
+/// A picture to be compared, or dropped on the window.
 pub(crate) fn picture(bytes: &[u8]) {
     in_folder(&[("a", bytes)], |folder| {
+        let _ = read_notes(&folder.join("a"));
         let Ok(picture) = Picture::load(&folder.join("a")) else { return };
         assert_eq!(picture.values.len(), (picture.size[0] * picture.size[1]) as usize);
         assert!(picture.display(0.0).iter().all(|v| v.is_finite()));

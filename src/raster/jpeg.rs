@@ -153,16 +153,16 @@ struct Rows<'a> {
     /// The first row that is kept, and the pixels from there on.
     first: u32,
     kept: Vec<[u8; 3]>,
-    /// Number of pixels that have arrived.
-    arrived: u64,
+    /// Number of pixels that have not arrived.
+    missing: u64,
     has_ended: bool,
     error: Option<Box<dyn Error + Send + Sync>>,
 }
 
 impl<'a> RowsView<'a> {
     fn new(size: [u32; 2], next: NextRows<'a>, has_failed: Rc<Cell<bool>>) -> Self {
-        let (kept, error) = (Vec::new(), None);
-        let rows = Rows { next, first: 0, kept, arrived: 0, has_ended: false, error };
+        let missing = size.map(u64::from).iter().product();
+        let rows = Rows { next, first: 0, kept: Vec::new(), missing, has_ended: false, error: None };
         Self { size, rows: RefCell::new(rows), has_failed }
     }
 
@@ -172,14 +172,9 @@ impl<'a> RowsView<'a> {
         while !rows.has_ended {
             rows.take_next();
         }
-        if let Some(error) = rows.error.take() {
-            return Err(error);
-        }
-        let expected: u64 = self.size.map(u64::from).iter().product();
-        if rows.arrived > expected {
-            Err("it was given too many rows".into())
-        } else {
-            Ok(rows.arrived == expected)
+        match rows.error.take() {
+            Some(error) => Err(error),
+            None => Ok(rows.missing == 0),
         }
     }
 }
@@ -188,7 +183,10 @@ impl Rows<'_> {
     fn take_next(&mut self) {
         match (self.next)() {
             Ok(Some(pixels)) => {
-                self.arrived += pixels.len() as u64;
+                match self.missing.checked_sub(pixels.len() as u64) {
+                    Some(missing) => self.missing = missing,
+                    None => (self.has_ended, self.error) = (true, Some("it was given too many rows".into())),
+                }
                 self.kept.extend(pixels);
             }
             Ok(None) => self.has_ended = true,

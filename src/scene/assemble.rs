@@ -177,10 +177,9 @@ impl SceneBuilder {
         let is_emissive = self.triangle_materials.iter().any(|m| self.materials[m.0 as usize].is_emissive());
         let has_lamps =
             !(self.point_lights.is_empty() && self.spot_lights.is_empty() && self.profile_lights.is_empty());
-        if !is_emissive && !has_lamps && self.sun.is_none() && self.sky.is_none() {
-            if let Some(added) = self.add_clear_day() {
-                self.warn_of_scene(format!("{NO_LIGHT}; {added}"));
-            }
+        let is_dark = !is_emissive && !has_lamps && self.sun.is_none() && self.sky.is_none();
+        if let Some(added) = is_dark.then(|| self.add_clear_day()).flatten() {
+            self.warn_of_scene(format!("{NO_LIGHT}; {added}"));
         }
     }
 

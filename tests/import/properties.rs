@@ -123,6 +123,11 @@ proptest! {
     }
 
     #[test]
+    fn any_session_leaves_a_scene(bytes in prop_oneof![2 => text(TOML, ENDS), 2 => spoilt(seeds("session"))]) {
+        in_time(entry_points::session, &bytes);
+    }
+
+    #[test]
     fn any_walk_is_walked_or_refused(bytes in prop_oneof![1 => text(JSON, ENDS), 2 => spoilt(seeds("walk"))]) {
         in_time(entry_points::walk, &bytes);
     }

@@ -2,7 +2,8 @@
 
 use crate::picture::metadata::DOCUMENT;
 use crate::picture::pose_text::pose_of_flags;
-use afterimage::{Camera, raster::exposure::Exposure, raster::load::read_notes};
+use afterimage::raster::exposure::Exposure;
+use afterimage::{Camera, raster::load::read_notes};
 use anyhow::{Context, bail};
 use std::path::{Path, PathBuf};
 
@@ -59,7 +60,7 @@ pub fn read_view(path: &Path) -> anyhow::Result<PictureView> {
         Err(cause) => bail!("{}: {cause}", damaged("Pose")),
     };
     let exposure_ev = note("Tone map").and_then(|text| text.split_whitespace().nth(2)?.parse().ok());
-    let exposure_ev = exposure_ev.filter(|ev| Exposure::Stops(*ev).is_valid());
+    let exposure_ev = exposure_ev.filter(|ev: &f32| Exposure::STOPS.contains(ev));
     let document = note(DOCUMENT).map(str::to_owned);
     if document.as_ref().is_some_and(|text| text.len() > MAX_DOCUMENT_BYTES) {
         bail!("{}: more than {MAX_DOCUMENT_BYTES} bytes are not read", damaged(DOCUMENT));

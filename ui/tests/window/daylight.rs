@@ -171,6 +171,29 @@ fn a_model_without_a_ground_gets_one_that_goes_and_comes_back_and_is_kept() {
 }
 
 #[test]
+fn a_model_without_lamps_opens_dark_where_sun_and_sky_were_switched_off() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = box_model(folder.path());
+    let mut harness = open_model(path.clone());
+    assert!(daylight(harness.state()).sun.is_some(), "it is given the light of a day");
+    show_tab(&mut harness, "Look");
+    harness.run_steps(30);
+    for label in ["Sun", "Sky"] {
+        harness.get_by_label(label).click_accesskit();
+        harness.run_steps(3);
+    }
+    assert_eq!(*daylight(harness.state()), Daylight::default());
+    harness.get_by_label("Edit").click_accesskit();
+    harness.run_steps(3);
+    harness.get_by_label_contains("Save changes of the scene").click_accesskit();
+    step_until(&mut harness, "the file", |_| path.with_extension("afterimage.toml").exists());
+    drop(harness);
+    let again = open_model(path);
+    assert_eq!(*daylight(again.state()), Daylight::default());
+    assert!(!again.state().state().is_unsaved());
+}
+
+#[test]
 fn one_walks_on_the_ground_and_flies_where_there_is_none() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut harness = open_model(box_model(folder.path()));

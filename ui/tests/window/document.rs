@@ -2,6 +2,7 @@
 //! what happened before fails without the one document.
 
 use super::*;
+use afterimage::import::{ImportOptions, Unit};
 use afterimage::scene::{Material, MaterialKind};
 use afterimage_ui::window::state::{OpenDocument, Severity};
 use eframe::App as _;
@@ -158,6 +159,20 @@ fn what_is_saved_before_its_own_session_is_opened_again_stays_where_the_old_sess
     settle(&mut window);
     assert!(is_mirror(window.state()) && !window.state().state().is_unsaved());
     assert!(std::fs::read_to_string(house.session()).expect("the session").contains("mirror"));
+}
+
+#[test]
+fn a_unit_given_by_hand_comes_back_with_the_session() {
+    let house = House::new();
+    let options = ImportOptions { unit: Some(Unit::Millimetre), ..ImportOptions::default() };
+    let source = SceneSource::File { path: house.path("model/wall.obj"), options };
+    let mut window = open(LaunchOptions { scene: Some(source), ..house.request(Path::new("")) }, false);
+    let extent = |app: &App| app.state().scene.as_ref().map(|scene| scene.extent_m);
+    let before = extent(window.state());
+    save(&mut window);
+    drop(window);
+    let window = open(house.request(&house.session()), false);
+    assert_eq!(extent(window.state()), before);
 }
 
 #[test]

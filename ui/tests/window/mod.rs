@@ -18,6 +18,7 @@ mod measured;
 mod moving;
 mod navigation;
 mod persistence;
+mod picking;
 mod pictures;
 mod pixels;
 mod real;

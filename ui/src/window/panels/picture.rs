@@ -209,6 +209,11 @@ fn file_rows(ui: &mut Ui, state: &AppState, settings: &mut PictureSettings, comm
     ui.checkbox(&mut is_left_out, "transparent (without sky)");
     settings.background = if is_left_out { Background::LeftOut } else { Background::Shown };
     ui.end_row();
+    if is_left_out && settings.format == PictureFormat::Jpeg {
+        ui.label("");
+        ui.weak("JPEG has no transparency: a PNG is saved.");
+        ui.end_row();
+    }
     let label = ui.label("Folder");
     let mut text = state.picture.folder_text.clone();
     ui.horizontal(|ui| {

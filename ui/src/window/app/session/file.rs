@@ -6,7 +6,7 @@ use crate::settings;
 use crate::window::rendering::SceneSource;
 use crate::window::state::{AppState, Document, Quality, SavedView, SectionView, SunControls};
 use afterimage::camera::CameraPath;
-use afterimage::import::{AppliedEdit, EditFolder, apply_edit_text, edit_text};
+use afterimage::import::{AppliedEdit, EditFolder, ImportOptions, Unit, Up, apply_edit_text, edit_text};
 use afterimage::raster::exposure::Exposure;
 use afterimage::reference::PlacementPolicy;
 use afterimage::scene::{Daylight, Scene, SceneEdit, Sky, SkyKind};
@@ -39,6 +39,12 @@ pub(in crate::window::app) struct SessionFile {
     version: i64,
     /// Scene of the session: `builtin:NAME`, or a path relative to the folder of the session.
     scene: String,
+    /// Unit and upward axis of the model, where they were given by hand: its files may not say
+    /// them.
+    #[serde(default)]
+    unit: Option<String>,
+    #[serde(default)]
+    up: Option<String>,
     /// File of the session, in one that is kept in case of a crash.
     #[serde(default)]
     session: Option<PathBuf>,
@@ -89,6 +95,13 @@ pub(in crate::window::app) fn is_session(path: &Path) -> bool {
     path.file_name().is_some_and(|name| name.to_string_lossy().ends_with(&format!(".{EXTENSION}")))
 }
 
+fn options_of(source: &SceneSource) -> Option<&ImportOptions> {
+    match source {
+        SceneSource::File { options, .. } => Some(options),
+        _ => None,
+    }
+}
+
 /// Returns the path of the model of a scene; `None` where it has no file.
 fn model_of(source: &SceneSource) -> Option<&Path> {
     match source {
@@ -134,6 +147,8 @@ impl SessionFile {
         Ok(Self {
             version: VERSION,
             scene: absolute(&scene.source),
+            unit: options_of(&scene.source).and_then(|o| o.unit).map(|unit| unit.name().to_owned()),
+            up: options_of(&scene.source).and_then(|o| o.up).map(|up| up.name().to_owned()),
             session: None,
             mode: render.mode,
             samples: render.trace.samples,
@@ -221,6 +236,10 @@ impl SessionFile {
             ensure!(path.keyframes.len() <= MAX_KEYS, "its path has more than {MAX_KEYS} keys");
             ensure!(path.keyframes.is_empty() || path.is_valid(), "its camera path is impossible");
         }
+        ensure!(self.exposure.is_valid(), "its exposure is impossible");
+        let has_unit = self.unit.as_ref().is_none_or(|unit| unit.parse::<Unit>().is_ok());
+        let has_up = self.up.as_ref().is_none_or(|up| up.parse::<Up>().is_ok());
+        ensure!(has_unit && has_up, "its unit or its upward axis is unknown");
         ensure!(self.sun.as_ref().is_none_or(SunTable::is_valid), "the sun in it is impossible");
         ensure!(self.exposure.is_valid(), "its exposure is impossible");
         ensure!(self.section.is_none_or(|section| section.is_valid()), "the section in it is impossible");
@@ -236,7 +255,8 @@ impl SessionFile {
         of_files.show(&edit.daylight);
         let own = self.sun.as_ref().map(|table| table.controls(of_files.nits_per_unit));
         let sun = own.map_or(of_files, |sun| with_sky_of(sun, &edit.daylight));
-        let view = |v: &View| SavedView { name: v.name.clone(), key: v.key, camera: v.camera };
+        let key_of = |v: &View| v.key.filter(|key| (1..=9).contains(key));
+        let view = |v: &View| SavedView { name: v.name.clone(), key: key_of(v), camera: v.camera };
         let views: Vec<SavedView> = self.views.iter().map(view).collect();
         open.restore(Document {
             sun,
@@ -298,7 +318,9 @@ impl SessionFile {
     /// The scene of the session in `path`. A model that was moved together with its session is
     /// found next to it.
     pub(in crate::window::app) fn source(&self, path: &Path) -> SceneSource {
-        let source = SceneSource::named(&self.scene, Default::default());
+        let unit = self.unit.as_ref().and_then(|unit| unit.parse().ok());
+        let up = self.up.as_ref().and_then(|up| up.parse().ok());
+        let source = SceneSource::named(&self.scene, ImportOptions { unit, up, ..Default::default() });
         let SceneSource::File { path: model, options } = source else { return source };
         let folder = path.parent().unwrap_or(Path::new(""));
         let beside = model.file_name().map(|name| folder.join(name)).unwrap_or_default();

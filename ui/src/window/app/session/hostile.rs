@@ -52,6 +52,8 @@ const PIECES: &[&str] = &[
     "year = -2147483648\n",
     "month = 99\n",
     "hours = 24.0\n",
+    "exposure = inf\n",
+    "exposure = 1e30\n",
     "zone = '\u{fffd}'\n",
     "[[[[",
     "'''",
@@ -98,6 +100,7 @@ fn open(text: &str) {
     let _ = (sun.words(), sun.daylight(), sun.position());
     let render = &state.quality.walk.render;
     assert!((1..=1 << 16).contains(&render.trace.samples), "a frame would never end");
+    assert!(state.exposure_ev().is_finite());
     assert!(session.text(None).is_ok(), "it can be saved again");
 }
 

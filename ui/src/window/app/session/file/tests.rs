@@ -8,6 +8,8 @@ pub(in crate::window::app::session) fn session() -> SessionFile {
     SessionFile {
         version: VERSION,
         scene: "builtin:gallery".to_owned(),
+        unit: Some("mm".to_owned()),
+        up: Some("+Z".to_owned()),
         session: None,
         render_scale: Some(0.5),
         budget_ms: None,
