@@ -70,6 +70,7 @@ impl Storm {
             is_moving: false,
             is_paused: self.below(20) == 0,
             is_compared: self.below(10) == 0,
+            is_endless: self.below(4) == 0,
         }
     }
 

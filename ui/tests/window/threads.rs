@@ -47,6 +47,7 @@ impl Bench {
             is_moving: false,
             is_paused: false,
             is_compared: false,
+            is_endless: false,
         }
     }
 

@@ -25,6 +25,9 @@ pub struct RenderRequest {
     pub is_paused: bool,
     /// The picture is being compared, so it is not refined beyond what its mode renders.
     pub is_compared: bool,
+    /// The picture at rest is refined until something changes, and not only until it counts as
+    /// converged.
+    pub is_endless: bool,
 }
 
 /// Something that is done once, in the order of sending.

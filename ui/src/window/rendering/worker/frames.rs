@@ -17,6 +17,7 @@ impl Worker {
             self.schedule.forget_failures();
         }
         walk.set_previews(!request.is_moving);
+        walk.set_endless(request.is_endless);
         if request.is_compared {
             walk.drop_refinement();
         }

@@ -93,6 +93,7 @@ mod tests {
             is_moving: false,
             is_paused: false,
             is_compared: false,
+            is_endless: false,
         };
         let (jobs, sent) = unbounded();
         let (messages, said) = unbounded();
