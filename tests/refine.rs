@@ -224,3 +224,53 @@ fn a_picture_with_bounces_gets_on_however_soon_it_is_stopped() {
     };
     assert!(passes > 0, "no pass after {calls} calls");
 }
+
+fn squared_error(a: &[Vec3], b: &[Vec3]) -> f32 {
+    a.iter().zip(b).map(|(a, b)| (*a - *b).length_squared()).sum()
+}
+
+#[test]
+fn without_end_passes_are_added_and_the_error_falls() {
+    let tracer = tracer();
+    let truth = antialiased(&tracer, 1024, NEVER).radiance;
+    let mut walk = walk_at_rest(&tracer, Mode::Exact);
+    walk.set_endless(true);
+    let state = refine_pixels(&mut walk, PASSES as usize * PIXELS);
+    assert_eq!((state.pass, state.of, state.is_complete), (PASSES, PASSES, false));
+    assert!(walk.frame().radiance == converged(&tracer).radiance, "the planned passes have the same bits");
+    let before = squared_error(&walk.frame().radiance, &truth);
+    let state = refine_pixels(&mut walk, 7 * PASSES as usize * PIXELS);
+    assert_eq!((state.pass, state.is_complete), (8 * PASSES, false));
+    let after = squared_error(&walk.frame().radiance, &truth);
+    assert!(after < before / 3.0, "{after}, before {before}");
+    let radiance = walk.frame().radiance.clone();
+    walk.set_endless(false);
+    assert!(walk.refine(NEVER).is_complete && walk.frame().radiance == radiance, "and it can be ended");
+}
+
+#[test]
+fn passes_without_end_have_the_same_bits_however_they_were_interrupted() {
+    let tracer = tracer();
+    let refined = |parts: &[usize], threads: usize| {
+        let mut walk = walk_at_rest(&tracer, Mode::Full);
+        walk.set_endless(true);
+        pool(threads).install(|| parts.iter().map(|pixels| refine_pixels(&mut walk, *pixels)).last());
+        walk.frame().radiance.clone()
+    };
+    // The first pass is the frame's.
+    let all = (2 * PASSES as usize - 1) * PIXELS;
+    assert!(refined(&[all], 2) == refined(&[all / 3, all / 2, all - all / 3 - all / 2], 1));
+}
+
+#[test]
+fn a_picture_with_bounces_goes_on_after_its_last_stage() {
+    let render = RenderSettings { mode: Mode::Exact, trace: TraceSettings { bounces: 2, ..TRACE } };
+    let mut walk = Walkthrough::new(tracer(), WalkthroughSettings { render, ..Default::default() });
+    walk.render(&room_camera(), [16, 16], NEVER);
+    let last = walk.refine(NEVER);
+    assert!(last.is_complete);
+    walk.set_endless(true);
+    let asked = AtomicUsize::new(0);
+    let state = walk.refine(&|| asked.fetch_add(1, Ordering::Relaxed) >= 10 * 16 * 16);
+    assert!(state.pass > last.pass && !state.is_complete, "{state:?}");
+}

@@ -31,6 +31,10 @@ use std::{
 /// Passes until a picture counts as converged: sixteen points show an edge in sixteen steps.
 pub const CONVERGED_PASSES: u32 = 16;
 
+/// Passes after which a picture that is refined without end stops: the noise is 1/32 of that after
+/// [`CONVERGED_PASSES`], and the seeds of passes, which have 16 bits, are still different ones.
+const MAX_PASSES: u32 = 1 << 14;
+
 /// What the sky contributes to a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Background {
@@ -167,8 +171,11 @@ pub(super) struct Accumulation {
     epoch: SceneEpoch,
     section: Option<Arc<Section>>,
     trace: TraceSettings,
+    /// Passes that sample all points of a pixel once. Later ones begin again with the first point.
     passes: u32,
-    /// Number of the current pass; `passes` where none is left.
+    /// Passes after which nothing is left to do.
+    goal: u32,
+    /// Number of the current pass; `goal` where none is left.
     pass: u32,
     /// Neighbours in the list are apart in the picture, so that an unfinished pass is spread
     /// evenly.
@@ -186,6 +193,7 @@ impl Accumulation {
             section: tracer.section().cloned(),
             trace: settings.trace,
             passes,
+            goal: passes,
             pass: 0,
             tiles: dispersed_tiles(size),
             rays: RayCounts::default(),
@@ -199,8 +207,13 @@ impl Accumulation {
         is_same_scene && self.camera == *camera && self.view.size == size && self.trace == settings.trace
     }
 
+    /// Sets whether passes are added for as long as there is time, up to [`MAX_PASSES`].
+    pub(super) fn set_endless(&mut self, is_endless: bool) {
+        self.goal = if is_endless { self.passes.max(MAX_PASSES) } else { self.passes };
+    }
+
     pub(super) fn state(&self) -> RefineState {
-        let is_complete = self.pass >= self.passes;
+        let is_complete = self.pass >= self.goal;
         RefineState { pass: self.pass, of: self.passes, light_samples: 0, is_complete }
     }
 
@@ -241,14 +254,14 @@ impl Accumulation {
 
     /// Traces until all passes are done or `stop` is true. What is done then is kept.
     pub(super) fn run(&mut self, tracer: &Tracer, stop: Stop<'_>) {
-        self.run_until(self.passes, tracer, stop);
+        self.run_until(self.goal, tracer, stop);
     }
 
     /// Traces until this many passes are done or `stop` is true. What is done then is kept.
     pub(super) fn run_until(&mut self, passes: u32, tracer: &Tracer, stop: Stop<'_>) {
         let is_stopped = AtomicBool::new(false);
         let stop = latched(stop, &is_stopped);
-        while self.pass < passes.min(self.passes) {
+        while self.pass < passes.min(self.goal) {
             let number = (self.pass, self.passes);
             let pass = Pass::new(tracer, &self.view, &self.trace, number, Background::Shown);
             self.rays += trace_tiles(&mut self.tiles, |tile| tile.trace(&pass, &stop));

@@ -57,7 +57,8 @@ pub struct StageSecs {
 pub struct RefineState {
     /// Passes that every pixel has had.
     pub pass: u32,
-    /// Passes in total; 0 where the picture is not refined.
+    /// Passes after which the picture counts as converged; there are more where it is refined
+    /// without end. 0 where the picture is not refined.
     pub of: u32,
     /// Paths per pixel of the smooth light that the picture looks up; 0 where it looks none up.
     pub light_samples: u32,

@@ -5,6 +5,7 @@ use super::frame::{Frame, RefineState};
 use super::request::FrameRequest;
 use super::rest::RestPicture;
 use super::settings::RenderSettings;
+use super::stages::PASSES;
 use crate::reference::{ReferenceCache, ReferenceFrame};
 use crate::trace::{Tracer, parallel::Stop};
 use std::sync::Arc;
@@ -41,11 +42,25 @@ impl Refinement {
         }
     }
 
+    /// Sets whether the picture is refined for as long as there is time.
+    pub(super) fn set_endless(&mut self, is_endless: bool) {
+        match self {
+            Self::Full(full) => full.set_endless(is_endless),
+            Self::Rest(rest) => rest.full.set_endless(is_endless),
+        }
+    }
+
     /// Works on the picture until it has converged or `stop` is true. What is done then is kept.
     pub(super) fn run(&mut self, tracer: &Tracer, cache: &mut ReferenceCache, stop: Stop<'_>) {
         match self {
             Self::Full(full) => full.run(tracer, stop),
-            Self::Rest(rest) => rest.run(tracer, cache, stop),
+            Self::Rest(rest) => {
+                rest.run(tracer, cache, stop);
+                // After the last stage, passes follow where there is no end.
+                if rest.full.passes_done() >= PASSES {
+                    rest.full.run(tracer, stop);
+                }
+            }
         }
     }
 

@@ -47,7 +47,7 @@ pub(super) struct RestPicture {
     stages: &'static [Stage],
     /// True for the stages of a return.
     is_return: bool,
-    full: Accumulation,
+    pub(super) full: Accumulation,
     renderer: Renderer,
     /// Version of the cache from which the renderer's frame was begun, where a stop cut it.
     cut: Option<u64>,

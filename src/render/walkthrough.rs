@@ -48,6 +48,8 @@ pub struct Walkthrough {
     /// Samples of the last reference that was stored of it.
     pub(super) refined_stored: u32,
     has_previews: bool,
+    /// Pictures are refined beyond the passes after which they count as converged.
+    is_endless: bool,
     /// `None` where references are not stored.
     pub(super) store: Option<StoreSession>,
     /// Traces the light of references by groups; `None` before that is asked for.
@@ -77,6 +79,7 @@ impl Walkthrough {
             refinement: None,
             refined_stored: 0,
             has_previews: false,
+            is_endless: false,
             store: None,
             group_tracer: None,
         }
@@ -157,6 +160,12 @@ impl Walkthrough {
     /// Sets whether a view that is mostly unknown is lit coarsely before its first frame.
     pub fn set_previews(&mut self, has_previews: bool) {
         self.has_previews = has_previews;
+    }
+
+    /// Sets whether [`Self::refine`] adds passes for as long as the camera is stationary, up to
+    /// 16384, and not only until the picture counts as converged.
+    pub fn set_endless(&mut self, is_endless: bool) {
+        self.is_endless = is_endless;
     }
 
     /// The last frame.
@@ -323,6 +332,7 @@ impl Walkthrough {
         let refinement = self.refinement.get_or_insert_with(|| {
             Refinement::new(&FrameRequest::new(&self.tracer, &camera, size, &render), first_pass)
         });
+        refinement.set_endless(self.is_endless);
         refinement.run(&self.tracer, &mut self.cache, stop);
         refinement.write_to(self.renderer.frame_mut());
         let state = refinement.state();

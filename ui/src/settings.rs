@@ -83,6 +83,8 @@ pub struct Settings {
     pub exposure: Option<Exposure>,
     /// Tone map from radiance to display.
     pub tone_map: Option<ToneMap>,
+    /// True to improve the window's picture until the camera moves.
+    pub keep_improving: Option<bool>,
     /// Folder in which the window saves pictures.
     pub pictures: Option<PathBuf>,
     /// Colour theme of the window.
@@ -101,7 +103,7 @@ pub struct Settings {
 type Rule = (&'static str, &'static str, fn(&Settings) -> Option<bool>);
 
 /// All settings in the order of the documentation.
-const RULES: [Rule; 14] = [
+const RULES: [Rule; 15] = [
     ("mode", "'full', 'paper', 'fast' or 'exact'", any),
     ("samples", "a whole number from 1 to 1048576", |s| Some((1..=1 << 20).contains(&s.samples?))),
     ("bounces", BounceLimit::EXPECTED, any),
@@ -110,6 +112,7 @@ const RULES: [Rule; 14] = [
     ("size", "a size like '1280x720'", |s| Some(picture_size(s.size.as_deref()?).is_ok())),
     ("exposure", "'auto' or a number of stops from -64 to 64", |s| Some(s.exposure?.is_valid())),
     ("tone_map", "'aces' or 'linear'", any),
+    ("keep_improving", "true or false", any),
     ("pictures", "a folder", any),
     ("theme", "'system', 'dark' or 'light'", any),
     ("ui_scale", "a number from 0.5 to 3", |s| Some(UI_SCALES.contains(&s.ui_scale?))),

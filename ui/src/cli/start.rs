@@ -48,6 +48,7 @@ fn open_window(scene: Option<&str>, flags: &Flags, layers: &Layers) -> Result<()
         fov_y_deg: flags.fov_y,
         exposure: flags.exposure.or(view.as_ref().and_then(|v| v.exposure_ev).map(Exposure::Stops)),
         tone_map: flags.tone_map,
+        keeps_improving: settings.keep_improving.unwrap_or(false),
         threads: flags.threads,
         pictures: settings.pictures.clone(),
         appearance: Appearance::of(&settings),

@@ -62,7 +62,7 @@ pub(crate) fn metadata(origin: &PictureOrigin<'_>) -> Vec<(&'static str, String)
 /// tracer renders with anti-aliasing.
 fn settings(origin: &PictureOrigin<'_>) -> String {
     let (trace, refined) = (&origin.settings.trace, origin.refined);
-    let has_converged = refined.is_complete && refined.of > 0;
+    let has_converged = refined.is_complete && refined.of > 0 && refined.pass <= refined.of;
     let mode = if has_converged { Mode::Full } else { origin.settings.mode };
     let antialias = if has_converged { format!(" --antialias {}", refined.of) } else { String::new() };
     let (samples, bounces, seed) = (trace.samples, trace.bounce_limit(), trace.seed);

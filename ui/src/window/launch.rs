@@ -21,6 +21,8 @@ pub struct LaunchOptions {
     pub daylight: DaylightOptions,
     /// Settings of the walkthrough at the start.
     pub settings: WalkthroughSettings,
+    /// True to improve the picture at rest until the camera moves.
+    pub keeps_improving: bool,
     /// Pose to start at instead of the scene's start view.
     pub camera: Option<Camera>,
     /// Name of the saved view to start at. `camera` takes precedence.
@@ -78,6 +80,7 @@ impl Default for LaunchOptions {
             scene: None,
             daylight: DaylightOptions::default(),
             settings,
+            keeps_improving: false,
             camera: None,
             view: None,
             fov_y_deg: None,

@@ -294,7 +294,7 @@ fn help_lists_the_keys_of_the_window() {
     let output = Bench::new().run("--help");
     assert!(output.status.success());
     let text = String::from_utf8(output.stdout).unwrap();
-    for words in ["fly forward", "W, Up", "save a picture", "Exit codes"] {
+    for words in ["fly forward", "E, PgUp", "Files and pictures:", "save a picture", "Exit codes"] {
         assert!(text.contains(words), "'{words}' is not in: {text}");
     }
 }

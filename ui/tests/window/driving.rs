@@ -128,10 +128,7 @@ fn p_pauses_and_resumes() {
     assert_eq!(harness.state().state().work, Work::Paused);
     assert!(harness.query_by_label("Paused").is_some(), "it is seen");
     let rendered = harness.state().threads().frames_rendered();
-    harness.key_down(Key::D);
     harness.run_steps(10);
-    harness.key_up(Key::D);
-    harness.step();
     assert_eq!(harness.state().threads().frames_rendered(), rendered, "nothing is rendered while paused");
     harness.key_press(Key::P);
     settle(&mut harness);

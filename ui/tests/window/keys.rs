@@ -43,6 +43,13 @@ fn way(window: &mut Window, key: Key) -> DVec3 {
     DVec3::new(way.x, camera(window).eye.y - before.eye.y, -way.z)
 }
 
+/// Change of yaw and pitch by a held key.
+fn turn(window: &mut Window, key: Key) -> [f64; 2] {
+    let before = camera(window);
+    way(window, key);
+    [camera(window).yaw - before.yaw, camera(window).pitch - before.pitch]
+}
+
 /// Presses a key, and returns the options before and after.
 fn options(window: &mut Window, chord: Chord) -> [Options; 2] {
     let before = state(window).options;
@@ -58,6 +65,16 @@ fn moves(window: &mut Window, action: Action, chord: Chord, index: usize) {
         Action::Right => assert!(way(window, chord.key).x > 0.1),
         Action::Up => assert!(way(window, chord.key).y > 0.1),
         Action::Down => assert!(way(window, chord.key).y < -0.1),
+        Action::LookLeft => assert!(turn(window, chord.key)[0] > 0.05),
+        Action::LookRight => assert!(turn(window, chord.key)[0] < -0.05),
+        Action::LookUp => assert!(turn(window, chord.key)[1] > 0.05),
+        Action::LookDown => assert!(turn(window, chord.key)[1] < -0.05),
+        Action::GoThere => {
+            let before = camera(window);
+            press(window, chord);
+            arrive(window);
+            assert!(camera(window).eye != before.eye);
+        }
         Action::ToggleWalk => {
             press(window, chord);
             assert_eq!(state(window).navigation.fly.move_mode(), MoveMode::Walk);
@@ -224,6 +241,28 @@ fn works(window: &mut Window, action: Action, chord: Chord) {
             window.event(egui::Event::Key { key, physical_key, pressed: true, repeat: false, modifiers });
             window.step();
             assert!(sends(window, &ViewportCommand::Close));
+        }
+        _ => reaches(window, action, chord),
+    }
+}
+
+fn reaches(window: &mut Window, action: Action, chord: Chord) {
+    match action {
+        Action::Freeze => {
+            let [before, after] = options(window, chord);
+            assert!(!before.is_frozen && after.is_frozen && after.is_paused);
+            press(window, chord);
+            assert!(!state(window).options.is_paused);
+        }
+        Action::Pick => {
+            press(window, chord);
+            assert!(state(window).selection.inspection.is_some());
+        }
+        Action::NextRegion | Action::PreviousRegion => {
+            press(window, chord);
+            assert!(window.ctx.memory(|memory| memory.focused().is_some()));
+            window.key_press(Key::Escape);
+            window.run_steps(2);
         }
         _ => asks(window, action, chord),
     }

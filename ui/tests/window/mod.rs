@@ -13,6 +13,7 @@ mod dropping;
 mod editing;
 mod idle;
 mod inspect;
+mod keyboard;
 mod keys;
 mod measured;
 mod moving;

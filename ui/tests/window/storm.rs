@@ -72,6 +72,7 @@ impl Storm {
             is_compared: self.below(10) == 0,
             section: None,
             has_edges: false,
+            is_endless: self.below(4) == 0,
         }
     }
 

@@ -49,6 +49,7 @@ impl Bench {
             is_compared: false,
             section: None,
             has_edges: false,
+            is_endless: false,
         }
     }
 

@@ -6,7 +6,7 @@ use afterimage::Camera;
 use afterimage::camera::{SceneFrame, View};
 use afterimage_ui::window::gpu::timewarp::{Reprojection, Timewarp};
 use afterimage_ui::window::rendering::depth_ranges::DepthRanges;
-use egui::{Key, vec2};
+use egui::{Key, Modifiers, vec2};
 use glam::{DVec3, Vec2, Vec3};
 
 const SIZE: [u32; 2] = [160, 100];
@@ -219,7 +219,7 @@ fn psnr_db(a: &[[u8; 4]], b: &[[u8; 4]]) -> f64 {
 #[test]
 fn the_picture_follows_the_hand_though_nothing_is_rendered() {
     let Some(mut harness) = app_with_graphics() else { return };
-    harness.key_press(Key::P);
+    harness.key_press_modifiers(Modifiers::SHIFT, Key::P);
     harness.run_steps(2);
     let rendered = harness.state().threads().frames_rendered();
     let before = shown(&mut harness);
@@ -240,8 +240,9 @@ fn the_picture_follows_the_hand_though_nothing_is_rendered() {
 #[test]
 fn what_the_frame_did_not_see_is_marked_in_the_heatmap() {
     let Some(mut harness) = app_with_graphics() else { return };
-    for key in [Key::P, Key::T, Key::T] {
-        harness.key_press(key);
+    for (modifiers, key) in [(Modifiers::SHIFT, Key::P), (Modifiers::NONE, Key::T), (Modifiers::NONE, Key::T)]
+    {
+        harness.key_press_modifiers(modifiers, key);
         harness.step();
     }
     let filled = [0xCC, 0x79, 0xA7, 255];

@@ -1,8 +1,10 @@
 //! The request that is sent to the renderer, and what the renderer is doing.
 
 use super::{MOTION_TIME, Parts, current_scene::CurrentScene};
+use crate::window::input::keymap::{Action, keys_of};
 use crate::window::rendering::RenderRequest;
 use crate::window::state::{Navigation, Quality, Work};
+use afterimage::Camera;
 use afterimage::render::schedule;
 use std::time::{Duration, Instant};
 
@@ -11,22 +13,26 @@ const MAX_EDGE: u32 = 8192;
 
 /// Sends the pose and the settings where they have changed.
 pub(super) fn send_request(app: &mut Parts) {
-    let (is_sharp, q) = (is_sharp(app), &app.state.quality);
+    let is_sharp = is_sharp(app);
+    let q = &app.state.quality;
     let scale = if is_sharp { 1.0 } else { app.current.pace.scale(q.render_scale) };
     let edge = |pixels: u32| edge_of(pixels, scale);
     let size = if app.state.viewport_size.contains(&0) { [0, 0] } else { app.state.viewport_size.map(edge) };
     let camera = *app.state.navigation.fly.camera();
+    end_pause(app, &camera);
+    let (state, q) = (&app.state, &app.state.quality);
     let sent = app.current.sent.filter(|sent| sent.camera == camera);
     let request = RenderRequest {
         camera,
         size,
         settings: q.walk,
         budget: (!is_sharp).then(|| budget(q)),
-        is_moving: sent.map_or_else(|| is_moving(&app.current, &app.state.navigation), |sent| sent.is_moving),
-        is_paused: app.state.options.is_paused,
-        is_compared: app.state.comparison.is_wanted(),
-        section: app.state.section(),
-        has_edges: app.state.options.has_edges,
+        is_moving: sent.map_or_else(|| is_moving(&app.current, &state.navigation), |sent| sent.is_moving),
+        is_paused: state.options.is_paused,
+        is_compared: state.comparison.is_wanted(),
+        is_endless: q.keeps_improving,
+        section: state.section(),
+        has_edges: state.options.has_edges,
     };
     if app.current.sent != Some(request) {
         if app.current.sent.is_some_and(|s| s.camera != request.camera) {
@@ -35,6 +41,17 @@ pub(super) fn send_request(app: &mut Parts) {
         }
         app.services.render.request(request);
         app.current.sent = Some(request);
+    }
+}
+
+/// Ends a pause where the camera has moved, unless the frame is frozen.
+fn end_pause(app: &mut Parts, camera: &Camera) {
+    let options = app.state.options;
+    let has_moved = app.current.sent.is_some_and(|sent| sent.is_paused && sent.camera != *camera);
+    if options.is_paused && !options.is_frozen && has_moved {
+        app.state.options = options.paused(false);
+        app.state
+            .info(format!("rendering goes on: the camera has moved ({} pauses)", keys_of(Action::Pause)));
     }
 }
 

@@ -10,8 +10,9 @@ use crate::picture::pose_text::pose_flags;
 use crate::settings::{self, Theme};
 use crate::window::input::ViewChange;
 use crate::window::input::keymap::{Action, keys_of};
+use crate::window::panels::regions;
 use crate::window::rendering::{RenderCommand, TaskError};
-use crate::window::state::{AppState, Appearance, Command, Compare, FileCommand};
+use crate::window::state::{AppState, Appearance, Command, Compare, FileCommand, Options};
 use afterimage::raster::exposure::Exposure;
 use egui::ViewportCommand;
 use std::path::PathBuf;
@@ -48,6 +49,12 @@ pub(super) fn apply(app: &mut Parts, command: Command) {
         }
         Command::Quit => services.ctx.send_viewport_cmd(ViewportCommand::Close),
         Command::FullScreen => set_full_screen(services, !is_full_screen(services)),
+        Command::FocusRegion(forward) => {
+            // The help keeps the focus.
+            if !state.options.shows_help {
+                regions::move_focus(&services.ctx, forward);
+            }
+        }
         Command::Escape => escape(state, services),
         Command::CopyPose => {
             let flags = pose_flags(fly.camera());
@@ -58,10 +65,7 @@ pub(super) fn apply(app: &mut Parts, command: Command) {
         Command::CopyText(text) => services.ctx.copy_text(text),
         Command::SetPathText(text) => set_path_text(state, services, text),
         Command::SetQuality(quality) => state.quality = quality,
-        Command::SetOptions(options) => {
-            state.options = options;
-            fly.set_view_change(options.view_change);
-        }
+        Command::SetOptions(options) => set_options(state, options),
         Command::SetSpeed(speed) => fly.set_speed(speed),
         Command::SetFovDegrees(degrees) => fly.set_fov_degrees(degrees),
         Command::ChangeFov(steps) => fly.change_fov(steps),
@@ -77,6 +81,18 @@ pub(super) fn apply(app: &mut Parts, command: Command) {
     }
     // The window shows the change, even if no event follows.
     app.services.ctx.request_repaint();
+}
+
+/// Changes switches of the window. A pause ends a change of view and a path that is played, or
+/// these would end the pause.
+fn set_options(state: &mut AppState, options: Options) {
+    let fly = &mut state.navigation.fly;
+    if options.is_paused && !options.is_frozen && !state.options.is_paused {
+        fly.jump_to(*fly.camera());
+        state.navigation.playback.is_playing = false;
+    }
+    state.navigation.fly.set_view_change(options.view_change);
+    state.options = options;
 }
 
 /// Sets the exposure that suits the view, where it stays.

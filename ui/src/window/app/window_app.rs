@@ -8,7 +8,10 @@ use super::{
 use crate::window::gpu::adapter;
 use crate::window::input::{Input, key_commands, steer};
 use crate::window::launch::LaunchOptions;
-use crate::window::panels;
+use crate::window::panels::{
+    self,
+    regions::{self, Region},
+};
 use crate::window::rendering::{RenderThread, SceneSource, Wake};
 use crate::window::state::{AppState, Command, Quality, Severity, Work};
 use std::sync::atomic::AtomicBool;
@@ -55,6 +58,7 @@ impl App {
         let wake: Wake = Arc::new(move || ctx.request_repaint_after(Duration::from_millis(1)));
         let quality = Quality {
             walk: launch.settings,
+            keeps_improving: launch.keeps_improving,
             exposure: launch.exposure.unwrap_or_default(),
             tone_map: launch.tone_map,
             ..Quality::default()
@@ -137,13 +141,17 @@ impl App {
         if state.options.shows_panels {
             let bare = egui::Frame::side_top_panel(ui.style()).fill(egui::Color32::TRANSPARENT);
             let menu = egui::Panel::top("menu").frame(bare);
-            menu.show(ui, |ui| panels::menu::show(ui, state, commands));
+            let bar = menu.show(ui, |ui| panels::menu::show(ui, state, commands));
+            regions::note_rect(ui.ctx(), Region::Menu, bar.response.rect);
             let side = egui::Panel::right("side").frame(bare).default_size(300.0).size_range(260.0..=460.0);
             let toolbar = egui::Panel::top("toolbar").frame(bare);
             toolbar.show(ui, |ui| panels::toolbar::show(ui, state, commands));
             side.show(ui, |ui| panels::side::show(ui, state, commands));
         }
-        egui::CentralPanel::no_frame().show(ui, |ui| Canvas::allocate(ui, state)).inner
+        let (response, canvas) =
+            egui::CentralPanel::no_frame().show(ui, |ui| Canvas::allocate(ui, state)).inner;
+        regions::note(&response, Region::Viewport);
+        (response, canvas)
     }
 
     /// Shows messages and dialogs over the viewport.
@@ -169,6 +177,7 @@ impl App {
         }
         panels::file_list::show(ctx, state, commands);
         panels::questions::show(ctx, state, commands);
+        panels::focus_ring::show(ctx);
     }
 
     /// Shows the scene and whether it has unsaved changes in the title of the window.

@@ -2,7 +2,7 @@
 
 use super::object_keys::object_command;
 use super::section_keys::section_command;
-use super::{Input, MoveMode, Obstacles, probe_at};
+use super::{Click, Input, MoveMode, Obstacles, probe_at};
 use crate::window::input::aim;
 use crate::window::input::keymap::{Action, Attention, Pressed};
 use crate::window::state::{
@@ -24,16 +24,12 @@ pub(crate) fn key_commands(
     obstacles: Option<&Obstacles>,
     ctx: &Context,
 ) -> Vec<Command> {
-    // An open menu, list or colour keeps its keys.
-    let is_typing = ctx.text_edit_focused() || state.is_asking() || egui::Popup::is_any_open(ctx);
     let (events, dropped) = ctx.input(|i| (i.raw.events.clone(), i.raw.dropped_files.clone()));
-    let has_control = ctx.memory(|m| m.focused().is_some_and(|id| Some(id) != input.viewport));
-    let attention = match (is_typing, has_control) {
-        (true, _) => Attention::Text,
-        (false, true) => Attention::Control,
-        (false, false) => Attention::View,
-    };
-    let pressed = input.keyboard.update(&events, attention);
+    let attention = attention(state, input, ctx);
+    let is_typing = matches!(attention, Attention::Text | Attention::Question);
+    let mut pressed = input.keyboard.update(&events, attention);
+    // Escape that leaves a text field does no more than that.
+    pressed.retain(|p| p.action != Action::Escape || !input.was_typing);
     let mut commands: Vec<Command> =
         pressed.into_iter().filter_map(|p| command_of(state, input, obstacles, p)).collect();
     if !is_typing {
@@ -45,9 +41,20 @@ pub(crate) fn key_commands(
     commands
 }
 
+/// Returns what receives the keys: a question and an open menu, list or colour keep all of them.
+fn attention(state: &AppState, input: &Input, ctx: &Context) -> Attention {
+    let has_control = || ctx.memory(|m| m.focused().is_some_and(|id| Some(id) != input.viewport));
+    match () {
+        () if state.is_asking() || egui::Popup::is_any_open(ctx) => Attention::Question,
+        () if ctx.text_edit_focused() => Attention::Text,
+        () if has_control() => Attention::Control,
+        () => Attention::View,
+    }
+}
+
 fn command_of(
     state: &AppState,
-    input: &Input,
+    input: &mut Input,
     obstacles: Option<&Obstacles>,
     Pressed { action, chord }: Pressed,
 ) -> Option<Command> {
@@ -100,7 +107,13 @@ fn command_of(
         Action::ScreenshotWithoutBackground => Command::Picture(PictureCommand::SaveWithoutBackground),
         Action::SaveSequence => Command::Picture(PictureCommand::SaveSequence),
         Action::FullScreen => Command::FullScreen,
+        Action::NextRegion => Command::FocusRegion(true),
+        Action::PreviousRegion => Command::FocusRegion(false),
         Action::Escape => Command::Escape,
+        Action::Pick | Action::GoThere => {
+            input.click = Some(if action == Action::Pick { Click::Pick } else { Click::GoThere });
+            return None;
+        }
         _ => section_command(state, action)
             .or_else(|| object_command(state, action))
             .or_else(|| Some(Command::SetOptions(switched(o, action)?)))?,
@@ -150,7 +163,8 @@ fn switched(o: Options, action: Action) -> Option<Options> {
         }
         Action::ToggleOutline => Options { has_outline: !o.has_outline, ..o },
         Action::ToggleEdges => Options { has_edges: !o.has_edges, ..o },
-        Action::Pause => Options { is_paused: !o.is_paused, ..o },
+        Action::Pause => o.paused(!o.is_paused),
+        Action::Freeze => o.frozen(!o.is_frozen),
         Action::Help => Options { shows_help: !o.shows_help, ..o },
         Action::TogglePanels => Options { shows_panels: !o.shows_panels, ..o },
         Action::ToggleStatistics => Options { statistics: o.statistics.next(), ..o },

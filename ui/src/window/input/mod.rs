@@ -15,5 +15,5 @@ pub(crate) use commands::key_commands;
 pub use fly_camera::{FlyCamera, Motion, MoveMode, SPEED_FACTOR, ViewChange};
 use inspect::{inspect, probe_at, snap_at};
 pub use playback::{Playback, Recording};
-pub(crate) use pointer::{Input, steer};
+pub(crate) use pointer::{Click, Input, steer};
 pub use walking::{EYE_HEIGHT_M, Obstacles, Walker};

@@ -5,7 +5,7 @@ use crate::window::input::aim;
 use crate::window::input::keymap::{Action, Keyboard};
 use crate::window::state::{AppState, Change, Snap};
 use egui::{
-    Context, CursorGrab, CursorIcon, Event, MouseWheelUnit, PointerButton, Pos2, Response, Vec2,
+    Context, CursorGrab, CursorIcon, Event, EventFilter, MouseWheelUnit, PointerButton, Pos2, Response, Vec2,
     ViewportCommand,
 };
 use std::time::Duration;
@@ -21,6 +21,21 @@ const LONGEST_UPDATE_SECS: f32 = 0.25;
 /// the renderer.
 const LONGEST_WAIT: Duration = Duration::from_millis(100);
 
+/// A key that stands for a click of the mouse.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Click {
+    /// A click: inspects a pixel, or sets a point of a measurement.
+    Pick,
+    /// A double click: goes to the point.
+    GoThere,
+}
+
+/// Angle per second by which keys turn the camera, as a drag over so many heights of the viewport.
+const LOOK_PER_SEC: f64 = 0.4;
+
+/// Shift turns the camera this many times as fast at most: at five times, it cannot be aimed.
+const MAX_LOOK_FACTOR: f64 = 2.0;
+
 /// State of the keyboard and the pointer.
 #[derive(Default)]
 pub(crate) struct Input {
@@ -33,6 +48,10 @@ pub(crate) struct Input {
     is_moving: bool,
     /// The viewport's identity among egui's controls.
     pub(crate) viewport: Option<egui::Id>,
+    /// A key that stands for a click was pressed since the last update.
+    pub(crate) click: Option<Click>,
+    /// A text field had the focus at the end of the last update.
+    pub(crate) was_typing: bool,
 }
 
 /// Advances the camera, and turns and moves it by keys and by the mouse over the viewport.
@@ -44,6 +63,8 @@ pub(crate) fn steer(
 ) {
     let ctx = &viewport.ctx;
     input.viewport = Some(viewport.id);
+    input.was_typing = ctx.text_edit_focused();
+    keep_arrows(viewport);
     if viewport.drag_started()
         && let Some(id) = ctx.memory(|m| m.focused())
     {
@@ -78,6 +99,14 @@ pub(crate) fn steer(
     }
 }
 
+/// Keeps the arrow keys from moving the focus away from the viewport.
+fn keep_arrows(viewport: &Response) {
+    let filter = EventFilter { horizontal_arrows: true, vertical_arrows: true, ..EventFilter::default() };
+    if viewport.has_focus() {
+        viewport.ctx.memory_mut(|memory| memory.set_focus_lock_filter(viewport.id, filter));
+    }
+}
+
 /// Returns the seconds by which motion advances: those since the last update, or those that an
 /// update usually takes where motion has just begun.
 fn secs_of_motion(input: &Input, ctx: &Context) -> f64 {
@@ -100,11 +129,14 @@ fn fly(
         forward: keys.axis(Action::Forward, Action::Back),
         factor,
     };
-    let is_flying = [motion.right, motion.up, motion.forward] != [0.0; 3];
+    let turn = [keys.axis(Action::LookRight, Action::LookLeft), keys.axis(Action::LookDown, Action::LookUp)];
+    let is_flying = [motion.right, motion.up, motion.forward] != [0.0; 3] || turn != [0.0; 2];
     let navigation = &mut state.navigation;
     if is_flying {
         navigation.playback.is_playing = false;
     }
+    let angle = LOOK_PER_SEC * factor.min(MAX_LOOK_FACTOR) * secs;
+    navigation.fly.look(turn.map(|axis| axis * angle));
     navigation.fly.advance(&motion, secs, obstacles);
     input.is_moving = is_flying || navigation.fly.is_easing() || navigation.playback.is_playing;
     match input.is_moving {
@@ -127,22 +159,27 @@ fn grab(input: &mut Input, viewport: &Response) {
     }
 }
 
-/// A click inspects a pixel or sets a point of a measurement; a double click goes there.
-fn click(state: &mut AppState, input: &Input, obstacles: Option<&Obstacles>, viewport: &Response) {
+/// A click inspects a pixel or sets a point of a measurement; a double click goes there. Keys do
+/// the same at the cursor, or in the middle of the viewport.
+fn click(state: &mut AppState, input: &mut Input, obstacles: Option<&Obstacles>, viewport: &Response) {
+    let key = input.click.take();
     let Some(obstacles) = obstacles else { return };
     let is_measuring = state.selection.measure.is_on;
     if state.selection.dropper.is_some() && viewport.hovered() {
         viewport.ctx.set_cursor_icon(CursorIcon::Crosshair);
     }
     if is_measuring {
-        let hover = input.cursor.and_then(|at| snap_at(state, obstacles, at, viewport.rect));
+        let middle = viewport.has_focus().then_some([0.0, 0.0]);
+        let hover = input.cursor.or(middle).and_then(|at| snap_at(state, obstacles, at, viewport.rect));
         state.selection.measure.hover = hover;
         if viewport.hovered() {
             viewport.ctx.set_cursor_icon(CursorIcon::Crosshair);
         }
     }
-    let Some(at) = viewport.interact_pointer_pos().map(|at| unit(viewport, at)) else { return };
-    if viewport.clicked_by(PointerButton::Primary) {
+    let by_key = key.map(|_| input.cursor.unwrap_or_default());
+    let by_pointer = || viewport.interact_pointer_pos().map(|at| unit(viewport, at));
+    let Some(at) = by_key.or_else(by_pointer) else { return };
+    if viewport.clicked_by(PointerButton::Primary) || key == Some(Click::Pick) {
         if state.selection.dropper.is_some() {
             pick(state, obstacles, at);
         } else if !is_measuring {
@@ -156,7 +193,7 @@ fn click(state: &mut AppState, input: &Input, obstacles: Option<&Obstacles>, vie
             measure_to(state, snap);
         }
     }
-    if viewport.double_clicked()
+    if (viewport.double_clicked() || key == Some(Click::GoThere))
         && let Some(probe) = probe_at(state, obstacles, at)
     {
         state.navigation.leave_pose();

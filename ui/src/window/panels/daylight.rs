@@ -1,7 +1,7 @@
 //! Sun and sky: the position of the sun by azimuth and elevation, or by place and time.
 
 use super::super::state::{AppState, Change, Command, EditCommand, ListCommand, Purpose, SunControls};
-use super::{sun_time, typed};
+use super::{numbers::Number, sun_time};
 use afterimage::scene::{Daylight, GroundAdvice, PhysicalSky, PictureSky, Sky, SkyKind, solar::SunPosition};
 use egui::Ui;
 
@@ -91,7 +91,8 @@ fn ground_rows(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
             let reach = scene.reach_m();
             let range = scene.lowest_ground.height_m - reach..=scene.lowest_ground.height_m + reach;
             let label = ui.label("Ground height").on_hover_text("Height in metres, as the model has it");
-            typed::metres(ui, &mut ground.height_m, range).labelled_by(label.id);
+            let number = Number::new(range, 2, " m").speed(0.02);
+            number.field(ui, "", &mut ground.height_m).labelled_by(label.id);
             ui.end_row();
         });
     }
@@ -132,7 +133,7 @@ fn slider(
     unit: &'static str,
 ) {
     let label = ui.label(name).on_hover_text(help);
-    typed::slider(ui, value, range, decimals, unit).labelled_by(label.id).on_hover_text(help);
+    Number::new(range, decimals, unit).slider(ui, value).labelled_by(label.id).on_hover_text(help);
     ui.end_row();
 }
 

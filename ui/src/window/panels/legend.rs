@@ -1,6 +1,7 @@
 //! The legend of the heatmap, and its controls.
 
 use super::super::state::{AppState, Command};
+use super::regions::{self, Region};
 use super::widgets::{TEXT, TYPE_NAMES, key_hint, swatch};
 use super::{references, statistics};
 use crate::window::input::keymap::Action;
@@ -56,14 +57,23 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
 pub fn over_viewport(ctx: &egui::Context, room: egui::Rect, state: &AppState) {
     let area = egui::Area::new(egui::Id::unique("legend")).pivot(egui::Align2::LEFT_BOTTOM);
     area.fixed_pos(room.left_bottom()).interactable(false).show(ctx, |ui| {
-        statistics::ground().show(ui, |ui| {
+        let shown = statistics::ground().show(ui, |ui| {
             ui.style_mut().interaction.selectable_labels = false;
             match state.options.coloring {
                 Coloring::ByType => types_over(ui, state),
                 Coloring::ByReference => references_over(ui, state),
             }
         });
+        regions::readable(ui, Region::Legend, shown.response.rect, spoken(state.options.coloring));
     });
+}
+
+/// The meaning of the colours for a screen reader.
+fn spoken(coloring: Coloring) -> &'static str {
+    match coloring {
+        Coloring::ByType => "blue is reused, yellow is mirror or glass, orange is traced",
+        Coloring::ByReference => "each colour is a reference, orange is traced or mirrored",
+    }
 }
 
 fn types_over(ui: &mut Ui, state: &AppState) {

@@ -4,6 +4,7 @@ use super::super::state::{
     AppState, Coloring, Command, Compare, EditCommand, FileCommand, Heatmap, InspectCommand, ListCommand,
     NavigationCommand, OpenDocument, Options, PictureCommand, Purpose, Statistics,
 };
+use super::regions::{self, Region};
 use crate::window::input::keymap::{Action, keys_of};
 use crate::window::{input::fly_camera::MoveMode, rendering::scene_loading::SceneSource};
 use afterimage::{Mode, scene::builtin};
@@ -12,7 +13,9 @@ use egui::{Button, Ui};
 /// Shows the menu bar with its menus.
 pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     egui::MenuBar::new().ui(ui, |ui| {
-        ui.menu_button("File", |ui| file_menu(ui, state, commands));
+        regions::name(ui, Region::Menu);
+        let file = ui.menu_button("File", |ui| file_menu(ui, state, commands));
+        regions::note(&file.response, Region::Menu);
         ui.menu_button("Edit", |ui| edit_menu(ui, state, commands));
         ui.menu_button("View", |ui| view_menu(ui, state, commands));
         ui.menu_button("Camera", |ui| camera_menu(ui, state, commands));
@@ -180,6 +183,7 @@ fn camera_menu(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
         ("Previous view", Action::PreviousView, Command::Navigate(NavigationCommand::StepView(-1))),
         ("Add a key to the path", Action::AddPathKey, Command::Navigate(NavigationCommand::AddPathKey)),
         (play, Action::PlayPath, Command::Navigate(NavigationCommand::PlayPath)),
+        ("Go back", Action::GoBack, Command::Navigate(NavigationCommand::GoBack)),
         ("Copy pose", Action::CopyPose, Command::CopyPose),
     ];
     list(ui, entries, commands);
@@ -190,6 +194,8 @@ fn method_menu(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     for mode in [Mode::Exact, Mode::Fast, Mode::Paper, Mode::Full] {
         ui.radio_value(&mut quality.walk.render.mode, mode, mode.name());
     }
+    ui.separator();
+    ui.checkbox(&mut quality.keeps_improving, "Go on improving until I move");
     if quality != state.quality {
         commands.push(Command::SetQuality(quality));
     }
@@ -201,6 +207,7 @@ fn method_menu(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     };
     let o = state.options;
     let pause = if o.is_paused { "Go on rendering" } else { "Pause rendering" };
+    let freeze = if o.is_frozen { "Stop freezing the frame" } else { "Freeze the frame" };
     let bake = if state.plan.baking.is_some() { "Cancel baking" } else { "Bake" };
     let entries = [
         ("Compare side by side", Action::CompareSplit, compare(Compare::Split)),
@@ -208,7 +215,8 @@ fn method_menu(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
         ("Add a reference here", Action::AddReference, Command::AddReference),
         ("Clear all references...", Action::ClearCache, Command::AskToClear),
         (bake, Action::Bake, Command::Bake),
-        (pause, Action::Pause, Command::SetOptions(Options { is_paused: !o.is_paused, ..o })),
+        (pause, Action::Pause, Command::SetOptions(o.paused(!o.is_paused))),
+        (freeze, Action::Freeze, Command::SetOptions(o.frozen(!o.is_frozen))),
     ];
     list(ui, entries, commands);
 }

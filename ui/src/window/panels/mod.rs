@@ -1,9 +1,11 @@
 //! Panels around and over the viewport. A panel reads the state and requests changes by commands.
 
+mod clock;
 pub mod color;
 pub mod comparison;
 pub mod daylight;
 pub mod file_list;
+pub mod focus_ring;
 pub mod help;
 pub mod inspector;
 pub mod legend;
@@ -22,6 +24,7 @@ pub mod plots;
 pub mod quality;
 pub mod questions;
 pub mod references;
+pub mod regions;
 pub mod scene;
 pub mod section;
 pub mod settings;
@@ -29,6 +32,5 @@ pub mod side;
 pub mod statistics;
 mod sun_time;
 pub mod toolbar;
-pub mod typed;
 pub mod views;
 pub mod widgets;

@@ -1,6 +1,7 @@
 //! Messages and loading progress over the viewport.
 
 use super::super::state::{AppState, Command, Notice, Severity};
+use super::regions::{self, Region};
 use crate::window::rendering::{scene_loading::SceneSource, task::Progress};
 use egui::{Align2, Color32, ProgressBar, Rect, RichText, Ui};
 use std::path::Path;
@@ -11,6 +12,7 @@ pub fn show(ctx: &egui::Context, viewport: Rect, state: &AppState, commands: &mu
         let above = if state.loading.is_some() { 90.0 } else { 56.0 };
         let at = viewport.center_bottom() - egui::vec2(0.0, above);
         area("notices", at, Align2::CENTER_BOTTOM).show(ctx, |ui| {
+            regions::name(ui, Region::Messages);
             for notice in &state.notices {
                 banner(ui, viewport.width(), notice, commands);
             }
@@ -47,7 +49,9 @@ fn banner(ui: &mut Ui, viewport_width: f32, notice: &Notice, commands: &mut Vec<
                 if let Some(file) = &notice.file {
                     open_buttons(ui, file, commands);
                 }
-                if ui.button("Dismiss").clicked() {
+                let dismiss = ui.button("Dismiss");
+                regions::note(&dismiss, Region::Messages);
+                if dismiss.clicked() {
                     commands.push(Command::Dismiss(notice.id));
                 }
             });

@@ -1,7 +1,9 @@
 //! Sliders and number fields. They change a value only when the user does: drawing them, or walking
-//! over them with Tab, neither rounds a value nor clamps it.
+//! over them with Tab, neither rounds a value nor clamps it. What is typed counts on Enter, or when
+//! the field is left; Escape drops it.
 
-use egui::{DragValue, Response, Slider, SliderClamping, Ui, emath::Numeric};
+use super::clock::{clock_hours, clock_text};
+use egui::{DragValue, Id, Key, Response, Slider, SliderClamping, Ui, emath::Numeric};
 use std::ops::RangeInclusive;
 
 /// How a number is shown and changed. Values outside the range are shown as they are; what the user
@@ -18,6 +20,8 @@ pub struct Number {
     is_logarithmic: bool,
     /// Change for a point of dragging in a field.
     speed: f64,
+    /// The number is hours of a day, shown and typed as hours and minutes.
+    is_clock: bool,
 }
 
 impl Number {
@@ -25,7 +29,13 @@ impl Number {
     /// where one belongs.
     pub fn new(range: RangeInclusive<f64>, decimals: usize, unit: &'static str) -> Self {
         let speed = 10f64.powi(-(decimals as i32));
-        Self { range, decimals, unit, factor: 1.0, step: 0.0, is_logarithmic: false, speed }
+        let (factor, step) = (1.0, 0.0);
+        Self { range, decimals, unit, factor, step, is_logarithmic: false, speed, is_clock: false }
+    }
+
+    /// A time of day in hours, shown and typed as hours and minutes.
+    pub fn clock() -> Self {
+        Self { is_clock: true, speed: 1.0 / 60.0, ..Self::new(0.0..=24.0, 0, "") }
     }
 
     /// A share that is shown in whole percent.
@@ -51,11 +61,12 @@ impl Number {
         Self { speed, ..self }
     }
 
-    /// Shows a slider with a number field. A typed number counts on Enter, or when the field is
-    /// left.
+    /// Shows a slider with a number field.
     pub fn slider<T: Numeric>(&self, ui: &mut Ui, value: &mut T) -> Response {
         let mut edited = value.to_f64() * self.factor;
-        let slider = Slider::from_get_set(self.range.clone(), |new| self.get_or_set(&mut edited, new))
+        let is_dropped = has_dropped_text(ui);
+        let get_or_set = |new: Option<f64>| self.get_or_set(&mut edited, new.filter(|_| !is_dropped));
+        let slider = Slider::from_get_set(self.range.clone(), get_or_set)
             .clamping(SliderClamping::Edits)
             .update_while_editing(false)
             .logarithmic(self.is_logarithmic)
@@ -70,14 +81,19 @@ impl Number {
     /// Shows a field that is dragged or typed into. `prefix` is shown before the number.
     pub fn field<T: Numeric>(&self, ui: &mut Ui, prefix: &str, value: &mut T) -> Response {
         let mut edited = value.to_f64() * self.factor;
-        let field = DragValue::from_get_set(|new| self.get_or_set(&mut edited, new))
+        let is_dropped = has_dropped_text(ui);
+        let get_or_set = |new: Option<f64>| self.get_or_set(&mut edited, new.filter(|_| !is_dropped));
+        let field = DragValue::from_get_set(get_or_set)
             .range(self.range.clone())
             .clamp_existing_to_range(false)
             .update_while_editing(false)
             .speed(self.speed)
-            .fixed_decimals(self.decimals)
             .prefix(prefix)
             .suffix(self.unit);
+        let field = match self.is_clock {
+            true => field.custom_formatter(|hours, _| clock_text(hours)).custom_parser(clock_hours),
+            false => field.fixed_decimals(self.decimals),
+        };
         let response = ui.add(field);
         self.store(value, edited);
         response
@@ -100,8 +116,19 @@ impl Number {
         }
     }
 
-    /// The number in units of its last decimal, as it is shown.
+    /// The number in units of its last digit, as it is shown.
     fn shown(&self, number: f64) -> f64 {
-        (number * 10f64.powi(self.decimals as i32)).round()
+        let steps = if self.is_clock { 60.0 } else { 10f64.powi(self.decimals as i32) };
+        (number * steps).round()
     }
+}
+
+/// True in the update in which Escape leaves a field, and in the next one: egui takes the text of a
+/// field up to one update after the focus is lost, and then no longer knows why it was.
+fn has_dropped_text(ui: &Ui) -> bool {
+    let (id, now) = (Id::unique("escape from a number"), ui.ctx().cumulative_pass_nr());
+    if ui.input(|input| input.key_pressed(Key::Escape)) {
+        ui.data_mut(|data| data.insert_temp(id, now));
+    }
+    ui.data(|data| data.get_temp::<u64>(id)).is_some_and(|escaped| now <= escaped + 1)
 }

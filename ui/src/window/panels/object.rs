@@ -89,17 +89,28 @@ fn gone(ui: &mut Ui, document: &OpenDocument, commands: &mut Vec<Command>) {
         return;
     }
     ui.weak("Not shown:");
-    let area = egui::ScrollArea::vertical().id_salt("gone objects").max_height(120.0);
-    area.auto_shrink([false, true]).show(ui, |ui| {
-        for (key, edit) in gone {
-            ui.horizontal(|ui| {
-                if ui.small_button("Show").accessible_name(format!("Show {key}")).clicked() {
-                    let shown = ObjectEdit { is_hidden: false, is_deleted: false, ..*edit };
-                    commands.push(Command::Edit(EditCommand::Change(Change::Object(key.clone(), shown))));
-                }
-                let how = if edit.is_deleted { "deleted" } else { "hidden" };
-                ui.add(egui::Label::new(format!("{key} ({how})")).truncate());
-            });
-        }
-    });
+    // A list that scrolls inside a list loses the wheel.
+    let (first, others) = gone.split_at(gone.len().min(MAX_LISTED));
+    gone_rows(ui, first, commands);
+    if !others.is_empty() {
+        let header = egui::CollapsingHeader::new(format!("{} more", others.len())).id_salt("gone objects");
+        header.show_unindented(ui, |ui| gone_rows(ui, others, commands));
+    }
+}
+
+/// Number of objects that are not shown and are listed at first.
+const MAX_LISTED: usize = 12;
+
+fn gone_rows(ui: &mut Ui, gone: &[(&ObjectKey, &ObjectEdit)], commands: &mut Vec<Command>) {
+    for (key, edit) in gone {
+        ui.horizontal(|ui| {
+            if ui.small_button("Show").accessible_name(format!("Show {key}")).clicked() {
+                let shown = ObjectEdit { is_hidden: false, is_deleted: false, ..**edit };
+                let change = Change::Object((*key).clone(), shown);
+                commands.push(Command::Edit(EditCommand::Change(change)));
+            }
+            let how = if edit.is_deleted { "deleted" } else { "hidden" };
+            ui.add(egui::Label::new(format!("{key} ({how})")).truncate());
+        });
+    }
 }

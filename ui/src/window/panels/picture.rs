@@ -4,13 +4,15 @@ use super::super::state::{
     AppState, Command, ListCommand, PictureCommand, PictureFormat, PictureQuality, PictureSettings,
     PictureSize, Purpose,
 };
+use super::numbers::Number;
+use super::regions::{self, Region};
 use super::widgets::{choice, key_hint};
 use crate::picture::LONGEST_SIDE;
 use crate::window::input::keymap::Action;
 use crate::window::input::playback::{film_frames, path_secs};
 use crate::window::rendering::task::Progress;
 use afterimage::{Mode, render::bands::Background};
-use egui::{Align2, Color32, DragValue, ProgressBar, Rect, RichText, Ui};
+use egui::{Align2, Color32, ProgressBar, Rect, RichText, Ui};
 
 /// Suggested sizes in pixels.
 const SIZES: [(&str, [u32; 2]); 5] = [
@@ -24,9 +26,12 @@ const SIZES: [(&str, [u32; 2]); 5] = [
 /// Shows the settings in a window; the scene remains visible and usable.
 pub fn show(ctx: &egui::Context, state: &AppState, commands: &mut Vec<Command>) {
     let mut is_open = true;
-    egui::Window::new("Picture settings").open(&mut is_open).resizable(false).default_pos([40.0, 60.0]).show(
-        ctx,
-        |ui| {
+    let shown = egui::Window::new("Picture settings")
+        .open(&mut is_open)
+        .resizable(false)
+        .default_pos([40.0, 60.0])
+        .show(ctx, |ui| {
+            regions::name(ui, Region::Dialog);
             let mut settings = state.picture.settings.clone();
             egui::Grid::new("picture").num_columns(2).spacing([12.0, 6.0]).show(ui, |ui| {
                 size_rows(ui, &mut settings);
@@ -39,8 +44,10 @@ pub fn show(ctx: &egui::Context, state: &AppState, commands: &mut Vec<Command>) 
             }
             ui.separator();
             buttons(ui, state, commands);
-        },
-    );
+        });
+    if let Some(shown) = shown {
+        regions::note_rect(ctx, Region::Dialog, shown.response.rect);
+    }
     if !is_open {
         commands.push(Command::Picture(PictureCommand::ShowDialog(false)));
     }
@@ -51,14 +58,15 @@ fn size_rows(ui: &mut Ui, settings: &mut PictureSettings) {
     let sizes = SIZES.map(|(name, size)| (PictureSize::Pixels(size), name));
     let sizes = [&[(PictureSize::Viewport, "Viewport size")], &sizes[..]].concat();
     let name = sizes.iter().find(|(size, _)| *size == settings.size).map_or("Custom size", |(_, name)| name);
-    choice(ui, "picture size", name, &mut settings.size, sizes.iter().copied()).labelled_by(label.id);
+    let size = choice(ui, "picture size", name, &mut settings.size, sizes.iter().copied());
+    regions::note(&size.labelled_by(label.id), Region::Dialog);
     ui.end_row();
     let PictureSize::Pixels([mut width, mut height]) = settings.size else { return };
     ui.label("Pixels");
     ui.horizontal(|ui| {
         for (side, name) in [(&mut width, "Picture width"), (&mut height, "Picture height")] {
-            let value = DragValue::new(side).range(1..=LONGEST_SIDE).speed(8);
-            ui.add(value).accessible_name(name);
+            let number = Number::new(1.0..=f64::from(LONGEST_SIDE), 0, "").speed(8.0);
+            number.field(ui, "", side).accessible_name(name);
         }
     });
     settings.size = PictureSize::Pixels([width, height]);
@@ -78,10 +86,10 @@ fn rendering_rows(ui: &mut Ui, state: &AppState, settings: &mut PictureSettings)
     let label = ui.label("Samples");
     let window_samples = state.quality.walk.render.trace.samples;
     let mut samples = settings.samples.unwrap_or(window_samples);
-    let value = DragValue::new(&mut samples).range(1..=1 << 16);
+    let number = Number::new(1.0..=65536.0, 0, "");
     let help =
         "Samples per pixel for each light and for scattered light; with anti-aliasing, per primary ray";
-    if ui.add(value).labelled_by(label.id).on_hover_text(help).changed() {
+    if number.field(ui, "", &mut samples).labelled_by(label.id).on_hover_text(help).changed() {
         settings.samples = Some(samples);
     }
     ui.end_row();
@@ -89,8 +97,9 @@ fn rendering_rows(ui: &mut Ui, state: &AppState, settings: &mut PictureSettings)
     quality_row(ui, state, settings);
     ui.end_row();
     let label = ui.label("Anti-aliasing");
-    let value = DragValue::new(&mut settings.antialias).range(1..=4096).suffix(" rays per pixel");
-    ui.add_enabled(settings.mode == Mode::Full, value).labelled_by(label.id);
+    let number = Number::new(1.0..=4096.0, 0, " rays per pixel");
+    let field = |ui: &mut Ui| number.field(ui, "", &mut settings.antialias);
+    ui.add_enabled_ui(settings.mode == Mode::Full, field).inner.labelled_by(label.id);
     ui.end_row();
 }
 

@@ -130,6 +130,9 @@ fn pace_rows(ui: &mut Ui, q: &mut Quality, d: &Quality) {
     row(ui, "Frame budget", help, &mut q.budget_ms, d.budget_ms, |ui, v| {
         Number::new(16.0..=1000.0, 0, " ms").logarithmic().slider(ui, v)
     });
+    let help = "After the last pass, the picture of a stationary camera gets more passes and less noise, until you \
+                move. The processor stays busy.";
+    row(ui, "Go on", help, &mut q.keeps_improving, d.keeps_improving, |ui, v| ui.checkbox(v, "until I move"));
 }
 
 fn placement_rows(ui: &mut Ui, q: &mut Quality, d: &Quality) {

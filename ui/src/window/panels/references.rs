@@ -1,6 +1,6 @@
 //! The list of references: contribution, position, and actions.
 
-use super::super::state::{AppState, Command, InspectCommand, Options, Work};
+use super::super::state::{AppState, Command, InspectCommand, Work};
 use super::widgets::{counted, thumbnail};
 use crate::window::input::keymap::{Action, keys_of};
 use crate::window::rendering::exchange::{ReferenceInfo, supplier_byte};
@@ -57,8 +57,8 @@ fn buttons(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
         }
         let is_paused = state.options.is_paused;
         let text = if is_paused { "Resume" } else { "Pause" };
-        if button(ui, text, Action::Pause, "Pause or resume rendering") {
-            commands.push(Command::SetOptions(Options { is_paused: !is_paused, ..state.options }));
+        if button(ui, text, Action::Pause, "Pause rendering until the camera moves, or resume it") {
+            commands.push(Command::SetOptions(state.options.paused(!is_paused)));
         }
     });
 }

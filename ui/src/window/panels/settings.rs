@@ -1,6 +1,7 @@
 //! The dialog "Settings": appearance of the window.
 
 use super::super::state::{AppState, Appearance, Command};
+use super::regions::{self, Region};
 use super::{numbers::Number, widgets::choice};
 use crate::settings::{Theme, UI_SCALES};
 use egui::Ui;
@@ -8,9 +9,12 @@ use egui::Ui;
 /// Shows the dialog. Changes are saved in the settings file.
 pub fn show(ctx: &egui::Context, state: &AppState, commands: &mut Vec<Command>) {
     let (mut is_open, mut appearance) = (true, state.appearance);
-    egui::Window::new("Settings").open(&mut is_open).resizable(false).default_pos([60.0, 80.0]).show(
-        ctx,
-        |ui| {
+    let shown = egui::Window::new("Settings")
+        .open(&mut is_open)
+        .resizable(false)
+        .default_pos([60.0, 80.0])
+        .show(ctx, |ui| {
+            regions::name(ui, Region::Dialog);
             egui::Grid::new("settings")
                 .num_columns(3)
                 .spacing([12.0, 6.0])
@@ -21,8 +25,10 @@ pub fn show(ctx: &egui::Context, state: &AppState, commands: &mut Vec<Command>) 
                 None => ui.weak("Not saved: no folder for settings was found"),
             };
             ui.weak("To change keys, edit [keys] in this file; F1 lists all keys.");
-        },
-    );
+        });
+    if let Some(shown) = shown {
+        regions::note_rect(ctx, Region::Dialog, shown.response.rect);
+    }
     if appearance != state.appearance {
         commands.push(Command::SetAppearance(appearance));
     }
@@ -36,7 +42,8 @@ fn rows(ui: &mut Ui, appearance: &mut Appearance) {
     let label = ui.label("Theme");
     let themes = [Theme::System, Theme::Dark, Theme::Light].map(|theme| (theme, theme.name()));
     let name = appearance.theme.name();
-    choice(ui, "theme", name, &mut appearance.theme, themes).labelled_by(label.id);
+    let theme = choice(ui, "theme", name, &mut appearance.theme, themes).labelled_by(label.id);
+    regions::note(&theme, Region::Dialog);
     reset(ui, "theme", &mut appearance.theme, default.theme);
     let label = ui.label("Text size");
     let mut scale = appearance.ui_scale;

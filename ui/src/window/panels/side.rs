@@ -1,8 +1,9 @@
 //! The side panel: tabs in the order of a visit, each with its sections.
 
+use super::regions::{self, Region};
 use super::{
-    comparison, daylight, inspector, legend, lights, material, object, path, plan, plots, quality,
-    references, scene, section, views,
+    comparison, daylight, focus_ring, inspector, legend, lights, material, object, path, plan, plots,
+    quality, references, scene, section, views,
 };
 use crate::settings::Tab;
 use crate::window::state::{AppState, Appearance, Command};
@@ -18,7 +19,8 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     let tab = state.appearance.tab;
     // Each tab keeps its own place.
     let area = egui::ScrollArea::vertical().id_salt(tab.name()).auto_shrink([false, false]);
-    area.show(ui, |ui| {
+    let area = area.show(ui, |ui| {
+        regions::name(ui, Region::Panel);
         ui.spacing_mut().item_spacing.y = 5.0;
         match tab {
             Tab::Scene => scene_tab(ui, state, commands),
@@ -27,12 +29,15 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
             Tab::Method => method_tab(ui, state, commands),
             Tab::Numbers => numbers_tab(ui, state),
         }
+        focus_ring::scroll_to(ui);
     });
+    regions::note_rect(ui.ctx(), Region::Panel, area.inner_rect);
 }
 
 /// Shows the row of tabs. The chosen one is kept in the settings.
 fn tabs(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
-    ui.horizontal_wrapped(|ui| {
+    let row = ui.horizontal_wrapped(|ui| {
+        regions::name(ui, Region::Tabs);
         // All five in one row of the panel's usual width.
         ui.spacing_mut().item_spacing.x = 2.0;
         ui.spacing_mut().button_padding.x = 5.0;
@@ -40,11 +45,15 @@ fn tabs(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
             let is_shown = state.appearance.tab == tab;
             let button = ui.selectable_label(is_shown, RichText::new(title).strong()).on_hover_text(help);
             button.widget_info(|| egui::WidgetInfo::selected(egui::Role::Tab, true, is_shown, title));
+            if is_shown {
+                regions::note(&button, Region::Tabs);
+            }
             if button.clicked() && !is_shown {
                 commands.push(Command::SetAppearance(Appearance { tab, ..state.appearance }));
             }
         }
     });
+    regions::note_rect(ui.ctx(), Region::Tabs, row.response.rect);
     ui.separator();
 }
 
@@ -96,9 +105,10 @@ fn numbers_tab(ui: &mut Ui, state: &AppState) {
 fn section(ui: &mut Ui, title: &str, is_open: bool, contents: impl FnOnce(&mut Ui)) {
     let header = egui::CollapsingHeader::new(RichText::new(title).strong()).default_open(is_open);
     // A tab may have the same name as its section.
-    header.id_salt((title, "section")).show_unindented(ui, |ui| {
+    let shown = header.id_salt((title, "section")).show_unindented(ui, |ui| {
         ui.add_space(2.0);
         contents(ui);
         ui.add_space(6.0);
     });
+    regions::note(&shown.header_response, Region::Panel);
 }

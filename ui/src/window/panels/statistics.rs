@@ -2,6 +2,7 @@
 
 use super::super::state::{AppState, Statistics, Work};
 use super::comparison;
+use super::regions::{self, Region};
 use super::widgets::{FIRST_STAGE, GROUND, TEXT, swatch};
 use crate::window::input::fly_camera::MoveMode;
 use crate::window::input::keymap::{Action, keys_of};
@@ -17,11 +18,11 @@ pub fn ground() -> egui::Frame {
 
 /// Shows the statistics in the corner of `ui`.
 pub fn show(ui: &mut Ui, state: &AppState) {
-    ground().show(ui, |ui| {
+    let shown = ground().show(ui, |ui| {
         ui.style_mut().interaction.selectable_labels = false;
         ui.spacing_mut().item_spacing = egui::vec2(10.0, 3.0);
         if state.options.is_paused {
-            paused(ui);
+            paused(ui, state.options.is_frozen);
         }
         if state.options.statistics == Statistics::Off {
             return;
@@ -47,12 +48,25 @@ pub fn show(ui: &mut Ui, state: &AppState) {
             type_rows(ui, state);
         }
     });
+    regions::readable(ui, Region::Figures, shown.response.rect, &spoken(state));
+}
+
+/// The figures that everyone wants to know, for a screen reader.
+fn spoken(state: &AppState) -> String {
+    let reused = state.frame.as_ref().map(|frame| frame.stats.types.percentages().type1_percent);
+    let reused = reused.map(|percent| format!(", {percent:.0} % of pixels reused")).unwrap_or_default();
+    format!("{}{reused}", state.work_text())
 }
 
 /// Shows that the renderer is paused, large.
-fn paused(ui: &mut Ui) {
-    ui.label(RichText::new("Paused").color(TEXT).size(26.0).strong());
-    ui.label(RichText::new(format!("{} goes on", keys_of(Action::Pause))).color(TEXT));
+fn paused(ui: &mut Ui, is_frozen: bool) {
+    let keys = keys_of(Action::Pause);
+    let (word, help) = match is_frozen {
+        true => ("Frozen", format!("This frame is shown from where you go; {keys} goes on")),
+        false => ("Paused", format!("Moving or {keys} goes on")),
+    };
+    ui.label(RichText::new(word).color(TEXT).size(26.0).strong());
+    ui.label(RichText::new(help).color(TEXT));
 }
 
 /// What everyone wants to know.

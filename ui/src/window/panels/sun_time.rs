@@ -1,6 +1,8 @@
 //! The rows of the sun's place and time: a slider through day and night with sunrise and sunset.
 
-use super::typed;
+use super::clock::clock_text;
+use super::numbers::Number;
+use super::widgets::text_field;
 use afterimage::scene::place::{PlaceAndTime, SunTimes};
 use egui::{Color32, Pos2, Rect, Slider, Ui};
 
@@ -33,7 +35,11 @@ pub(super) fn rows(ui: &mut Ui, place: &mut PlaceAndTime) {
     time_rows(ui, place);
     let help = "Time zone by its name in the IANA database, such as Europe/Berlin";
     let label = ui.label("Time zone").on_hover_text(help);
-    typed::text(ui, &mut place.zone, 150.0).labelled_by(label.id).on_hover_text(help);
+    let field = text_field(ui, "time zone", &place.zone, |field| field.desired_width(150.0));
+    field.response.labelled_by(label.id).on_hover_text(help);
+    if let Some(zone) = field.entered {
+        zone.trim().clone_into(&mut place.zone);
+    }
     ui.end_row();
 }
 
@@ -56,7 +62,8 @@ fn place_rows(ui: &mut Ui, place: &mut PlaceAndTime) {
         ("Longitude", "Positive in the east", &mut place.longitude_deg, 180.0),
     ] {
         let label = ui.label(name).on_hover_text(help);
-        typed::slider(ui, value, -limit..=limit, 2, "\u{b0}").labelled_by(label.id).on_hover_text(help);
+        let number = Number::new(-limit..=limit, 2, "\u{b0}");
+        number.slider(ui, value).labelled_by(label.id).on_hover_text(help);
         ui.end_row();
     }
 }
@@ -65,7 +72,7 @@ fn date_rows(ui: &mut Ui, place: &mut PlaceAndTime) {
     ui.label("Date");
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 3.0;
-        typed::whole(ui, &mut place.year, 1950..=2050).accessible_name("Year");
+        whole(1950..=2050).field(ui, "", &mut place.year).accessible_name("Year");
         ui.label("-");
         part(ui, "Month", &mut place.month, 12);
         ui.label("-");
@@ -91,9 +98,13 @@ fn date_rows(ui: &mut Ui, place: &mut PlaceAndTime) {
 /// A month or a day.
 fn part(ui: &mut Ui, name: &str, value: &mut u32, max: u32) {
     *value = (*value).min(max);
-    let mut number = *value as i32;
-    typed::whole(ui, &mut number, 1..=max as i32).accessible_name(name);
-    *value = number.unsigned_abs();
+    whole(1..=max).field(ui, "", value).accessible_name(name);
+}
+
+/// A whole number, ten points of dragging a step.
+fn whole<T: Into<f64>>(range: std::ops::RangeInclusive<T>) -> Number {
+    let (low, high) = range.into_inner();
+    Number::new(low.into()..=high.into(), 0, "").speed(0.1)
 }
 
 fn time_rows(ui: &mut Ui, place: &mut PlaceAndTime) {
@@ -110,7 +121,7 @@ fn time_rows(ui: &mut Ui, place: &mut PlaceAndTime) {
             place.hours = before;
         }
         night(ui, response.rect, times);
-        typed::clock(ui, &mut place.hours).accessible_name("Time");
+        Number::clock().field(ui, "", &mut place.hours).accessible_name("Time");
         ui.weak(place.clock_name());
     });
     ui.end_row();
@@ -133,7 +144,7 @@ fn sun_times(ui: &Ui, place: &PlaceAndTime) -> Option<SunTimes> {
 }
 
 fn times_text(times: Option<SunTimes>) -> String {
-    let clock = |hours: Option<f64>| hours.map_or("none".to_owned(), typed::clock_text);
+    let clock = |hours: Option<f64>| hours.map_or("none".to_owned(), clock_text);
     match times {
         Some(SunTimes::Changes { sunrise, sunset }) => {
             format!("Sunrise {}, sunset {}", clock(sunrise), clock(sunset))

@@ -3,6 +3,7 @@
 use super::super::state::{
     AppState, Command, Compare, Heatmap, InspectCommand, NavigationCommand, Options, PictureCommand,
 };
+use super::regions::{self, Region};
 use super::widgets::choice;
 use crate::window::input::fly_camera::MoveMode;
 use crate::window::input::keymap::{Action, keys_of};
@@ -12,6 +13,7 @@ use egui::Ui;
 /// Shows the toolbar. Its buttons wrap where the window is narrow.
 pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     ui.horizontal_wrapped(|ui| {
+        regions::name(ui, Region::Toolbar);
         pictures(ui, state, commands);
         ui.separator();
         mode(ui, state, commands);
@@ -27,6 +29,7 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
 /// Shows a button that is marked while `is_on`; true where it was clicked.
 fn button(ui: &mut Ui, text: &str, help: &str, action: Action, is_on: bool) -> bool {
     let button = ui.add(egui::Button::new(text).selected(is_on));
+    regions::note(&button, Region::Toolbar);
     // Menus and panels have buttons with the same text.
     let button = button.on_hover_text(format!("{help} (key {})", keys_of(action)));
     button.accessible_name(format!("Toolbar: {}", text.to_lowercase())).clicked()
@@ -76,7 +79,8 @@ fn moving(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
         commands.push(Command::Inspect(InspectCommand::ToggleMeasure));
     }
     let is_paused = state.options.is_paused;
-    if button(ui, "Pause", "Stop rendering, or go on", Action::Pause, is_paused) {
-        commands.push(Command::SetOptions(Options { is_paused: !is_paused, ..state.options }));
+    let help = "Stop rendering until the camera moves, or go on";
+    if button(ui, "Pause", help, Action::Pause, is_paused) {
+        commands.push(Command::SetOptions(state.options.paused(!is_paused)));
     }
 }

@@ -30,6 +30,9 @@ pub struct RenderRequest {
     pub section: Option<SeenSection>,
     /// The edges of surfaces are drawn.
     pub has_edges: bool,
+    /// The picture at rest is refined until something changes, and not only until it counts as
+    /// converged.
+    pub is_endless: bool,
 }
 
 /// Something that is done once, in the order of sending.

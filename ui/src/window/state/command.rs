@@ -54,6 +54,8 @@ pub enum Command {
     OpenOutside(PathBuf),
     Dismiss(u64),
     FullScreen,
+    /// Moves the focus to the next region of the window, or to the one before.
+    FocusRegion(bool),
     Escape,
 }
 

@@ -44,8 +44,10 @@ pub struct Options {
     pub statistics: Statistics,
     /// The list of keys is shown.
     pub shows_help: bool,
-    /// The renderer is paused: no frame and no reference is traced.
+    /// The renderer is paused until the camera moves: no frame and no reference is traced.
     pub is_paused: bool,
+    /// The pause lasts while the camera moves, and the last frame is reprojected.
+    pub is_frozen: bool,
     /// Whether a change of view is eased.
     pub view_change: ViewChange,
 }
@@ -61,12 +63,25 @@ impl Default for Options {
             statistics: Statistics::Short,
             shows_help: false,
             is_paused: false,
+            is_frozen: false,
             view_change: ViewChange::default(),
         }
     }
 }
 
 impl Options {
+    /// Pauses rendering until the camera moves, or ends any pause.
+    #[must_use]
+    pub fn paused(self, is_paused: bool) -> Self {
+        Self { is_paused, is_frozen: false, ..self }
+    }
+
+    /// Freezes the last frame, or ends any pause.
+    #[must_use]
+    pub fn frozen(self, is_frozen: bool) -> Self {
+        Self { is_paused: is_frozen, is_frozen, ..self }
+    }
+
     /// Shows the heatmap where its colouring has changed: the user wants to see it.
     #[must_use]
     pub fn with_visible_colors(self, before: &Self) -> Self {

@@ -15,6 +15,8 @@ pub struct Quality {
     pub render_scale: f32,
     /// Time in milliseconds after which a frame is shown, complete or not.
     pub budget_ms: f32,
+    /// The picture at rest is improved until the camera moves, and not only until its last pass.
+    pub keeps_improving: bool,
     /// Exposure of the picture.
     pub exposure: Exposure,
     /// The automatic exposure follows the view.
@@ -27,6 +29,14 @@ impl Default for Quality {
     fn default() -> Self {
         let (walk, tone_map) = (WalkthroughSettings::default(), ToneMap::default());
         let budget_ms = FRAME_BUDGET.as_secs_f32() * 1e3;
-        Self { walk, render_scale: 1.0, budget_ms, exposure: Exposure::Auto, follows_view: true, tone_map }
+        Self {
+            walk,
+            render_scale: 1.0,
+            budget_ms,
+            keeps_improving: false,
+            exposure: Exposure::Auto,
+            follows_view: true,
+            tone_map,
+        }
     }
 }

@@ -41,10 +41,13 @@ impl Work {
         match (self, frame) {
             (Self::Refining, Some(frame)) => {
                 let refined = frame.stats.refined;
-                format!("{} {}/{}", self.word(), refined.pass, refined.of)
+                match refined.pass <= refined.of && !refined.is_complete {
+                    true => format!("{} {}/{}", self.word(), refined.pass, refined.of),
+                    false => format!("improving, pass {}", refined.pass),
+                }
             }
             // The light may still improve with more passes.
-            (Self::Converged, Some(frame)) => passes_done(frame.stats.refined.of),
+            (Self::Converged, Some(frame)) => passes_done(frame.stats.refined.pass),
             _ => self.word().to_owned(),
         }
     }

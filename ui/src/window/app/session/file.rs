@@ -54,10 +54,9 @@ pub(in crate::window::app) struct SessionFile {
     #[serde(alias = "exposure_ev")]
     exposure: Exposure,
     tone_map: String,
-    #[serde(default)]
     render_scale: Option<f32>,
-    #[serde(default)]
     budget_ms: Option<f32>,
+    keep_improving: Option<bool>,
     /// Name and threshold of the rule that places references.
     #[serde(default)]
     placement: Option<(String, f64)>,
@@ -157,6 +156,7 @@ impl SessionFile {
             tone_map: quality.tone_map.name().to_owned(),
             render_scale: Some(quality.render_scale),
             budget_ms: Some(quality.budget_ms),
+            keep_improving: Some(quality.keeps_improving),
             placement: Some((walk.placement.rule.name.to_owned(), walk.placement.percent)),
             max_references: Some(walk.max_references),
             cache_mb: Some(walk.cache_bytes >> 20),
@@ -308,6 +308,7 @@ impl SessionFile {
         quality.render_scale = scale.unwrap_or(quality.render_scale);
         let budget = self.budget_ms.filter(|ms| (1.0..=10_000.0).contains(ms));
         quality.budget_ms = budget.unwrap_or(quality.budget_ms);
+        quality.keeps_improving = self.keep_improving.unwrap_or(quality.keeps_improving);
     }
 
     /// Pose of the camera.

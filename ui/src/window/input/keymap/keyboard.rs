@@ -20,8 +20,20 @@ pub enum Attention {
     View,
     /// A control such as a button or a slider has the focus.
     Control,
-    /// A text field or a question has the focus.
+    /// A text field has the focus.
     Text,
+    /// A question or an open menu has the focus.
+    Question,
+}
+
+/// True for actions whose function keys also act while text is typed.
+fn acts_while_typing(action: Action) -> bool {
+    matches!(action, Action::Help | Action::NextRegion | Action::PreviousRegion)
+}
+
+/// True for keys that type nothing.
+fn is_function_key(key: Key) -> bool {
+    (Key::F1..=Key::F12).contains(&key)
 }
 
 /// True for keys that operate a focused control.
@@ -37,12 +49,18 @@ pub struct Keyboard {
 
 impl Keyboard {
     /// Processes the events of one window frame and returns the pressed actions. While text is
-    /// typed, no key is pressed or held. While a control has the focus, the keys that operate it
+    /// typed, no key is held, and only function keys that move the focus or show the help are
+    /// pressed; none while a question is asked. While a control has the focus, the keys that operate it
     /// are ignored. When the window loses the focus, all keys are released, because their release
     /// events do not arrive.
     pub fn update(&mut self, events: &[Event], attention: Attention) -> Vec<Pressed> {
-        let typing = attention == Attention::Text;
-        let is_taken = |key| typing || attention == Attention::Control && operates_controls(key);
+        let typing = matches!(attention, Attention::Text | Attention::Question);
+        let is_taken = |key| match attention {
+            Attention::View => false,
+            Attention::Control => operates_controls(key),
+            Attention::Text => !is_function_key(key),
+            Attention::Question => true,
+        };
         let mut pressed = Vec::new();
         for event in events {
             match event {
@@ -60,6 +78,7 @@ impl Keyboard {
         }
         if typing {
             self.down.clear();
+            pressed.retain(|p: &Pressed| acts_while_typing(p.action));
         }
         pressed
     }

@@ -10,7 +10,7 @@ mod rebinding;
 mod table;
 
 pub use chord::Chord;
-pub use help::{help_text, keys_of};
+pub use help::{HelpGroup, help_groups, help_text, keys_of};
 pub use keyboard::{Attention, Keyboard, Pressed};
 pub use rebinding::{KeysError, bindings, install, rebound};
-pub use table::{Action, BINDINGS, Binding, MOUSE};
+pub use table::{Action, BINDINGS, Binding, GROUPS, MOUSE};

@@ -118,7 +118,7 @@ mod tests {
         let text_of_error = |text| table(text).unwrap_err().to_string();
         let error = text_of_error("add-reference = 'K'\nadd-refrence = 'B'\nlevel = 'Hyper+J'\nfocus = 7");
         for words in [
-            "K is bound to both add-reference and add-path-key",
+            "K is bound to both add-path-key and add-reference",
             "did you mean 'add-reference'?",
             "no key 'Hyper+J'",
             "a key like",

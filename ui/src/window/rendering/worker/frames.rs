@@ -22,6 +22,7 @@ impl Worker {
             None => walk.set_section(&[], [0.0; 2]),
         }
         walk.set_previews(!request.is_moving);
+        walk.set_endless(request.is_endless);
         if request.is_compared {
             walk.drop_refinement();
         }

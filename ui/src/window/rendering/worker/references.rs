@@ -95,6 +95,7 @@ mod tests {
             is_compared: false,
             section: None,
             has_edges: false,
+            is_endless: false,
         };
         let (jobs, sent) = unbounded();
         let (messages, said) = unbounded();

@@ -13,6 +13,7 @@ pub(in crate::window::app::session) fn session() -> SessionFile {
         session: None,
         render_scale: Some(0.5),
         budget_ms: None,
+        keep_improving: None,
         placement: Some(("grid".to_owned(), 5.0)),
         max_references: Some(8),
         cache_mb: Some(512),
