@@ -205,8 +205,8 @@ fn file_rows(ui: &mut Ui, state: &AppState, settings: &mut PictureSettings, comm
             let help = "Small files, with losses that are hardly seen; without sky it is saved as PNG";
             ui.radio_value(&mut settings.format, PictureFormat::Jpeg, "JPEG").on_hover_text(help);
             if settings.format == PictureFormat::Jpeg {
-                let value = DragValue::new(&mut settings.jpeg_quality).range(1..=100).prefix("quality ");
-                ui.add(value).accessible_name("JPEG quality");
+                let field = Number::new(1.0..=100.0, 0, "").field(ui, "quality ", &mut settings.jpeg_quality);
+                field.accessible_name("JPEG quality");
             }
         });
         let help = "Linear, with layers for depth, normal, type, reference and primitive";

@@ -1,7 +1,7 @@
 //! The section: a plane that cuts the model open for the camera.
 
 use super::super::state::{AppState, Change, Command, EditCommand, SectionView};
-use super::typed;
+use super::numbers::Number;
 use super::widgets::key_hint;
 use crate::window::input::keymap::Action;
 use afterimage::Mode;
@@ -65,7 +65,7 @@ fn plane_rows(ui: &mut Ui, [low, high]: [glam::DVec3; 2], section: &mut SectionV
         let keys = [Action::SectionBack, Action::SectionForward].map(key_hint).join(", ");
         let label = ui.label("Section at").on_hover_text(&keys);
         let range = low[plane.axis]..=high[plane.axis];
-        typed::slider(ui, &mut plane.at_m, range, 2, " m").labelled_by(label.id).on_hover_text(keys);
+        Number::new(range, 2, " m").slider(ui, &mut plane.at_m).labelled_by(label.id).on_hover_text(keys);
         ui.end_row();
         ui.label("Side");
         if ui.button("Flip").accessible_name("Show the other side of the section").clicked() {
