@@ -7,6 +7,8 @@ mod bake;
 mod commit;
 mod compare;
 mod doctor;
+#[cfg(test)]
+mod documented;
 mod experiment;
 mod failure;
 pub(crate) mod flags;
@@ -19,6 +21,8 @@ mod measure;
 mod output;
 pub(crate) mod paths;
 mod pose;
+#[cfg(feature = "profile")]
+mod profile;
 mod progress;
 mod render;
 mod render_store;
@@ -137,10 +141,14 @@ fn with_settings(user_file: Option<PathBuf>, key_error: Option<KeysError>) -> Re
         "settings: {}",
         layers.user_file.as_deref().map_or("none".into(), |path| path.display().to_string())
     );
+    #[cfg(feature = "profile")]
+    profile::start();
     let outcome = check(&cli.flags)
         .and_then(|()| start_threads(&cli.flags))
         .and_then(|()| dispatch(&cli, &layers))
         .and_then(|()| output::check());
+    #[cfg(feature = "profile")]
+    let outcome = profile::finish().and(outcome);
     outcome.map_err(fail)
 }
 

@@ -1,0 +1,61 @@
+//! The commands of the README, run one after the other as a reader would, on a small room and with
+//! little work.
+
+use super::{Bench, shell, stderr};
+use std::path::Path;
+
+/// Values that make a command short: flag, value, and the command that needs it if it is not given.
+const SHORT: [(&str, &str, &str); 6] = [
+    ("--size", "32x24", ""),
+    ("--samples", "1", ""),
+    ("--seconds", "0.2", "bake"),
+    ("--frames", "3", "tour"),
+    ("--truth-samples", "2", "tour"),
+    ("--bounces", "0", "tour"),
+];
+
+/// Commands of minutes that tests of their own run.
+const LONG: [&str; 1] = ["experiment stability"];
+
+/// Shortens a command of the README; `None` for those that are left out.
+fn short(words: &[String]) -> Option<Vec<String>> {
+    let command = words.first()?;
+    let line = words.join(" ").replace("path/to/house", "house").replace("light/", "light");
+    if LONG.iter().any(|long| line.starts_with(long)) || command.contains('.') || command.contains(':') {
+        return None;
+    }
+    // The gallery takes seconds to load; one command shows its views.
+    let line =
+        if line.contains("--view") { line } else { line.replace("builtin:gallery", "builtin:cornell") };
+    let mut words: Vec<String> = line.split(' ').map(str::to_owned).collect();
+    for (flag, value, needed_by) in SHORT {
+        match words.iter().position(|word| word == flag) {
+            Some(at) => words[at + 1] = value.to_owned(),
+            None if needed_by == command || (needed_by.is_empty() && takes_pictures(command)) => {
+                words.extend([flag.to_owned(), value.to_owned()]);
+            }
+            None => {}
+        }
+    }
+    Some(words)
+}
+
+fn takes_pictures(command: &str) -> bool {
+    ["render", "tour", "bake", "experiment"].contains(&command)
+}
+
+#[test]
+fn every_command_of_the_readme_runs() {
+    let bench = Bench::new();
+    let page = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../README.md")).unwrap();
+    std::fs::copy(bench.path("room.obj"), bench.path("house.obj")).unwrap();
+    for name in ["a.png", "b.png"] {
+        assert!(bench.run(&format!("render room.obj --size 8x6 --samples 1 -o {name}")).status.success());
+    }
+    let commands: Vec<Vec<String>> = shell::commands(&page).iter().filter_map(|words| short(words)).collect();
+    assert!(commands.len() >= 12, "{commands:?}");
+    for line in commands.iter().map(|words| words.join(" ")) {
+        let output = bench.run(&line);
+        assert!(output.status.success(), "{line}: {}", stderr(&output));
+    }
+}
