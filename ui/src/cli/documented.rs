@@ -8,14 +8,10 @@ use clap::{CommandFactory, FromArgMatches};
 use std::path::Path;
 
 /// Pages with command lines, and the least number that each has.
-const PAGES: [(&str, usize); 4] =
-    [("README.md", 15), ("docs/PROFILING.md", 5), ("docs/RESULTS.md", 12), ("docs/STORE.md", 8)];
+const PAGES: [(&str, usize); 3] = [("README.md", 15), ("docs/PROFILING.md", 5), ("docs/STORE.md", 8)];
 
 /// Returns a word with numbers for the variables of the shell in it, which count or name a shard.
 fn with_numbers(word: &str) -> String {
-    if word == "N" {
-        return "4".to_owned();
-    }
     let mut parts = word.split('$');
     let first = parts.next().unwrap_or_default().to_owned();
     parts.fold(first, |text, part| {
