@@ -1,6 +1,6 @@
 //! The files of the repository can be checked out on every system.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Names that Windows keeps for devices, with any extension.
@@ -59,5 +59,59 @@ fn the_names_that_windows_refuses_are_known() {
     }
     for fine in ["null", "nul-bytes", "com0", "com10", "console", "auxiliary.rs", ".gitignore", "a.nul"] {
         assert!(trouble(fine).is_none(), "{fine}");
+    }
+}
+
+/// Returns the files of Rust below a folder.
+fn sources(folder: &Path) -> Vec<PathBuf> {
+    let mut files = Vec::new();
+    for path in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+        if path.is_dir() {
+            files.extend(sources(&path));
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            files.push(path);
+        }
+    }
+    files
+}
+
+/// Returns the files that a source embeds.
+fn embedded(source: &Path) -> Vec<PathBuf> {
+    let text = std::fs::read_to_string(source).unwrap();
+    let calls = ["include_str!(\"", "include_bytes!(\""];
+    let names =
+        calls.into_iter().flat_map(|call| text.split(call).skip(1).filter_map(|rest| rest.split('"').next()));
+    names.map(|name| source.parent().unwrap().join(name)).collect()
+}
+
+#[test]
+fn a_package_embeds_nothing_that_it_does_not_contain() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    for (package, excluded) in
+        [(root.to_owned(), &["tests", "ui", "docs"][..]), (root.join("ui"), &["tests"])]
+    {
+        let package = package.canonicalize().unwrap();
+        let sources = sources(&package.join("src"));
+        let files: Vec<PathBuf> = sources
+            .iter()
+            // Tests are not compiled where a package is used.
+            .filter(|source| !source.ends_with("tests.rs"))
+            .flat_map(|source| embedded(source))
+            .collect();
+        assert!(!files.is_empty(), "{}", package.display());
+        for file in files {
+            let real = file.canonicalize().unwrap_or_else(|error| panic!("{}: {error}", file.display()));
+            let inside =
+                real.strip_prefix(&package).unwrap_or_else(|_| panic!("{} is outside", real.display()));
+            assert!(
+                !excluded.iter().any(|folder| inside.starts_with(folder)),
+                "{} is left out",
+                inside.display()
+            );
+        }
+    }
+    for name in ["LICENSE-MIT", "LICENSE-APACHE"] {
+        let text = |folder: &str| std::fs::read_to_string(root.join(folder).join(name)).unwrap();
+        assert!(text(".") == text("ui"), "{name} differs in ui/");
     }
 }

@@ -36,6 +36,7 @@ fn read(path: &Path, options: &ImportOptions, steps: Steps) -> Result<Scene, Sce
         let cause = "models of this format are not read";
         return Err(import.failed(cause, format!("export the model as one of {}", known.join(", "))));
     };
+    profiling::scope!("import");
     let start = Instant::now();
     (format.read)(&mut import)?;
     let scene = import.finish()?;

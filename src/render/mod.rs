@@ -11,6 +11,7 @@ pub mod aov;
 pub mod audit;
 pub mod bake;
 pub mod bands;
+mod begin_stage;
 mod carried_light;
 mod carry;
 mod deadline;

@@ -25,13 +25,23 @@ pub struct ReferenceJob {
 impl ReferenceJob {
     /// Traces the reference on the current thread pool. Returns `None` after a stop.
     pub fn trace(&self, stop: Stop<'_>) -> Option<ReferenceFrame> {
+        profiling::scope!("reference");
         let (tracer, camera, size, settings) = (&self.tracer, &self.camera, self.size, &self.settings);
-        match &self.known {
+        let made = match &self.known {
             None => ReferenceFrame::trace(tracer, camera, size, settings, stop),
             Some(known) => {
                 let lookup = LookupSet::of_snapshot(known, tracer.epoch());
                 ReferenceFrame::trace_sparse(tracer, camera, size, settings, &lookup, stop)
             }
+        };
+        if let Some(reference) = &made {
+            log::debug!(
+                "a reference of {}x{} pixels is traced, in {:.3} s",
+                size[0],
+                size[1],
+                reference.secs
+            );
         }
+        made
     }
 }

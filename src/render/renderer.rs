@@ -9,10 +9,10 @@
 //!
 //! Mode `paper` warps in step 2 (`warp`, `paper_pixels.rs`).
 
-use super::carried_light::CarriedLight;
 use super::placeholders::{Placeholders, Unfinished};
 use super::request::{FrameRequest, Source};
 use super::worklist::{Between, Dispersal, WorkList};
+use super::{begin_stage::begin_stage, carried_light::CarriedLight};
 use super::{frame::Frame, paper_pixels::WarpedPixels, settings::RenderSettings, shared_light};
 use crate::lookup::{
     BandLight, BandLookup, CheckedPixel, Guess, LightBetween, LookupQuality, LookupSet, MAX_POINTS_PER_PIXEL,
@@ -121,7 +121,7 @@ impl Renderer {
     /// # Panics
     /// Where a reference to be warped belongs to another epoch.
     pub fn render(&mut self, request: &FrameRequest<'_>) -> &Frame {
-        let start = Instant::now();
+        begin_stage!(start, "frame");
         let FrameRequest { tracer, camera, .. } = *request;
         let (source, view) = (request.source(), request.view());
         self.carried.begin(&mut self.frame, tracer.epoch(), self.is_progressive, view.pixel_count());
@@ -137,7 +137,7 @@ impl Renderer {
     /// Continues the last frame where a stop left it. The request must be the one that it was
     /// rendered from, apart from the stop. A complete frame stays as it is.
     pub fn resume(&mut self, request: &FrameRequest<'_>) -> &Frame {
-        let start = Instant::now();
+        begin_stage!(start, "frame, continued");
         self.frame.stats.is_complete = true;
         let source = request.source();
         self.trace_open(request, &source);
@@ -151,7 +151,7 @@ impl Renderer {
 
     /// Modes `fast` and `exact`: finds the hits of all pixels and looks up their light.
     fn look_up(&mut self, request: &FrameRequest<'_>, lookup: &LookupSet<'_>, quality: LookupQuality) {
-        let start = Instant::now();
+        begin_stage!(start, "first hits and look-up");
         let (tracer, trace) = (request.tracer, request.settings.trace);
         (self.looks_up, self.shows_surfaces) = (true, true);
         self.frame.stats.references_used = lookup.len();
@@ -178,7 +178,7 @@ impl Renderer {
     /// Mode `paper`: steps 1 to 3 of the paper, with the copying of Type 1. Without references, and
     /// in mode `full`, every pixel is unseen.
     fn reproject(&mut self, tracer: &Tracer, references: &[&ReferenceFrame]) {
-        let start = Instant::now();
+        begin_stage!(start, "warp");
         (self.looks_up, self.shows_surfaces) = (false, false);
         self.frame.stats.references_used = references.len();
         self.frame.stats.warped_pixels = references.iter().map(|r| r.view.pixel_count()).sum();
@@ -276,7 +276,7 @@ impl Renderer {
 
     /// Type 3: shades the surfaces that no reference knows.
     fn trace_unseen(&mut self, request: &FrameRequest<'_>, source: &Source<'_>, part: usize) {
-        let start = Instant::now();
+        begin_stage!(start, "unseen pixels");
         let FrameRequest { tracer, settings, stop, .. } = *request;
         let (frame, visible) = (&self.frame, &self.visible);
         let shows_all = source.warped().is_empty();
@@ -306,7 +306,7 @@ impl Renderer {
     /// Type 2: follows mirrors and glass. What they show is looked up in the modes that do so, and
     /// shaded in mode `paper`.
     fn trace_secondary(&mut self, request: &FrameRequest<'_>, source: &Source<'_>, part: usize) {
-        let start = Instant::now();
+        begin_stage!(start, "mirrors and glass");
         let FrameRequest { tracer, settings, stop, .. } = *request;
         let frame = &self.frame;
         let resolver = source.resolver(request, &frame.view, &self.points);
@@ -327,7 +327,7 @@ impl Renderer {
 
     /// Checks guesses. Only the look-up makes any.
     fn check_uncertain(&mut self, request: &FrameRequest<'_>, source: &Source<'_>) {
-        let start = Instant::now();
+        begin_stage!(start, "uncertain pixels");
         let (frame, certain) = (&self.frame, &self.certain);
         let Some(resolver) = source.resolver(request, &frame.view, &self.points) else { return };
         let mut between = Between::new(&mut self.between, frame, source, &request.settings.trace);

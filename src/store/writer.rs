@@ -132,6 +132,7 @@ impl Writing {
 
     /// Writes a reference and returns the bytes of its record.
     fn write(&mut self, job: &WriteJob) -> Option<u64> {
+        profiling::scope!("write to the store");
         let WriteJob { reference, purpose, tracer, content } = job;
         let summary = RecordSummary::of(reference, *purpose, tracer.scene(), content).write();
         let record = write_record(&summary, &encode(reference, tracer, content), now())?;

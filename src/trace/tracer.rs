@@ -55,6 +55,7 @@ impl SceneEpoch {
 impl Tracer {
     /// Builds the hierarchy over a scene.
     pub fn new(scene: Arc<Scene>) -> Self {
+        profiling::scope!("tree of triangles");
         let start = Instant::now();
         let corners: Vec<[Vec3; 3]> =
             (0..scene.triangles.len() as u32).into_par_iter().map(|t| scene.corners(t)).collect();

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-/// Returns the commit of the package in a folder, and the files that were read for it. In a package
+/// Returns the commit of the package in a folder, and the files that change with it. In a package
 /// of cargo, the commit is in a file of cargo; in a checkout, `.git` is the folder above.
 pub(crate) fn of(package: &Path) -> (Option<String>, Vec<PathBuf>) {
     let mut read = Vec::new();
@@ -27,6 +27,8 @@ fn of_package(package: &Path, read: &mut Vec<PathBuf>) -> Option<String> {
 fn of_checkout(package: &Path, read: &mut Vec<PathBuf>) -> Option<String> {
     let git = git_folder(&package.parent()?.join(".git"), read)?;
     let head = text(git.join("HEAD"), read)?;
+    // Where the branch has no file of its own yet, only this one changes with a commit.
+    read.extend(Some(git.join("logs/HEAD")).filter(|log| log.is_file()));
     let Some(name) = head.strip_prefix("ref:").map(str::trim) else {
         return Some(head.trim().to_owned());
     };

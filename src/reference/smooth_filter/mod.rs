@@ -118,6 +118,7 @@ impl ReferenceFrame {
     /// Filters the samples of the listed pixels and stores the result as their smooth light.
     pub(crate) fn store_filtered(&mut self, tracer: &Tracer, pixels: &[u32], samples: &[SmoothSamples]) {
         if self.settings.bounces > 0 && !pixels.is_empty() {
+            profiling::scope!("filter of smooth light");
             let light = SmoothFilter::new(self, tracer, pixels).light(pixels, samples);
             self.store_smooth(pixels, light.iter().copied());
         }

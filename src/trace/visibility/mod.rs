@@ -98,6 +98,7 @@ impl VisibilityBuffer {
     /// Finds the surfaces of all pixels of a view, on all threads. `behind_glass` leaves out
     /// surfaces of glass that have no diffuse part.
     pub fn find(&mut self, tracer: &Tracer, view: &View, behind_glass: bool) {
+        profiling::scope!("first hits");
         let [columns, rows] = view.size.map(|s| (s as usize).div_ceil(BIN_SIDE));
         self.columns = columns;
         self.behind_glass = behind_glass && tracer.scene().features.glass;

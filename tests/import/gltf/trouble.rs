@@ -212,6 +212,6 @@ fn a_bad_key_at_the_root_costs_only_itself() {
         let scene = spoilt.load();
         // Without a lamp, the scene gets a sun and a sky.
         assert_eq!(scene.lights.len(), if lights == 0 { 2 } else { 1 }, "{bad}");
-        assert!(warning(&scene, "keys of the root").2.contains(bad), "{bad}");
+        assert!(warning(&scene, "of the root that cannot be read").2.contains(bad), "{bad}");
     }
 }

@@ -7,6 +7,8 @@ mod bake;
 mod commit;
 mod compare;
 mod doctor;
+#[cfg(test)]
+mod documented;
 mod experiment;
 mod failure;
 pub(crate) mod flags;
@@ -22,6 +24,8 @@ mod output;
 mod panorama;
 pub(crate) mod paths;
 mod pose;
+#[cfg(feature = "profile")]
+mod profile;
 mod progress;
 mod projection;
 mod render;
@@ -147,10 +151,14 @@ fn with_settings(user_file: Option<PathBuf>, key_error: Option<KeysError>) -> Re
         "settings: {}",
         layers.user_file.as_deref().map_or("none".into(), |path| path.display().to_string())
     );
+    #[cfg(feature = "profile")]
+    profile::start();
     let outcome = check(&cli.flags)
         .and_then(|()| start_threads(&cli.flags))
         .and_then(|()| dispatch(&cli, &layers))
         .and_then(|()| output::check());
+    #[cfg(feature = "profile")]
+    let outcome = profile::finish().and(outcome);
     outcome.map_err(fail)
 }
 

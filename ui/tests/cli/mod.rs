@@ -3,11 +3,14 @@
 mod bake;
 mod data;
 mod inspect;
+mod log;
 mod measure;
+mod readme;
 mod runs;
 mod schema;
 mod section;
 mod settings;
+mod shell;
 mod trouble;
 mod written;
 
@@ -80,6 +83,7 @@ impl Bench {
             .env("XDG_CACHE_HOME", self.path("cache"))
             .env("XDG_CONFIG_HOME", self.path("config"))
             .env_remove("AFTERIMAGE_CONFIG")
+            .env_remove("RUST_LOG")
             .envs(variables.iter().copied())
             .output()
             .unwrap()

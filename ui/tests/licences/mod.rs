@@ -81,7 +81,9 @@ fn the_list_and_the_texts_are_those_of_the_packages() {
     assert_current(LIST, &format!("{head}|---|---|---|\n{}", packages.iter().map(row).collect::<String>()));
     let entries = texts::gather(&packages);
     assert_eq!(texts::missing(&entries, &packages), Vec::<String>::new());
-    assert_current(TEXTS, &texts::write(&entries));
+    let texts = texts::write(&entries);
+    assert!(!texts.to_lowercase().contains("gnu general public"), "a choice that is not taken");
+    assert_current(TEXTS, &texts);
 }
 
 #[test]

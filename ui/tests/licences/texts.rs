@@ -52,20 +52,16 @@ fn kind_of(text: &str) -> usize {
     KINDS.iter().position(|(_, mark)| words.contains(mark)).unwrap()
 }
 
-/// True for a line that names the holder of rights.
+/// True for a line that names the holder of rights: by a year, the sign of copyright, or a group of
+/// people. Terms begin lines with the word as well.
 fn is_copyright(line: &str) -> bool {
-    let line = line.trim().trim_start_matches(['#', '*', '-', ' ']).to_lowercase();
-    let after = line.strip_prefix("copyright").or_else(|| line.strip_prefix("(c)"));
-    // Apache's text begins a sentence with the word, and has a line to be filled in.
-    after.is_some_and(|after| {
-        !after.contains("[yyyy]")
-            && !after.contains("{yyyy}")
-            && !after.starts_with(" notice")
-            && !after.starts_with(" license")
-            && !after.starts_with(" owner")
-            && !after.starts_with(" holder")
-            && !after.starts_with(" and permission")
-    })
+    const MARKS: [&str; 7] = ["(c)", "(C)", "©", "ontributors", "evelopers", "uthors", "roject"];
+    let line = line.trim().trim_start_matches(['#', '*', '-', ' ']);
+    let is_to_fill_in = line.contains("yyyy");
+    let names = MARKS.iter().any(|mark| line.contains(mark)) || line.contains(|c: char| c.is_ascii_digit());
+    (line.starts_with("Copyright") || line.starts_with("(c)") || line.starts_with('©'))
+        && names
+        && !is_to_fill_in
 }
 
 /// Splits a text into its lines of copyright and the rest.
@@ -102,18 +98,23 @@ fn licence_files(folder: &Path) -> Vec<PathBuf> {
     files
 }
 
-/// Returns the texts of a package's source. Where its authors offer the MIT licence among others,
-/// that one alone.
+/// Returns the texts of a package's source. Where its authors offer a choice, those of the MIT
+/// licence, else of Apache's, and BSD texts of what they took over.
 fn texts_of(package: &Package) -> Vec<String> {
     let files = licence_files(&package.folder);
     let mut texts: Vec<String> = files
         .iter()
         .map(|file| String::from_utf8_lossy(&std::fs::read(file).unwrap()).into_owned())
         .collect();
-    let is_mit = |text: &String| KINDS[kind_of(text)].0 == "MIT License";
-    let is_choice = package.licence.contains("MIT") && !package.licence.contains("AND");
-    if is_choice && texts.iter().any(is_mit) {
-        texts.retain(|text| is_mit(text) || KINDS[kind_of(text)].0 == "BSD License");
+    let is_kind = |text: &String, kind: &str| KINDS[kind_of(text)].0 == kind;
+    let choices = [("MIT", "MIT License"), ("Apache-2.0", "Apache License 2.0")];
+    let is_there = |(name, kind): &(&str, &str)| {
+        package.licence.contains(name) && texts.iter().any(|text| is_kind(text, kind))
+    };
+    if !package.licence.contains("AND")
+        && let Some((_, chosen)) = choices.iter().find(|choice| is_there(choice))
+    {
+        texts.retain(|text| is_kind(text, chosen) || is_kind(text, "BSD License"));
     }
     texts.retain(|text| words(text).len() > 60);
     texts
@@ -211,8 +212,8 @@ fn texts_that_differ_in_breaks_and_holders_are_one() {
     );
     assert_eq!(kind_of(&a.1), 3);
     assert_eq!(key(3, &a.1), key(3, &b.1));
-    assert!(
-        !is_copyright("copyright notice that is included")
-            && !is_copyright("   Copyright [yyyy] [name of owner]")
-    );
+    for term in ["copyright statement(s).", "Copyright Holder(s) and", "   Copyright [yyyy] [name of owner]"]
+    {
+        assert!(!is_copyright(term), "{term}");
+    }
 }

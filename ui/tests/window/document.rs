@@ -319,3 +319,22 @@ fn a_hostile_note_in_a_picture_is_reported_and_changes_nothing() {
         assert_eq!(*document(window.state()).now(), before);
     }
 }
+
+#[test]
+fn a_texture_that_appears_or_changes_is_loaded() {
+    let house = House::new();
+    let mtl = "newmtl wall\nKd 1 1 1\nmap_Kd paint.png\n";
+    std::fs::write(house.path("model/wall.mtl"), mtl).expect("a file");
+    let textured = WALL.replace("f 1 2 3 4", "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 4/4");
+    std::fs::write(house.path("model/wall.obj"), format!("mtllib wall.mtl\n{textured}")).expect("a file");
+    let mut window = house.open();
+    let is_warned = |app: &App| {
+        app.state().scene.as_ref().is_some_and(|s| s.warnings.iter().any(|w| w.message.contains("paint.png")))
+    };
+    assert!(is_warned(window.state()), "the picture is missing");
+    let picture = image::RgbaImage::from_pixel(2, 2, image::Rgba([200, 40, 40, 255]));
+    picture.save(house.path("model/paint.png")).expect("a picture");
+    step_until(&mut window, "the picture that appeared", |app| !is_warned(app));
+    std::fs::write(house.path("model/paint.png"), "no picture any more").expect("a file");
+    step_until(&mut window, "the picture that changed", is_warned);
+}

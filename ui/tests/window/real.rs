@@ -108,3 +108,19 @@ fn missing_parts_are_reported_in_one_sentence() {
         assert!(!text.contains("panicked") && text.trim().lines().count() == 1, "{what}: {text}");
     }
 }
+
+#[test]
+fn a_signal_to_end_closes_the_window_and_leaves_no_question_for_the_next_start() {
+    let Some(mut desk) = Desk::open() else { return };
+    let start = desk.pose();
+    desk.fly("w", start.eye);
+    let id = desk.app.id().to_string();
+    assert!(Command::new("kill").args(["-TERM", &id]).status().expect("kill runs").success());
+    let status = desk.app.wait().expect("it ends");
+    assert!(status.success(), "{status}; {}", desk.evidence());
+    let state = desk.folder().join(".local/state/afterimage");
+    let files = std::fs::read_dir(state).into_iter().flatten().flatten();
+    let kept: Vec<_> =
+        files.filter(|file| file.file_name().to_string_lossy().starts_with("recovery-")).collect();
+    assert!(kept.is_empty(), "only the camera has moved: {kept:?}");
+}
