@@ -32,6 +32,7 @@ mod metrics;
 mod moving;
 mod numbers;
 mod objects;
+mod outlines;
 mod pictures_of_light;
 mod placement;
 mod refine;

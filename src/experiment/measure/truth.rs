@@ -85,6 +85,9 @@ impl TruthRequest<'_> {
         if self.passes > 1 {
             sha.update(self.passes.to_le_bytes());
         }
+        for plane in self.tracer.section().iter().flat_map(|section| section.planes()) {
+            sha.update(plane.to_string());
+        }
         sha.finalize().into()
     }
 

@@ -1,8 +1,11 @@
 //! A section of a scene: its planes, and how its caps look.
 
 use super::plane::{CutPlane, Region};
+use super::profile::Profile;
+use super::solids::Solids;
 use crate::scene::Scene;
 use glam::{DVec3, Vec3};
+use std::sync::OnceLock;
 
 /// Display value (0..1, linear) of the ground of a cap, and of its hatching and outline.
 pub const CAP_TONES: [f32; 2] = [0.80, 0.02];
@@ -16,6 +19,8 @@ pub struct Section {
     pub(super) tones: [f32; 2],
     /// Distance between two lines of the hatching, scene units.
     pub(super) spacing: f32,
+    /// The cut through the bodies by each plane, once a ray has met it.
+    profiles: Vec<OnceLock<Profile>>,
 }
 
 impl PartialEq for Section {
@@ -28,8 +33,15 @@ impl PartialEq for Section {
 impl Section {
     pub(super) fn new(scene: &Scene, planes: &[CutPlane], tones: [f32; 2]) -> Self {
         let region = Region::new(planes, &scene.frame);
+        let profiles = planes.iter().map(|_| OnceLock::new()).collect();
         let spacing = (hatch_spacing_m(scene) * scene.frame.units_per_metre) as f32;
-        Self { planes: planes.to_vec(), region, tones, spacing }
+        Self { planes: planes.to_vec(), region, tones, spacing, profiles }
+    }
+
+    /// The cut by a plane.
+    pub(super) fn profile(&self, plane: usize, scene: &Scene, solids: &Solids) -> &Profile {
+        let (axis, at) = self.region.plane(plane);
+        self.profiles[plane].get_or_init(|| Profile::new(scene, solids, axis, at))
     }
 
     /// The planes.

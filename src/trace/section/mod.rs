@@ -8,6 +8,7 @@
 
 mod cut;
 mod plane;
+mod profile;
 mod seen;
 mod solids;
 

@@ -65,7 +65,7 @@ pub(super) struct Interval {
     pub(super) start: f32,
     /// Last `t` inside; infinite where the ray stays inside.
     pub(super) end: f32,
-    /// Axis of the plane through which the ray enters; `None` where it begins inside.
+    /// Index of the plane through which the ray enters; `None` where it begins inside.
     pub(super) entered: Option<usize>,
 }
 
@@ -85,7 +85,7 @@ impl Region {
     /// left is one piece.
     pub(super) fn clip(&self, ray: &Ray) -> Option<Interval> {
         let mut piece = Interval { start: 0.0, end: f32::INFINITY, entered: None };
-        for HalfSpace { axis, at, sign } in &self.half_spaces {
+        for (plane, HalfSpace { axis, at, sign }) in self.half_spaces.iter().enumerate() {
             let (depth, step) = (sign * (ray.origin[*axis] - at), sign * ray.direction[*axis]);
             if depth < 0.0 {
                 if step <= 0.0 {
@@ -93,13 +93,18 @@ impl Region {
                 }
                 let t = -depth / step;
                 if t > piece.start {
-                    (piece.start, piece.entered) = (t, Some(*axis));
+                    (piece.start, piece.entered) = (t, Some(plane));
                 }
             } else if step < 0.0 {
                 piece.end = piece.end.min(-depth / step);
             }
         }
         (piece.start < piece.end).then_some(piece)
+    }
+
+    /// Axis of a plane, and where the kept region begins at it, scene units.
+    pub(super) fn plane(&self, index: usize) -> (usize, f32) {
+        (self.half_spaces[index].axis, self.half_spaces[index].at)
     }
 
     /// The end of a ray that leaves a surface of the region.

@@ -76,7 +76,7 @@ impl Tracer {
             return self.bvh().closest(ray, |hit| is_there(hit) && self.stands(ray, hit));
         };
         let piece = section.region.clip(ray)?;
-        if self.is_capped(ray, &piece) {
+        if self.is_capped(section, ray, &piece) {
             return None;
         }
         let kept = Ray { t_max: ray.t_max.min(piece.end), ..*ray };
@@ -104,13 +104,21 @@ impl Tracer {
         self.section.as_ref().is_none_or(|section| clip(section).is_some_and(|piece| hit.t >= piece.start))
     }
 
+    /// True where a camera ray sees a hit that is the nearest one in the whole scene.
+    pub(in crate::trace) fn is_seen(&self, ray: &Ray, hit: &Hit) -> bool {
+        let Some(section) = &self.section else { return true };
+        section.region.clip(ray).is_some_and(|piece| {
+            (piece.start..piece.end).contains(&hit.t) && !self.is_capped(section, ray, &piece)
+        })
+    }
+
     /// Returns the cap that a camera ray sees; `None` where it enters the kept part of the scene in
     /// the open, or not at all.
     pub fn cap(&self, ray: &Ray) -> Option<Cap> {
         let section = self.section.as_ref()?;
         let piece = section.region.clip(ray)?;
-        let axis = piece.entered.filter(|_| self.is_capped(ray, &piece))?;
-        let tone = usize::from(self.is_on_line(section, ray.origin + ray.direction * piece.start, axis));
+        let plane = piece.entered.filter(|_| self.is_capped(section, ray, &piece))?;
+        let tone = usize::from(self.is_on_line(section, ray.origin + ray.direction * piece.start, plane));
         Some(Cap { t: piece.start, radiance: Vec3::splat(section.tones[tone]) })
     }
 
@@ -123,15 +131,20 @@ impl Tracer {
         }
     }
 
-    fn is_capped(&self, ray: &Ray, piece: &Interval) -> bool {
-        piece.entered.is_some()
-            && self.solids().is_inside(self.scene(), self.bvh(), ray.origin + ray.direction * piece.start)
+    fn is_capped(&self, section: &Section, ray: &Ray, piece: &Interval) -> bool {
+        piece.entered.is_some_and(|plane| {
+            let solids = self.solids();
+            let profile = section.profile(plane, self.scene(), solids);
+            profile.is_inside(solids, ray.origin + ray.direction * piece.start)
+        })
     }
 
     /// True where a point of a cap lies on a line of the hatching or on the outline.
-    fn is_on_line(&self, section: &Section, point: Vec3, axis: usize) -> bool {
+    fn is_on_line(&self, section: &Section, point: Vec3, plane: usize) -> bool {
+        let (axis, _) = section.region.plane(plane);
         let diagonal = (point[(axis + 1) % 3] + point[(axis + 2) % 3]) * std::f32::consts::FRAC_1_SQRT_2;
+        let profile = || section.profile(plane, self.scene(), self.solids());
         (diagonal / section.spacing).rem_euclid(1.0) < LINE
-            || self.solids().is_at_outline(self.bvh(), point, axis, OUTLINE * section.spacing)
+            || profile().is_at_outline(point, OUTLINE * section.spacing)
     }
 }

@@ -86,17 +86,33 @@ impl Solids {
         }
     }
 
-    /// True where a point (scene space) lies in material.
-    pub(super) fn is_inside(&self, scene: &Scene, bvh: &Bvh, point: Vec3) -> bool {
-        let mut depth = 0;
-        for body in self.around(scene, bvh, point) {
-            depth += match self.roles[body as usize] {
-                Role::Material => 1,
-                Role::Cavity => -1,
-                Role::Room => 0,
-            };
+    /// The piece of material or the cavity that a triangle bounds, and whether it counts as wound the
+    /// other way.
+    pub(super) fn material_at(&self, triangle: u32) -> Option<(u32, bool)> {
+        self.bodies.of(triangle).filter(|(body, _)| self.roles[*body as usize] != Role::Room)
+    }
+
+    /// What a body adds to the depth of a point in material, from the sum of the signs of the
+    /// crossings beyond the point, and their number. A body that does not exist adds nothing.
+    pub(super) fn depth_in(&self, body: u32, signed: i32, count: i32) -> i32 {
+        let Some(known) = self.bodies.list.get(body as usize) else { return 0 };
+        let is_in = if known.is_wound { signed != 0 } else { count % 2 != 0 };
+        match self.roles[body as usize] {
+            Role::Material => i32::from(is_in),
+            Role::Cavity => -i32::from(is_in),
+            Role::Room => 0,
         }
-        depth > 0
+    }
+
+    /// True where a point (scene space) lies in material: the slow twin of a profile.
+    #[cfg(test)]
+    pub(super) fn is_inside(&self, scene: &Scene, bvh: &Bvh, point: Vec3) -> bool {
+        let depth = |body: &u32| match self.roles[*body as usize] {
+            Role::Material => 1,
+            Role::Cavity => -1,
+            Role::Room => 0,
+        };
+        self.around(scene, bvh, point).iter().map(depth).sum::<i32>() > 0
     }
 
     /// The bodies that a point lies in, ascending. Two directions must agree; where they do not, a
@@ -144,18 +160,5 @@ impl Solids {
         let mut around: Vec<u32> = counts.iter().filter(|c| is_in(c)).map(|(body, _)| *body).collect();
         around.sort_unstable();
         around
-    }
-
-    /// True where a surface of a body lies within `reach` of a point in a plane across `axis`.
-    pub(super) fn is_at_outline(&self, bvh: &Bvh, point: Vec3, axis: usize, reach: f32) -> bool {
-        /// Directions in the plane. A straight outline up to 0.98 times `reach` away is met.
-        const COUNT: usize = 16;
-        (0..COUNT).any(|i| {
-            let (sin, cos) = ((i as f32 + 0.37) * (std::f32::consts::TAU / COUNT as f32)).sin_cos();
-            let mut direction = Vec3::ZERO;
-            (direction[(axis + 1) % 3], direction[(axis + 2) % 3]) = (cos, sin);
-            let ray = Ray { t_max: reach, ..Ray::new(point, direction) };
-            bvh.any(&ray, |hit| self.bodies.of(hit.triangle).is_some())
-        })
     }
 }

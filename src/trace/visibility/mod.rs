@@ -103,9 +103,7 @@ impl VisibilityBuffer {
         self.columns = columns;
         self.behind_glass = behind_glass && tracer.scene().features.glass;
         self.slots.resize(columns * rows * BIN_PIXELS, NEEDS_RAY);
-        // A section hides surfaces, and its caps are none: rays find what they leave.
-        let lens = Lens::new(view).filter(|_| tracer.section().is_none());
-        let Some(lens) = lens else { return self.slots.fill(NEEDS_RAY) };
+        let Some(lens) = Lens::new(view) else { return self.slots.fill(NEEDS_RAY) };
         let behind_glass = self.behind_glass;
         self.slots.par_chunks_mut(BIN_PIXELS).enumerate().for_each_init(Bin::new, |bin, (i, slots)| {
             let corner = [i % columns, i / columns].map(|k| (k * BIN_SIDE) as u32);
@@ -150,6 +148,13 @@ impl VisibilityBuffer {
                 open |= u64::from(!is_seen) << ray;
             }
         }
+        if tracer.section().is_some() {
+            let known = !open;
+            for ray in (0..TILE_RAYS).filter(|ray| known >> ray & 1 == 1) {
+                let is_seen = hits.hit(ray).is_none_or(|hit| tracer.is_seen(&tile.ray(ray), &hit));
+                open |= u64::from(!is_seen) << ray;
+            }
+        }
         for ray in (0..TILE_RAYS).filter(|ray| open >> ray & 1 == 1) {
             hits.set(ray, self.closest(tracer, &tile.ray(ray)));
         }
@@ -166,7 +171,8 @@ impl VisibilityBuffer {
             NEEDS_RAY => self.closest(tracer, &ray),
             _ => {
                 let hit = tracer.bvh().hit_in_slot(&ray, slot & !CHECKED);
-                hit.filter(|hit| tracer.stands(&ray, hit)).or_else(|| self.closest(tracer, &ray))
+                hit.filter(|hit| tracer.stands(&ray, hit) && tracer.is_seen(&ray, hit))
+                    .or_else(|| self.closest(tracer, &ray))
             }
         }
     }

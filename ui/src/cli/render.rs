@@ -14,6 +14,7 @@ use super::{
     flags::{Flags, number_in},
     interrupt, output,
     progress::SharedProgress,
+    section,
 };
 use crate::picture::restore::{is_jpeg, is_picture};
 use crate::picture::{MadePicture, Output, PictureJob, Shows, TimedState, check_timed, memory};
@@ -135,6 +136,7 @@ pub(crate) fn run(args: &RenderArgs, flags: &Flags) -> Result<(), Failure> {
     store.finish();
     let mut object = object(args, flags, &loaded, &made, &references);
     output::extend(&mut object, store.record);
+    output::extend(&mut object, section::record(&loaded));
     loaded.say_bounds();
     output::result(flags.json, &object, || table(args, flags, &made, &references));
     if made.stats.is_complete { loaded.verdict(flags) } else { Err(Failure::Interrupted) }
@@ -187,6 +189,7 @@ fn run_timed(
             "estimated_psnr_db": state.estimated_psnr_db,
         }),
     );
+    output::extend(&mut object, section::record(loaded));
     loaded.say_bounds();
     output::result(flags.json, &object, || {
         table(args, flags, &made, &[]) + &output::table(&[("samples", words(&state))])

@@ -29,6 +29,9 @@ enum Cut {
     Box([DVec3; 2]),
 }
 
+/// Rays along the longer side of the picture by which a view is checked.
+const RAYS: u64 = 96;
+
 const FORMS: &str = "a section is x=2.5, y=1.2,keep=low or box=0..4,0..2.7,-1..3, in metres";
 
 impl std::str::FromStr for Cut {
@@ -104,7 +107,9 @@ impl SectionFlags {
         if self.sections.is_empty() {
             return Ok(());
         }
-        let view = View::new(camera, &loaded.scene().frame, size.map(|side| side.clamp(1, 64)));
+        let longest = u64::from(size[0].max(size[1]).max(1));
+        let few = size.map(|side| (u64::from(side) * RAYS).div_ceil(longest).max(1) as u32);
+        let view = View::new(camera, &loaded.scene().frame, few);
         let rays = || (0..view.pixel_count() as u32).map(|pixel| Tracer::primary_ray(&view, pixel));
         let sees_some =
             rays().any(|ray| loaded.tracer.closest_seen(&ray).is_some() || loaded.tracer.cap(&ray).is_some());

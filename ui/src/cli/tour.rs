@@ -5,7 +5,7 @@ use super::scene::{Loaded, load};
 use super::section::SectionFlags;
 use super::show_flags::{Show, ShowArgs};
 use super::tour_show::TourPictures;
-use super::{failure::Failure, interrupt, output, paths, progress::Progress, walk::read_path};
+use super::{failure::Failure, interrupt, output, paths, progress::Progress, section, walk::read_path};
 use crate::picture::{PictureOrigin, memory, metadata, sequence::FRAMES_PER_SEC, sequence::film_command};
 use afterimage::experiment::tour::{MeasuredSummary, StoreRecord};
 use afterimage::experiment::{FrameRecord, MeasureSettings, TourEvent, TourRecord, TourSettings, run_tour};
@@ -138,7 +138,8 @@ pub(super) fn record(
     }
     let settings = settings(args, flags, walk);
     let (record, picture_error) = fly(args, flags, loaded, walk, &settings)?;
-    let object = object(args, flags, loaded, &record);
+    let mut object = object(args, flags, loaded, &record);
+    output::extend(&mut object, section::record(loaded));
     write_atomically(&args.out.join("frames.csv"), csv(&record.frames).as_bytes())?;
     write_atomically(&args.out.join("references.csv"), csv(&record.references).as_bytes())?;
     write_atomically(&args.out.join("summary.json"), format!("{object:#}\n").as_bytes())?;

@@ -163,9 +163,10 @@ fn shows(window: &mut Window, action: Action, chord: Chord) {
             let [before, after] = options(window, chord);
             assert!(before.coloring != after.coloring);
         }
-        Action::ToggleOutline => {
+        Action::ToggleOutline | Action::ToggleEdges => {
             let [before, after] = options(window, chord);
-            assert!(before.has_outline != after.has_outline);
+            assert_eq!(before.has_outline != after.has_outline, action == Action::ToggleOutline);
+            assert_eq!(before.has_edges != after.has_edges, action == Action::ToggleEdges);
         }
         Action::TogglePanels => {
             let [before, after] = options(window, chord);
@@ -277,6 +278,15 @@ fn goes_back(window: &mut Window, chord: Chord) {
     assert_eq!(camera(window), before);
 }
 
+fn is_requested(action: Action, chord: Chord) {
+    let modifiers =
+        Modifiers { shift: chord.shift, ctrl: chord.ctrl, command: chord.ctrl, ..Modifiers::NONE };
+    let (key, physical_key) = (chord.key, Some(chord.key));
+    let event = egui::Event::Key { key, physical_key, pressed: true, repeat: false, modifiers };
+    let pressed = Keyboard::default().update(&[event], Attention::View);
+    assert!(matches!(pressed[..], [Pressed { action: found, .. }] if found == action));
+}
+
 fn asks(window: &mut Window, action: Action, chord: Chord) {
     match action {
         Action::Reload => {
@@ -329,15 +339,11 @@ fn asks(window: &mut Window, action: Action, chord: Chord) {
         | Action::HideObject
         | Action::DeleteObject
         | Action::Bake
+        | Action::ToggleSection
+        | Action::SectionBack
+        | Action::SectionForward
         | Action::Undo
-        | Action::Redo => {
-            let modifiers =
-                Modifiers { shift: chord.shift, ctrl: chord.ctrl, command: chord.ctrl, ..Modifiers::NONE };
-            let (key, physical_key) = (chord.key, Some(chord.key));
-            let event = egui::Event::Key { key, physical_key, pressed: true, repeat: false, modifiers };
-            let pressed = Keyboard::default().update(&[event], Attention::View);
-            assert!(matches!(pressed[..], [Pressed { action: found, .. }] if found == action));
-        }
+        | Action::Redo => is_requested(action, chord),
         moving => panic!("{moving:?} has no check"),
     }
 }

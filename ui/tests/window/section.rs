@@ -35,7 +35,7 @@ fn the_section_is_switched_and_moved_by_keys_and_undone() {
     let whole = radiance(&harness);
     press(&mut harness, Modifiers::NONE, Key::Period);
     assert!(says(harness.state(), "there is no section to move"));
-    press(&mut harness, Modifiers::SHIFT, Key::X);
+    press(&mut harness, Modifiers::NONE, Key::O);
     let first = section(harness.state()).expect("a section");
     assert!(first.is_on);
     let cut = radiance(&harness);
@@ -45,7 +45,7 @@ fn the_section_is_switched_and_moved_by_keys_and_undone() {
     assert!((moved.plane.at_m - first.plane.at_m - 0.1).abs() < 1e-9);
     press(&mut harness, Modifiers::NONE, Key::Comma);
     assert_eq!(section(harness.state()).expect("a section").plane.at_m, moved.plane.at_m - 0.1);
-    press(&mut harness, Modifiers::SHIFT, Key::X);
+    press(&mut harness, Modifiers::NONE, Key::O);
     assert!(!section(harness.state()).expect("a section").is_on);
     press(&mut harness, Modifiers::COMMAND, Key::Z);
     assert!(section(harness.state()).expect("a section").is_on, "undo shows it again");
@@ -82,7 +82,7 @@ fn mode_paper_shows_no_section() {
     let mut harness = app();
     let whole = radiance(&harness);
     show_tab(&mut harness, "Look");
-    press(&mut harness, Modifiers::SHIFT, Key::X);
+    press(&mut harness, Modifiers::NONE, Key::O);
     assert!(section(harness.state()).is_some_and(|section| section.is_on));
     let words = "Mode paper warps pictures of the whole model and shows no section.";
     assert!(harness.query_by_label(words).is_some());

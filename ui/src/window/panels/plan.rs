@@ -91,6 +91,10 @@ fn draw(ui: &Ui, state: &AppState, sheet: &Sheet) {
     painter.rect_filled(sheet.rect, 4.0, if is_dark { Color32::from_gray(22) } else { Color32::WHITE });
     painter.add(floor(sheet, &state.plan.floor));
     painter.add(walls(sheet, if is_dark { Color32::from_gray(190) } else { Color32::from_gray(60) }));
+    if let Some(section) = state.section().filter(|section| section.plane.axis != 1) {
+        let at = sheet.point(sheet.plan.place(DVec3::splat(section.plane.at_m)));
+        super::plan_marks::section(&painter, sheet.rect, section.plane, at);
+    }
     let keys = &state.path().keyframes;
     let path: Vec<Pos2> = keys.iter().map(|k| sheet.point(sheet.plan.place(k.eye))).collect();
     painter.add(Shape::line(path, Stroke::new(1.5, PATH)));

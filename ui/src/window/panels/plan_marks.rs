@@ -1,9 +1,12 @@
 //! Marks of a map over the plan: north, the direction of the sun, and a scale bar.
 
 use super::super::state::AppState;
-use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, Ui, Vec2};
+use afterimage::trace::section::CutPlane;
+use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, Ui, Vec2};
 
 const SUN: Color32 = Color32::from_rgb(0xE6, 0x9F, 0x00);
+
+const SECTION: Color32 = Color32::from_rgb(0xD5, 0x5E, 0x00);
 
 /// Length of an arrow in points.
 const ARROW: f32 = 16.0;
@@ -28,6 +31,23 @@ pub(super) fn show(ui: &Ui, state: &AppState, rect: Rect, points_per_metre: f64)
         }
     }
     scale_bar(&painter, rect, points_per_metre, color);
+}
+
+/// Draws the upright plane of a section through a point of the plan, and dims what it removes.
+pub(super) fn section(painter: &Painter, rect: Rect, plane: CutPlane, at: Pos2) {
+    let is_across_x = plane.axis == 0;
+    let removed = match (is_across_x, plane.keeps_above) {
+        (true, true) => rect.with_max_x(at.x),
+        (true, false) => rect.with_min_x(at.x),
+        (false, true) => rect.with_max_y(at.y),
+        (false, false) => rect.with_min_y(at.y),
+    };
+    painter.rect_filled(removed.intersect(rect), 0.0, Color32::from_black_alpha(70));
+    let ends = match is_across_x {
+        true => [Pos2::new(at.x, rect.top()), Pos2::new(at.x, rect.bottom())],
+        false => [Pos2::new(rect.left(), at.y), Pos2::new(rect.right(), at.y)],
+    };
+    painter.extend(Shape::dashed_line(&ends, Stroke::new(1.5, SECTION), 8.0, 4.0));
 }
 
 /// Draws an arrow with a word at its tip.

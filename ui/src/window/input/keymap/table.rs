@@ -161,7 +161,7 @@ pub const BINDINGS: &[Binding] = &[
     press(Action::BrighterExposure, &[plain(Key::Equals)], "increase the exposure by half a stop"),
     press(Action::ResetExposure, &[plain(Key::Num0)], "reset the exposure"),
     press(Action::ExposeForView, &[plain(Key::V)], "expose for this view"),
-    press(Action::ToggleSection, &[shift(Key::X)], "cut the model open with a plane, or show it whole"),
+    press(Action::ToggleSection, &[plain(Key::O)], "cut the model open with a plane, or show it whole"),
     press(Action::SectionBack, &[plain(Key::Comma)], "move the plane of the section back, 10 cm"),
     press(Action::SectionForward, &[plain(Key::Period)], "move the plane of the section on, 10 cm"),
     press(Action::CycleHeatmap, &[plain(Key::T)], "show pixel types: off, blended, only"),
