@@ -238,6 +238,16 @@ fn goes_back(window: &mut Window, chord: Chord) {
     assert_eq!(camera(window), before);
 }
 
+/// Checks that a key requests an action.
+fn requests(action: Action, chord: Chord) {
+    let modifiers =
+        Modifiers { shift: chord.shift, ctrl: chord.ctrl, command: chord.ctrl, ..Modifiers::NONE };
+    let (key, physical_key) = (chord.key, Some(chord.key));
+    let event = egui::Event::Key { key, physical_key, pressed: true, repeat: false, modifiers };
+    let pressed = Keyboard::default().update(&[event], Attention::View);
+    assert!(matches!(pressed[..], [Pressed { action: found, .. }] if found == action));
+}
+
 fn asks(window: &mut Window, action: Action, chord: Chord) {
     match action {
         Action::Reload => {
@@ -280,6 +290,7 @@ fn asks(window: &mut Window, action: Action, chord: Chord) {
         | Action::SaveSession
         | Action::ScreenshotWithoutBackground
         | Action::SaveSequence
+        | Action::SaveFilm
         | Action::Measure
         | Action::ObjectAway
         | Action::ObjectNearer
@@ -291,14 +302,7 @@ fn asks(window: &mut Window, action: Action, chord: Chord) {
         | Action::DeleteObject
         | Action::Bake
         | Action::Undo
-        | Action::Redo => {
-            let modifiers =
-                Modifiers { shift: chord.shift, ctrl: chord.ctrl, command: chord.ctrl, ..Modifiers::NONE };
-            let (key, physical_key) = (chord.key, Some(chord.key));
-            let event = egui::Event::Key { key, physical_key, pressed: true, repeat: false, modifiers };
-            let pressed = Keyboard::default().update(&[event], Attention::View);
-            assert!(matches!(pressed[..], [Pressed { action: found, .. }] if found == action));
-        }
+        | Action::Redo => requests(action, chord),
         moving => panic!("{moving:?} has no check"),
     }
 }

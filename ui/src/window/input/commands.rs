@@ -98,6 +98,7 @@ fn command_of(
         Action::Screenshot => Command::Picture(PictureCommand::Save),
         Action::ScreenshotWithoutBackground => Command::Picture(PictureCommand::SaveWithoutBackground),
         Action::SaveSequence => Command::Picture(PictureCommand::SaveSequence),
+        Action::SaveFilm => Command::Picture(PictureCommand::SaveFilm),
         Action::FullScreen => Command::FullScreen,
         Action::Escape => Command::Escape,
         _ => object_command(state, action).or_else(|| Some(Command::SetOptions(switched(o, action)?)))?,
