@@ -18,6 +18,7 @@ mod entry_points;
 mod experiments;
 mod exposure;
 mod features;
+mod film;
 mod golden;
 mod ground;
 mod import;

@@ -24,6 +24,7 @@ fn walk(tracer: &Arc<Tracer>, mode: Mode, store: Option<&Path>) -> (TourRecord, 
         budget: None,
         measure: None,
         store: store.map(|folder| StoreSettings { folder: folder.to_owned(), max_bytes: 1 << 30 }),
+        warms_up: true,
     };
     let mut problems = Vec::new();
     let record = run_tour(tracer, &path, &settings, &AtomicBool::new(false), |event| {

@@ -33,7 +33,15 @@ fn settings(measure: Option<&Path>) -> TourSettings {
         truth_folder: Some(folder.to_owned()),
         exposure_ev: 0.0,
     });
-    TourSettings { walkthrough, size: [64, 48], frames: 9, budget: None, measure, store: None }
+    TourSettings {
+        walkthrough,
+        size: [64, 48],
+        frames: 9,
+        budget: None,
+        measure,
+        store: None,
+        warms_up: true,
+    }
 }
 
 fn walk(settings: &TourSettings, cancel: &AtomicBool) -> TourRecord {

@@ -1,11 +1,15 @@
 //! Pictures as flat buffers: colour, pixel types, comparison, and reading and writing files.
 
+#[cfg(feature = "films")]
+pub mod animation;
 #[cfg(any(feature = "import", feature = "pictures"))]
 pub mod atomic_file;
 pub mod color;
 pub mod exposure;
 pub mod false_color;
 pub mod fill;
+#[cfg(feature = "films")]
+pub mod film;
 #[cfg(feature = "pictures")]
 pub mod jpeg;
 pub mod legend;

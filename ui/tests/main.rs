@@ -6,6 +6,9 @@
     reason = "a test may fail where it stands, and says what it skips"
 )]
 
+#[path = "../../tests/film/boxes.rs"]
+#[allow(dead_code, reason = "the engine's tests read more of it")]
+mod boxes;
 mod cli;
 #[path = "../build/commit.rs"]
 mod commit;

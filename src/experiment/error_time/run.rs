@@ -69,6 +69,7 @@ fn flown(context: &ExperimentContext<'_>, mode: Mode, trace: TraceSettings) -> C
         budget: None,
         measure: None,
         store: None,
+        warms_up: true,
     };
     let measured: Vec<u32> =
         (0..context.settings.views).map(|v| (view_share(context, v) * f64::from(frames)) as u32).collect();

@@ -101,6 +101,7 @@ fn tour_settings(
         budget: None,
         measure: Some(measure),
         store: None,
+        warms_up: true,
     }
 }
 

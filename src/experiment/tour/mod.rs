@@ -4,4 +4,4 @@ mod record;
 mod walk;
 
 pub use record::{FrameRecord, MeasuredSummary, Pose, ReferenceRecord, StoreRecord, Summary, TourRecord};
-pub use walk::{TourEvent, TourSettings, fly, run_tour};
+pub use walk::{TourEvent, TourSettings, cameras, fly, run_tour};

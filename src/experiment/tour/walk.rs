@@ -29,6 +29,9 @@ pub struct TourSettings {
     pub measure: Option<MeasureSettings>,
     /// The store that references are read from and written to; `None` uses none.
     pub store: Option<StoreSettings>,
+    /// Whether frame 0 is rendered once before the walk, unrecorded, so that no recorded frame pays
+    /// for first touching memory.
+    pub warms_up: bool,
 }
 
 /// Progress of a tour.
@@ -47,9 +50,6 @@ pub enum TourEvent<'a> {
 /// Renders the frames along `path` and records each. A reference that the policy requests after a
 /// frame is traced at once and used from the next frame on. References that the policy requests
 /// ahead are traced before frame 0. After `cancel` the finished frames are returned.
-///
-/// Frame 0 is rendered once before the walk, unrecorded, so that no recorded frame pays for first
-/// touching memory.
 ///
 /// # Errors
 /// [`ExperimentError`] if the walk has no key frames or an invalid pose, or if a frame cannot be
@@ -81,7 +81,8 @@ pub fn fly(
     if settings.budget.is_some() {
         walk = walk.progressive();
     }
-    let warm_up_secs = cameras.first().map_or(0.0, |first| warm_up(&mut walk, first, settings, stop));
+    let first = cameras.first().filter(|_| settings.warms_up);
+    let warm_up_secs = first.map_or(0.0, |first| warm_up(&mut walk, first, settings, stop));
     open_store(&mut walk, settings, &mut observe);
     let mut measurer = settings.measure.clone().map(Measurer::new);
     let mut frames = Vec::new();
@@ -146,7 +147,11 @@ fn close_store(walk: &mut Walkthrough, observe: &mut impl FnMut(TourEvent<'_>)) 
 /// End of the message about a pose that is not finite.
 const INVALID: &str = "has no valid pose; eyes and targets must be finite numbers";
 
-fn cameras(path: &CameraPath, frames: u32) -> Result<Vec<Camera>, ExperimentError> {
+/// Returns the cameras of a number of frames along a path.
+///
+/// # Errors
+/// [`ExperimentError`] if the walk has no key frames or an invalid pose.
+pub fn cameras(path: &CameraPath, frames: u32) -> Result<Vec<Camera>, ExperimentError> {
     (0..frames)
         .map(|i| {
             let camera = path.camera(i, frames).ok_or(ExperimentError::EmptyWalk)?;

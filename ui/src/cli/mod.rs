@@ -11,6 +11,7 @@ mod doctor;
 mod documented;
 mod experiment;
 mod failure;
+mod film;
 pub(crate) mod flags;
 mod generate;
 mod glare;
@@ -76,6 +77,8 @@ enum Command {
     Render(render::RenderArgs),
     /// Render the scene's camera path and record every frame.
     Tour(tour::TourArgs),
+    /// Render the scene's camera path as a film (MP4), without another program.
+    Film(film::FilmArgs),
     /// Fill a store with references of the whole scene, before anybody walks there.
     Bake(bake::BakeArgs),
     /// Run a named experiment.
@@ -108,6 +111,7 @@ impl Command {
         match self {
             Self::Render(args) => args.scene.as_deref(),
             Self::Tour(args) => args.scene.as_deref(),
+            Self::Film(args) => args.scene.as_deref(),
             Self::Bake(args) => args.scene.as_deref(),
             Self::Measure(args) => args.scene.as_deref(),
             Self::Glare(args) => args.scene.as_deref(),
@@ -218,6 +222,7 @@ fn dispatch(cli: &Cli, layers: &Layers) -> Result<(), Failure> {
         (scene, None) => start::start(scene.as_deref(), flags, layers, &Cli::command()),
         (None, Some(Command::Render(args))) => render::run(args, flags),
         (None, Some(Command::Tour(args))) => tour::run(args, flags),
+        (None, Some(Command::Film(args))) => film::run(args, flags),
         (None, Some(Command::Bake(args))) => bake::run(args, flags),
         (None, Some(Command::Experiment(args))) => experiment::run(args, flags),
         (None, Some(Command::Inspect(args))) => inspect::run(args, flags),

@@ -177,7 +177,7 @@ fn settings(args: &TourArgs, flags: &Flags, walk: &CameraPath) -> TourSettings {
     };
     let budget = args.budget_ms.map(|ms| Duration::from_millis(ms.into()));
     let store = flags.store(&StoreChoice::Off);
-    TourSettings { walkthrough, size: flags.size(), frames, budget, measure, store }
+    TourSettings { walkthrough, size: flags.size(), frames, budget, measure, store, warms_up: true }
 }
 
 /// Renders the camera path. If a picture cannot be written, the tour ends and its record is kept.

@@ -1,9 +1,11 @@
 //! Picture files: rendering and writing them, and restoring a view from one. The command line and
 //! the window share this module, so that both write the same bits.
 
+pub mod film;
 mod job;
 pub(crate) mod memory;
 mod metadata;
+mod numbered;
 pub mod panorama;
 pub mod pose_text;
 pub mod restore;

@@ -1,9 +1,10 @@
 //! Renders a camera path into a folder of numbered pictures, from which a film can be encoded. An
 //! interrupted sequence is resumed: finished pictures are kept.
 
+use super::numbered::{DESCRIPTION, description, is_described, picture_path, text_of};
 use super::{Output, PictureJob, Shows};
 use afterimage::raster::save::{Target, write_atomically};
-use afterimage::{Tracer, camera::CameraPath, raster::load::read_bounded, trace::parallel::Stop};
+use afterimage::{Tracer, camera::CameraPath, trace::parallel::Stop};
 use anyhow::{anyhow, bail};
 use std::path::{Path, PathBuf};
 
@@ -12,9 +13,6 @@ pub const FRAMES_PER_SEC: u32 = 30;
 
 /// Maximum number of sequences in one folder.
 const MAX_FOLDERS: u32 = 10_000;
-
-/// Name of the file that describes a sequence in its folder.
-const DESCRIPTION: &str = "sequence.json";
 
 /// A camera path to render as numbered pictures.
 #[derive(Clone, Debug)]
@@ -85,7 +83,7 @@ impl Sequence {
         let folder = self.folder(tracer, folders, stem)?;
         let (count, mut made) = (self.walk.frames.max(1), 0);
         for frame in 0..count {
-            let path = folder.join(format!("frame_{frame:04}.png"));
+            let path = picture_path(&folder, frame);
             let Some(camera) = self.walk.camera(frame, count).filter(|_| !stop()) else { break };
             if path.exists() {
                 continue;
@@ -102,29 +100,9 @@ impl Sequence {
         Ok(MadeSequence { folder, made, count, rate: self.rate })
     }
 
-    /// Text that identifies the sequence: it is resumed only in a folder with the same description.
-    fn description(&self, tracer: &Tracer) -> String {
-        let job = &self.job;
-        let [width, height] = job.size;
-        let description = serde_json::json!({
-            "scene": job.scene_name,
-            "scene_hash": tracer.scene().hash,
-            "size": [width, height],
-            "samples": job.settings.trace.samples,
-            "bounces": job.settings.trace.bounce_limit(),
-            "seed": job.settings.trace.seed,
-            "antialias": job.antialias,
-            "has_background": job.background == afterimage::render::bands::Background::Shown,
-            "exposure_ev": job.exposure_ev,
-            "tone_map": job.tone_map.name(),
-            "walk": self.walk,
-        });
-        format!("{description:#}\n")
-    }
-
     /// The folder of the same sequence begun earlier, or a new one.
     fn folder(&self, tracer: &Tracer, folders: &[PathBuf], stem: &str) -> anyhow::Result<PathBuf> {
-        let description = self.description(tracer);
+        let description = text_of(&description(&self.job, &self.walk, tracer));
         let mut result = Err(anyhow!("there is no folder to save pictures in"));
         for parent in folders {
             result = self.folder_in(parent, stem, &description);
@@ -145,8 +123,7 @@ impl Sequence {
                     return Ok(folder);
                 }
                 Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {
-                    let found = read_bounded(&folder.join(DESCRIPTION), description.len() as u64);
-                    if found.is_ok_and(|bytes| bytes == description.as_bytes()) && !self.is_whole(&folder) {
+                    if is_described(&folder, description) && !self.is_whole(&folder) {
                         return Ok(folder);
                     }
                 }
@@ -160,6 +137,6 @@ impl Sequence {
     }
 
     fn is_whole(&self, folder: &Path) -> bool {
-        (0..self.walk.frames.max(1)).all(|frame| folder.join(format!("frame_{frame:04}.png")).exists())
+        (0..self.walk.frames.max(1)).all(|frame| picture_path(folder, frame).exists())
     }
 }

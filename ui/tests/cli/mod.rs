@@ -2,6 +2,7 @@
 
 mod bake;
 mod data;
+mod film;
 mod inspect;
 mod log;
 mod measure;

@@ -329,6 +329,7 @@ fn asks(window: &mut Window, action: Action, chord: Chord) {
         | Action::SaveSession
         | Action::ScreenshotWithoutBackground
         | Action::SaveSequence
+        | Action::SaveFilm
         | Action::Measure
         | Action::ObjectAway
         | Action::ObjectNearer

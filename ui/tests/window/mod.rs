@@ -11,6 +11,7 @@ mod document;
 mod driving;
 mod dropping;
 mod editing;
+mod films;
 mod idle;
 mod inspect;
 mod keyboard;

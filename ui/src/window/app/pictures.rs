@@ -1,13 +1,15 @@
 //! Commands about saved pictures and picture sequences.
 
 use super::{Parts, Services, SessionFile};
+use crate::picture::film::{Film, FilmFormat, FilmHeatmap, rays_of};
 use crate::picture::sequence::Sequence;
 use crate::picture::{LONGEST_SIDE, PictureJob, Shows};
-use crate::window::export::{Exported, save_picture, save_sequence, spawn_export};
+use crate::window::export::{Exported, save_film, save_picture, save_sequence, spawn_export};
 use crate::window::input::playback::film_frames;
 use crate::window::rendering::{Picture, RenderCommand, SeenSection, TaskError, TaskHandle, take_result};
 use crate::window::state::{AppState, PictureCommand, PictureFormat, PictureSize};
 use afterimage::camera::CameraPath;
+use afterimage::raster::film::even;
 use afterimage::reference::ReferenceFrame;
 use afterimage::render::aov::Aov;
 use afterimage::render::bands::Background;
@@ -25,6 +27,7 @@ pub(super) fn handle_picture(app: &mut Parts, command: PictureCommand) {
         PictureCommand::Save => save(app, None),
         PictureCommand::SaveWithoutBackground => save(app, Some(Background::LeftOut)),
         PictureCommand::SaveSequence => sequence(app),
+        PictureCommand::SaveFilm => film(app),
         PictureCommand::ShowDialog(is_open) => return picture.is_open = is_open,
         PictureCommand::Set(settings) => return picture.settings = settings,
         PictureCommand::SetFolderText(text) => {
@@ -40,6 +43,10 @@ pub(super) fn handle_picture(app: &mut Parts, command: PictureCommand) {
 }
 
 fn cancel(state: &mut AppState, services: &mut Services) {
+    if let Some(export) = services.export.as_ref().filter(|_| state.picture.running_film.is_some()) {
+        // What is complete is kept, and the window does not wait for the encoder.
+        return export.cancel();
+    }
     if let Some(export) = services.export.take() {
         export.cancel_and_wait();
         state.picture.end_export(false);
@@ -131,6 +138,31 @@ fn sequence(app: &mut Parts) -> anyhow::Result<()> {
     start(app, samples, move |tracer, task| save_sequence(&sequence, tracer, &destination, task))
 }
 
+/// Saves the camera path as a film, with references as a walk has them.
+fn film(app: &mut Parts) -> anyhow::Result<()> {
+    let walk = app.state.path().clone();
+    ensure!(
+        walk.keyframes.len() > 1,
+        "a film needs a camera path of two keys or more; K adds one at your pose"
+    );
+    let settings = app.state.picture.settings.clone();
+    let job = job(&app.state, *app.state.navigation.fly.camera(), Background::Shown)?;
+    let size = if settings.size == PictureSize::Viewport { job.size.map(even) } else { job.size };
+    let (walkthrough, rate, quality) = (app.state.quality.walk, settings.film_rate, settings.film_quality);
+    let render = RenderSettings { mode: walkthrough.render.mode, ..job.settings };
+    let antialias = Some(rays_of(quality)).filter(|n| *n > 1);
+    let walk = CameraPath { frames: film_frames(&walk, rate), ..walk };
+    let (job, heatmap) = (PictureJob { size, settings: render, antialias, ..job }, FilmHeatmap::Off);
+    let format = FilmFormat::Mp4;
+    let film = Film { job, walk, walkthrough, rate, format, quality, heatmap, pictures: None, store: None };
+    film.check()?;
+    let destination = app.services.destination(&app.state);
+    let rays = film.rays_in_all();
+    start(app, 0.0, move |tracer, task| save_film(&film, tracer, &destination, task))?;
+    app.state.picture.running_film = Some(rays);
+    Ok(())
+}
+
 /// Number of samples of a picture.
 fn samples_of(job: &PictureJob) -> f64 {
     let pixels: f64 = job.size.map(f64::from).iter().product();
@@ -141,7 +173,7 @@ fn samples_of(job: &PictureJob) -> f64 {
 fn start(
     app: &mut Parts,
     samples: f64,
-    work: impl FnOnce(&Tracer, &TaskHandle) -> Result<Exported, TaskError> + Send + 'static,
+    work: impl FnOnce(&Arc<Tracer>, &TaskHandle) -> Result<Exported, TaskError> + Send + 'static,
 ) -> anyhow::Result<()> {
     ensure!(app.services.export.is_none(), "a picture is being saved; wait for it, or cancel it");
     if let Some(tracer) = app.current.tracer() {
@@ -167,6 +199,7 @@ pub(super) fn poll_export(state: &mut AppState, services: &mut Services) {
             state.saved(exported.text, exported.path);
         }
         Some(Err(TaskError::Failed(text))) => state.error(text),
-        Some(Err(TaskError::Cancelled)) | None => {}
+        Some(Err(TaskError::Cancelled)) => state.info("saving was cancelled"),
+        None => {}
     }
 }

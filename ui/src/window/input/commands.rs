@@ -106,6 +106,7 @@ fn command_of(
         Action::Screenshot => Command::Picture(PictureCommand::Save),
         Action::ScreenshotWithoutBackground => Command::Picture(PictureCommand::SaveWithoutBackground),
         Action::SaveSequence => Command::Picture(PictureCommand::SaveSequence),
+        Action::SaveFilm => Command::Picture(PictureCommand::SaveFilm),
         Action::FullScreen => Command::FullScreen,
         Action::NextRegion => Command::FocusRegion(true),
         Action::PreviousRegion => Command::FocusRegion(false),

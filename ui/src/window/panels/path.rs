@@ -1,6 +1,6 @@
 //! The camera path: its keys, a timeline, and recording.
 
-use super::super::state::{AppState, Command, NavigationCommand};
+use super::super::state::{AppState, Command, NavigationCommand, PictureCommand};
 use super::{numbers::Number, widgets::key_hint};
 use crate::window::input::keymap::Action;
 use crate::window::input::playback::{Playback, key_secs, path_secs};
@@ -30,6 +30,11 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     timeline(ui, playback, path, commands);
     if state.has_own_path() {
         keys(ui, path, commands);
+    }
+    let is_free = state.picture.exporting.is_none() && count > 1;
+    let film = ui.add_enabled(is_free, egui::Button::new("Save as film (MP4)"));
+    if film.on_hover_text(key_hint(Action::SaveFilm)).clicked() {
+        commands.push(Command::Picture(PictureCommand::SaveFilm));
     }
     let text = match &state.navigation.recording {
         None => "Record path".to_owned(),

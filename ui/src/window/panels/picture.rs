@@ -8,9 +8,11 @@ use super::numbers::Number;
 use super::regions::{self, Region};
 use super::widgets::{choice, key_hint};
 use crate::picture::LONGEST_SIDE;
+use crate::picture::film::rays_of;
 use crate::window::input::keymap::Action;
 use crate::window::input::playback::{film_frames, path_secs};
 use crate::window::rendering::task::Progress;
+use afterimage::raster::film::FilmQuality;
 use afterimage::{Mode, render::bands::Background};
 use egui::{Align2, Color32, ProgressBar, Rect, RichText, Ui};
 
@@ -169,17 +171,35 @@ fn film_rows(ui: &mut Ui, state: &AppState, settings: &mut PictureSettings) {
         choice(ui, "film rate", &name, &mut settings.film_rate, rates).labelled_by(label.id);
     });
     let mut is_left_out = settings.film_background == Background::LeftOut;
-    ui.checkbox(&mut is_left_out, "film without sky");
+    let help = "Numbered pictures are transparent there; a film (MP4) shows the sky always";
+    ui.checkbox(&mut is_left_out, "film without sky").on_hover_text(help);
     settings.film_background = if is_left_out { Background::LeftOut } else { Background::Shown };
+    ui.horizontal(|ui| {
+        ui.label("Film (MP4)");
+        for (quality, name) in FilmQuality::ALL {
+            let help = format!("{} rays a pixel", rays_of(quality));
+            let button = ui.selectable_value(&mut settings.film_quality, quality, name).on_hover_text(help);
+            button.accessible_name(format!("Film quality {name}"));
+        }
+    });
     let path = state.path();
     if path.keyframes.len() > 1 {
         let count = film_frames(path, settings.film_rate);
         let samples = picture_samples(state, settings) * f64::from(count);
         let (secs, time) = (path_secs(path), time_text(state, samples));
-        ui.weak(format!("{secs:.1} s of film, {count} pictures; time: {time}"));
+        let film = film_time(state, settings, count);
+        ui.weak(format!("{secs:.1} s of film, {count} pictures; time: {time}; as MP4: {film}"));
     } else {
         ui.weak(format!("A film needs a path of two keys or more ({}).", key_hint(Action::AddPathKey)));
     }
+}
+
+/// The time that a film of a number of frames will take, in words.
+fn film_time(state: &AppState, settings: &PictureSettings, frames: u32) -> String {
+    let pixels: f64 = picture_size(state, settings).map(f64::from).iter().product();
+    let rays = pixels * f64::from(frames) * f64::from(rays_of(settings.film_quality));
+    let secs = state.picture.secs_per_film_ray.map(|secs| secs * rays);
+    secs.map_or("measured with the first film".to_owned(), about)
 }
 
 /// Dims what the picture will not show, while the dialog is open.
@@ -247,6 +267,10 @@ fn buttons(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
         let sequence = ui.add_enabled(is_free, egui::Button::new("Save path as sequence"));
         if sequence.on_hover_text(key_hint(Action::SaveSequence)).clicked() {
             commands.push(Command::Picture(PictureCommand::SaveSequence));
+        }
+        let film = ui.add_enabled(is_free, egui::Button::new("Save path as film (MP4)"));
+        if film.on_hover_text(key_hint(Action::SaveFilm)).clicked() {
+            commands.push(Command::Picture(PictureCommand::SaveFilm));
         }
         if ui.button("Reset picture settings").clicked() {
             commands.push(Command::Picture(PictureCommand::Set(PictureSettings::default())));

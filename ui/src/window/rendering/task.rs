@@ -105,6 +105,11 @@ impl<T> Task<T> {
         self.result.try_recv().ok()
     }
 
+    /// Asks the work to end early. Its result arrives as usual.
+    pub fn cancel(&self) {
+        self.shared.is_cancelled.store(true, Ordering::Relaxed);
+    }
+
     /// Cancels the work and waits for its end: afterwards it has left no half-written file.
     pub fn cancel_and_wait(mut self) {
         self.shared.is_cancelled.store(true, Ordering::Relaxed);

@@ -2,6 +2,7 @@
 
 use crate::window::rendering::Progress;
 use afterimage::Mode;
+use afterimage::raster::film::FilmQuality;
 use afterimage::raster::jpeg::DEFAULT_QUALITY;
 use afterimage::render::FrameStats;
 use afterimage::render::bands::Background;
@@ -52,6 +53,8 @@ pub struct PictureSettings {
     pub film_background: Background,
     /// Pictures per second of a film.
     pub film_rate: u32,
+    /// Rays and coding of films.
+    pub film_quality: FilmQuality,
 }
 
 /// How well a picture is traced: a number of rays per pixel.
@@ -94,6 +97,7 @@ impl Default for PictureSettings {
             folder: None,
             film_background: Background::Shown,
             film_rate: crate::picture::sequence::FRAMES_PER_SEC,
+            film_quality: FilmQuality::Good,
         }
     }
 }
@@ -115,6 +119,10 @@ pub struct PictureState {
     pub secs_per_sample: Option<f64>,
     /// The export that is running: its begin, and its number of samples.
     pub running: Option<(Instant, f64)>,
+    /// Number of rays of the film that is being saved.
+    pub running_film: Option<f64>,
+    /// Seconds that a ray of a film takes, coding included, as last measured.
+    pub secs_per_film_ray: Option<f64>,
 }
 
 /// Pixels that a frame must have traced for its time to count.
@@ -131,8 +139,11 @@ impl PictureState {
 
     /// Notes that the running export has ended; `is_whole` where it made everything.
     pub fn end_export(&mut self, is_whole: bool) {
-        let Some((begun, samples)) = self.running.take() else { return };
-        if is_whole && samples >= MIN_TIMED_PIXELS as f64 {
+        let (running, film) = (self.running.take(), self.running_film.take());
+        let Some((begun, samples)) = running else { return };
+        if is_whole && let Some(rays) = film {
+            self.secs_per_film_ray = Some(begun.elapsed().as_secs_f64() / rays.max(1.0));
+        } else if is_whole && samples >= MIN_TIMED_PIXELS as f64 {
             self.secs_per_sample = Some(begun.elapsed().as_secs_f64() / samples);
         }
     }
@@ -159,6 +170,7 @@ pub enum PictureCommand {
     Save,
     SaveWithoutBackground,
     SaveSequence,
+    SaveFilm,
     ShowDialog(bool),
     Set(PictureSettings),
     SetFolderText(String),
