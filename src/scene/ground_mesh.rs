@@ -50,8 +50,8 @@ impl Scene {
         self.grounded.as_ref().is_some_and(|g| triangle as usize >= g.bare.triangles.len())
     }
 
-    /// The materials of the model, without that of an added ground.
-    pub(super) fn model_materials(&self) -> &[Material] {
+    /// Returns the materials of the model, without that of an added ground.
+    pub fn model_materials(&self) -> &[Material] {
         &self.materials[..self.materials.len() - usize::from(self.grounded.is_some())]
     }
 

@@ -33,7 +33,7 @@ fn usage_errors_end_with_two() {
         ("render room.obj --fov-y 180 -o a.png", "1 to 170"),
         ("render room.obj --exposure bright -o a.png", "'auto' or from -64 to 64 stops"),
         ("render room.obj --view kitchen -o a.png", "it has: start"),
-        ("render room.obj -o a.gif", ".png or .exr"),
+        ("render room.obj -o a.gif", ".jpg or .exr"),
         ("render room.obj -o a.png --aov depth", "needs an EXR"),
         ("render room.obj -o a.exr --aov warmth", "primitive"),
         ("render room.obj -o a.png --reference 1,1,1", "EX,EY,EZ:LX,LY,LZ"),

@@ -22,10 +22,17 @@ fn room_with_floor() -> (Harness<'static, App>, MaterialId) {
     (window, floor)
 }
 
+/// Makes the window so high that nothing in the panel is scrolled out of it.
+fn show_whole_panel(window: &mut Harness<'static, App>) {
+    window.set_size(egui::vec2(900.0, 2000.0));
+    window.run_steps(3);
+}
+
 #[test]
 fn a_ready_made_material_is_chosen_by_keyboard_and_undone() {
     let (mut window, floor) = room_with_floor();
     let before = material(window.state(), floor).clone();
+    show_whole_panel(&mut window);
     window.get_by_label("Ready-made material").focus();
     window.run_steps(2);
     window.key_press(Key::Space);
@@ -44,6 +51,7 @@ fn a_ready_made_material_is_chosen_by_keyboard_and_undone() {
 fn gloss_is_typed_and_a_matte_floor_becomes_varnished() {
     let (mut window, floor) = room_with_floor();
     assert_eq!(material(window.state(), floor).kind, MaterialKind::Diffuse);
+    show_whole_panel(&mut window);
     window.get_by_role_and_label(egui::accesskit::Role::SpinButton, "Gloss").click();
     window.run_steps(2);
     window.event(egui::Event::Text("70".to_owned()));

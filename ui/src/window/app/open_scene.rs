@@ -148,7 +148,9 @@ pub(super) fn answer_outside(app: &mut Parts, is_agreed: bool) {
             app.services.loading = Some(Loading::again(source, tracer, edit, app.services.wake.clone()));
         }
         None => {
-            app.state.info(format!("the picture of the sky {name} was left out"));
+            let text =
+                format!("the picture of the sky {name} was left out; the session keeps it until it is saved");
+            app.state.info(text);
             arrive(app, source, tracer);
         }
     }

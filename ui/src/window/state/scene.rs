@@ -78,7 +78,7 @@ impl SceneInfo {
             views: scene.views.iter().enumerate().map(saved_view).collect(),
             walk: scene.walk.clone(),
             warnings: scene.warnings.clone(),
-            same_names: Arc::new(same_names(&scene.materials)),
+            same_names: Arc::new(same_names(scene.model_materials())),
             objects: scene.all_objects().clone(),
             triangles: scene.triangles.len(),
             vertices: scene.positions.len(),
