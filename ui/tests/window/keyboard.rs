@@ -72,9 +72,9 @@ fn escape_drops_a_typed_number_and_enter_tab_and_a_click_elsewhere_store_it() {
 #[test]
 fn escape_drops_what_is_typed_in_a_dialog_and_leaves_it_open() {
     let mut window = app();
-    window.get_by_label("File").click_accesskit();
+    window.get_by_role_and_label(Role::Button, "File").click_accesskit();
     window.run_steps(3);
-    window.get_by_label("Picture settings...").click_accesskit();
+    window.get_by_label_contains("Picture settings").click_accesskit();
     window.run_steps(3);
     let before = state(&window).picture.settings.clone();
     for name in ["Samples", "Anti-aliasing"] {

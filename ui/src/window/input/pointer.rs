@@ -30,10 +30,10 @@ pub(crate) enum Click {
     GoThere,
 }
 
-/// Angle per second by which keys turn the camera, as a drag over so many heights of the viewport.
+/// Turn per second by keys, in heights of the viewport over which a drag turns as far.
 const LOOK_PER_SEC: f64 = 0.4;
 
-/// Shift turns the camera this many times as fast at most: at five times, it cannot be aimed.
+/// Largest factor of the turn while Shift is held: at five times, the camera cannot be aimed.
 const MAX_LOOK_FACTOR: f64 = 2.0;
 
 /// State of the keyboard and the pointer.

@@ -79,7 +79,9 @@ fn loading(ui: &mut Ui, source: &SceneSource, progress: &Progress, commands: &mu
             let percent = progress.fraction.map(|f| format!(" {:.0} %", f * 100.0)).unwrap_or_default();
             let bar = ProgressBar::new(progress.fraction.unwrap_or(0.0));
             ui.add(bar.text(format!("{}{percent}", progress.phase)).desired_width(265.0));
-            if ui.button("Cancel").clicked() {
+            let cancel = ui.button("Cancel");
+            regions::note(&cancel, Region::Messages);
+            if cancel.clicked() {
                 commands.push(Command::CancelLoading);
             }
         });

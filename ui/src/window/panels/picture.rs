@@ -305,7 +305,9 @@ pub fn progress(
                 let left = state.picture.secs_left().map(|secs| format!(", {} left", about(secs)));
                 let text = format!("{:.0} %{}", part * 100.0, left.unwrap_or_default());
                 ui.add(ProgressBar::new(part).text(text).desired_width(250.0));
-                if ui.button("Cancel saving").clicked() {
+                let cancel = ui.button("Cancel saving");
+                regions::note(&cancel, Region::Messages);
+                if cancel.clicked() {
                     commands.push(Command::Picture(PictureCommand::Cancel));
                 }
             });

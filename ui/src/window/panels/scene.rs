@@ -1,7 +1,7 @@
 //! The scene: its contents, a field to open another one, and warnings about its files.
 
 use super::super::state::{AppState, Command, InspectCommand, ListCommand, Purpose, SceneInfo};
-use super::widgets::counted;
+use super::widgets::{counted, grouped};
 use crate::window::files::{Entry, completed, path_of, typed};
 use egui::{Color32, Key, RichText, Ui, text::CCursorRange};
 
@@ -9,7 +9,7 @@ use egui::{Color32, Key, RichText, Ui, text::CCursorRange};
 pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     if let Some(scene) = &state.scene {
         ui.label(RichText::new(&scene.name).strong());
-        ui.weak(format!("{} triangles, {}", grouped(scene.triangles), counted(scene.lights, "light")));
+        ui.weak(format!("{}, {}", counted(scene.triangles, "triangle"), counted(scene.lights, "light")));
         facts(ui, scene);
     } else {
         ui.weak("No scene yet.");
@@ -46,7 +46,7 @@ fn facts(ui: &mut Ui, scene: &SceneInfo) {
         ui.label(format!("Uses: {}.", or_nothing(used)));
         ui.label(format!("Not rendered: {}.", or_nothing(left_out)));
         ui.weak(format!("{x:.1} x {z:.1} m, {y:.1} m high"));
-        ui.weak(format!("{} vertices, {} textures", grouped(scene.vertices), scene.textures));
+        ui.weak(format!("{} vertices, {}", grouped(scene.vertices), counted(scene.textures, "texture")));
     });
 }
 
@@ -160,17 +160,4 @@ fn line(warning: &afterimage::scene::Warning) -> String {
         (file, 0) => format!("{file}: {}", warning.message),
         (file, line) => format!("{file}:{line}: {}", warning.message),
     }
-}
-
-/// A number with digits in groups of three, such as 1,234,567.
-fn grouped(number: usize) -> String {
-    let digits = number.to_string();
-    let mut text = String::new();
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
 }

@@ -45,6 +45,7 @@ fn tabs(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
             let is_shown = state.appearance.tab == tab;
             let button = ui.selectable_label(is_shown, RichText::new(title).strong()).on_hover_text(help);
             button.widget_info(|| egui::WidgetInfo::selected(egui::Role::Tab, true, is_shown, title));
+            ui.ctx().accesskit_node_builder(button.id, |node| node.set_selected(is_shown));
             if is_shown {
                 regions::note(&button, Region::Tabs);
             }

@@ -37,9 +37,22 @@ pub fn install_style(ctx: &egui::Context) {
     });
 }
 
-/// A number with what it counts, such as `1 light` or `2 lights`.
+/// A number with what it counts, such as `1 light` or `2,000 lights`.
 pub fn counted(count: usize, what: &str) -> String {
-    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+    format!("{} {what}{}", grouped(count), if count == 1 { "" } else { "s" })
+}
+
+/// A number with digits in groups of three, such as 1,234,567.
+pub fn grouped(number: usize) -> String {
+    let digits = number.to_string();
+    let mut text = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
 }
 
 /// Hover text that names the key of an action.

@@ -50,9 +50,9 @@ pub struct Keyboard {
 impl Keyboard {
     /// Processes the events of one window frame and returns the pressed actions. While text is
     /// typed, no key is held, and only function keys that move the focus or show the help are
-    /// pressed; none while a question is asked. While a control has the focus, the keys that operate it
-    /// are ignored. When the window loses the focus, all keys are released, because their release
-    /// events do not arrive.
+    /// pressed; none while a question is asked. While a control has the focus, the keys that
+    /// operate it are ignored. When the window loses the focus, all keys are released, because
+    /// their release events do not arrive.
     pub fn update(&mut self, events: &[Event], attention: Attention) -> Vec<Pressed> {
         let typing = matches!(attention, Attention::Text | Attention::Question);
         let is_taken = |key| match attention {
