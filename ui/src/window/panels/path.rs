@@ -1,7 +1,8 @@
 //! The camera path: its keys, a timeline, and recording.
 
 use super::super::state::{AppState, Command, NavigationCommand, PictureCommand};
-use super::{numbers::Number, widgets::key_hint};
+use super::numbers::Number;
+use super::widgets::{counted, key_hint};
 use crate::window::input::keymap::Action;
 use crate::window::input::playback::{Playback, key_secs, path_secs};
 use afterimage::camera::CameraPath;
@@ -12,7 +13,8 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     let (playback, path) = (&state.navigation.playback, state.path());
     let count = path.keyframes.len();
     let whose = if state.has_own_path() { "Your path" } else { "The scene's path" };
-    ui.weak(format!("{whose}: {count} keys, {:.1} s, {:.1} m", path_secs(path), path.length_m()));
+    let (keys_text, secs) = (counted(count, "key"), path_secs(path));
+    ui.weak(format!("{whose}: {keys_text}, {secs:.1} s, {:.1} m", path.length_m()));
     ui.horizontal_wrapped(|ui| {
         let play = if playback.is_playing { "Pause path" } else { "Play path" };
         let button = ui.add_enabled(count > 0, egui::Button::new(play));
