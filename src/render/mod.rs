@@ -20,6 +20,7 @@ mod light_layers;
 pub mod lighting;
 mod measures;
 mod mixture;
+pub mod orthographic;
 mod pace;
 pub mod panorama;
 mod paper_pixels;

@@ -28,6 +28,7 @@ mod show;
 mod start;
 mod store;
 mod tour;
+mod tour_export;
 mod walk;
 
 use crate::settings::{CONFIG_VARIABLE, Layers};
@@ -65,6 +66,8 @@ enum Command {
     Render(render::RenderArgs),
     /// Render the scene's camera path and record every frame.
     Tour(tour::TourArgs),
+    /// Write the scene's views as panoramas into one HTML file, to walk through in a browser.
+    TourExport(tour_export::TourExportArgs),
     /// Fill a store with references of the whole scene, before anybody walks there.
     Bake(bake::BakeArgs),
     /// Run a named experiment.
@@ -93,6 +96,7 @@ impl Command {
         match self {
             Self::Render(args) => args.scene.as_deref(),
             Self::Tour(args) => args.scene.as_deref(),
+            Self::TourExport(args) => args.scene.as_deref(),
             Self::Bake(args) => args.scene.as_deref(),
             Self::Measure(args) => args.scene.as_deref(),
             Self::Inspect(args) => Some(&args.scene),
@@ -184,6 +188,7 @@ fn dispatch(cli: &Cli, layers: &Layers) -> Result<(), Failure> {
         (scene, None) => start::start(scene.as_deref(), flags, layers, &Cli::command()),
         (None, Some(Command::Render(args))) => render::run(args, flags),
         (None, Some(Command::Tour(args))) => tour::run(args, flags),
+        (None, Some(Command::TourExport(args))) => tour_export::run(args, flags),
         (None, Some(Command::Bake(args))) => bake::run(args, flags),
         (None, Some(Command::Experiment(args))) => experiment::run(args, flags),
         (None, Some(Command::Inspect(args))) => inspect::run(args, flags),

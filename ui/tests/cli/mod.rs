@@ -4,6 +4,7 @@ mod bake;
 mod data;
 mod inspect;
 mod measure;
+mod panorama;
 mod runs;
 mod settings;
 mod trouble;
