@@ -9,6 +9,7 @@ mod current_scene;
 mod inspect;
 mod navigation;
 mod open_scene;
+mod panorama;
 mod parts;
 mod persistence;
 mod picture_note;
@@ -36,6 +37,7 @@ use open_scene::{
     cancel_loading, handle_answer, hold_close, is_shown, open, open_model, open_new, open_path, open_session,
     poll_loading, poll_watch, reload, session_saved,
 };
+use panorama::panorama_job;
 use parts::Parts;
 use persistence::{
     autosave, end_autosave, forget_recent, read_state_folder, remember_model, restore_session, save_session,

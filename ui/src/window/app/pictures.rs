@@ -1,9 +1,9 @@
 //! Commands about saved pictures and picture sequences.
 
-use super::{Parts, Services, SessionFile};
+use super::{Parts, Services, SessionFile, panorama_job};
 use crate::picture::sequence::Sequence;
 use crate::picture::{LONGEST_SIDE, PictureJob, Shows};
-use crate::window::export::{Exported, save_picture, save_sequence, spawn_export};
+use crate::window::export::{Exported, save_panorama, save_picture, save_sequence, spawn_export};
 use crate::window::input::playback::film_frames;
 use crate::window::rendering::{Picture, RenderCommand, TaskError, TaskHandle, take_result};
 use crate::window::state::{AppState, PictureCommand, PictureFormat, PictureSize};
@@ -24,6 +24,7 @@ pub(super) fn handle_picture(app: &mut Parts, command: PictureCommand) {
         PictureCommand::Save => save(app, None),
         PictureCommand::SaveWithoutBackground => save(app, Some(Background::LeftOut)),
         PictureCommand::SaveSequence => sequence(app),
+        PictureCommand::SavePanorama => panorama(app),
         PictureCommand::ShowDialog(is_open) => return picture.is_open = is_open,
         PictureCommand::Set(settings) => return picture.settings = settings,
         PictureCommand::SetFolderText(text) => {
@@ -123,6 +124,17 @@ fn sequence(app: &mut Parts) -> anyhow::Result<()> {
     let destination = app.services.destination(&app.state);
     let samples = samples_of(&sequence.job) * f64::from(sequence.walk.frames);
     start(app, samples, move |tracer, task| save_sequence(&sequence, tracer, &destination, task))
+}
+
+/// Saves the panorama around the current pose.
+fn panorama(app: &mut Parts) -> anyhow::Result<()> {
+    let job = panorama_job(&app.state)?;
+    let destination = app.services.destination(&app.state);
+    let pixels = job.size.map(f64::from).iter().product();
+    // Its samples are reused: they say nothing about the time of traced ones.
+    start(app, 0.0, move |tracer, task| save_panorama(&job, tracer, &destination, task))?;
+    app.state.picture.panorama_pixels = Some(pixels);
+    Ok(())
 }
 
 /// Number of samples of a picture.

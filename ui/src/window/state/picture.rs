@@ -47,6 +47,8 @@ pub struct PictureSettings {
     pub film_background: Background,
     /// Pictures per second of a film.
     pub film_rate: u32,
+    /// Width of a panorama in pixels; it is half as high.
+    pub panorama_width: u32,
 }
 
 /// How well a picture is traced: a number of rays per pixel.
@@ -88,6 +90,7 @@ impl Default for PictureSettings {
             folder: None,
             film_background: Background::Shown,
             film_rate: crate::picture::sequence::FRAMES_PER_SEC,
+            panorama_width: 4096,
         }
     }
 }
@@ -109,6 +112,10 @@ pub struct PictureState {
     pub secs_per_sample: Option<f64>,
     /// The export that is running: its begin, and its number of samples.
     pub running: Option<(Instant, f64)>,
+    /// Pixels of the panorama that is being saved.
+    pub panorama_pixels: Option<f64>,
+    /// Seconds that a pixel of a panorama takes, as last measured; `None` before that.
+    pub secs_per_panorama_pixel: Option<f64>,
 }
 
 /// Pixels that a frame must have traced for its time to count.
@@ -126,6 +133,9 @@ impl PictureState {
     /// Notes that the running export has ended; `is_whole` where it made everything.
     pub fn end_export(&mut self, is_whole: bool) {
         let Some((begun, samples)) = self.running.take() else { return };
+        if let Some(pixels) = self.panorama_pixels.take().filter(|_| is_whole) {
+            self.secs_per_panorama_pixel = Some(begun.elapsed().as_secs_f64() / pixels);
+        }
         if is_whole && samples >= MIN_TIMED_PIXELS as f64 {
             self.secs_per_sample = Some(begun.elapsed().as_secs_f64() / samples);
         }
@@ -153,6 +163,7 @@ pub enum PictureCommand {
     Save,
     SaveWithoutBackground,
     SaveSequence,
+    SavePanorama,
     ShowDialog(bool),
     Set(PictureSettings),
     SetFolderText(String),
