@@ -2,8 +2,9 @@
 //! with a picture size.
 //!
 //! # Other projections
-//! A panorama or an orthographic camera would replace [`View`]. Code outside this module relies on
-//! three of its properties:
+//! Panoramas (`render/panorama/`) and orthographic pictures (`render/orthographic.rs`) are no
+//! [`View`]: they are made from views, or have one for each pixel. Code outside this module relies
+//! on three properties of a view:
 //!
 //! - A ray starts at `eye` and its direction is a linear function of the picture point:
 //!   `scene_from_pixel * (x, y, 1)`.

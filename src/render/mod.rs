@@ -21,6 +21,7 @@ mod light_layers;
 pub mod lighting;
 mod measures;
 mod mixture;
+pub mod orthographic;
 pub mod outlines;
 mod pace;
 pub mod panorama;

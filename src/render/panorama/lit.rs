@@ -6,7 +6,7 @@ use super::projection::Equirectangular;
 use super::resample::PatchPicture;
 use crate::camera::{Camera, View};
 use crate::lookup::LookupSet;
-use crate::reference::{ReferenceCache, ReferenceFrame, settings_of_reference};
+use crate::reference::{ReferenceCache, ReferenceFrame, ReferenceId, settings_of_reference};
 use crate::render::accumulate::offset_of_pass;
 use crate::render::{renderer::Renderer, request::FrameRequest, settings::RenderSettings};
 use crate::trace::parallel::Stop;
@@ -17,11 +17,10 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Pixels of the panorama, along an edge, per pixel of a reference.
-const REFERENCE_EDGE: f64 = 2.0;
-
-/// Maximum edge of a reference in pixels: six of them take 0.5 GB, and one that is traced 1 GB.
-const MAX_REFERENCE_EDGE: f64 = 2048.0;
+/// References are as dense as a panorama, but at most as one of this width, in pixels: smooth light
+/// needs no more, and shadow edges between their pixels are traced where they are seen. Six of them
+/// have 2.6 million pixels.
+const MAX_REFERENCE_WIDTH: f64 = 2048.0;
 
 /// Pixels of a reference beyond its face of the cube, on each side: light next to the edge is
 /// interpolated.
@@ -97,31 +96,53 @@ impl<'a> LitPanorama<'a> {
     /// The mean of looked-up pictures of a patch through different points of its pixels. They share
     /// the samples of the settings, and each has a seed of its own. `None` after a stop.
     fn picture(&mut self, patch: &Patch, stop: Stop<'_>, rays: &mut RayCounts) -> Option<Vec<Vec3>> {
-        let Panorama { tracer, settings: RenderSettings { mode, trace }, points, .. } = self.panorama;
-        let count = points.max(1);
-        let mut sums: Vec<Vec3> = Vec::new();
+        let count = self.panorama.points.max(1);
+        let (mut sums, mut own): (Vec<Vec3>, _) = (Vec::new(), None);
         for number in 0..count {
-            let seed = trace.seed.wrapping_add(u64::from(number) << 48);
-            let samples = trace.samples.div_ceil(count);
-            let settings = RenderSettings { mode: *mode, trace: TraceSettings { samples, seed, ..*trace } };
-            let request = FrameRequest::new(tracer, &patch.camera, patch.size, &settings);
+            let settings = self.settings_of(number);
+            let request = FrameRequest::new(self.panorama.tracer, &patch.camera, patch.size, &settings);
             let request = request.shifted(offset_of_pass(number, count)).with_stop(stop);
             let frame = self.renderer.render(&request.reusing(&self.cache));
             if !frame.stats.is_complete {
                 return None;
             }
             *rays += frame.stats.rays;
-            sums.resize(frame.radiance.len(), Vec3::ZERO);
-            sums.par_iter_mut().zip(&frame.radiance).for_each(|(sum, radiance)| *sum += *radiance);
+            if number == 0 && frame.stats.types.unseen > 0 {
+                own = Some(self.share_light(&settings));
+            }
+            sums.resize(patch.size.map(|side| side as usize).iter().product(), Vec3::ZERO);
+            let shown = &self.renderer.frame().radiance;
+            sums.par_iter_mut().zip(shown).for_each(|(sum, radiance)| *sum += *radiance);
+        }
+        if let Some(own) = own {
+            self.cache.remove(own);
         }
         sums.par_iter_mut().for_each(|sum| *sum /= count as f32);
         Some(sums)
+    }
+
+    /// The settings of a patch's picture by its number. The first has all samples: where it shades
+    /// surfaces that no reference knows, the others look their light up.
+    fn settings_of(&self, number: u32) -> RenderSettings {
+        let Panorama { settings: RenderSettings { mode, trace }, points, .. } = self.panorama;
+        let seed = trace.seed.wrapping_add(u64::from(number) << 48);
+        let samples = if number == 0 { trace.samples } else { trace.samples.div_ceil(points.max(1)) };
+        RenderSettings { mode: *mode, trace: TraceSettings { samples, seed, ..*trace } }
+    }
+
+    /// Makes a reference of the surfaces that the last picture shaded itself, and shows them with
+    /// the light that neighbours share.
+    fn share_light(&mut self, settings: &RenderSettings) -> ReferenceId {
+        let tracer = self.panorama.tracer;
+        let own = self.renderer.shaded_reference(tracer, settings);
+        self.renderer.show_shared_light(tracer, &own);
+        self.cache.insert(Arc::new(own))
     }
 }
 
 /// The references of a panorama: camera and size of each face of a cube, with a margin.
 fn faces(camera: &Camera, width: u32) -> Vec<(Camera, [u32; 2])> {
-    let edge = (f64::from(width) / PI / REFERENCE_EDGE).clamp(8.0, MAX_REFERENCE_EDGE).ceil();
+    let edge = (f64::from(width).min(MAX_REFERENCE_WIDTH) / PI).max(8.0).ceil();
     let side = edge + 2.0 * REFERENCE_MARGIN;
     let fov_y = 2.0 * (side / edge).atan();
     let face = |quarter: f64, pitch: f64| {

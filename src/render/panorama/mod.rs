@@ -17,7 +17,7 @@ mod resample;
 mod run;
 #[cfg(test)]
 mod tests;
-mod traced;
+pub(super) mod traced;
 
 pub use lit::LitPanorama;
 pub use picture::{Panorama, PanoramaBand, PanoramaError};

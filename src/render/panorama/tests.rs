@@ -164,7 +164,7 @@ fn the_bicubic_curve_keeps_more_detail_than_straight_lines() {
         for patch in patches(&projection, DVec3::ZERO, &rows) {
             let view = View::new(&patch.camera, &frame, patch.size);
             let pixels: Vec<Vec3> = (0..view.pixel_count() as u32)
-                .map(|pixel| content(view.direction_of_pixel(pixel).as_dvec3().normalize()))
+                .map(|pixel| content(view.direction_of_pixel(pixel).as_dvec3().normalize_or(DVec3::Y)))
                 .collect();
             let picture = PatchPicture::new(&view, &pixels);
             for y in rows.clone() {

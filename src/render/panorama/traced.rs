@@ -29,9 +29,7 @@ impl<'a> TracedPanorama<'a> {
 
     /// The rows of each band, from the top.
     pub fn bands(&self) -> impl Iterator<Item = Range<u32>> + use<> {
-        let [width, height] = self.panorama.size;
-        let rows = (BAND_PIXELS / width.max(1)).max(1);
-        (0..height).step_by(rows as usize).map(move |y| y..(y + rows).min(height))
+        traced_bands(self.panorama.size)
     }
 
     /// Traces a band. Returns `None` after a stop. `report` is called from all threads with the
@@ -42,28 +40,7 @@ impl<'a> TracedPanorama<'a> {
         stop: Stop<'_>,
         report: &(dyn Fn(u64) + Sync),
     ) -> Option<PanoramaBand> {
-        let width = self.panorama.size[0];
-        let pixels: Vec<u32> = (rows.start * width..rows.end * width).collect();
-        let is_stopped = AtomicBool::new(false);
-        let stop = latched(stop, &is_stopped);
-        let mut radiance = vec![Vec3::ZERO; pixels.len()];
-        let chunks = pixels.par_chunks(CHUNK).zip(radiance.par_chunks_mut(CHUNK));
-        let traced = chunks.map(|(pixels, radiance)| {
-            let mut rays = RayCounts::default();
-            for (&pixel, radiance) in pixels.iter().zip(radiance) {
-                if stop() {
-                    return rays;
-                }
-                *radiance = self.pixel(pixel, &mut rays);
-            }
-            report(pixels.len() as u64);
-            rays
-        });
-        let rays = traced.reduce(RayCounts::default, |mut a, b| {
-            a += b;
-            a
-        });
-        (!is_stopped.load(Ordering::Relaxed)).then_some(PanoramaBand { rows, radiance, rays })
+        trace_rows(self.panorama.size[0], rows, |pixel, rays| self.pixel(pixel, rays), stop, report)
     }
 
     /// The mean radiance of a pixel's points. Points and seeds are those of the passes over a
@@ -80,4 +57,42 @@ impl<'a> TracedPanorama<'a> {
         }
         sum / count as f32
     }
+}
+
+/// The rows of each band of a picture whose pixels are traced one by one, from the top.
+pub(in crate::render) fn traced_bands([width, height]: [u32; 2]) -> impl Iterator<Item = Range<u32>> + use<> {
+    let rows = (BAND_PIXELS / width.max(1)).max(1);
+    (0..height).step_by(rows as usize).map(move |y| y..(y + rows).min(height))
+}
+
+/// Traces some rows of a picture of this width. `radiance_of` traces a pixel, given by its
+/// row-major index, and counts its rays. Returns `None` after a stop.
+pub(in crate::render) fn trace_rows(
+    width: u32,
+    rows: Range<u32>,
+    radiance_of: impl Fn(u32, &mut RayCounts) -> Vec3 + Sync,
+    stop: Stop<'_>,
+    report: &(dyn Fn(u64) + Sync),
+) -> Option<PanoramaBand> {
+    let pixels: Vec<u32> = (rows.start * width..rows.end * width).collect();
+    let is_stopped = AtomicBool::new(false);
+    let stop = latched(stop, &is_stopped);
+    let mut radiance = vec![Vec3::ZERO; pixels.len()];
+    let chunks = pixels.par_chunks(CHUNK).zip(radiance.par_chunks_mut(CHUNK));
+    let traced = chunks.map(|(pixels, radiance)| {
+        let mut rays = RayCounts::default();
+        for (&pixel, radiance) in pixels.iter().zip(radiance) {
+            if stop() {
+                return rays;
+            }
+            *radiance = radiance_of(pixel, &mut rays);
+        }
+        report(pixels.len() as u64);
+        rays
+    });
+    let rays = traced.reduce(RayCounts::default, |mut a, b| {
+        a += b;
+        a
+    });
+    (!is_stopped.load(Ordering::Relaxed)).then_some(PanoramaBand { rows, radiance, rays })
 }

@@ -134,6 +134,11 @@ pub(crate) struct Flags {
     #[arg(long, global = true, value_name = "DEG")]
     #[arg(value_parser = number_in(afterimage::Camera::FOV_Y_DEGREES, " degrees"))]
     pub(crate) fov_y: Option<f64>,
+    /// Focal length of the lens before a film 36 mm wide, mm, in place of --fov-y: 24 is wide, 50
+    /// normal.
+    #[arg(long, global = true, value_name = "MM", conflicts_with = "fov_y")]
+    #[arg(value_parser = number_in(2.0..=1000.0, " mm"))]
+    pub(crate) lens: Option<f64>,
     /// Lean of the camera to the right, degrees, with `--eye`.
     #[arg(long, global = true, value_name = "DEG", allow_hyphen_values = true)]
     #[arg(value_parser = number_in(-180.0..=180.0, " degrees"), requires = "eye")]
@@ -206,6 +211,17 @@ impl Flags {
     /// Exposure in stops, if it is given or [`super::scene::Loaded::expose`] has set it; else 0.
     pub(crate) fn exposure_ev(&self) -> f32 {
         self.exposure.and_then(Exposure::stops).unwrap_or(0.0)
+    }
+
+    /// Vertical field of view in degrees, if it or a lens is given. A lens sees as wide as it does
+    /// on film, whatever the shape of the picture.
+    pub(crate) fn fov_y_deg(&self) -> Option<f64> {
+        /// Half the width of the film, mm.
+        const HALF_FILM: f64 = 18.0;
+        let [width, height] = self.size().map(f64::from);
+        let of_lens = |lens: f64| 2.0 * (HALF_FILM / lens * height / width).atan().to_degrees();
+        let range = afterimage::Camera::FOV_Y_DEGREES;
+        self.fov_y.or(self.lens.map(|lens| of_lens(lens).clamp(*range.start(), *range.end())))
     }
 
     /// Picture size in pixels.

@@ -39,6 +39,7 @@ mod show_flags;
 mod start;
 mod store;
 mod tour;
+mod tour_export;
 mod tour_show;
 mod walk;
 
@@ -79,6 +80,8 @@ enum Command {
     Tour(tour::TourArgs),
     /// Render the scene's camera path as a film (MP4), without another program.
     Film(film::FilmArgs),
+    /// Write the scene's views as panoramas into one HTML file, to walk through in a browser.
+    TourExport(tour_export::TourExportArgs),
     /// Fill a store with references of the whole scene, before anybody walks there.
     Bake(bake::BakeArgs),
     /// Run a named experiment.
@@ -112,6 +115,7 @@ impl Command {
             Self::Render(args) => args.scene.as_deref(),
             Self::Tour(args) => args.scene.as_deref(),
             Self::Film(args) => args.scene.as_deref(),
+            Self::TourExport(args) => args.scene.as_deref(),
             Self::Bake(args) => args.scene.as_deref(),
             Self::Measure(args) => args.scene.as_deref(),
             Self::Glare(args) => args.scene.as_deref(),
@@ -223,6 +227,7 @@ fn dispatch(cli: &Cli, layers: &Layers) -> Result<(), Failure> {
         (None, Some(Command::Render(args))) => render::run(args, flags),
         (None, Some(Command::Tour(args))) => tour::run(args, flags),
         (None, Some(Command::Film(args))) => film::run(args, flags),
+        (None, Some(Command::TourExport(args))) => tour_export::run(args, flags),
         (None, Some(Command::Bake(args))) => bake::run(args, flags),
         (None, Some(Command::Experiment(args))) => experiment::run(args, flags),
         (None, Some(Command::Inspect(args))) => inspect::run(args, flags),

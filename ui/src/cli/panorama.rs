@@ -1,14 +1,17 @@
-//! `render --projection equirectangular`: renders a panorama.
+//! `render --projection equirectangular|orthographic`: renders a panorama, plan or elevation.
 
 use super::flags::Flags;
 use super::pose::camera;
+use super::projection::{Projection, ProjectionArgs};
 use super::scene::{Loaded, load};
 use super::{failure::Failure, interrupt, output, progress::SharedProgress};
-use crate::picture::panorama::{LOOKED_UP_POINTS, PanoramaJob, PanoramaOutput};
-use afterimage::Mode;
+use crate::picture::memory;
+use crate::picture::panorama::{OtherProjection, PanoramaJob, PanoramaOutput, looked_up_points};
 use afterimage::raster::exposure::decimal;
 use afterimage::raster::save::Target;
+use afterimage::render::orthographic::fitting_width_m;
 use afterimage::render::panorama::{Panorama, PanoramaStats};
+use afterimage::{Camera, Mode};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -26,18 +29,15 @@ pub(super) struct PanoramaRun<'a> {
     pub(super) linear: Option<&'a PathBuf>,
     /// Rays through different points of each pixel, all traced in full.
     pub(super) antialias: Option<u32>,
+    /// Projection, and the width of an orthographic picture.
+    pub(super) projection: &'a ProjectionArgs,
 }
 
 impl PanoramaRun<'_> {
     /// Renders the panorama and writes its files.
     pub(super) fn run(&self, flags: &Flags) -> Result<(), Failure> {
-        let size = flags.given_size.unwrap_or(DEFAULT_SIZE);
-        Panorama::check(size).map_err(|error| Failure::Usage(error.to_string()))?;
-        if flags.mode == Mode::Paper {
-            let message =
-                "mode paper reprojects pinhole pictures, which a panorama is not; use exact, fast or full";
-            return Err(Failure::Usage(message.to_owned()));
-        }
+        let size = if self.is_panorama() { flags.given_size.unwrap_or(DEFAULT_SIZE) } else { flags.size() };
+        self.check(flags, size)?;
         let loaded = load(self.scene, flags)?;
         let flags = &Flags { given_size: Some(size), ..loaded.expose(flags)? };
         let job = self.job(flags, &loaded)?;
@@ -50,11 +50,48 @@ impl PanoramaRun<'_> {
         if stats.is_complete { loaded.verdict(flags) } else { Err(Failure::Interrupted) }
     }
 
+    fn is_panorama(&self) -> bool {
+        self.projection.projection == Projection::Equirectangular
+    }
+
+    /// Checks size and mode before the scene is loaded.
+    fn check(&self, flags: &Flags, size: [u32; 2]) -> Result<(), Failure> {
+        if flags.mode == Mode::Paper {
+            let message =
+                "mode paper reprojects pinhole pictures, which this is not; use exact, fast or full";
+            return Err(Failure::Usage(message.to_owned()));
+        }
+        if self.is_panorama() {
+            let is_fit = self.projection.width.is_none();
+            let message = || Failure::Usage("--width is for --projection orthographic".to_owned());
+            is_fit.then_some(()).ok_or_else(message)?;
+            return Panorama::check(size).map_err(|error| Failure::Usage(error.to_string()));
+        }
+        Ok(memory::check_banded(size.map(u64::from).iter().product())?)
+    }
+
+    /// The projection, and the camera: one that looks straight down or up has the model's -Z at the
+    /// top of a plan.
+    fn projected(&self, flags: &Flags, loaded: &Loaded) -> Result<(OtherProjection, Camera), Failure> {
+        let camera = camera(flags, loaded.scene())?;
+        if self.is_panorama() {
+            return Ok((OtherProjection::Equirectangular, camera));
+        }
+        let is_plan = camera.pitch.cos() < 1e-6 && flags.look_at.is_some();
+        let camera = if is_plan { Camera { yaw: 0.0, ..camera } } else { camera };
+        let bounds = || fitting_width_m(&camera, flags.size(), loaded.scene().building_m);
+        let width_m = self.projection.width.unwrap_or_else(bounds);
+        Ok((OtherProjection::Orthographic { width_m }, camera))
+    }
+
     fn job(&self, flags: &Flags, loaded: &Loaded) -> Result<PanoramaJob, Failure> {
-        let default = if flags.mode == Mode::Full { 1 } else { LOOKED_UP_POINTS };
+        let (projection, camera) = self.projected(flags, loaded)?;
+        let is_traced = flags.mode == Mode::Full || !self.is_panorama();
+        let default = if is_traced { 1 } else { looked_up_points(flags.size()) };
         Ok(PanoramaJob {
+            projection,
             scene_name: loaded.name.clone(),
-            camera: camera(flags, loaded.scene())?,
+            camera,
             size: flags.size(),
             settings: flags.render(),
             points: self.antialias.unwrap_or(default),
@@ -76,7 +113,7 @@ impl PanoramaRun<'_> {
     fn object(&self, flags: &Flags, loaded: &Loaded, job: &PanoramaJob, stats: &PanoramaStats) -> Value {
         json!({
             "scene": loaded.name,
-            "projection": "equirectangular",
+            "projection": if self.is_panorama() { "equirectangular" } else { "orthographic" },
             "mode": flags.mode.name(),
             "size": flags.size(),
             "samples": flags.trace().samples,
@@ -101,7 +138,7 @@ impl PanoramaRun<'_> {
     fn table(&self, job: &PanoramaJob, stats: &PanoramaStats) -> String {
         let [w, h] = job.size;
         output::table(&[
-            ("panorama", format!("{}, {w}x{h}", self.output.display())),
+            ("picture", format!("{}, {w}x{h}", self.output.display())),
             ("references", format!("{:.1} s", stats.reference_secs)),
             ("time", format!("{:.1} s", stats.secs)),
             ("rays", format!("{}", stats.rays.total())),

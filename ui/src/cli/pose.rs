@@ -20,7 +20,7 @@ pub(crate) fn check(flags: &Flags) -> Result<(), Failure> {
 
 /// The camera at the pose given by `--eye` and `--look-at`, if both are given.
 pub(crate) fn given(flags: &Flags) -> Option<Camera> {
-    let degrees = flags.fov_y.unwrap_or(DEFAULT_FOV_Y);
+    let degrees = flags.fov_y_deg().unwrap_or(DEFAULT_FOV_Y);
     let roll = flags.roll.unwrap_or(0.0).to_radians();
     Some(Camera { roll, ..Camera::look_at(flags.eye?, flags.look_at?, degrees) })
 }
@@ -28,7 +28,7 @@ pub(crate) fn given(flags: &Flags) -> Option<Camera> {
 /// The camera at the pose or view given by the flags, or at the scene's first view. The flags must
 /// have passed [`check`].
 pub(crate) fn camera(flags: &Flags, scene: &Scene) -> Result<Camera, Failure> {
-    let degrees = |found: &Camera| flags.fov_y.unwrap_or(found.fov_y.to_degrees());
+    let degrees = |found: &Camera| flags.fov_y_deg().unwrap_or(found.fov_y.to_degrees());
     let with_fov = |found: &Camera| Camera { fov_y: degrees(found).to_radians(), ..*found };
     match (given(flags), &flags.view) {
         (Some(camera), _) => Ok(camera),

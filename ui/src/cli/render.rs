@@ -106,8 +106,11 @@ fn aov_parser() -> impl TypedValueParser<Value = Aov> {
 pub(crate) fn run(args: &RenderArgs, flags: &Flags) -> Result<(), Failure> {
     let is_full = args.antialias.is_some() || args.no_background;
     let flags = &Flags { mode: if is_full { Mode::Full } else { flags.mode }, ..flags.clone() };
-    if args.projection.projection == Projection::Equirectangular {
+    if args.projection.projection != Projection::Perspective {
         return run_panorama(args, flags);
+    }
+    if args.projection.width.is_some() {
+        return Err(Failure::Usage("--width is for --projection orthographic".to_owned()));
     }
     check(args, flags)?;
     let loaded = load(args.scene.as_deref(), flags)?;
@@ -161,7 +164,14 @@ fn run_panorama(args: &RenderArgs, flags: &Flags) -> Result<(), Failure> {
     check_folders(args)?;
     check_shown(args)?;
     let (scene, antialias) = (args.scene.as_deref(), args.antialias);
-    PanoramaRun { scene, output: &args.output, linear: args.linear.as_ref(), antialias }.run(flags)
+    PanoramaRun {
+        scene,
+        output: &args.output,
+        linear: args.linear.as_ref(),
+        antialias,
+        projection: &args.projection,
+    }
+    .run(flags)
 }
 
 /// Renders for a time.

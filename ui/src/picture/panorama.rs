@@ -1,4 +1,4 @@
-//! Renders a panorama and writes its files.
+//! Renders panoramas and orthographic pictures, which are no pinhole views, and writes their files.
 
 use super::metadata::{PictureOrigin, metadata};
 use afterimage::raster::color::ToneMap;
@@ -7,17 +7,35 @@ use afterimage::raster::stream::{Contents, PictureFile, Rows};
 use afterimage::render::RefineState;
 use afterimage::render::aov::display_rows;
 use afterimage::render::bands::Background;
+use afterimage::render::orthographic::OrthographicPicture;
 use afterimage::render::panorama::{Panorama, PanoramaBand, PanoramaStats};
 use afterimage::trace::parallel::Stop;
 use afterimage::{Camera, RenderSettings, Tracer};
 use std::{path::PathBuf, sync::Arc};
 
-/// Points of each pixel where light is looked up: edges are shown in four steps.
-pub const LOOKED_UP_POINTS: u32 = 4;
+/// Points of each pixel of a panorama where light is looked up: up to four, so that edges are
+/// smooth, and fewer in large ones, of which a screen shows several pixels as one.
+pub fn looked_up_points([width, _]: [u32; 2]) -> u32 {
+    (8192 / width.max(1)).clamp(1, 4)
+}
 
-/// A panorama to render, from an eye and with settings.
+/// How directions or places become points of a picture, other than by a pinhole.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum OtherProjection {
+    /// All directions around the eye: columns are longitudes, rows are latitudes.
+    Equirectangular,
+    /// Parallel rays, of which the picture shows this width in metres. All are traced in full.
+    Orthographic {
+        /// Width of what the picture shows, metres.
+        width_m: f64,
+    },
+}
+
+/// A panorama or an orthographic picture to render, from an eye and with settings.
 #[derive(Clone, Debug)]
 pub struct PanoramaJob {
+    /// How the picture is projected.
+    pub projection: OtherProjection,
     /// Name of the scene as given by the user.
     pub scene_name: String,
     /// The eye, and the heading of the middle of the picture.
@@ -93,12 +111,21 @@ impl PanoramaJob {
         let notes = self.notes(tracer);
         let begin = |output: &PanoramaOutput| self.begin(output, &notes);
         let mut files = outputs.iter().map(begin).collect::<Result<Vec<_>, _>>()?;
-        let stats = self.panorama(tracer).render(stop, progress, &mut |band: PanoramaBand| {
+        let mut write = |band: PanoramaBand| {
             for (output, file) in outputs.iter().zip(&mut files) {
                 file.write(self.rows(output, &band))?;
             }
             Ok::<(), SaveError>(())
-        })?;
+        };
+        let stats = match self.projection {
+            OtherProjection::Equirectangular => self.panorama(tracer).render(stop, progress, &mut write),
+            OtherProjection::Orthographic { width_m } => {
+                let Self { camera, size, settings, points, .. } = self;
+                let (size, trace, points) = (*size, &settings.trace, *points);
+                OrthographicPicture { tracer, camera, size, width_m, trace, points }
+                    .render(stop, progress, &mut write)
+            }
+        }?;
         Ok((files, stats))
     }
 
@@ -118,8 +145,9 @@ impl PanoramaJob {
             let channels = ["R", "G", "B"].map(|name| (name.to_owned(), false)).into();
             return PictureFile::begin(target, Contents::Exr(channels), self.size, notes);
         }
-        let xmp = ("XML:com.adobe.xmp", photo_sphere(self.size));
-        let notes: Vec<_> = notes.iter().cloned().chain([xmp]).collect();
+        let is_panorama = self.projection == OtherProjection::Equirectangular;
+        let xmp = is_panorama.then(|| ("XML:com.adobe.xmp", photo_sphere(self.size)));
+        let notes: Vec<_> = notes.iter().cloned().chain(xmp).collect();
         PictureFile::begin(target, Contents::Png, self.size, &notes)
     }
 
@@ -147,7 +175,12 @@ impl PanoramaJob {
         });
         notes.retain(|(name, _)| *name != "Refined");
         if let Some((_, settings)) = notes.iter_mut().find(|(name, _)| *name == "Settings") {
-            *settings += " --projection equirectangular";
+            *settings += &match self.projection {
+                OtherProjection::Equirectangular => " --projection equirectangular".to_owned(),
+                OtherProjection::Orthographic { width_m } => {
+                    format!(" --projection orthographic --width {width_m}")
+                }
+            };
         }
         notes
     }

@@ -6,6 +6,7 @@ mod film;
 mod inspect;
 mod log;
 mod measure;
+mod panorama;
 mod readme;
 mod runs;
 mod schema;

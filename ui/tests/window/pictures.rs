@@ -93,6 +93,26 @@ fn a_picture_from_references_reuses_them() {
 }
 
 #[test]
+fn a_panorama_is_saved_from_the_picture_settings() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut harness = saving(folder.path(), PictureSettings { panorama_width: 64, ..small() });
+    harness.get_by_role_and_label(egui::Role::Button, "File").click_accesskit();
+    harness.run_steps(3);
+    harness.get_by_label_contains("Picture settings").click_accesskit();
+    harness.run_steps(5);
+    harness.get_by_label("Save panorama").click_accesskit();
+    assert_eq!(notice(&mut harness).0, Severity::Info, "{}", notice(&mut harness).1);
+    let path = folder.path().join("afterimage-room-panorama-0001.png");
+    let picture = image::open(&path).expect("a panorama");
+    assert_eq!([picture.width(), picture.height()], [64, 32]);
+    let notes = read_notes(&path).expect("notes");
+    assert!(notes.iter().any(|(name, text)| name == "XML:com.adobe.xmp" && text.contains("equirectangular")));
+    settle(&mut harness);
+    // Its time is the guess for the next one.
+    assert!(harness.state().state().picture.secs_per_panorama_pixel.is_some());
+}
+
+#[test]
 fn ctrl_f12_leaves_the_sky_out() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut harness = saving(folder.path(), small());

@@ -10,6 +10,7 @@ mod inspect;
 mod material_copy;
 mod navigation;
 mod open_scene;
+mod panorama;
 mod parts;
 mod persistence;
 mod picture_note;
@@ -39,6 +40,7 @@ use open_scene::{
     answer_outside, cancel_loading, handle_answer, hold_close, is_shown, open, open_model, open_new,
     open_path, open_session, poll_loading, poll_watch, reload, session_saved,
 };
+use panorama::panorama_job;
 use parts::Parts;
 use persistence::{
     autosave, end_autosave, forget_recent, is_own_recovery, poll_saving, read_state_folder, remember_model,

@@ -1,10 +1,10 @@
 //! Commands about saved pictures and picture sequences.
 
-use super::{Parts, Services, SessionFile};
+use super::{Parts, Services, SessionFile, panorama_job};
 use crate::picture::film::{Film, FilmFormat, FilmHeatmap, rays_of};
 use crate::picture::sequence::Sequence;
 use crate::picture::{LONGEST_SIDE, PictureJob, Shows};
-use crate::window::export::{Exported, save_film, save_picture, save_sequence, spawn_export};
+use crate::window::export::{Exported, save_film, save_panorama, save_picture, save_sequence, spawn_export};
 use crate::window::input::playback::film_frames;
 use crate::window::rendering::{Picture, RenderCommand, SeenSection, TaskError, TaskHandle, take_result};
 use crate::window::state::{AppState, PictureCommand, PictureFormat, PictureSize};
@@ -28,6 +28,7 @@ pub(super) fn handle_picture(app: &mut Parts, command: PictureCommand) {
         PictureCommand::SaveWithoutBackground => save(app, Some(Background::LeftOut)),
         PictureCommand::SaveSequence => sequence(app),
         PictureCommand::SaveFilm => film(app),
+        PictureCommand::SavePanorama => panorama(app),
         PictureCommand::ShowDialog(is_open) => return picture.is_open = is_open,
         PictureCommand::Set(settings) => return picture.settings = settings,
         PictureCommand::SetFolderText(text) => {
@@ -160,6 +161,17 @@ fn film(app: &mut Parts) -> anyhow::Result<()> {
     let rays = film.rays_in_all();
     start(app, 0.0, move |tracer, task| save_film(&film, tracer, &destination, task))?;
     app.state.picture.running_film = Some(rays);
+    Ok(())
+}
+
+/// Saves the panorama around the current pose.
+fn panorama(app: &mut Parts) -> anyhow::Result<()> {
+    let job = panorama_job(&app.state)?;
+    let destination = app.services.destination(&app.state);
+    let pixels = job.size.map(f64::from).iter().product();
+    // Its samples are reused: they say nothing about the time of traced ones.
+    start(app, 0.0, move |tracer, task| save_panorama(&job, tracer, &destination, task))?;
+    app.state.picture.panorama_pixels = Some(pixels);
     Ok(())
 }
 

@@ -16,6 +16,7 @@ pub mod notices;
 pub mod numbers;
 pub mod object;
 pub mod overlay;
+mod panorama;
 pub mod path;
 pub mod picture;
 pub mod plan;

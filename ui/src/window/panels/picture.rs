@@ -5,8 +5,9 @@ use super::super::state::{
     PictureSize, Purpose,
 };
 use super::numbers::Number;
+use super::panorama;
 use super::regions::{self, Region};
-use super::widgets::{choice, key_hint};
+use super::widgets::{about, choice, key_hint};
 use crate::picture::LONGEST_SIDE;
 use crate::picture::film::rays_of;
 use crate::window::input::keymap::Action;
@@ -41,6 +42,7 @@ pub fn show(ctx: &egui::Context, state: &AppState, commands: &mut Vec<Command>) 
                 file_rows(ui, state, &mut settings, commands);
             });
             film_rows(ui, state, &mut settings);
+            panorama::rows(ui, state, &mut settings, commands);
             if settings != state.picture.settings {
                 commands.push(Command::Picture(PictureCommand::Set(settings)));
             }
@@ -149,16 +151,6 @@ fn picture_samples(state: &AppState, settings: &PictureSettings) -> f64 {
 fn time_text(state: &AppState, samples: f64) -> String {
     let secs = state.picture.expected_secs(samples);
     secs.map_or("measured with the first picture".to_owned(), about)
-}
-
-/// A time in words, such as `about 12 s` or `about 3 min`.
-fn about(secs: f64) -> String {
-    match secs {
-        s if s < 1.0 => "less than 1 s".to_owned(),
-        s if s < 90.0 => format!("about {s:.0} s"),
-        s if s < 5400.0 => format!("about {:.0} min", s / 60.0),
-        s => format!("about {:.1} h", s / 3600.0),
-    }
 }
 
 /// Shows the settings of films, and how long one will take.

@@ -130,3 +130,13 @@ pub fn swatch(ui: &mut Ui, number: usize) {
         }
     }
 }
+
+/// A time in words, such as `about 12 s` or `about 3 min`.
+pub fn about(secs: f64) -> String {
+    match secs {
+        s if s < 1.0 => "less than 1 s".to_owned(),
+        s if s < 90.0 => format!("about {s:.0} s"),
+        s if s < 5400.0 => format!("about {:.0} min", s / 60.0),
+        s => format!("about {:.1} h", s / 3600.0),
+    }
+}

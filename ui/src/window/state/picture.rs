@@ -55,6 +55,8 @@ pub struct PictureSettings {
     pub film_rate: u32,
     /// Rays and coding of films.
     pub film_quality: FilmQuality,
+    /// Width of a panorama in pixels; it is half as high.
+    pub panorama_width: u32,
 }
 
 /// How well a picture is traced: a number of rays per pixel.
@@ -98,6 +100,7 @@ impl Default for PictureSettings {
             film_background: Background::Shown,
             film_rate: crate::picture::sequence::FRAMES_PER_SEC,
             film_quality: FilmQuality::Good,
+            panorama_width: 4096,
         }
     }
 }
@@ -123,6 +126,10 @@ pub struct PictureState {
     pub running_film: Option<f64>,
     /// Seconds that a ray of a film takes, coding included, as last measured.
     pub secs_per_film_ray: Option<f64>,
+    /// Pixels of the panorama that is being saved.
+    pub panorama_pixels: Option<f64>,
+    /// Seconds that a pixel of a panorama takes, as last measured; `None` before that.
+    pub secs_per_panorama_pixel: Option<f64>,
 }
 
 /// Pixels that a frame must have traced for its time to count.
@@ -139,11 +146,15 @@ impl PictureState {
 
     /// Notes that the running export has ended; `is_whole` where it made everything.
     pub fn end_export(&mut self, is_whole: bool) {
-        let (running, film) = (self.running.take(), self.running_film.take());
-        let Some((begun, samples)) = running else { return };
-        if is_whole && let Some(rays) = film {
-            self.secs_per_film_ray = Some(begun.elapsed().as_secs_f64() / rays.max(1.0));
-        } else if is_whole && samples >= MIN_TIMED_PIXELS as f64 {
+        let (running, film, panorama) =
+            (self.running.take(), self.running_film.take(), self.panorama_pixels.take());
+        let Some((begun, samples)) = running.filter(|_| is_whole) else { return };
+        let secs = begun.elapsed().as_secs_f64();
+        if let Some(rays) = film {
+            self.secs_per_film_ray = Some(secs / rays.max(1.0));
+        } else if let Some(pixels) = panorama {
+            self.secs_per_panorama_pixel = Some(secs / pixels);
+        } else if samples >= MIN_TIMED_PIXELS as f64 {
             self.secs_per_sample = Some(begun.elapsed().as_secs_f64() / samples);
         }
     }
@@ -171,6 +182,7 @@ pub enum PictureCommand {
     SaveWithoutBackground,
     SaveSequence,
     SaveFilm,
+    SavePanorama,
     ShowDialog(bool),
     Set(PictureSettings),
     SetFolderText(String),
