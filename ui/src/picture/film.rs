@@ -143,7 +143,7 @@ impl Film {
         if self.format == FilmFormat::Mp4 {
             self.coding().check()?;
         }
-        memory::check(self.rendered_size().map(u64::from).iter().product(), 1)?;
+        memory::check(self.rendered_size().map(u64::from).iter().product(), 1).map_err(FilmTooLarge)?;
         Ok(())
     }
 
@@ -417,7 +417,19 @@ impl Frames<'_> {
     }
 }
 
-/// True where no film of this size can be encoded: the error is one of size, not of the disk.
+/// A frame with all its rays is larger than the limits allow.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FilmTooLarge(pub memory::TooLarge);
+
+impl std::error::Error for FilmTooLarge {}
+
+impl std::fmt::Display for FilmTooLarge {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}, or use fewer rays for each pixel (--antialias)", self.0)
+    }
+}
+
+/// True where no film of this size can be made: the error is one of size, not of the disk.
 pub fn is_size_error(error: &anyhow::Error) -> bool {
-    error.is::<FilmSizeError>() || error.is::<memory::TooLarge>()
+    error.is::<FilmSizeError>() || error.is::<FilmTooLarge>()
 }
