@@ -2,13 +2,15 @@
 //! same time. Numbered pictures can be kept beside it; those that are there already are not
 //! rendered again.
 
+pub use super::film_writer::FilmFormat;
+
+use super::film_writer::FilmWriter;
 use super::numbered::{description, open, picture_path, read, text_of};
 use super::{PictureJob, memory};
 use afterimage::experiment::run::ExperimentError;
 use afterimage::experiment::tour::{TourEvent, TourSettings, cameras, fly};
-use afterimage::raster::animation::AnimationFile;
-use afterimage::raster::film::{FilmFile, FilmQuality, FilmSettings, FilmSizeError, FinishedFilm};
-use afterimage::raster::save::{SaveError, Target, save_png};
+use afterimage::raster::film::{FilmQuality, FilmSettings, FilmSizeError};
+use afterimage::raster::save::{Target, save_png};
 use afterimage::raster::stream::COMPLETE;
 use afterimage::render::aov::{display_rows, types_rows};
 use afterimage::{Camera, Frame, Tracer, WalkthroughSettings, camera::CameraPath};
@@ -51,16 +53,6 @@ pub struct Film {
     pub pictures: Option<PathBuf>,
     /// The store that references are read from and written to.
     pub store: Option<StoreSettings>,
-}
-
-/// Format of a film.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum FilmFormat {
-    /// AV1 in MP4.
-    #[default]
-    Mp4,
-    /// An animated picture, for pages that show no films.
-    Gif,
 }
 
 /// How the types of pixels are shown in a film.
@@ -143,7 +135,7 @@ impl Film {
         if self.format == FilmFormat::Mp4 {
             self.coding().check()?;
         }
-        memory::check(self.rendered_size().map(u64::from).iter().product(), 1)?;
+        memory::check(self.rendered_size().map(u64::from).iter().product(), 1).map_err(FilmTooLarge)?;
         Ok(())
     }
 
@@ -166,7 +158,7 @@ impl Film {
         if let Some(folder) = &self.pictures {
             open(folder, &self.description(tracer))?;
         }
-        let file = FilmWriter::begin(self, target)?;
+        let file = FilmWriter::begin(self.format, self.coding(), target)?;
         let mut frames = Frames { film: self, tracer, file, written: 0, found: 0 };
         let outcome = frames.fly(&cameras, stop, observe);
         let (found, written) = (frames.found, frames.written);
@@ -292,41 +284,6 @@ fn averaged(rays: &[Vec3], width: usize, side: usize) -> Vec<Vec3> {
     rays.chunks_exact(row * side).flat_map(|lines| (0..width).map(move |x| pixel(lines, x))).collect()
 }
 
-/// The file of a film, in one of the formats.
-enum FilmWriter {
-    Mp4(FilmFile),
-    /// And the number of its frames.
-    Gif(AnimationFile, u32),
-}
-
-impl FilmWriter {
-    fn begin(film: &Film, target: Target) -> Result<Self, SaveError> {
-        Ok(match film.format {
-            FilmFormat::Mp4 => Self::Mp4(FilmFile::begin(target, film.coding())?),
-            FilmFormat::Gif => Self::Gif(AnimationFile::begin(target, film.size(), film.rate)?, 0),
-        })
-    }
-
-    fn write(&mut self, picture: &[[u8; 3]]) -> Result<(), SaveError> {
-        match self {
-            Self::Mp4(file) => file.write(picture),
-            Self::Gif(file, frames) => file.write(picture).map(|()| *frames += 1),
-        }
-    }
-
-    /// Finishes the film; `None` without frames, and then no file is left.
-    fn finish(self) -> Result<Option<FinishedFilm>, SaveError> {
-        match self {
-            Self::Mp4(file) => file.finish(),
-            Self::Gif(_, 0) => Ok(None),
-            Self::Gif(file, frames) => {
-                let (path, bytes) = file.finish()?;
-                Ok(Some(FinishedFilm { path, frames, bytes, problem: None }))
-            }
-        }
-    }
-}
-
 /// A film of which some frames are written.
 struct Frames<'a> {
     film: &'a Film,
@@ -417,7 +374,19 @@ impl Frames<'_> {
     }
 }
 
-/// True where no film of this size can be encoded: the error is one of size, not of the disk.
+/// A frame with all its rays is larger than the limits allow.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FilmTooLarge(pub memory::TooLarge);
+
+impl std::error::Error for FilmTooLarge {}
+
+impl std::fmt::Display for FilmTooLarge {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}, or use fewer rays for each pixel (--antialias)", self.0)
+    }
+}
+
+/// True where no film of this size can be made: the error is one of size, not of the disk.
 pub fn is_size_error(error: &anyhow::Error) -> bool {
-    error.is::<FilmSizeError>() || error.is::<memory::TooLarge>()
+    error.is::<FilmSizeError>() || error.is::<FilmTooLarge>()
 }

@@ -2,6 +2,7 @@
 //! the window share this module, so that both write the same bits.
 
 pub mod film;
+mod film_writer;
 mod job;
 pub(crate) mod memory;
 mod metadata;

@@ -102,6 +102,7 @@ fn bad_input_ends_in_one_line_and_without_a_file() {
         ("--size 65x48 -o a.mp4", 2, "64x48 is"),
         ("--size 8x8 -o a.mp4", 2, "16x16 is"),
         ("--size 16000x16000 -o a.mp4", 2, "8704x8704 is"),
+        ("--size 8000x4000 -o a.mp4", 2, "or use fewer rays"),
         ("-o a.avi", 2, "must end in .mp4 or .gif"),
         ("-o a.mp4 --antialias 3", 2, "1, 4, 9 or 16"),
         ("-o a.mp4 --fps 0", 2, "--fps"),
