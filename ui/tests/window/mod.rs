@@ -14,6 +14,7 @@ mod editing;
 mod idle;
 mod inspect;
 mod keys;
+mod lighting;
 mod measured;
 mod moving;
 mod navigation;

@@ -7,6 +7,7 @@ mod choose_file;
 mod comparison;
 mod current_scene;
 mod inspect;
+mod lighting;
 mod navigation;
 mod open_scene;
 mod parts;
@@ -16,6 +17,7 @@ mod picture_view;
 mod pictures;
 mod poll;
 mod render_request;
+mod save_shown;
 mod scene_edits;
 mod services;
 mod session;
@@ -31,6 +33,7 @@ use choose_file::{handle_list, poll_files, set_path_text};
 use comparison::{overlay, update_comparison};
 use current_scene::{Arrival, CurrentScene, PictureNote};
 use inspect::{handle_inspect, show_reference, update_outline, update_plan, update_thumbnails};
+use lighting::{handle_lighting, poll_lighting, rendered_quantity};
 use navigation::{go_to, handle_navigation};
 use open_scene::{
     cancel_loading, handle_answer, hold_close, is_shown, open, open_model, open_new, open_path, open_session,
@@ -45,6 +48,7 @@ use picture_view::go_to_picture;
 use pictures::{handle_picture, poll_export, save_from_references};
 use poll::poll;
 use render_request::{current_work, note_frame, send_request};
+use save_shown::save_shown;
 use scene_edits::{
     begin_document, change, handle_edit, is_sky, open_sky, poll_edit, rebuild, show_sky_picture,
 };

@@ -3,15 +3,15 @@
 
 use super::{
     AppEvent, Parts, Services, cancel_loading, forget_recent, go_to, handle_answer, handle_edit,
-    handle_inspect, handle_list, handle_navigation, handle_picture, open_new, open_path, open_session,
-    reload, save_session, set_path_text, toggle_bake,
+    handle_inspect, handle_lighting, handle_list, handle_navigation, handle_picture, open_new, open_path,
+    open_session, reload, save_session, set_path_text, toggle_bake,
 };
 use crate::picture::pose_text::pose_flags;
 use crate::settings::{self, Theme};
 use crate::window::input::ViewChange;
 use crate::window::input::keymap::{Action, keys_of};
-use crate::window::rendering::{RenderCommand, TaskError};
-use crate::window::state::{AppState, Appearance, Command, Compare, FileCommand};
+use crate::window::rendering::{Quantity, RenderCommand, TaskError};
+use crate::window::state::{AppState, Appearance, Command, Compare, FileCommand, Options};
 use afterimage::raster::exposure::Exposure;
 use egui::ViewportCommand;
 use std::path::PathBuf;
@@ -38,6 +38,7 @@ pub(super) fn apply(app: &mut Parts, command: Command) {
             services.render.send(RenderCommand::AddReference(*fly.camera()));
         }
         Command::Bake => toggle_bake(app),
+        Command::Lighting(command) => handle_lighting(app, command),
         Command::Remove(id) => {
             services.render.send(RenderCommand::Remove(id));
         }
@@ -57,10 +58,7 @@ pub(super) fn apply(app: &mut Parts, command: Command) {
         Command::CopyText(text) => services.ctx.copy_text(text),
         Command::SetPathText(text) => set_path_text(state, services, text),
         Command::SetQuality(quality) => state.quality = quality,
-        Command::SetOptions(options) => {
-            state.options = options;
-            fly.set_view_change(options.view_change);
-        }
+        Command::SetOptions(options) => set_options(state, options),
         Command::SetSpeed(speed) => fly.set_speed(speed),
         Command::SetFovDegrees(degrees) => fly.set_fov_degrees(degrees),
         Command::ChangeFov(steps) => fly.change_fov(steps),
@@ -71,11 +69,29 @@ pub(super) fn apply(app: &mut Parts, command: Command) {
         Command::AskToClear => state.dialogs.asks_to_clear = true,
         Command::KeepReferences => state.dialogs.asks_to_clear = false,
         Command::ShowSettings(is_shown) => state.dialogs.shows_settings = is_shown,
-        Command::Compare(shows, split) => (state.comparison.shows, state.comparison.split) = (shows, split),
+        Command::Compare(shows, split) => compare(state, shows, split),
         Command::Dismiss(id) => state.notices.retain(|n| n.id != id),
     }
     // The window shows the change, even if no event follows.
     app.services.ctx.request_repaint();
+}
+
+/// Changes the switches of the window. The full tracer makes pictures: nothing else is compared
+/// with it.
+fn set_options(state: &mut AppState, options: Options) {
+    if options.quantity != Quantity::Picture {
+        state.comparison.shows = Compare::Off;
+    }
+    state.options = options;
+    state.navigation.fly.set_view_change(options.view_change);
+}
+
+/// Shows or hides the comparison, which is one of pictures.
+fn compare(state: &mut AppState, shows: Compare, split: f32) {
+    (state.comparison.shows, state.comparison.split) = (shows, split);
+    if shows != Compare::Off {
+        state.options.quantity = Quantity::Picture;
+    }
 }
 
 /// Sets the exposure that suits the view, where it stays.

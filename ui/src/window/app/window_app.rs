@@ -94,6 +94,8 @@ impl App {
             watch: None,
             own_writes: OwnWrites::default(),
             light: None,
+            overcast: None,
+            plane: None,
             tasks: Vec::new(),
             ended: Arc::default(),
         };

@@ -4,6 +4,7 @@ use super::object_keys::object_command;
 use super::{Input, MoveMode, Obstacles, probe_at};
 use crate::window::input::aim;
 use crate::window::input::keymap::{Action, Attention, Pressed};
+use crate::window::rendering::Quantity;
 use crate::window::state::{
     AppState, Command, Compare, EditCommand, FileCommand, InspectCommand, ListCommand, NavigationCommand,
     Options, PictureCommand, Purpose,
@@ -138,6 +139,11 @@ fn switched(o: Options, action: Action) -> Option<Options> {
             },
             ..o
         },
+        Action::ShowPicture => Options { quantity: Quantity::Picture, ..o },
+        Action::ShowIlluminance => Options { quantity: Quantity::Illuminance, ..o },
+        Action::ShowLuminance => Options { quantity: Quantity::Luminance, ..o },
+        Action::ShowDaylightFactor => Options { quantity: Quantity::DaylightFactor, ..o },
+        Action::ShowClay => Options { quantity: Quantity::Clay, ..o },
         Action::ToggleByReference => {
             let coloring = match o.coloring {
                 Coloring::ByType => Coloring::ByReference,

@@ -7,6 +7,8 @@ pub mod file_list;
 pub mod help;
 pub mod inspector;
 pub mod legend;
+pub mod light_legend;
+pub mod lighting;
 pub mod lights;
 pub mod material;
 pub mod menu;

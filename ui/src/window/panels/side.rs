@@ -1,7 +1,7 @@
 //! The side panel: tabs in the order of a visit, each with its sections.
 
 use super::{
-    comparison, daylight, inspector, legend, lights, material, object, path, plan, plots, quality,
+    comparison, daylight, inspector, legend, lighting, lights, material, object, path, plan, plots, quality,
     references, scene, views,
 };
 use crate::settings::Tab;
@@ -67,6 +67,7 @@ fn scene_tab(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
 fn look_tab(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     section(ui, "Exposure", true, |ui| quality::show_look(ui, state, commands));
     section(ui, "Sun and sky", true, |ui| daylight::show(ui, state, commands));
+    section(ui, "Lighting analysis", true, |ui| lighting::show(ui, state, commands));
     section(ui, "Lights", false, |ui| lights::show(ui, state, commands));
 }
 

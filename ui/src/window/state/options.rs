@@ -2,6 +2,7 @@
 
 use super::{Coloring, Heatmap};
 use crate::window::input::ViewChange;
+use crate::window::rendering::Quantity;
 
 /// Figures over the viewport.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -36,6 +37,10 @@ pub struct Options {
     pub coloring: Coloring,
     /// Regions of Type 3 have an outline.
     pub has_outline: bool,
+    /// What the viewport shows.
+    pub quantity: Quantity,
+    /// Lines of equal value are drawn over quantities in false colour.
+    pub has_isolines: bool,
     /// The menu and the side panel are shown.
     pub shows_panels: bool,
     /// Figures that are shown over the viewport.
@@ -54,6 +59,8 @@ impl Default for Options {
             heatmap: Heatmap::Off,
             coloring: Coloring::ByType,
             has_outline: false,
+            quantity: Quantity::Picture,
+            has_isolines: false,
             shows_panels: true,
             statistics: Statistics::Short,
             shows_help: false,

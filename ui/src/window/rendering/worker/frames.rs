@@ -16,6 +16,8 @@ impl Worker {
             walk.set_settings(request.settings);
             self.schedule.forget_failures();
         }
+        self.quantity = request.quantity;
+        walk.show_light(request.quantity.shows_light());
         walk.set_previews(!request.is_moving);
         if request.is_compared {
             walk.drop_refinement();
@@ -58,14 +60,15 @@ impl Worker {
         generation: u64,
         work: impl FnOnce(&mut Walkthrough) -> StepOutcome + Send,
     ) -> Option<StepOutcome> {
-        let (walk, added, pool) = (self.walk.as_mut()?, &self.added, &self.pool);
+        let (walk, added, pool, quantity) = (self.walk.as_mut()?, &self.added, &self.pool, self.quantity);
         let mut published = self.shared.exchange.spare();
         published.begun = Instant::now();
         let done = catch_unwind(AssertUnwindSafe(|| {
             pool.install(|| {
                 let done = work(walk);
                 if done.is_shown {
-                    published.fill(walk.frame(), &walk.tracer().scene().frame, walk.used(), generation);
+                    let shown = (walk.frame(), &**walk.tracer().scene());
+                    published.fill(shown, quantity, walk.used(), generation);
                     published.list(walk.cache(), walk.used(), added);
                     published.is_refinement = done.is_refinement;
                 }
