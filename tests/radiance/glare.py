@@ -52,8 +52,9 @@ def theirs(folder, tools, eye, target):
     turned = [eye[0], -eye[2], eye[1]]
     way = [target[0] - eye[0], -(target[2] - eye[2]), target[1] - eye[1]]
     view = ["-vta", "-vv", 180, "-vh", 180, "-vp", *turned, "-vd", *way, "-vu", 0, 0, 1]
-    quality = ["-ab", 5, "-ad", 512, "-as", 0, "-aa", 0.15, "-ar", 64, "-lw", 1e-4]
-    picture = run([tools / "rpict", *view, "-x", 400, "-y", 400, "-ps", 1, *quality, "scene.oct"], **options)
+    # Without ambient interpolation: the ground is so wide that its cells would leak through walls.
+    quality = ["-ab", 5, "-ad", 64, "-as", 0, "-aa", 0, "-lw", 2e-3, "-lr", -8]
+    picture = run([tools / "rpict", *view, "-x", 300, "-y", 300, "-ps", 1, *quality, "scene.oct"], **options)
     (folder / "view.hdr").write_bytes(picture)
     # The units of the models: luminance for a radiance of one.
     scaled = run([tools / "pcomb", "-s", LUX_PER_UNIT / LUMENS_PER_WATT, "view.hdr"], **options)
