@@ -3,9 +3,10 @@
 use crate::rooms::{cuboid, dvec};
 use afterimage::raster::color::luminance;
 use afterimage::render::lighting::{
-    Fisheye, LightMeter, SeenSun, SeenSurfaces, Sensor, SurfaceLight, under_overcast_sky,
+    Fisheye, LightMeter, SeenSun, SeenSurfaces, Sensor, SurfaceLight, sun_hours, under_overcast_sky,
 };
 use afterimage::render::{Mode, RenderSettings};
+use afterimage::scene::place::{PlaceAndTime, SunTimes};
 use afterimage::scene::{CieSky, Material, MaterialId, SceneBuilder, Sky, Sun};
 use afterimage::trace::{TraceSettings, parallel::NEVER};
 use afterimage::{Camera, Frame, FrameRequest, Renderer, Tracer, Walkthrough, WalkthroughSettings};
@@ -189,7 +190,7 @@ fn through_opening(sky: &CieSky, half: f64, rise: f64) -> f64 {
     let area = (2.0 * half / f64::from(STEPS)).powi(2);
     let piece = |(i, j): (i32, i32)| {
         let way = dvec(middle(i), rise, middle(j));
-        let direction = way.normalize();
+        let direction = way.normalize_or(DVec3::Y);
         f64::from(sky.radiance(direction.as_vec3()).y) * direction.y.powi(2) * area / way.length_squared()
     };
     (0..STEPS).flat_map(|i| (0..STEPS).map(move |j| (i, j))).map(piece).sum()
@@ -205,7 +206,7 @@ fn surfaces_end_at_corners_and_outlines() {
     let surfaces = surfaces(frame, &tracer);
     let normal = |pixel: usize| {
         let [a, b, c] = tracer.scene().corners(frame.triangle[pixel]);
-        (b - a).cross(c - a).normalize().abs()
+        (b - a).cross(c - a).normalize_or_zero().abs()
     };
     let material = |pixel: usize| tracer.scene().material_of(frame.triangle[pixel]).name.clone();
     let (mut one, mut apart) = (0, 0);
@@ -259,4 +260,36 @@ fn the_disk_of_the_sun_has_its_illuminance_and_hides_behind_a_roof() {
     assert!((open.luminance * open.solid_angle / lux - 1.0).abs() < 1e-4);
     let half = seen(1.0).unwrap();
     assert!((half.solid_angle / open.solid_angle - 0.5).abs() < 0.1, "the edge of the roof halves it");
+}
+
+/// In the open, the hours of direct sun are those from sunrise to sunset; a wall of the horizon's
+/// eastern half takes the morning, and a window with glass takes nothing.
+#[test]
+fn hours_of_sun_in_the_open_are_the_length_of_the_day() {
+    let day = PlaceAndTime::default();
+    let SunTimes::Changes { sunrise: Some(rise), sunset: Some(set) } = day.sun_times().unwrap() else {
+        panic!()
+    };
+    const STEP: f64 = 5.0 / 60.0;
+    let at = |step: u32| PlaceAndTime { hours: (f64::from(step) + 0.5) * STEP, ..day.clone() };
+    let suns: Vec<DVec3> = (0..288).map(|step| at(step).sun().unwrap().direction(0.0)).collect();
+    let noon = suns.iter().position(|sun| sun.x < 0.0 && sun.y > 0.0).unwrap() as f64 * STEP;
+    let hours = |material: Material| {
+        let mut b = SceneBuilder::new("field");
+        let (ground, wall) =
+            (b.add_material(Material::diffuse("ground", Vec3::ONE)), b.add_material(material));
+        level_quad(&mut b, [0.0, 0.0], 50.0, -1.0, ground);
+        // North is -Z and east +X: a wall along the meridian, just east of the sensor.
+        let corners = [[-40.0, -1.0], [40.0, -1.0], [40.0, 40.0], [-40.0, 40.0]];
+        b.add_quad(corners.map(|[z, y]| dvec(0.01, y, z)), Vec2::ONE, wall);
+        let sensor = |x: f64| Sensor { position_m: dvec(x, 0.0, 0.0), facing: Vec3::Y };
+        let found = sun_hours(&tracer(b), &[sensor(0.0), sensor(-200.0)], &suns, STEP);
+        found.iter().map(|reading| reading.lux).collect::<Vec<f64>>()
+    };
+    let [behind, open] = hours(Material::diffuse("wall", Vec3::ONE))[..] else { panic!() };
+    // Sunrise is when the upper edge of the sun is seen, half a disk before its middle.
+    assert!((open - (set - rise)).abs() < 0.3, "{open} for {}", set - rise);
+    assert!((behind - (set - noon)).abs() < 0.3, "{behind} for {}", set - noon);
+    let glass = hours(Material::glass("glass", 1.5, Vec3::ONE))[0];
+    assert!((glass - open).abs() < 0.3, "{glass}");
 }

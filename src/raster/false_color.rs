@@ -40,13 +40,15 @@ pub fn automatic_scale(values: &[f32]) -> Option<f32> {
 }
 
 /// Returns the 98th percentile of the values without those that lie far above the rest: above the
-/// upper quartile by more than 1.5 times the distance of the quartiles, on a logarithmic scale
-/// (Tukey 1977, "Exploratory Data Analysis", with the eye's scale). `None` where no value is above
-/// zero.
+/// upper quartile by more than the distance of the quartiles, on a logarithmic scale. `None` where
+/// no value is above zero.
+///
+/// Source: Tukey 1977, "Exploratory Data Analysis". We differ: he allows 1.5 times that distance, at
+/// which direct sun in a bright hall still counts.
 pub fn usual_maximum(values: &[f32]) -> Option<f32> {
     let mut known: Vec<f32> = values.iter().copied().filter(|v| v.is_finite() && *v > 0.0).collect();
     let (quarter, upper) = (quantile(&mut known, 0.25)?, quantile(&mut known, 0.75)?);
-    let fence = upper * (upper / quarter).powf(1.5);
+    let fence = upper * (upper / quarter);
     known.retain(|value| *value <= fence);
     quantile(&mut known, 0.98)
 }

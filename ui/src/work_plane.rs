@@ -13,6 +13,8 @@ pub enum Unit {
     RelativeLux,
     /// Percent: daylight factors.
     Percent,
+    /// Hours of direct sun.
+    Hours,
 }
 
 impl Unit {
@@ -31,6 +33,7 @@ impl Unit {
             Self::Lux => "lux",
             Self::RelativeLux => "lux, relative",
             Self::Percent => "% daylight factor",
+            Self::Hours => "hours of direct sun",
         }
     }
 }
@@ -59,6 +62,7 @@ impl MeasuredPlane {
     pub fn csv(&self) -> String {
         let mut text = match self.unit {
             Unit::Percent => "x_m,y_m,z_m,daylight_factor_percent,standard_error_percent\n".to_owned(),
+            Unit::Hours => "x_m,y_m,z_m,hours,standard_error_hours\n".to_owned(),
             _ => "x_m,y_m,z_m,lux,standard_error_lux\n".to_owned(),
         };
         for (Sensor { position_m: p, .. }, reading) in self.sensors.iter().zip(&self.readings) {
@@ -74,10 +78,15 @@ impl MeasuredPlane {
             let p = sensor.position_m;
             json!([p.x, p.y, p.z, reading.lux])
         };
-        let (s, is_factor) = (&self.statistics, self.unit == Unit::Percent);
-        let named = |of: &str| format!("{of}_{}", if is_factor { "percent" } else { "lux" });
+        let s = &self.statistics;
+        let (quantity, unit) = match self.unit {
+            Unit::Percent => ("daylight-factor", "percent"),
+            Unit::Hours => ("sun-hours", "hours"),
+            Unit::Lux | Unit::RelativeLux => ("illuminance", "lux"),
+        };
+        let named = |of: &str| format!("{of}_{unit}");
         json!({
-            "quantity": if is_factor { "daylight-factor" } else { "illuminance" },
+            "quantity": quantity,
             "is_photometric": self.unit != Unit::RelativeLux,
             (named("mean")): s.mean_lux,
             (named("min")): s.min_lux,

@@ -71,7 +71,10 @@ impl Fisheye {
         // Lambert 1772: the distance from the middle is 2 sin (angle / 2).
         let across = at * (1.0 - square / 4.0).sqrt();
         let right = self.ahead.cross(self.up);
-        Some((self.ahead * (1.0 - square / 2.0) + right * across.x - self.up * across.y).normalize())
+        Some(
+            (self.ahead * (1.0 - square / 2.0) + right * across.x - self.up * across.y)
+                .normalize_or(self.ahead),
+        )
     }
 
     /// The pixels around a pixel.
@@ -132,7 +135,7 @@ impl SeenSun {
             // Equal areas of the disk.
             let radius = ((i as f32 + 0.5) / SUN_RAYS as f32).sqrt() * sun.angular_radius.tan();
             let (sin, cos) = (2.0 * PI * (j as f32 + 0.5) / SUN_RAYS as f32).sin_cos();
-            let direction = (sun.direction + (right * cos + up * sin) * radius).normalize();
+            let direction = (sun.direction + (right * cos + up * sin) * radius).normalize_or(sun.direction);
             let part = luminance(tracer.transmittance_along(&Ray::new(eye, direction)) * sun.irradiance);
             passed += f64::from(part);
             seen += u32::from(part > 0.0);

@@ -12,6 +12,7 @@ mod picture;
 mod plane;
 mod position_index;
 mod statistics;
+mod sun_hours;
 mod surfaces;
 
 pub use daylight_factor::under_overcast_sky;
@@ -21,4 +22,5 @@ pub use picture::SurfaceLight;
 pub use plane::{MAX_POINTS, PlaneArea, PlaneError, WorkPlane};
 pub use position_index::position_index;
 pub use statistics::PlaneStatistics;
+pub use sun_hours::sun_hours;
 pub use surfaces::SeenSurfaces;

@@ -218,7 +218,7 @@ fn table(glare: &Glare, start: Instant) -> String {
     });
     output::table(&[
         ("vertical illuminance", format!("{:.0} lx at the eye, +-{error:.1} %", glare.ev.lux)),
-        ("DGP", format!("{:.2} +-{:.2}, {}", glare.dgp, glare.dgp_error, describe(glare.dgp))),
+        ("DGP", format!("{:.3} +-{:.3}, {}", glare.dgp, glare.dgp_error, describe(glare.dgp))),
         ("glare sources", format!("{} above {:.0} cd/m2, {omega:.3} sr", glare.sources.len(), glare.limit)),
         ("strongest", strongest),
         ("mean luminance", format!("{:.0} cd/m2", glare.view.mean_luminance())),

@@ -7,8 +7,10 @@ use crate::settings;
 use crate::work_plane::{MeasuredPlane, Unit};
 use afterimage::raster::save::write_atomically;
 use afterimage::render::lighting::{
-    LightMeter, MAX_POINTS, PlaneArea, PlaneError, PlaneStatistics, Sensor, WorkPlane, under_overcast_sky,
+    LightMeter, MAX_POINTS, PlaneArea, PlaneError, PlaneStatistics, Sensor, WorkPlane, sun_hours,
+    under_overcast_sky,
 };
+use afterimage::scene::place::PlaceAndTime;
 use clap::Args;
 use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
@@ -21,6 +23,9 @@ const MAX_BYTES: u64 = 64 << 20;
 
 /// Samples of a pass at each point.
 const PASS_SAMPLES: u32 = 64;
+
+/// Minutes from one look at the sun to the next.
+const STEP_MINUTES: f64 = 5.0;
 
 /// Passes after which a measurement ends, however large its error is.
 const MAX_PASSES: u32 = 1024;
@@ -52,6 +57,9 @@ pub(crate) struct MeasureArgs {
     /// ground, under the overcast sky of the CIE alone, whatever the sun, sky and lamps of the model.
     #[arg(long)]
     daylight_factor: bool,
+    /// Count the hours of direct sun on the day of --sun-time at --sun-place instead.
+    #[arg(long, conflicts_with = "daylight_factor")]
+    sun_hours: bool,
     /// Write the points as a table: x, y, z, lux (or percent) and its standard error.
     #[arg(long, value_name = "FILE.csv")]
     csv: Option<PathBuf>,
@@ -116,11 +124,17 @@ fn range(text: &str) -> Result<[f64; 2], String> {
 
 pub(crate) fn run(args: &MeasureArgs, flags: &Flags) -> Result<(), Failure> {
     let given = args.points.as_deref().map(read_points).transpose()?;
+    let suns = if args.sun_hours { Some(suns(flags)?) } else { None };
     let loaded = load(args.scene.as_deref(), flags)?;
     let sensors = match given {
         Some(sensors) => sensors,
         None => sensors(args, flags, &loaded)?,
     };
+    if let Some(suns) = suns {
+        let readings = sun_hours(&loaded.tracer, &sensors, &suns, STEP_MINUTES / 60.0);
+        let plane = MeasuredPlane::new(sensors, readings, Unit::Hours).ok_or(Failure::Interrupted)?;
+        return answer_sun_hours(&plane, args, flags, &loaded);
+    }
     let start = Instant::now();
     let trace =
         afterimage::trace::TraceSettings { samples: flags.samples.unwrap_or(PASS_SAMPLES), ..flags.trace() };
@@ -148,6 +162,39 @@ pub(crate) fn run(args: &MeasureArgs, flags: &Flags) -> Result<(), Failure> {
     let object = object(&loaded, &meter, &plane, start);
     output::result(flags.json, &object, || table(&meter, &plane, start));
     if interrupt::is_cancelled() { Err(Failure::Interrupted) } else { loaded.verdict(flags) }
+}
+
+/// The directions to the sun in the middle of equal steps of the day of `--sun-time`.
+fn suns(flags: &Flags) -> Result<Vec<DVec3>, Failure> {
+    let daylight = flags.daylight().map_err(Failure::Usage)?;
+    let Some(day) = daylight.sun else {
+        let message = "--sun-hours needs the place and the day: --sun-place LATITUDE,LONGITUDE --sun-time \
+                       2026-06-21T12:00[Europe/Berlin]";
+        return Err(Failure::Usage(message.to_owned()));
+    };
+    let steps = (24.0 * 60.0 / STEP_MINUTES) as u32;
+    let at = |step: u32| {
+        let hours = (f64::from(step) + 0.5) * STEP_MINUTES / 60.0;
+        PlaceAndTime { hours, ..day.clone() }.sun().map(|sun| sun.direction(daylight.north_deg))
+    };
+    (0..steps).map(at).collect::<Result<_, _>>().map_err(|error| Failure::Failed(error.to_string()))
+}
+
+/// Writes and prints hours of direct sun.
+fn answer_sun_hours(
+    plane: &MeasuredPlane,
+    args: &MeasureArgs,
+    flags: &Flags,
+    loaded: &Loaded,
+) -> Result<(), Failure> {
+    if let Some(path) = &args.csv {
+        write_atomically(path, plane.csv().as_bytes())?;
+    }
+    let mut object = json!({ "scene": loaded.name, "step_minutes": STEP_MINUTES });
+    output::extend(&mut object, plane.json());
+    object["is_photometric"] = loaded.scene().is_photometric.into();
+    output::result(flags.json, &object, || output::table(&plane.rows()));
+    loaded.verdict(flags)
 }
 
 /// The points of the plane that the flags describe.

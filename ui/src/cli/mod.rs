@@ -38,6 +38,7 @@ mod show;
 mod show_flags;
 mod start;
 mod store;
+mod sun;
 mod tour;
 mod tour_export;
 mod tour_show;
@@ -92,6 +93,8 @@ enum Command {
     Measure(measure::MeasureArgs),
     /// Find the glare of a view: light at the eye, glare sources, and DGP.
     Glare(glare::GlareArgs),
+    /// Render a view through a day, or through a year at one hour.
+    Sun(sun::SunArgs),
     /// Compare a picture with a ground-truth picture of the same size.
     Compare(compare::CompareArgs),
     /// List, check, tidy and join stores of references.
@@ -119,6 +122,7 @@ impl Command {
             Self::Bake(args) => args.scene.as_deref(),
             Self::Measure(args) => args.scene.as_deref(),
             Self::Glare(args) => args.scene.as_deref(),
+            Self::Sun(args) => args.scene.as_deref(),
             Self::Inspect(args) => Some(&args.scene),
             _ => None,
         }
@@ -233,6 +237,7 @@ fn dispatch(cli: &Cli, layers: &Layers) -> Result<(), Failure> {
         (None, Some(Command::Inspect(args))) => inspect::run(args, flags),
         (None, Some(Command::Measure(args))) => measure::run(args, flags),
         (None, Some(Command::Glare(args))) => glare::run(args, flags),
+        (None, Some(Command::Sun(args))) => sun::run(args, flags),
         (None, Some(Command::Compare(args))) => compare::run(args, flags),
         (None, Some(Command::Store(args))) => store::run(args, flags),
         (None, Some(Command::Doctor)) => doctor::run(flags, layers.user_file.as_deref()),

@@ -148,6 +148,45 @@ fn glare_answers_with_its_errors_and_its_validity() {
     assert_eq!(output.status.code(), Some(2));
 }
 
+const DAY: &str = "--sun-place 52.52,13.4 --sun-time 2026-06-21T12:00[Europe/Berlin]";
+
+#[test]
+fn hours_of_sun_are_counted_for_the_day_of_the_given_time() {
+    let bench = Bench::new();
+    let plane = "measure room.obj --eye 0,1.6,3 --look-at 0,1.6,0 --grid 2 --sun-hours --json --csv sun.csv";
+    let answer = bench.json(&format!("{plane} {DAY}"));
+    assert_eq!(answer["quantity"], "sun-hours");
+    assert!((0.0..=24.0).contains(&number(&answer, "/mean_hours")));
+    let table = std::fs::read_to_string(bench.path("sun.csv")).unwrap();
+    assert!(table.starts_with("x_m,y_m,z_m,hours,standard_error_hours\n"));
+    let output = bench.run(plane);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("--sun-place"), "{}", stderr(&output));
+}
+
+#[test]
+fn a_day_is_swept_into_pictures_and_a_table() {
+    let bench = Bench::new();
+    let sweep = "sun room.obj --size 24x16 --samples 1 --bounces 0 --out day --json";
+    let answer = bench.json(&format!("{sweep} --hours 9..10/0.5 {DAY}"));
+    assert_eq!(answer["pictures"].as_array().unwrap().len(), 3);
+    for file in ["sun_2026-06-21_0900.png", "sun_2026-06-21_0930.png", "sun_2026-06-21_1000.png"] {
+        assert!(bench.path(&format!("day/{file}")).exists(), "{file}");
+    }
+    let heights = [0, 1, 2].map(|i| number(&answer, &format!("/pictures/{i}/height_deg")));
+    assert!(heights[0] < heights[1] && heights[1] < heights[2], "the morning sun rises: {heights:?}");
+    assert_eq!(std::fs::read_to_string(bench.path("day/sun.csv")).unwrap().lines().count(), 4);
+    let year = bench.json(&format!("{sweep} --year {}", DAY.replace("06-21", "01-31")));
+    let dates: Vec<&str> =
+        year["pictures"].as_array().unwrap().iter().map(|p| p["date"].as_str().unwrap()).collect();
+    assert_eq!((dates.len(), dates[1]), (12, "2026-02-28"), "a day that a month lacks is its last");
+    for (flags, part) in [("", "--sun-place"), ("--hours 9", "FROM..TO")] {
+        let output = bench.run(&format!("{sweep} {flags}"));
+        assert_eq!(output.status.code(), Some(2), "{flags}");
+        assert!(stderr(&output).contains(part), "{flags}: {}", stderr(&output));
+    }
+}
+
 #[test]
 fn faults_have_one_clear_line() {
     let bench = Bench::new();

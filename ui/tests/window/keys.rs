@@ -139,6 +139,7 @@ fn changes_view(window: &mut Window, action: Action, chord: Chord, index: usize)
 
 fn shows(window: &mut Window, action: Action, chord: Chord) {
     match action {
+        _ if lighting::chooses(window, action, chord) => {}
         Action::DarkerExposure | Action::BrighterExposure => {
             let before = state(window).exposure_ev();
             press(window, chord);

@@ -16,6 +16,7 @@ mod idle;
 mod inspect;
 mod keyboard;
 mod keys;
+mod lighting;
 mod measured;
 mod moving;
 mod navigation;

@@ -9,6 +9,7 @@ use afterimage::scene::MaterialId;
 use afterimage::{Camera, Mode, Scene, Tracer, WalkthroughSettings};
 use afterimage_ui::window::rendering::exchange::PublishedFrame;
 use afterimage_ui::window::rendering::messages::{Message, RenderCommand, RenderRequest};
+use afterimage_ui::window::rendering::quantity::Quantity;
 use afterimage_ui::window::rendering::render_thread::RenderThread;
 use crossbeam_channel::{Receiver, unbounded};
 use glam::{DVec3, Vec3};
@@ -68,6 +69,7 @@ impl Storm {
             settings,
             budget,
             is_moving: false,
+            quantity: Quantity::Picture,
             is_paused: self.below(20) == 0,
             is_compared: self.below(10) == 0,
             section: None,
@@ -118,6 +120,7 @@ impl Storm {
         let request = RenderRequest {
             size: [32, 24],
             is_moving: false,
+            quantity: Quantity::Picture,
             is_paused: false,
             budget: Some(Duration::ZERO),
             ..self.request()
@@ -153,6 +156,7 @@ impl Storm {
         let mut request = RenderRequest {
             size: [64, 48],
             is_moving: false,
+            quantity: Quantity::Picture,
             is_paused: false,
             budget: Some(Duration::ZERO),
             ..self.request()

@@ -7,6 +7,7 @@ use afterimage::render::render_antialiased;
 use afterimage::{Camera, FrameRequest, Mode, Tracer, WalkthroughSettings};
 use afterimage_ui::window::rendering::exchange::PublishedFrame;
 use afterimage_ui::window::rendering::messages::{Message, Picture, RenderCommand, RenderRequest};
+use afterimage_ui::window::rendering::quantity::Quantity;
 use afterimage_ui::window::rendering::render_thread::RenderThread;
 use crossbeam_channel::{Receiver, unbounded};
 use glam::DVec3;
@@ -45,6 +46,7 @@ impl Bench {
             settings,
             budget: Some(Duration::ZERO),
             is_moving: false,
+            quantity: Quantity::Picture,
             is_paused: false,
             is_compared: false,
             section: None,

@@ -4,7 +4,8 @@ use super::overlay;
 use crate::window::gpu::timewarp::Reprojection;
 use crate::window::gpu::viewport;
 use crate::window::panels::{self, statistics};
-use crate::window::state::{AppState, Heatmap, Presentation, Statistics};
+use crate::window::rendering::Quantity;
+use crate::window::state::{AppState, Heatmap, Overlay, Presentation, Statistics};
 use egui_wgpu::RenderState;
 
 /// Colour of the viewport before the first frame.
@@ -28,6 +29,9 @@ impl Canvas {
         state.viewport_size =
             [rect.width(), rect.height()].map(|points| (points * points_to_pixels).round() as u32);
         let canvas = Self { painter: ui.painter().clone(), shape: ui.painter().add(egui::Shape::Noop), rect };
+        let unit =
+            |at: egui::Pos2| [(at.x - rect.left()) / rect.width(), (at.y - rect.top()) / rect.height()];
+        state.lighting.cursor = response.hover_pos().filter(|_| response.contains_pointer()).map(unit);
         panels::overlay::show(ui, rect, state);
         let inner = rect.shrink(10.0);
         let has_figures = state.options.statistics != Statistics::Off || state.options.is_paused;
@@ -36,6 +40,9 @@ impl Canvas {
         }
         if state.options.heatmap != Heatmap::Off && inner.is_positive() {
             panels::legend::over_viewport(ui.ctx(), inner, state);
+        }
+        if state.options.quantity != Quantity::Picture && inner.is_positive() {
+            panels::light_legend::over_viewport(ui.ctx(), inner, state);
         }
         if !state.navigation.has_moved && state.loading.is_none() && inner.is_positive() {
             statistics::hint(ui, rect);
@@ -49,8 +56,10 @@ impl Canvas {
         let shape = match (graphics, &state.frame) {
             (Some(graphics), Some(frame)) if self.rect.is_positive() => {
                 let points_to_pixels = self.painter.ctx().pixels_per_point();
-                let presentation =
-                    Presentation { overlay: overlay(&state.comparison), ..state.presentation() };
+                // The full tracer's picture and its errors are pictures.
+                let is_picture = state.shown_quantity() == Quantity::Picture;
+                let overlay = if is_picture { overlay(&state.comparison) } else { Overlay::None };
+                let presentation = Presentation { overlay, ..state.presentation() };
                 let reprojection = reprojection(state, first_generation);
                 viewport::upload_for(graphics, frame, &presentation, reprojection.as_ref());
                 viewport::shape(self.rect, points_to_pixels, presentation, reprojection)

@@ -7,6 +7,7 @@ use crate::window::rendering::RenderRequest;
 use afterimage::import::AppliedEdit;
 use afterimage::render::Pace;
 use afterimage::scene::SceneEdit;
+use afterimage::trace::SceneEpoch;
 use afterimage::{Camera, Tracer};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -57,6 +58,8 @@ pub(super) struct CurrentScene {
     /// Hash of the scene as the model's files have it.
     pub(super) files_hash: String,
     pub(super) autosave: Autosave,
+    /// The state of the scene whose daylight factors are rendered in place of its pictures.
+    pub(super) factors_of: Option<SceneEpoch>,
     /// The request that was sent last.
     pub(super) sent: Option<RenderRequest>,
     /// Time of the last motion.
@@ -110,6 +113,7 @@ impl CurrentScene {
             saves_again: false,
             files_hash: String::new(),
             autosave: Autosave::default(),
+            factors_of: None,
             sent: None,
             moved: Instant::now(),
             pace: Pace::default(),

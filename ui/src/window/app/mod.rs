@@ -7,6 +7,7 @@ mod choose_file;
 mod comparison;
 mod current_scene;
 mod inspect;
+mod lighting;
 mod material_copy;
 mod navigation;
 mod open_scene;
@@ -19,6 +20,7 @@ mod pictures;
 mod poll;
 mod recovery;
 mod render_request;
+mod save_shown;
 mod scene_edits;
 mod services;
 mod session;
@@ -34,6 +36,7 @@ use choose_file::{handle_list, poll_files, set_path_text};
 use comparison::{overlay, update_comparison};
 use current_scene::{Arrival, CurrentScene, PictureNote, ReadNote};
 use inspect::{handle_inspect, show_reference, update_outline, update_plan, update_thumbnails};
+use lighting::{handle_lighting, poll_lighting, rendered_quantity};
 use material_copy::paste_picked;
 use navigation::{end_recording, go_to, handle_navigation};
 use open_scene::{
@@ -52,6 +55,7 @@ use pictures::{handle_picture, poll_export, save_from_references};
 use poll::poll;
 use recovery::{Recovery, is_recovery, keep_session, left_behind};
 use render_request::{current_work, note_frame, send_request};
+use save_shown::save_shown;
 use scene_edits::{
     begin_document, change, handle_edit, is_sky, open_sky, poll_edit, rebuild, show_sky_picture,
 };

@@ -259,6 +259,7 @@ fn show_scene(app: &mut Parts, source: SceneSource, tracer: Arc<Tracer>) {
     begin_document(app, tracer.scene(), is_reload);
     app.current.files_hash.clone_from(&tracer.scene().hash);
     app.current.first_generation = app.services.render.send(RenderCommand::SetTracer(tracer.clone()));
+    app.current.factors_of = None;
     app.current.sent = None;
     let (fly, is_placed) = (app.state.navigation.fly.clone(), arrival.is_placed());
     restore_session(app, arrival.session, arrival.edit, is_reload);

@@ -1,12 +1,14 @@
 //! Commands about saved pictures and picture sequences.
 
-use super::{Parts, Services, SessionFile, panorama_job};
+use super::{Parts, Services, SessionFile, panorama_job, save_shown};
 use crate::picture::film::{Film, FilmFormat, FilmHeatmap, rays_of};
 use crate::picture::sequence::Sequence;
 use crate::picture::{LONGEST_SIDE, PictureJob, Shows};
 use crate::window::export::{Exported, save_film, save_panorama, save_picture, save_sequence, spawn_export};
 use crate::window::input::playback::film_frames;
-use crate::window::rendering::{Picture, RenderCommand, SeenSection, TaskError, TaskHandle, take_result};
+use crate::window::rendering::{
+    Picture, Quantity, RenderCommand, SeenSection, TaskError, TaskHandle, take_result,
+};
 use crate::window::state::{AppState, PictureCommand, PictureFormat, PictureSize};
 use afterimage::camera::CameraPath;
 use afterimage::raster::film::even;
@@ -24,6 +26,9 @@ use std::time::Instant;
 pub(super) fn handle_picture(app: &mut Parts, command: PictureCommand) {
     let picture = &mut app.state.picture;
     let saved = match command {
+        PictureCommand::Save if app.state.options.quantity != Quantity::Picture => {
+            return save_shown(app);
+        }
         PictureCommand::Save => save(app, None),
         PictureCommand::SaveWithoutBackground => save(app, Some(Background::LeftOut)),
         PictureCommand::SaveSequence => sequence(app),

@@ -2,12 +2,14 @@
 
 use super::{
     AppEvent, Parts, SavedEdit, apply_note, go_to_picture, note_frame, poll_bake, poll_edit, poll_export,
-    poll_files, poll_loading, poll_saving, poll_watch, save_from_references, save_session, show_reference,
-    show_sky_picture, update_floor, update_outline, update_plan, update_thumbnails,
+    poll_files, poll_lighting, poll_loading, poll_saving, poll_watch, save_from_references, save_session,
+    show_reference, show_sky_picture, update_floor, update_outline, update_plan, update_thumbnails,
 };
 use crate::window::gpu::viewport;
 use crate::window::input::ViewChange;
-use crate::window::rendering::{Message, TaskError, background_pool, locked, spawn_task, take_result};
+use crate::window::rendering::{
+    Message, Quantity, TaskError, background_pool, locked, spawn_task, take_result,
+};
 use crate::window::state::AppState;
 use afterimage::raster::exposure::{Exposure, Metered};
 use std::path::Path;
@@ -27,6 +29,7 @@ pub(super) fn poll(app: &mut Parts) {
     follow_view(app);
     app.state.notices.retain(|n| !n.is_expired());
     poll_bake(app);
+    poll_lighting(app);
     update_plan(app);
     update_outline(app);
     update_floor(app);
@@ -106,7 +109,10 @@ fn poll_frame(app: &mut Parts) {
         note_frame(app);
     }
     let Some(frame) = &app.state.frame else { return };
-    app.state.view_exposure.meter(frame);
+    if frame.values.quantity == Quantity::Picture {
+        app.state.view_exposure.meter(frame);
+    }
+    app.state.lighting.note(&frame.values);
     if let Some(graphics) = &app.services.graphics {
         viewport::upload(graphics, frame);
     }

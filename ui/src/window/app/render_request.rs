@@ -1,11 +1,12 @@
 //! The request that is sent to the renderer, and what the renderer is doing.
 
-use super::{MOTION_TIME, Parts, current_scene::CurrentScene};
+use super::{MOTION_TIME, Parts, current_scene::CurrentScene, rendered_quantity};
 use crate::window::input::keymap::{Action, keys_of};
-use crate::window::rendering::RenderRequest;
+use crate::window::rendering::{Quantity, RenderRequest};
 use crate::window::state::{Navigation, Quality, Work};
 use afterimage::Camera;
 use afterimage::render::schedule;
+use afterimage::{Mode, WalkthroughSettings};
 use std::time::{Duration, Instant};
 
 /// Largest edge of a frame in pixels: the largest texture that every adapter accepts.
@@ -20,14 +21,16 @@ pub(super) fn send_request(app: &mut Parts) {
     let size = if app.state.viewport_size.contains(&0) { [0, 0] } else { app.state.viewport_size.map(edge) };
     let camera = *app.state.navigation.fly.camera();
     end_pause(app, &camera);
+    let quantity = rendered_quantity(app);
     let (state, q) = (&app.state, &app.state.quality);
     let sent = app.current.sent.filter(|sent| sent.camera == camera);
     let request = RenderRequest {
         camera,
         size,
-        settings: q.walk,
+        settings: wanted_settings(q, quantity),
         budget: (!is_sharp).then(|| budget(q)),
         is_moving: sent.map_or_else(|| is_moving(&app.current, &state.navigation), |sent| sent.is_moving),
+        quantity,
         is_paused: state.options.is_paused,
         is_compared: state.comparison.is_wanted(),
         is_endless: q.keeps_improving,
@@ -53,6 +56,15 @@ fn end_pause(app: &mut Parts, camera: &Camera) {
         app.state
             .info(format!("rendering goes on: the camera has moved ({} pauses)", keys_of(Action::Pause)));
     }
+}
+
+/// The settings of the walk. Mode `paper` warps pictures, and cannot show light without them.
+fn wanted_settings(quality: &Quality, quantity: Quantity) -> WalkthroughSettings {
+    let mut settings = quality.walk;
+    if quantity.shows_light() && settings.render.mode == Mode::Paper {
+        settings.render.mode = Mode::Exact;
+    }
+    settings
 }
 
 /// Notes the newest frame, of a new generation, if it was rendered while the camera moved.
@@ -83,11 +95,12 @@ fn is_moving(current: &CurrentScene, navigation: &Navigation) -> bool {
 /// every pixel of the viewport is requested. Only in modes that refine at rest.
 fn is_sharp(app: &Parts) -> bool {
     let (q, camera) = (&app.state.quality, app.state.navigation.fly.camera());
-    let is_same = |s: &RenderRequest| s.camera == *camera && s.settings == q.walk && !s.is_paused;
+    let settings = wanted_settings(q, rendered_quantity(app));
+    let is_same = |s: &RenderRequest| s.camera == *camera && s.settings == settings && !s.is_paused;
     // Pictures that are compared keep their size.
     let has_newest = has_newest(app) && !app.state.comparison.is_wanted();
     app.current.sent.as_ref().filter(|s| is_same(s)).is_some_and(|s| {
-        let (mode, was_sharp) = (q.walk.render.mode, s.budget.is_none());
+        let (mode, was_sharp) = (settings.render.mode, s.budget.is_none());
         schedule::is_sharp(
             mode,
             app.current.pace.scale(q.render_scale),

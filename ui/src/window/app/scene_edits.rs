@@ -117,6 +117,7 @@ fn show_rebuilt(app: &mut Parts, tracer: Arc<Tracer>) {
     app.current.obstacles = Some(Obstacles::new(tracer.clone()));
     app.state.thumbnails.set_tracer(tracer.clone());
     app.services.render.send(RenderCommand::SetTracer(tracer));
+    app.current.factors_of = None;
     // The references of the old scene are gone.
     app.state.selection.reference_view = None;
     // The next request has the render scale again, so that the edit is seen soon.
@@ -143,6 +144,7 @@ pub(super) fn begin_document(app: &mut Parts, scene: &Scene, is_reload: bool) {
         app.state.knows_lights = false;
         app.services.render.send(RenderCommand::KnowLights(false));
         app.state.selection = Selection::default();
+        (app.services.plane, app.state.lighting.measured) = (None, None);
     }
     rebuild(app);
 }

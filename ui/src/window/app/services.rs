@@ -10,6 +10,7 @@ use crate::window::rendering::{
     FullTrace, Loading, Plan, RenderThread, SceneSource, Task, TaskError, Wake, spawn_activity,
 };
 use crate::window::state::{AppState, Document, Pair, PictureError, Purpose, Quality};
+use crate::work_plane::MeasuredPlane;
 use afterimage::Tracer;
 use afterimage::render::bake::FloorCover;
 use afterimage::scene::{SceneEdit, SkyImage};
@@ -124,6 +125,10 @@ pub(super) struct Services {
     pub(super) watch: Option<Task<PathBuf>>,
     /// Measures the light in the scene for the automatic exposure.
     pub(super) light: Option<Task<()>>,
+    /// Makes the scene in which daylight factors are rendered.
+    pub(super) overcast: Option<Task<(SceneEpoch, Arc<Tracer>)>>,
+    /// Measures the work plane.
+    pub(super) plane: Option<Task<MeasuredPlane>>,
     pub(super) tasks: Vec<Task<AppEvent>>,
     /// Saves the session.
     pub(super) saving: Option<Task<SavedSession>>,

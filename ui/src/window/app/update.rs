@@ -3,15 +3,15 @@
 
 use super::{
     AppEvent, Parts, Services, answer_outside, cancel_loading, forget_recent, go_to, handle_answer,
-    handle_edit, handle_inspect, handle_list, handle_navigation, handle_picture, open_new, open_path,
-    open_session, reload, save_session, set_path_text, toggle_bake,
+    handle_edit, handle_inspect, handle_lighting, handle_list, handle_navigation, handle_picture, open_new,
+    open_path, open_session, reload, save_session, set_path_text, toggle_bake,
 };
 use crate::picture::pose_text::pose_flags;
 use crate::settings::{self, Theme};
 use crate::window::input::ViewChange;
 use crate::window::input::keymap::{Action, keys_of};
 use crate::window::panels::regions;
-use crate::window::rendering::{RenderCommand, TaskError};
+use crate::window::rendering::{Quantity, RenderCommand, TaskError};
 use crate::window::state::{AppState, Appearance, Command, Compare, FileCommand, Options};
 use afterimage::raster::exposure::Exposure;
 use egui::ViewportCommand;
@@ -40,6 +40,7 @@ pub(super) fn apply(app: &mut Parts, command: Command) {
             services.render.send(RenderCommand::AddReference(*fly.camera()));
         }
         Command::Bake => toggle_bake(app),
+        Command::Lighting(command) => handle_lighting(app, command),
         Command::Remove(id) => {
             services.render.send(RenderCommand::Remove(id));
         }
@@ -76,7 +77,7 @@ pub(super) fn apply(app: &mut Parts, command: Command) {
         Command::AskToClear => state.dialogs.asks_to_clear = true,
         Command::KeepReferences => state.dialogs.asks_to_clear = false,
         Command::ShowSettings(is_shown) => state.dialogs.shows_settings = is_shown,
-        Command::Compare(shows, split) => (state.comparison.shows, state.comparison.split) = (shows, split),
+        Command::Compare(shows, split) => compare(state, shows, split),
         Command::Dismiss(id) => state.notices.retain(|n| n.id != id),
     }
     // The window shows the change, even if no event follows.
@@ -84,15 +85,26 @@ pub(super) fn apply(app: &mut Parts, command: Command) {
 }
 
 /// Changes switches of the window. A pause ends a change of view and a path that is played, or
-/// these would end the pause.
+/// these would end the pause. The full tracer makes pictures: nothing else is compared with it.
 fn set_options(state: &mut AppState, options: Options) {
     let fly = &mut state.navigation.fly;
     if options.is_paused && !options.is_frozen && !state.options.is_paused {
         fly.jump_to(*fly.camera());
         state.navigation.playback.is_playing = false;
     }
+    if options.quantity != Quantity::Picture {
+        state.comparison.shows = Compare::Off;
+    }
     state.navigation.fly.set_view_change(options.view_change);
     state.options = options;
+}
+
+/// Shows or hides the comparison, which is one of pictures.
+fn compare(state: &mut AppState, shows: Compare, split: f32) {
+    (state.comparison.shows, state.comparison.split) = (shows, split);
+    if shows != Compare::Off {
+        state.options.quantity = Quantity::Picture;
+    }
 }
 
 /// Sets the exposure that suits the view, where it stays.

@@ -98,6 +98,8 @@ impl App {
             watch: None,
             own_writes: OwnWrites::default(),
             light: None,
+            overcast: None,
+            plane: None,
             tasks: Vec::new(),
             saving: None,
             ended: Arc::default(),

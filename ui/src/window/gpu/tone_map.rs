@@ -1,8 +1,10 @@
-//! The tone mapping pass: radiance to display colour. It runs once per frame and exposure, because
+//! The tone mapping pass: radiance, or values, to display colour. It runs once per frame and exposure, because
 //! the window is redrawn far more often than either changes.
 
 use crate::window::gpu::full_screen_pass::{self as pass, TexturePass};
+use crate::window::state::{FalseColors, Presentation};
 use afterimage::raster::color::ToneMap;
+use afterimage::raster::false_color::{BRIGHT, NO_VALUE, STOPS};
 use egui_wgpu::wgpu;
 
 /// Format of tone-mapped pictures; the shader encodes sRGB.
@@ -12,9 +14,10 @@ const DISPLAY_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub(crate) struct ToneMapping {
-    exposure: f32,
+    scale: f32,
     tone_map: u32,
-    unused: [u32; 2],
+    kind: u32,
+    line_step: f32,
 }
 
 const _: () = assert!(size_of::<ToneMapping>() == 16);
@@ -22,10 +25,22 @@ const _: () = assert!(size_of::<ToneMapping>() == 16);
 // The shader compares these numbers.
 const _: () = assert!(ToneMap::Aces as u32 == 0 && ToneMap::Linear as u32 == 1);
 
+/// Kinds of frames, as the shader numbers them.
+const PICTURE: u32 = 0;
+const VALUES: u32 = 1;
+const CLAY: u32 = 2;
+
 impl ToneMapping {
-    /// Parameters for an exposure in stops.
-    pub(crate) fn new(exposure_ev: f32, tone_map: ToneMap) -> Self {
-        Self { exposure: exposure_ev.exp2(), tone_map: tone_map as u32, unused: [0; 2] }
+    /// Parameters for how a frame is shown.
+    pub(crate) fn new(shown: &Presentation) -> Self {
+        let tone_map = shown.tone_map as u32;
+        match shown.false_colors {
+            Some(FalseColors { scale, line_step }) => Self { scale, tone_map, kind: VALUES, line_step },
+            None => {
+                let kind = if shown.is_clay { CLAY } else { PICTURE };
+                Self { scale: shown.exposure_ev.exp2(), tone_map, kind, line_step: 0.0 }
+            }
+        }
     }
 }
 
@@ -44,7 +59,10 @@ pub(crate) struct ToneMapped {
 
 impl ToneMapPass {
     pub(crate) fn new(device: &wgpu::Device) -> Self {
-        let shader = wgpu::include_wgsl!("tone_map.wgsl");
+        let shader = wgpu::ShaderModuleDescriptor {
+            label: Some("tone map"),
+            source: wgpu::ShaderSource::Wgsl(shader_source().into()),
+        };
         Self(TexturePass::new(device, "tone map", shader, DISPLAY_FORMAT, size_of::<ToneMapping>()))
     }
 
@@ -72,6 +90,18 @@ impl ToneMapPass {
         let bytes = bytemuck::bytes_of(&parameters);
         self.0.draw(queue, encoder, &picture.display, &picture.bind_group, bytes);
     }
+}
+
+/// The shader with the colours of values.
+fn shader_source() -> String {
+    let vector = |[r, g, b]: &[u8; 3]| format!("vec3<f32>({r}.0, {g}.0, {b}.0) / 255.0");
+    let stops: Vec<String> = STOPS.iter().map(vector).collect();
+    let (count, list, none) = (STOPS.len(), stops.join(", "), vector(&NO_VALUE));
+    format!(
+        "const STOP_COUNT: u32 = {count}u;\nconst BRIGHT: f32 = {BRIGHT:?};\n\
+         fn no_value_color() -> vec3<f32> {{ return {none}; }}\n\
+         fn stop(i: u32) -> vec3<f32> {{ var stops = array<vec3<f32>, {count}>({list}); return stops[i]; }}\n"
+    ) + include_str!("tone_map.wgsl")
 }
 
 impl ToneMapped {

@@ -195,7 +195,7 @@ impl CallbackTrait for Show {
             && let Some(textures) = &mut gpu.textures
         {
             let features = self.features(textures.warp.is_some());
-            let tone_mapping = ToneMapping::new(self.presentation.exposure_ev, self.presentation.tone_map);
+            let tone_mapping = ToneMapping::new(&self.presentation);
             gpu.tone_map.run(queue, encoder, &mut textures.color, tone_mapping);
             if features.is_overlaid {
                 gpu.tone_map.run(queue, encoder, &mut textures.full, tone_mapping);

@@ -5,6 +5,7 @@ use super::section_keys::section_command;
 use super::{Click, Input, MoveMode, Obstacles, probe_at};
 use crate::window::input::aim;
 use crate::window::input::keymap::{Action, Attention, Pressed};
+use crate::window::rendering::Quantity;
 use crate::window::state::{
     AppState, Command, Compare, EditCommand, FileCommand, InspectCommand, ListCommand, NavigationCommand,
     Options, PictureCommand, Purpose,
@@ -155,6 +156,11 @@ fn switched(o: Options, action: Action) -> Option<Options> {
             },
             ..o
         },
+        Action::ShowPicture => Options { quantity: Quantity::Picture, ..o },
+        Action::ShowIlluminance => Options { quantity: Quantity::Illuminance, ..o },
+        Action::ShowLuminance => Options { quantity: Quantity::Luminance, ..o },
+        Action::ShowDaylightFactor => Options { quantity: Quantity::DaylightFactor, ..o },
+        Action::ShowClay => Options { quantity: Quantity::Clay, ..o },
         Action::ToggleByReference => {
             let coloring = match o.coloring {
                 Coloring::ByType => Coloring::ByReference,

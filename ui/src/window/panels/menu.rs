@@ -4,8 +4,10 @@ use super::super::state::{
     AppState, Coloring, Command, Compare, EditCommand, FileCommand, Heatmap, InspectCommand, ListCommand,
     NavigationCommand, OpenDocument, Options, PictureCommand, Purpose, Statistics,
 };
+use super::lighting;
 use super::regions::{self, Region};
 use crate::window::input::keymap::{Action, keys_of};
+use crate::window::rendering::Quantity;
 use crate::window::{input::fly_camera::MoveMode, rendering::scene_loading::SceneSource};
 use afterimage::{Mode, scene::builtin};
 use egui::{Button, Ui};
@@ -141,6 +143,11 @@ fn view_menu(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     switch(ui, figures, Action::ToggleStatistics, Options { statistics, ..o });
     let hidden = Options { shows_panels: false, ..o };
     switch(ui, "Hide panels", Action::TogglePanels, hidden);
+    ui.separator();
+    for (quantity, action) in Quantity::ALL.into_iter().zip(lighting::ACTIONS) {
+        let mark = if o.quantity == quantity { "\u{2022} " } else { "" };
+        switch(ui, &format!("{mark}{}", quantity.name()), action, Options { quantity, ..o });
+    }
     ui.separator();
     let heatmap = match o.heatmap {
         Heatmap::Off => ("Show the heatmap", Heatmap::Blend),

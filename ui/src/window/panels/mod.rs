@@ -9,6 +9,8 @@ pub mod focus_ring;
 pub mod help;
 pub mod inspector;
 pub mod legend;
+pub mod light_legend;
+pub mod lighting;
 pub mod lights;
 pub mod material;
 pub mod menu;

@@ -2,8 +2,8 @@
 
 use super::regions::{self, Region};
 use super::{
-    comparison, daylight, focus_ring, inspector, legend, lights, material, object, path, plan, plots,
-    quality, references, scene, section, views,
+    comparison, daylight, focus_ring, inspector, legend, lighting, lights, material, object, path, plan,
+    plots, quality, references, scene, section, views,
 };
 use crate::settings::Tab;
 use crate::window::state::{AppState, Appearance, Command};
@@ -81,6 +81,7 @@ fn look_tab(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
         section::show(ui, state, commands);
         section::show_edges(ui, state, commands);
     });
+    section(ui, "Lighting analysis", true, |ui| lighting::show(ui, state, commands));
     section(ui, "Lights", false, |ui| lights::show(ui, state, commands));
 }
 

@@ -7,6 +7,7 @@ use super::regions::{self, Region};
 use super::widgets::choice;
 use crate::window::input::fly_camera::MoveMode;
 use crate::window::input::keymap::{Action, keys_of};
+use crate::window::rendering::Quantity;
 use afterimage::Mode;
 use egui::Ui;
 
@@ -15,6 +16,7 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     ui.horizontal_wrapped(|ui| {
         regions::name(ui, Region::Toolbar);
         pictures(ui, state, commands);
+        quantity(ui, state, commands);
         ui.separator();
         mode(ui, state, commands);
         if button(ui, "Add reference", "Trace a reference at the current camera", Action::AddReference, false)
@@ -51,6 +53,20 @@ fn pictures(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     }
     if button(ui, "Picture", "Save a picture", Action::Screenshot, false) {
         commands.push(Command::Picture(PictureCommand::Save));
+    }
+}
+
+/// A choice of what the viewport shows.
+fn quantity(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
+    let mut o = state.options;
+    let name = o.quantity.name();
+    let combo = choice(ui, "toolbar view", name, &mut o.quantity, Quantity::ALL.map(|q| (q, q.name())));
+    let keys = [Action::ShowPicture, Action::ShowClay].map(keys_of);
+    combo
+        .on_hover_text(format!("What the viewport shows (keys {} to {})", keys[0], keys[1]))
+        .accessible_name("Toolbar: view");
+    if o != state.options {
+        commands.push(Command::SetOptions(o));
     }
 }
 

@@ -1,13 +1,13 @@
 //! Finished frames, passed from the render thread to the window without waiting or allocating.
 
-use super::locked;
+use super::{FrameValues, Quantity, locked, pack};
 use crate::window::rendering::depth_ranges::DepthRanges;
 use afterimage::Camera;
 use afterimage::camera::SceneFrame;
 use afterimage::cells::SurfaceCells;
-use afterimage::raster::rgb9e5;
 use afterimage::reference::{ReferenceCache, ReferenceId};
 use afterimage::render::frame::{Frame, FrameStats, NO_SUPPLIER};
+use afterimage::scene::Scene;
 use rayon::prelude::*;
 use std::sync::Mutex;
 use std::time::Instant;
@@ -48,8 +48,11 @@ pub struct PublishedFrame {
     /// Disparity: 1 / depth along the viewing axis in scene units, of pixels and of squares of
     /// pixels.
     pub depth_ranges: DepthRanges,
-    /// Linear radiance of the pixels, packed as in a texture of format `Rgb9e5Ufloat`.
+    /// Linear radiance of the pixels, packed as in a texture of format `Rgb9e5Ufloat`; where the
+    /// frame shows values, these, as [`FrameValues`] reads them.
     pub radiance: Vec<u32>,
+    /// What the frame shows.
+    pub values: FrameValues,
     /// Types of the pixels: numbers of [`afterimage::raster::pixel_types::PixelType`].
     pub types: Vec<u8>,
     /// Reference that supplied each pixel: its number modulo 255; [`SUPPLIED_BY_NONE`] for none.
@@ -85,6 +88,7 @@ impl PublishedFrame {
             scene_frame: SceneFrame { origin_in_world_m: glam::DVec3::ZERO, units_per_metre: 1.0 },
             depth_ranges: DepthRanges::default(),
             radiance: Vec::new(),
+            values: FrameValues::default(),
             types: Vec::new(),
             suppliers: Vec::new(),
             stats: FrameStats::default(),
@@ -99,19 +103,25 @@ impl PublishedFrame {
     }
 
     /// Copies a rendered frame on the current thread pool, and keeps allocations.
-    pub fn fill(&mut self, frame: &Frame, scene: &SceneFrame, used: &[ReferenceId], generation: u64) {
+    pub fn fill(
+        &mut self,
+        (frame, scene): (&Frame, &Scene),
+        quantity: Quantity,
+        used: &[ReferenceId],
+        generation: u64,
+    ) {
         (self.generation, self.is_refinement) = (generation, false);
         (self.camera, self.size, self.stats) = (frame.camera, frame.view.size, frame.stats);
-        self.scene_frame = *scene;
+        self.scene_frame = scene.frame;
         let supplier = |&slot: &u8| match used.get(slot as usize) {
             Some(id) if slot != NO_SUPPLIER => supplier_byte(*id),
             _ => SUPPLIED_BY_NONE,
         };
-        let Self { depth_ranges, radiance, types, suppliers, size, .. } = self;
+        let Self { depth_ranges, radiance, values, types, suppliers, size, .. } = self;
         rayon::join(
             || depth_ranges.fill(&frame.disparity, *size),
             || {
-                frame.radiance.par_iter().map(|&c| rgb9e5::pack(c)).collect_into_vec(radiance);
+                *values = pack(quantity, frame, scene, radiance);
                 frame.types.par_iter().map(|&t| t as u8).collect_into_vec(types);
                 frame.supplier.par_iter().map(supplier).collect_into_vec(suppliers);
             },

@@ -1,6 +1,8 @@
 //! The full tracer's picture of a view, traced in the background for the comparison.
 
-use super::{Exchange, PublishedFrame, Task, TaskError, TaskHandle, Wake, background_pool, spawn_task};
+use super::{
+    Exchange, PublishedFrame, Quantity, Task, TaskError, TaskHandle, Wake, background_pool, spawn_task,
+};
 use afterimage::reference::placement::{NONE, PlacementPolicy};
 use afterimage::{Camera, Mode, RenderSettings, Tracer, Walkthrough, WalkthroughSettings};
 use std::sync::Arc;
@@ -70,7 +72,8 @@ fn trace(subject: &Subject, exchange: &Exchange, task: &TaskHandle) {
     let mut is_complete = false;
     while !task.is_cancelled() {
         let mut published = exchange.spare();
-        published.fill(walk.frame(), &subject.tracer.scene().frame, walk.used(), 0);
+        let shown = (walk.frame(), &**subject.tracer.scene());
+        published.fill(shown, Quantity::Picture, walk.used(), 0);
         exchange.publish(published);
         task.wake();
         if is_complete {

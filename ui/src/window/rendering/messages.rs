@@ -1,6 +1,6 @@
 //! Messages between the window and its render thread.
 
-use super::SeenSection;
+use super::{Quantity, SeenSection};
 use afterimage::reference::{ReferenceFrame, ReferenceId};
 use afterimage::{Camera, RefineState, RenderSettings, Scene, Tracer, WalkthroughSettings};
 use glam::Vec3;
@@ -22,6 +22,8 @@ pub struct RenderRequest {
     pub budget: Option<Duration>,
     /// The camera was moving before it came to this pose, so frames must not be late.
     pub is_moving: bool,
+    /// What the frame shows.
+    pub quantity: Quantity,
     /// Nothing is rendered while this is set.
     pub is_paused: bool,
     /// The picture is being compared, so it is not refined beyond what its mode renders.

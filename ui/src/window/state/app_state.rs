@@ -1,18 +1,19 @@
 //! Everything that panels read.
 
 use super::{
-    Appearance, Comparison, FileList, FrameRate, Leaving, Navigation, Notice, OpenDocument, Options,
-    OutsidePicture, Overlay, PictureState, Presentation, Quality, Sample, SavedView, SceneInfo, Selection,
-    Severity, ViewExposure, Work, history, notices,
+    Appearance, Comparison, FalseColors, FileList, FrameRate, Leaving, Lighting, Navigation, Notice,
+    OpenDocument, Options, OutsidePicture, Overlay, PictureState, Presentation, Quality, Sample, SavedView,
+    SceneInfo, Selection, Severity, ViewExposure, Work, history, notices,
 };
 use crate::window::files::Listing;
 use crate::window::rendering::{
-    Plan, PlanView, Progress, PublishedFrame, SceneSource, SeenSection, Thumbnails,
+    FrameValues, Plan, PlanView, Progress, PublishedFrame, Quantity, SceneSource, SeenSection, Thumbnails,
 };
 use afterimage::Mode;
 use afterimage::camera::CameraPath;
 use afterimage::raster::color::radiance_shown_as;
 use afterimage::raster::exposure::Metered;
+use afterimage::raster::false_color::line_step;
 use afterimage::scene::MaterialId;
 use afterimage::trace::section::CAP_TONES;
 use glam::DVec3;
@@ -70,6 +71,8 @@ pub struct AppState {
     pub selection: Selection,
     /// The plan of the floor.
     pub plan: PlanState,
+    /// Scales of false colours, and the work plane.
+    pub lighting: Lighting,
     /// Small pictures of views and references.
     pub thumbnails: Thumbnails,
     /// Settings and progress of saved pictures.
@@ -140,6 +143,8 @@ impl AppState {
             exposure_ev: self.exposure_ev(),
             tone_map: self.quality.tone_map,
             overlay: Overlay::None,
+            false_colors: self.false_colors(),
+            is_clay: self.shown_quantity() == Quantity::Clay,
         }
     }
 
@@ -158,6 +163,28 @@ impl AppState {
         };
         let tones = CAP_TONES.map(|tone| radiance_shown_as(tone, ev, self.quality.tone_map));
         Some(SeenSection { plane: section.plane, tones })
+    }
+
+    /// Returns what the newest frame shows.
+    pub fn shown_quantity(&self) -> Quantity {
+        self.frame.as_ref().map_or(Quantity::Picture, |frame| frame.values.quantity)
+    }
+
+    fn false_colors(&self) -> Option<FalseColors> {
+        let max = self.lighting.max_of(self.shown_quantity())?;
+        let line_step = if self.options.has_isolines { line_step(max) / max } else { 0.0 };
+        Some(FalseColors { scale: FrameValues::share_of_packed(max), line_step })
+    }
+
+    /// Returns the value of the frame at the cursor; `None` where there is none.
+    pub fn value_at_cursor(&self) -> Option<f32> {
+        let (frame, [x, y]) = (self.frame.as_ref()?, self.lighting.cursor?);
+        let [width, height] = frame.size.map(|side| side as f32);
+        // The height always fits.
+        let x = (x - 0.5) * self.aspect() as f32 * height / width.max(1.0) + 0.5;
+        let is_inside = [x, y].iter().all(|at| (0.0..1.0).contains(at));
+        let pixel = (y * height) as usize * frame.size[0] as usize + (x * width) as usize;
+        frame.values.value(*frame.radiance.get(pixel).filter(|_| is_inside)?)
     }
 
     /// Returns the exposure in stops.

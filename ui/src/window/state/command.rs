@@ -2,7 +2,9 @@
 
 #![allow(missing_docs, reason = "each name describes its command")]
 
-use super::{Answer, Appearance, Change, Compare, ListCommand, Options, PictureCommand, Quality};
+use super::{
+    Answer, Appearance, Change, Compare, LightingCommand, ListCommand, Options, PictureCommand, Quality,
+};
 use crate::window::input::{MoveMode, Playback};
 use crate::window::rendering::{PlanView, SceneSource};
 use afterimage::Camera;
@@ -32,6 +34,7 @@ pub enum Command {
     AddReference,
     /// Starts to bake the scene, or cancels the bake.
     Bake,
+    Lighting(LightingCommand),
     AskToClear,
     Clear,
     KeepReferences,

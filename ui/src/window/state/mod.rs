@@ -9,6 +9,7 @@ mod document;
 mod file_list;
 mod frame_rate;
 mod history;
+mod lighting;
 mod material_presets;
 mod navigation;
 mod notices;
@@ -32,6 +33,7 @@ pub use document::{Carried, Change, Document, OpenDocument};
 pub use file_list::{FileList, ListCommand, Purpose};
 pub use frame_rate::FrameRate;
 pub use history::{HISTORY, Sample};
+pub use lighting::{Area, Lighting, LightingCommand, PlaneSettings};
 pub use material_presets::{COAT, MaterialPreset, copied, gloss_of, with_gloss};
 pub use navigation::Navigation;
 pub use notices::{Notice, Severity};
@@ -39,7 +41,7 @@ pub use options::{Options, Statistics};
 pub use picture::{
     PictureCommand, PictureFormat, PictureQuality, PictureSettings, PictureSize, PictureState,
 };
-pub use presentation::{Coloring, FILLED_COLOR, Heatmap, Overlay, Presentation};
+pub use presentation::{Coloring, FILLED_COLOR, FalseColors, Heatmap, Overlay, Presentation};
 pub use quality::{Quality, WINDOW_SAMPLES};
 pub use scene::{SavedView, SceneInfo};
 pub use section::SectionView;

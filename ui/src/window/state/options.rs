@@ -2,6 +2,7 @@
 
 use super::{Coloring, Heatmap};
 use crate::window::input::ViewChange;
+use crate::window::rendering::Quantity;
 
 /// Figures over the viewport.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -38,6 +39,10 @@ pub struct Options {
     pub has_outline: bool,
     /// The edges of surfaces are drawn as dark lines.
     pub has_edges: bool,
+    /// What the viewport shows.
+    pub quantity: Quantity,
+    /// Lines of equal value are drawn over quantities in false colour.
+    pub has_isolines: bool,
     /// The menu and the side panel are shown.
     pub shows_panels: bool,
     /// Figures that are shown over the viewport.
@@ -59,6 +64,8 @@ impl Default for Options {
             coloring: Coloring::ByType,
             has_outline: false,
             has_edges: false,
+            quantity: Quantity::Picture,
+            has_isolines: false,
             shows_panels: true,
             statistics: Statistics::Short,
             shows_help: false,

@@ -43,6 +43,15 @@ pub enum Overlay {
     Errors,
 }
 
+/// How values become colours.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FalseColors {
+    /// Share of the scale for a pixel that is packed as one.
+    pub scale: f32,
+    /// Distance of lines of equal value as a share of the scale; zero for none.
+    pub line_step: f32,
+}
+
 /// Options of how a frame is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Presentation {
@@ -58,4 +67,8 @@ pub struct Presentation {
     pub tone_map: ToneMap,
     /// Overlay that compares the picture with the full tracer's.
     pub overlay: Overlay,
+    /// How values become colours; `None` for frames that are pictures.
+    pub false_colors: Option<FalseColors>,
+    /// True for frames of white clay, in which some pixels have no light to show.
+    pub is_clay: bool,
 }

@@ -21,6 +21,8 @@ impl Worker {
             Some(section) => walk.set_section(&[section.plane], section.tones),
             None => walk.set_section(&[], [0.0; 2]),
         }
+        self.quantity = request.quantity;
+        walk.show_light(request.quantity.shows_light());
         walk.set_previews(!request.is_moving);
         walk.set_endless(request.is_endless);
         if request.is_compared {
@@ -65,15 +67,16 @@ impl Worker {
         work: impl FnOnce(&mut Walkthrough) -> StepOutcome + Send,
     ) -> Option<StepOutcome> {
         let has_edges = self.request.is_some_and(|request| request.has_edges);
-        let (walk, added, pool) = (self.walk.as_mut()?, &self.added, &self.pool);
+        let (walk, added, pool, quantity) = (self.walk.as_mut()?, &self.added, &self.pool, self.quantity);
         let mut published = self.shared.exchange.spare();
         published.begun = Instant::now();
         let done = catch_unwind(AssertUnwindSafe(|| {
             pool.install(|| {
                 let done = work(walk);
                 if done.is_shown {
-                    published.fill(walk.frame(), &walk.tracer().scene().frame, walk.used(), generation);
-                    if has_edges {
+                    let shown = (walk.frame(), &**walk.tracer().scene());
+                    published.fill(shown, quantity, walk.used(), generation);
+                    if has_edges && matches!(quantity, Quantity::Picture | Quantity::Clay) {
                         published.darken(&outlines_of_frame(walk.tracer(), walk.frame()));
                     }
                     published.list(walk.cache(), walk.used(), added);

@@ -64,6 +64,7 @@ impl Worker {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::window::rendering::Quantity;
     use crate::window::rendering::messages::RenderRequest;
     use afterimage::reference::PlacementPolicy;
     use afterimage::reference::placement::THRESHOLD;
@@ -91,6 +92,7 @@ mod tests {
             settings,
             budget: Some(Duration::from_secs(3600)),
             is_moving: false,
+            quantity: Quantity::Picture,
             is_paused: false,
             is_compared: false,
             section: None,

@@ -1,6 +1,6 @@
 //! `Worker`: state of the render thread (walkthrough, request, schedule).
 
-use super::super::{Job, Message, RenderRequest, Shared, Wake};
+use super::super::{Job, Message, Quantity, RenderRequest, Shared, Wake};
 use afterimage::Walkthrough;
 use afterimage::reference::ReferenceId;
 use afterimage::render::schedule::{Schedule, Step};
@@ -19,6 +19,8 @@ pub(in crate::window::rendering) struct Worker {
     pub(super) wake: Wake,
     pub(super) walk: Option<Walkthrough>,
     pub(super) request: Option<RenderRequest>,
+    /// What the last frame shows.
+    pub(super) quantity: Quantity,
     pub(super) schedule: Schedule,
     /// When the last frame was shown.
     pub(super) framed: Option<Instant>,
@@ -60,6 +62,7 @@ impl Worker {
             wake,
             walk: None,
             request: None,
+            quantity: Quantity::Picture,
             schedule: Schedule::default(),
             framed: None,
             running: None,
