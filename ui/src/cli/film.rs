@@ -102,6 +102,7 @@ fn film(args: &FilmArgs, flags: &Flags, loaded: Option<&Loaded>, walk: &CameraPa
     let frames = args.frames.unwrap_or_else(|| film_frames(walk, args.fps));
     Film {
         job: PictureJob {
+            outlines: None,
             scene_name: loaded.map_or_else(String::new, |loaded| loaded.name.clone()),
             camera: walk.camera(0, 1).unwrap_or(Camera::look_at(DVec3::ZERO, DVec3::NEG_Z, 60.0)),
             size: flags.size(),

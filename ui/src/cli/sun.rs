@@ -147,6 +147,7 @@ fn render(
     let lit = options.apply((**loaded.scene()).clone());
     let tracer: Tracer = loaded.tracer.with_state(Arc::new(lit));
     let job = PictureJob {
+        outlines: None,
         document: None,
         scene_name: loaded.name.clone(),
         camera: camera(flags, loaded.scene())?,
