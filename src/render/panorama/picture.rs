@@ -30,9 +30,9 @@ pub struct Panorama<'a> {
 /// A panorama cannot be rendered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum PanoramaError {
-    /// The width is not twice the height.
+    /// The width is not twice the height, or it is below 8 pixels.
     #[error(
-        "a panorama is twice as wide as high: 360 by 180 degrees; make --size {w}x{h}",
+        "a panorama is twice as wide as high: 360 by 180 degrees, and at least 8x4 pixels; make --size {w}x{h}",
         w = nearest(*.0)[0], h = nearest(*.0)[1]
     )]
     Shape([u32; 2]),
@@ -43,7 +43,7 @@ pub enum PanoramaError {
 
 /// The panorama whose size is nearest to a wanted one.
 fn nearest([width, height]: [u32; 2]) -> [u32; 2] {
-    let height = (u64::from(width / 2).midpoint(u64::from(height)) as u32).clamp(1, 16384);
+    let height = (u64::from(width / 2).midpoint(u64::from(height)) as u32).clamp(4, 16384);
     [2 * height, height]
 }
 
@@ -53,7 +53,7 @@ fn nearest([width, height]: [u32; 2]) -> [u32; 2] {
 /// [`PanoramaError`] where the shape is wrong or the picture is too large.
 pub(super) fn check(size: [u32; 2]) -> Result<(), PanoramaError> {
     let pixels = size.map(u64::from).iter().product();
-    if u64::from(size[0]) != 2 * u64::from(size[1]) || size[1] == 0 {
+    if u64::from(size[0]) != 2 * u64::from(size[1]) || size[1] < 4 {
         return Err(PanoramaError::Shape(size));
     }
     if pixels <= MAX_PIXELS { Ok(()) } else { Err(PanoramaError::TooLarge(pixels)) }

@@ -51,7 +51,7 @@ fn the_furnace_is_uniform_in_all_directions() {
         assert!((mean / expected - 1.0).abs().max_element() < 0.02, "{mode:?}: {mean}");
         for row in picture.chunks(SIZE[0] as usize) {
             let mean = row.iter().sum::<Vec3>() / row.len() as f32;
-            assert!((mean / expected - 1.0).abs().max_element() < 0.1, "{mode:?}: a row has {mean}");
+            assert!((mean / expected - 1.0).abs().max_element() < 0.15, "{mode:?}: a row has {mean}");
         }
     }
 }

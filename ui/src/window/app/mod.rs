@@ -41,12 +41,12 @@ use material_copy::paste_picked;
 use navigation::{end_recording, go_to, handle_navigation};
 use open_scene::{
     answer_outside, cancel_loading, handle_answer, hold_close, is_shown, open, open_model, open_new,
-    open_path, open_session, poll_loading, poll_watch, reload, session_saved,
+    open_path, open_session, poll_loading, poll_saving, poll_watch, reload,
 };
 use panorama::panorama_job;
 use parts::Parts;
 use persistence::{
-    autosave, end_autosave, forget_recent, is_own_recovery, poll_saving, read_state_folder, remember_model,
+    autosave, end_autosave, forget_recent, is_own_recovery, read_state_folder, remember_model,
     restore_session, save_session,
 };
 use picture_note::{apply_note, show_note};

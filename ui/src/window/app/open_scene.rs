@@ -338,8 +338,15 @@ pub(super) fn handle_answer(app: &mut Parts, answer: Answer) {
     }
 }
 
+/// Takes over a session that was saved, or could not be.
+pub(super) fn poll_saving(app: &mut Parts) {
+    if let Some(result) = take_result(&mut app.services.saving) {
+        session_saved(app, result);
+    }
+}
+
 /// Notes that a session was saved, or could not be, and does what has waited for that.
-pub(super) fn session_saved(app: &mut Parts, result: Result<SavedSession, TaskError>) {
+fn session_saved(app: &mut Parts, result: Result<SavedSession, TaskError>) {
     let saves_again = std::mem::take(&mut app.current.saves_again);
     match result {
         Ok(saved) => {

@@ -2,11 +2,11 @@
 
 use super::{
     AppEvent, Parts, SavedSession, Services, SessionFile, is_recovery, is_session, keep_session, left_behind,
-    session_saved, write_session,
+    write_session,
 };
 use crate::settings;
 use crate::window::input::Playback;
-use crate::window::rendering::{TaskError, TaskHandle, spawn_activity, take_result};
+use crate::window::rendering::{TaskError, TaskHandle, spawn_activity, spawn_task};
 use crate::window::state::AppState;
 use afterimage::import::AppliedEdit;
 use afterimage::raster::save::write_atomically;
@@ -36,7 +36,12 @@ pub(super) fn save_session(app: &mut Parts) {
     let content = SessionFile::of(&app.state, &app.current.unknown_keys);
     let (content, document) = match (content, &app.state.document) {
         (Ok(content), Some(document)) => (content, document.now().clone()),
-        (Err(error), _) => return session_saved(app, Err(TaskError::Failed(format!("{error:#}")))),
+        (Err(error), _) => {
+            let failure = TaskError::Failed(format!("{error:#}"));
+            let wake = app.services.wake.clone();
+            app.services.saving = Some(spawn_task("saving", wake, |_| Err(failure)));
+            return;
+        }
         (Ok(_), None) => return,
     };
     let Some(source) = app.state.scene.as_ref().map(|scene| scene.source.clone()) else { return };
@@ -48,13 +53,6 @@ pub(super) fn save_session(app: &mut Parts) {
     };
     let wake = app.services.wake.clone();
     app.services.saving = Some(spawn_activity("saving", "saving the session", wake, work));
-}
-
-/// Takes over a session that was saved, or could not be.
-pub(super) fn poll_saving(app: &mut Parts) {
-    if let Some(result) = take_result(&mut app.services.saving) {
-        session_saved(app, result);
-    }
 }
 
 /// Restores the session that has waited for its scene, but not the pose. Another scene than before

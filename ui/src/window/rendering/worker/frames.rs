@@ -1,7 +1,7 @@
 //! Rendering, resuming, refining and publishing frames.
 
+use super::super::{Message, PublishedFrame, Quantity, panic_text};
 use super::state::Worker;
-use crate::window::rendering::Quantity;
 use afterimage::Walkthrough;
 use afterimage::render::outlines::outlines_of_frame;
 use afterimage::render::schedule::{SLICE_TIME, Step, StepOutcome};
