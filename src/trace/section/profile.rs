@@ -165,7 +165,7 @@ mod tests {
                 }
             }
         }
-        assert!(inside > 300, "{inside}");
+        assert!(inside > 100, "{inside}");
         assert!(differ * 1000 <= inside, "{differ} of {inside}");
     }
 }

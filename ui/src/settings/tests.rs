@@ -124,6 +124,7 @@ fn every_setting_is_read_from_a_file_and_from_the_environment() {
         ("size", "6x7"),
         ("exposure", "-1"),
         ("tone_map", "linear"),
+        ("keep_improving", "true"),
         ("pictures", "8"),
         ("theme", "light"),
         ("ui_scale", "1.5"),

@@ -56,7 +56,7 @@ fn inspect_counts_the_closed_solids_of_a_section() {
 fn sections_that_show_nothing_are_refused() {
     let bench = bench();
     for (section, code, said) in [
-        ("x=7", 1, "x=7 lies outside the model, which reaches from x=0.00 to 1.00"),
+        ("x=7", 1, "x=7 lies outside the model, which reaches from x=0.00 to x=1.00"),
         ("box=2..3,0..1,0..1", 1, "leave nothing of the model"),
         ("box=-2..3,-1..4,-1..4", 1, "cut nothing off"),
         ("x=0.5,keep=left", 2, "neither keep=low nor keep=high"),
@@ -79,7 +79,7 @@ fn sections_that_show_nothing_are_refused() {
 #[test]
 fn a_tour_keeps_its_section() {
     let bench = Bench::new();
-    let line = "tour room.obj --path walks.json --frames 2 --size 32x24 --samples 1 --bounces 0 --out t --pictures --json";
+    let line = "tour room.obj --path walks.json#short --frames 2 --size 32x24 --samples 1 --bounces 0 --out t --pictures --json";
     bench.json(line);
     let whole = picture(&bench, "t/images/frame_0001.png");
     bench.json(&line.replace("--json", "--section z=-1 --json"));

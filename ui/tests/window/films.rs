@@ -7,7 +7,7 @@ use afterimage_ui::window::state::{PictureSettings, PictureSize, Severity};
 use egui::{Key, Modifiers};
 use std::path::Path;
 
-const FILM_KEY: (Modifiers, Key) = (Modifiers::CTRL.plus(Modifiers::SHIFT), Key::F12);
+const FILM_KEY: (Modifiers, Key) = (Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::F12);
 
 /// The room's app, which saves films of this size and rate in a folder.
 fn filming(folder: &Path, size: [u32; 2], film_rate: u32) -> Harness<'static, App> {

@@ -76,8 +76,8 @@ fn escape_drops_what_is_typed_in_a_dialog_and_leaves_it_open() {
     window.run_steps(3);
     window.get_by_label_contains("Picture settings").click_accesskit();
     window.run_steps(3);
-    let before = state(&window).picture.settings.clone();
     for name in ["Samples", "Anti-aliasing"] {
+        let before = state(&window).picture.settings.clone();
         type_into(&mut window, name, "77");
         press(&mut window, Modifiers::NONE, Key::Escape);
         window.run_steps(2);

@@ -61,6 +61,7 @@ fn ready_made(
             for preset in &MaterialPreset::ALL {
                 if ui.selectable_label(is_it(&preset), preset.name).clicked() {
                     chosen = Some(preset.applied_to(material));
+                    ui.close();
                 }
             }
         });

@@ -193,9 +193,11 @@ fn exposure_rows(ui: &mut Ui, state: &AppState, q: &mut Quality) {
     let default = state.default_quality.exposure;
     let help = "Exposure in stops: one stop more is twice as bright. Setting it ends the automatic exposure.";
     row(ui, "Exposure", help, &mut q.exposure, default, |ui, v| {
-        let mut ev = v.stops().unwrap_or(state.exposure_ev());
+        let before = v.stops().unwrap_or(state.exposure_ev());
+        let mut ev = before;
         let response = Number::new(-8.0..=8.0, 1, " EV").step(0.1).slider(ui, &mut ev);
-        if response.changed() {
+        // A field that is left with what it showed has changed nothing.
+        if ev != before {
             *v = Exposure::Stops(ev);
         }
         response

@@ -71,7 +71,10 @@ pub fn choice<T: PartialEq, N: Into<egui::WidgetText>>(
     let combo = egui::ComboBox::from_id_salt(id).selected_text(selected).width(118.0);
     let menu = |ui: &mut Ui| {
         for (choice, name) in choices {
-            ui.selectable_value(value, choice, name.into());
+            // A key that chooses an entry does not close the list by itself.
+            if ui.selectable_value(value, choice, name.into()).clicked() {
+                ui.close();
+            }
         }
     };
     combo.show_ui(ui, menu).response

@@ -81,7 +81,7 @@ reduced_motion = true
 tab = "camera"
 [keys]
 add-reference = "B"
-forward = ["W", "Up"]
+forward = ["W", "I"]
 "#;
 
 /// The schema as the program prints it.

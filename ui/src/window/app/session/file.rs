@@ -30,8 +30,8 @@ const MAX_ENTRIES: usize = 10_000;
 /// Maximum number of keys of a path: a walk of a day at ten poses a second.
 const MAX_KEYS: usize = 1_000_000;
 
-/// Maximum number of samples of a pixel that is restored: as many as the settings allow.
-const MAX_SAMPLES: u32 = 1 << 20;
+/// Maximum number of samples of a pixel that is restored: a frame with more would not end.
+const MAX_SAMPLES: u32 = 1 << 16;
 
 /// Content of a session file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
