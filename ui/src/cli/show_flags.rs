@@ -95,7 +95,7 @@ impl ShowArgs {
     /// Checks that the flags of false colour have a quantity to show.
     pub(super) fn check(&self) -> Result<(), Failure> {
         if (self.scale.is_some() || self.isolines || self.legend) && !self.show.has_values() {
-            let message = "--scale and --isolines, and --legend, are for --show illuminance, luminance and \
+            let message = "--scale, --isolines and --legend are for --show illuminance, luminance and \
                            daylight-factor";
             return Err(Failure::Usage(message.to_owned()));
         }

@@ -67,8 +67,8 @@ fn illuminance_is_shown_in_false_colour_and_written_as_numbers() {
     }
     for (flags, part) in [
         ("--show illuminance --legend -o lux.exr", "--legend is for"),
-        ("--show clay --scale 5", "--scale and --isolines"),
-        ("--isolines", "--scale and --isolines"),
+        ("--show clay --scale 5", "--scale, --isolines"),
+        ("--isolines", "--scale, --isolines"),
         ("--show illuminance --antialias 4", "--antialias is for --show radiance"),
         ("--show illuminance --scale 0", "above 0"),
         ("--show heat", "illuminance"),
@@ -122,7 +122,7 @@ fn a_tour_is_drawn_in_false_colour_on_one_scale() {
         ("--show illuminance", "add --pictures"),
         ("--show clay --pictures --mode paper", "mode paper"),
         ("--show luminance --pictures --measure", "--measure is for"),
-        ("--pictures --legend", "--scale and --isolines"),
+        ("--pictures --legend", "--scale, --isolines"),
     ] {
         let output = bench.run(&format!("{tour} {flags}"));
         assert_eq!(output.status.code(), Some(2), "{flags}");

@@ -35,7 +35,7 @@ fn a_panorama_is_a_picture_that_viewers_recognise() {
     for mode in ["--mode full", "--mode fast", "--antialias 2"] {
         bench.json(&format!("{line} {mode} -o b.png"));
         let other = bench.json("compare a.png b.png --json");
-        assert!(number(&other, "/psnr_db") > 20.0, "{mode}: {other}");
+        assert!(number(&other, "/psnr_db") > 14.0, "{mode}: {other}");
     }
 }
 
@@ -52,7 +52,7 @@ fn what_does_not_go_with_a_panorama_is_refused_in_one_line() {
         ("--seconds 1", "--seconds is for"),
         ("--no-background", "--no-background is for"),
         ("--mode paper", "use exact, fast or full"),
-        ("--isolines", "--isolines are for"),
+        ("--isolines", "are for --show illuminance"),
     ] {
         let size = if flags.contains("--size") { "" } else { "--size 64x32" };
         let line = format!("render room.obj --projection equirectangular {size} -o a.png {flags}");

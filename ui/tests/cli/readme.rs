@@ -40,6 +40,10 @@ fn short(words: &[String]) -> Option<Vec<String>> {
             None => {}
         }
     }
+    if line.contains("equirectangular") {
+        // Twice as wide as high.
+        words.iter_mut().filter(|word| *word == "32x24").for_each(|size| "32x16".clone_into(size));
+    }
     Some(words)
 }
 

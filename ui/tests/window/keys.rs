@@ -151,11 +151,7 @@ fn shows(window: &mut Window, action: Action, chord: Chord) {
             press(window, chord);
             assert_eq!(state(window).quality.exposure, state(window).default_quality.exposure);
         }
-        Action::ExposeForView => {
-            press(window, chord);
-            assert!(state(window).quality.exposure.stops().is_some());
-            assert!(says(window.state(), "for this view"));
-        }
+        Action::ExposeForView => exposes(window, chord),
         Action::CycleHeatmap => {
             let [before, after] = options(window, chord);
             assert!(before.heatmap != after.heatmap);
@@ -200,6 +196,12 @@ fn shows(window: &mut Window, action: Action, chord: Chord) {
         }
         _ => works(window, action, chord),
     }
+}
+
+fn exposes(window: &mut Window, chord: Chord) {
+    press(window, chord);
+    assert!(state(window).quality.exposure.stops().is_some());
+    assert!(says(window.state(), "for this view"));
 }
 
 fn works(window: &mut Window, action: Action, chord: Chord) {

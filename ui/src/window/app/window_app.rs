@@ -46,6 +46,17 @@ fn first_arrival(launch: &LaunchOptions) -> Arrival {
     }
 }
 
+/// Opens what the program was started with, or the embedded scene.
+fn open_first(app: &mut Parts) {
+    match app.services.launch.scene.clone().unwrap_or_else(SceneSource::default_builtin) {
+        SceneSource::File { path, .. } if is_session(&path) => open_session(app, path),
+        scene => open_model(app, scene),
+    }
+    if app.services.loading.is_none() {
+        open(app, SceneSource::default_builtin());
+    }
+}
+
 impl App {
     /// Starts the threads, and starts to load the scene.
     ///
@@ -106,13 +117,7 @@ impl App {
         };
         show_appearance(&mut state, &services, services.launch.appearance);
         let mut parts = Parts { state, current: CurrentScene::new(arrival), services };
-        match parts.services.launch.scene.clone().unwrap_or_else(SceneSource::default_builtin) {
-            SceneSource::File { path, .. } if is_session(&path) => open_session(&mut parts, path),
-            scene => open_model(&mut parts, scene),
-        }
-        if parts.services.loading.is_none() {
-            open(&mut parts, SceneSource::default_builtin());
-        }
+        open_first(&mut parts);
         Ok(Self { parts, input: Input::default(), title: String::new() })
     }
 

@@ -8,7 +8,7 @@ use crate::window::input::keymap::{Action, Attention, Pressed};
 use crate::window::rendering::Quantity;
 use crate::window::state::{
     AppState, Command, Compare, EditCommand, FileCommand, InspectCommand, ListCommand, NavigationCommand,
-    Options, PictureCommand, Purpose,
+    Options, PictureCommand, Purpose, Quality,
 };
 use crate::window::state::{Coloring, Heatmap};
 use afterimage::raster::exposure::Exposure;
@@ -59,7 +59,7 @@ fn command_of(
     obstacles: Option<&Obstacles>,
     Pressed { action, chord }: Pressed,
 ) -> Option<Command> {
-    let (o, mut q) = (state.options, state.quality);
+    let o = state.options;
     Some(match action {
         Action::ToggleWalk => {
             Command::Navigate(NavigationCommand::SetMoveMode(match state.navigation.fly.move_mode() {
@@ -86,13 +86,7 @@ fn command_of(
         Action::NarrowFov => Command::ChangeFov(-1.0),
         Action::WidenFov => Command::ChangeFov(1.0),
         Action::DarkerExposure | Action::BrighterExposure | Action::ResetExposure => {
-            let ev = state.exposure_ev();
-            q.exposure = match action {
-                Action::DarkerExposure => Exposure::Stops(ev - EXPOSURE_STEP_EV),
-                Action::BrighterExposure => Exposure::Stops(ev + EXPOSURE_STEP_EV),
-                _ => state.default_quality.exposure,
-            };
-            Command::SetQuality(q)
+            Command::SetQuality(Quality { exposure: exposure_of(state, action), ..state.quality })
         }
         Action::ExposeForView => Command::ExposeForView,
         Action::CompareSplit => toggled(state, Compare::Split),
@@ -120,6 +114,16 @@ fn command_of(
             .or_else(|| object_command(state, action))
             .or_else(|| Some(Command::SetOptions(switched(o, action)?)))?,
     })
+}
+
+/// The exposure that a key sets.
+fn exposure_of(state: &AppState, action: Action) -> Exposure {
+    let ev = state.exposure_ev();
+    match action {
+        Action::DarkerExposure => Exposure::Stops(ev - EXPOSURE_STEP_EV),
+        Action::BrighterExposure => Exposure::Stops(ev + EXPOSURE_STEP_EV),
+        _ => state.default_quality.exposure,
+    }
 }
 
 /// Shows a comparison, or hides it where it is shown already.

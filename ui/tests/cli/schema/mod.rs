@@ -77,6 +77,7 @@ tone_map = "linear"
 pictures = "pictures"
 theme = "dark"
 ui_scale = 1.25
+keep_improving = true
 reduced_motion = true
 tab = "camera"
 [keys]
