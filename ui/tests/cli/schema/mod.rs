@@ -16,7 +16,7 @@ unit = "m"
 up = "+Y"
 material = [
     { name = "wall", kind = "glossy", diffuse = [0.5, 0.5, 0.5], reflectance = 0.04, roughness = 0.3, emission = 0 },
-    { name = "mirror", kind = "mirror", fresnel = true },
+    { name = "mirror", number = 1, kind = "mirror", fresnel = true },
     { name = "lamp", kind = "glass", eta = 1.5, transmittance = [1, 1, 1] },
 ]
 object = [{ name = "table", number = 1, move_m = [1, 0, 0], turn_deg = 90, hidden = false, deleted = false }]
@@ -29,6 +29,7 @@ point_light = [
 lights = [{ name = "Sun", on = true, intensity = 0.5, color = [1, 1, 1], materials = ["lamp"] }]
 view = [{ name = "door", eye = [0, 1.6, 3], at = [0, 1.4, 0], fov_y_deg = 60, roll_deg = 0 }]
 [sun]
+off = false
 direction = [0, 1, 0]
 irradiance = 3
 lux = 90000
@@ -37,6 +38,7 @@ place = "52.52,13.40"
 time = "2026-06-21T12:00[Europe/Berlin]"
 north_deg = 30
 [sky]
+off = false
 kind = "gradient"
 zenith = [0.3, 0.5, 1]
 horizon = 1
@@ -59,7 +61,7 @@ roll_deg = 0
 [walk]
 frames = 100
 fov_y_deg = 60
-keyframes = [{ eye = [0, 1.6, 3], at = [0, 1.4, 0] }]
+keyframes = [{ eye = [0, 1.6, 3], at = [0, 1.4, 0], secs = 2 }]
 [settings]
 samples = 4
 "#;
@@ -197,7 +199,7 @@ fn the_schema_of_a_sidecar_refuses_the_values_that_the_program_refuses() {
         ("turbidity = 3", "turbidity = 0"),
         ("albedo = 0.2\noff", "albedo = 0.95\noff"),
         ("frames = 100", "frames = 0"),
-        ("keyframes = [{ eye = [0, 1.6, 3], at = [0, 1.4, 0] }]", "keyframes = []"),
+        ("keyframes = [{ eye = [0, 1.6, 3], at = [0, 1.4, 0], secs = 2 }]", "keyframes = []"),
         ("fov_y_deg = 60\nroll_deg", "fov_y_deg = 171\nroll_deg"),
         ("name = \"table\", ", ""),
     ] {
